@@ -1,0 +1,93 @@
+"""What `derive` hands on: the equations of motion as nodes of one expression graph.
+
+With L(q, v, t), Q the generalized forces and D the Rayleigh function:
+
+    p    = dL/dv                    M    = dp/dv
+    pdot = dL/dq + Q - dD/dv        f    = pdot - (dp/dq) v - dp/dt,   M a = f
+    h    = v.p - L
+
+Families are unrolled: everything here is flat, in declaration order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .graph import Graph, Node
+from .model import Model
+
+Row = tuple[Node, ...]
+Matrix = tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A named scalar, as it appears in the C introspection tables and in CSV headings."""
+
+    name: str  # "theta1", "q[3]", "theta1'", "p_theta1"
+    unit: str
+    description: str
+
+
+@dataclass(frozen=True)
+class ParameterSlot:
+    """One scalar parameter. `family` and `position` say which element of a C array it is."""
+
+    quantity: Quantity
+    family: str  # the declared name: "k" for k[2]
+    position: int  # 0 for the first member of a family
+    length: int  # members of the family; 0 for a plain parameter
+    default: Node
+    follows: bool
+    lo: Node | None
+    hi: Node | None
+    lo_open: bool
+    hi_open: bool
+
+
+@dataclass(frozen=True)
+class Equations:
+    model: Model
+    graph: Graph
+    parameters: tuple[ParameterSlot, ...]
+    coordinates: tuple[Quantity, ...]
+    rates: tuple[Quantity, ...]
+    momenta_names: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]  # an input, then those of its derivatives that occur
+    observed_names: tuple[Quantity, ...]
+    conserved_names: tuple[Quantity, ...]
+
+    lagrangian: Node
+    kinetic: Node | None  # None, like potential, where the model states L itself
+    potential: Node | None
+    energy: Node
+    momenta: Row
+    gradient: Row  # dL/dq
+    applied: Row  # Q - dD/dv, zero where there is none
+    pdot: Row
+    mass: Matrix
+    force: Row  # f
+    acceleration: Row | None  # None: too large to unroll, solve M a = f in a loop
+    pivots: Row | None  # D of M = L D L^T in the order of elimination, with acceleration
+    p_q: Matrix
+    pdot_q: Matrix
+    pdot_v: Matrix
+    observed: Row
+    conserved: Row
+    start_q: Row
+    start_v: Row
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Facts, each proved (never a guess): false means not proved. See enum pk_fact."""
+
+    mass_constant: bool
+    mass_diagonal: bool
+    quadratic: bool
+    separable: bool
+    autonomous: bool
+    conservative: bool
+    variational: bool
+    smooth: bool
+    cyclic: tuple[bool, ...]  # p_i is constant

@@ -1,0 +1,50 @@
+"""Integer expressions: sizes, indices and the ends of ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from .source import Span
+from .tree import Add, Expr, Multiply, Name, Negate, Number, Range
+
+
+class NotAnInteger(Exception):
+    """An index expression that is not one; `span` is the part at fault."""
+
+    def __init__(self, message: str, span: Span):
+        super().__init__(message)
+        self.message = message
+        self.span = span
+
+
+def integer(expr: Expr, values: Mapping[str, int]) -> int:
+    """The value of an index expression, `values` giving the sizes and loop variables."""
+    match expr:
+        case Number(value=value):
+            if value.denominator != 1:
+                raise NotAnInteger("an index must be an integer", expr.span)
+            return int(value)
+        case Name(id=name, index=None):
+            if name not in values:
+                raise NotAnInteger(f"'{name}' is not a size or a loop variable", expr.span)
+            return values[name]
+        case Negate(of=of):
+            return -integer(of, values)
+        case Add(terms=terms, signs=signs):
+            return sum(s * integer(x, values) for x, s in zip(terms, signs))
+        case Multiply(factors=factors, exponents=exponents) if all(e == 1 for e in exponents):
+            product = 1
+            for factor in factors:
+                product *= integer(factor, values)
+            return product
+    raise NotAnInteger("an index may use integers, sizes, loop variables, + - *", expr.span)
+
+
+def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterator[dict[str, int]]:
+    """Every assignment of the ranges' variables, the first one slowest, added to `values`."""
+    if not ranges:
+        yield dict(values)
+        return
+    first, rest = ranges[0], ranges[1:]
+    for i in range(integer(first.lo, values), integer(first.hi, values) + 1):
+        yield from assignments(rest, {**values, first.variable: i})

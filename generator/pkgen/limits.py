@@ -1,0 +1,20 @@
+"""What a model may ask of the compiler, in one table. Documented in docs/limits.md.
+
+A hostile file must end within seconds and within a gibibyte, with a message that says which
+limit it met; an honest one never meets any.
+"""
+
+FILE_BYTES = 1_000_000  # of one model
+STATEMENTS = 20_000
+DEPTH = 100  # of brackets, calls, powers, signs and primes within each other
+NODES = 100_000  # of all expressions as written
+NAME_LENGTH = 63  # C99 promises 63 significant characters
+FAMILY = 10_000  # members of a family, terms of a sum in one range
+UNROLLED = 1_000_000  # nodes of the expression graph after unrolling and differentiation
+LITERAL_DIGITS = 400
+LITERAL_EXPONENT = 400
+EXPONENT = 1_000  # largest magnitude of a constant exponent
+CONSTANT_BITS = 4_096  # of a constant's exact numerator or denominator
+DIAGNOSTICS = 50  # shown of one run
+CPU_SECONDS = 8  # of deriving one model; --max-seconds overrides
+MEMORY_BYTES = 1 << 30  # address space added while compiling

@@ -1,0 +1,164 @@
+"""A checked model: what `check` hands to `derive`. Every name is known, every unit consistent.
+
+Expressions are those of `tree.py` with units already folded in: all values are SI and there
+is no `Quantity` left. Families and sums are still loops over index variables; `derive` unrolls
+them with `indices.py`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .source import Source, Span
+from .tree import Expr, Range
+
+
+@dataclass(frozen=True)
+class Size:
+    """`size N = 31`; `value` already holds what `--size` set."""
+
+    name: str
+    value: int
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Where a parameter may lie; None is infinite. `lo_open` excludes the end itself."""
+
+    lo: Expr | None
+    hi: Expr | None
+    lo_open: bool
+    hi_open: bool
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A run-time parameter, or with `range` a family of them (indices lo..hi).
+
+    `default` may use earlier parameters; then `follows` is true and the default is evaluated
+    again whenever they change.
+    """
+
+    name: str
+    range: Range | None
+    default: Expr
+    follows: bool
+    bounds: Bounds
+    unit: str  # SI, e.g. "kg*m/s^2"; "" if dimensionless
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A generalized coordinate; with `range`, a family q[lo..hi]."""
+
+    name: str
+    range: Range | None
+    unit: str
+    rate_unit: str
+    momentum_unit: str
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class End:
+    """What a family's coordinate outside its range means.
+
+    kind "fixed": NAME[index] has the value `value` (its rate is the value's time derivative);
+    "free": NAME[index] is its neighbour inside; "periodic": any index wraps around (index None).
+    """
+
+    kind: str
+    name: str
+    index: int | None
+    value: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Input:
+    """Set by the embedding program; `order` derivatives of it occur (0, 1 or 2)."""
+
+    name: str
+    order: int
+    units: tuple[str, ...]  # of the input and its derivatives up to order
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Definition:
+    """`let`, `const`, `observe` or `conserve`: NAME, NAME[index] or NAME[i = lo..hi].
+
+    At most one of `index` and `range` is given.
+    """
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    value: Expr
+    unit: str
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Force:
+    """`force COORD = EXPR`; several for one coordinate add up."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Start:
+    """An initial value; `order` 0 for a coordinate, 1 for its rate. Later ones override."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    order: int
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Deferred:
+    """A statement that is understood but that pkgen cannot run yet (scene, event)."""
+
+    kind: str
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Model:
+    """Everything in declaration order."""
+
+    source: Source
+    name: str
+    description: str
+    dimensionless: bool  # no unit in the whole model: time has none either
+    sizes: tuple[Size, ...]
+    parameters: tuple[Parameter, ...]
+    coordinates: tuple[Coordinate, ...]
+    ends: tuple[End, ...]
+    inputs: tuple[Input, ...]
+    definitions: tuple[Definition, ...]  # const and let, in the order written
+    kinetic: tuple[Expr, ...]
+    potential: tuple[Expr, ...]
+    lagrangian: tuple[Expr, ...]
+    dissipation: tuple[Expr, ...]
+    forces: tuple[Force, ...]
+    observed: tuple[Definition, ...]
+    conserved: tuple[Definition, ...]
+    starts: tuple[Start, ...]
+    deferred: tuple[Deferred, ...]
+    span: Span  # of the `model` statement

@@ -1,0 +1,108 @@
+"""The text of a model, places in it, and what is wrong there.
+
+Every stage reports through `Diagnostic`; a stage that cannot go on raises `ModelError` with
+all the diagnostics it found. Only `__main__` prints them.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A half-open range of character offsets into `Source.text`."""
+
+    start: int
+    end: int
+
+    def to(self, other: Span) -> Span:
+        """The range from the start of this one to the end of `other`."""
+        return Span(self.start, other.end)
+
+
+@dataclass(frozen=True)
+class Source:
+    """A model's text: a byte-order mark dropped, line ends normalised to newline."""
+
+    path: str
+    text: str
+    _line_starts: list[int] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        starts = [0]
+        starts.extend(i + 1 for i, c in enumerate(self.text) if c == "\n")
+        object.__setattr__(self, "_line_starts", starts)
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Line and column of an offset, both counted from 1, columns in characters."""
+        line = bisect_right(self._line_starts, offset)
+        return line, offset - self._line_starts[line - 1] + 1
+
+    def line(self, number: int) -> str:
+        """The text of a line (counted from 1), without its newline."""
+        start = self._line_starts[number - 1]
+        end = self.text.find("\n", start)
+        return self.text[start:] if end < 0 else self.text[start:end]
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding: what is wrong, where, and what to do about it."""
+
+    message: str
+    span: Span
+    help: str = ""
+    severity: str = "error"  # or "warning"
+
+    def text(self, source: Source) -> str:
+        """The finding as shown to a person: place, message, the line with a caret, the hint."""
+        line, column = source.position(self.span.start)
+        shown, caret_at = _clip(_printable(source.line(line)), column - 1)
+        length = max(1, min(self.span.end - self.span.start, len(shown) - caret_at))
+        lines = [
+            f"{source.path}:{line}:{column}: {self.severity}: {self.message}",
+            f"{line:5d} | {shown}",
+            f"      | {' ' * caret_at}{'^' * length}",
+        ]
+        if self.help:
+            lines.append(f"   help: {self.help}")
+        return "\n".join(lines)
+
+    def record(self, source: Source) -> dict[str, object]:
+        """The same for `--json`."""
+        line, column = source.position(self.span.start)
+        return {
+            "severity": self.severity,
+            "message": self.message,
+            "file": source.path,
+            "line": line,
+            "column": column,
+            "help": self.help,
+        }
+
+
+class ModelError(Exception):
+    """The model is wrong; holds every finding of the stage that gave up."""
+
+    def __init__(self, source: Source, diagnostics: list[Diagnostic]):
+        super().__init__(f"{len(diagnostics)} finding(s) in {source.path}")
+        self.source = source
+        self.diagnostics = sorted(diagnostics, key=lambda d: d.span.start)
+
+    def text(self) -> str:
+        return "\n".join(d.text(self.source) for d in self.diagnostics)
+
+
+def _printable(line: str) -> str:
+    """The line with tabs and control characters each replaced by one column's worth."""
+    return "".join(c if c.isprintable() else " " if c == "\t" else "?" for c in line)
+
+
+def _clip(line: str, at: int, width: int = 96) -> tuple[str, int]:
+    """A window of a long line around column `at`, and where that column is in it."""
+    if len(line) <= width:
+        return line, at
+    start = max(0, min(at - width // 2, len(line) - width))
+    return line[start : start + width], at - start

@@ -1,0 +1,131 @@
+"""Expressions as a model's author wrote them. Immutable; every node knows its place.
+
+Sums and products are flat, so that a sum of many terms is not a deep tree. What depth there
+is (brackets, powers, calls) is bounded by `limits.DEPTH`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Union
+
+from .source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A literal, exactly as spelt."""
+
+    value: Fraction
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """`theta1`, or `q[i+1]` with an index. Greek letters are spelt out already.
+
+    Built-in names: `t`, `pi`, and where outputs are defined `T`, `V`, `L`, `energy`, `p_COORD`
+    (unless the model declares them itself).
+    """
+
+    id: str
+    index: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Prime:
+    """The total time derivative of an expression: `x1'`, `q[i]'`, `(a*b)'`."""
+
+    of: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """`.x`, `.y` or `.z` of a vector; `axis` is 0, 1 or 2."""
+
+    of: Expr
+    axis: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Negate:
+    of: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Add:
+    """Terms each with its sign, +1 or -1; the first sign is +1."""
+
+    terms: tuple[Expr, ...]
+    signs: tuple[int, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Multiply:
+    """Factors each with its exponent, +1 (times) or -1 (divided by); the first is +1."""
+
+    factors: tuple[Expr, ...]
+    exponents: tuple[int, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    base: Expr
+    exponent: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function of `functions.py`, or one of the vector functions dot, cross, norm."""
+
+    function: str
+    arguments: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """`i = lo..hi`, both ends included; the ends are integer expressions."""
+
+    variable: str
+    lo: Expr
+    hi: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """`sum(body, i = 1..N, j = i+1..N)`: later ranges may use earlier variables."""
+
+    body: Expr
+    ranges: tuple[Range, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    items: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor."""
+
+    of: Expr
+    unit: str
+    unit_span: Span
+    span: Span
+
+
+Expr = Union[
+    Number, Name, Prime, Component, Negate, Add, Multiply, Power, Call, Sum, Vector, Quantity
+]

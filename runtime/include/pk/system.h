@@ -1,0 +1,114 @@
+/* The one contract between generated C and the runtime: a mechanical system as a table of
+ * kernels and facts. pkgen emits `const struct pk_system NAME_system` behind PK_RUNTIME.
+ *
+ * The equations, for coordinates q in R^n, rates v = q', time t, inputs u and parameters:
+ *
+ *     p    = dL/dv                        momenta
+ *     p'   = dL/dq + Q - dD/dv            pdot: Q generalized forces, D the Rayleigh function
+ *     M a  = f                            M = dp/dv,  f = pdot - (dp/dq) v - dp/dt
+ *     h    = v.p - L                      energy
+ *
+ * Matrices are n by n, row-major: M[i*n + j]. Arrays never alias. Units are SI. Kernels are
+ * reentrant and allocate nothing. `params` is the model's own struct NAME_params.
+ */
+#ifndef PK_SYSTEM_H
+#define PK_SYSTEM_H
+
+#include <stddef.h>
+
+#include <pk/real.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PK_ABI 1u
+
+/* Facts about a system that methods may require; proved by pkgen, never guessed. */
+enum pk_fact {
+    PK_MASS_CONSTANT = 1u << 0, /* M does not depend on q, v, t, u */
+    PK_MASS_DIAGONAL = 1u << 1,
+    PK_QUADRATIC = 1u << 2,    /* L is of second degree in v: M does not depend on v */
+    PK_SEPARABLE = 1u << 3,    /* M constant, and f depends on q, t and u alone */
+    PK_AUTONOMOUS = 1u << 4,   /* nothing depends on t explicitly, and there are no inputs */
+    PK_CONSERVATIVE = 1u << 5, /* h is constant: dL/dt = 0, no Q, no D, no inputs */
+    PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
+    PK_SMOOTH = 1u << 7        /* no abs, min, max or step in the equations */
+};
+
+/* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
+struct pk_quantity {
+    const char *name;
+    const char *unit;
+    const char *description;
+};
+
+/* A parameter: where it is in struct NAME_params, and where its value may lie. */
+struct pk_parameter {
+    struct pk_quantity what;
+    size_t offset;  /* in bytes */
+    int follows;    /* its default is computed from other parameters */
+    int lo_open, hi_open;
+};
+
+struct pk_system {
+    unsigned abi; /* PK_ABI */
+    const char *name;
+    const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
+    unsigned facts;          /* of enum pk_fact */
+    size_t n;                /* degrees of freedom */
+    size_t n_parameters, n_inputs, n_observed, n_conserved;
+    size_t params_size; /* sizeof (struct NAME_params) */
+
+    /* Names: n coordinates, n rates, n momenta, and so on. */
+    const struct pk_quantity *coordinates, *rates, *momenta, *inputs, *observed, *conserved;
+    const struct pk_parameter *parameters;
+    const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, no Q_i, no dD/dv_i) */
+
+    /* Parameters. defaults() sets all of them and calls prepare(). derive() computes again the
+     * defaults that follow other parameters, except where given[i] != 0 (given may be NULL: none
+     * is given). prepare() computes what depends on parameters alone and must follow any change;
+     * it returns 0, or 1 + the index of a parameter outside its bounds or not finite. bounds()
+     * gives the bounds, infinite where there is none. */
+    void (*defaults)(void *params);
+    void (*derive)(void *params, const unsigned char *given);
+    int (*prepare)(void *params);
+    void (*bounds)(const void *params, pk_real *lo, pk_real *hi);
+    void (*start)(const void *params, pk_real *q, pk_real *v);
+
+    /* a with M a = f. Returns 0, or 1 + i where the pivot of coordinate i in M = L D L^T is not
+     * positive (or not a number): M is singular or indefinite there, and a is not written. */
+    int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                        const pk_real *u, pk_real *a);
+    void (*mass)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                 const pk_real *u, pk_real *M);
+    void (*force)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u, pk_real *f);
+    /* p and pdot together, since a stage of a Gauss method needs both. */
+    void (*canonical)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *p, pk_real *pdot);
+    /* dL/dq alone. */
+    void (*gradient)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                     const pk_real *u, pk_real *dLdq);
+    /* What Newton's method on (p, pdot) needs: dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
+    void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                     const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
+    pk_real (*energy)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u);
+    /* T and V; NULL where the model states L alone. */
+    pk_real (*kinetic)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                       const pk_real *u);
+    pk_real (*potential)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u);
+    /* Outputs by `observe`, and claims by `conserve`; NULL where there are none. */
+    void (*observe)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                    const pk_real *u, pk_real *out);
+    void (*conserve)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                     const pk_real *u, pk_real *out);
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
