@@ -1,0 +1,55 @@
+# make demo    generate, compile and run the models; print the drift table
+# make test    every test, under ten minutes (both set the machine up first)
+
+VENV   := .venv
+PYTHON := $(VENV)/bin/python
+PREFIX ?= /usr/local
+CC     ?= gcc
+# Compiled runtimes and models are kept here, not in the home directory.
+export PKGEN_CACHE := $(CURDIR)/build/cache
+
+.PHONY: setup demo test test-long test-python lint format golden install clean
+.DEFAULT_GOAL := help
+
+help:
+	@echo 'make demo       generate, compile and run the models; print the drift table'
+	@echo 'make test       every test, under ten minutes'
+	@echo 'make test-long  what takes longer'
+	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
+
+STAMP := $(VENV)/.setup-done
+setup: $(STAMP)
+$(STAMP): pyproject.toml tools/setup.sh
+	@sh tools/setup.sh
+	@touch $@
+
+include tests/runtime/runtime.mk
+
+demo: $(STAMP)
+	$(PYTHON) tools/demo.py
+
+test: $(STAMP) test-runtime test-python
+
+test-python: $(STAMP)
+	$(PYTHON) -m pytest -q -n 2 -m 'not long' tests
+
+test-long: $(STAMP)
+	$(PYTHON) -m pytest -q -m long tests
+
+golden: $(STAMP)
+	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py
+	@git --no-pager diff --stat -- tests
+
+lint: $(STAMP)
+	$(PYTHON) -m ruff check generator tests tools
+	$(PYTHON) -m ruff format --check generator tests tools
+	@sh tools/check_licence.sh
+
+format: $(STAMP)
+	$(PYTHON) -m ruff format generator tests tools
+	$(PYTHON) -m ruff check --fix generator tests tools
+
+asan: $(STAMP) asan-runtime
+
+clean:
+	rm -rf build/* $(VENV) generator/*.egg-info *.egg-info

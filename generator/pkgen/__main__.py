@@ -1,0 +1,146 @@
+"""The command line. Nothing else in pkgen prints or exits.
+
+Exit codes: 0 done; 1 the model is wrong; 2 usage; 3 the C compiler failed; 4 the numerics
+failed; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Callable
+
+from . import __version__, commands
+from .build import BuildError
+from .options import UsageError
+from .resources import ResourcesExceeded
+from .source import ModelError
+
+DONE, MODEL_WRONG, USAGE, COMPILER_FAILED, NUMERICS_FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+
+def _parser(command: str) -> argparse.ArgumentParser:
+    usage = {"compile": "pkgen MODEL.lag [-o DIR] [options]"}.get(command)
+    about = COMMANDS[command].__doc__
+    parser = argparse.ArgumentParser(
+        prog=f"pkgen {command}", usage=usage, description=about, allow_abbrev=False
+    )
+    if command != "methods":
+        parser.add_argument("model", metavar="MODEL.lag")
+        parser.add_argument(
+            "--size", action="append", default=[], metavar="N=64", help="length of a family"
+        )
+        parser.add_argument(
+            "--max-seconds", type=float, metavar="S", help="CPU time that compiling may take"
+        )
+    parser.add_argument("--json", action="store_true", help="machine-readable results")
+    ARGUMENTS.get(command, lambda _: None)(parser)
+    return parser
+
+
+def _compile_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+    parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
+    parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
+    parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
+    parser.add_argument(
+        "--dump", choices=commands.STAGES, metavar="STAGE", help="show a stage's result as text"
+    )
+
+
+def _run_arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--scene", metavar="NAME")
+    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
+    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
+    add("--until", metavar="T", help="duration (default 10)")
+    add("--method", default="dop853", metavar="NAME", help="default dop853; see pkgen methods")
+    add("--step", metavar="H", help="of a method with fixed steps")
+    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
+    add("--atol", metavar="A", help="default: that of --rtol")
+    add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
+    add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
+    add("--max-steps", type=int, default=1_000_000_000, metavar="N")
+    add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
+
+
+COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
+    "compile": commands.compile_to_c,
+    "check": commands.check,
+    "explain": commands.explain,
+    "run": commands.run,
+    "methods": commands.methods,
+}
+ARGUMENTS = {"compile": _compile_arguments, "run": _run_arguments}
+
+OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c (default: here)
+       pkgen check MODEL.lag        errors and warnings only
+       pkgen explain MODEL.lag      equations, structure
+       pkgen run MODEL.lag          compile and integrate; CSV to standard output
+       pkgen methods                the methods, orders, what each requires
+       pkgen COMMAND --help         the options of a command ('compile' for the first line's)
+       pkgen --version"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(OVERVIEW, file=sys.stdout if arguments else sys.stderr)
+        return DONE if arguments else USAGE
+    if arguments[0] == "--version":
+        print(f"pkgen {__version__}")
+        return DONE
+    command = arguments[0] if arguments[0] in COMMANDS else "compile"
+    options = _parser(command).parse_args(arguments[1:] if command == arguments[0] else arguments)
+    try:
+        return _guarded(COMMANDS[command], options)
+    except BrokenPipeError:
+        # Whoever read our output has gone; closing it again at exit must not complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+
+
+def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
+    """Run a command, every way it can fail turned into a message and an exit code."""
+    try:
+        return command(options)
+    except ModelError as error:
+        if options.json:
+            print(json.dumps({"diagnostics": [d.record(error.source) for d in error.diagnostics]}))
+        else:
+            print(error.text(), file=sys.stderr)
+        return MODEL_WRONG
+    except ResourcesExceeded as error:
+        return _fail(options, str(error), MODEL_WRONG)
+    except UsageError as error:
+        return _fail(options, str(error), USAGE)
+    except BuildError as error:
+        return _fail(options, str(error), COMPILER_FAILED)
+    except KeyboardInterrupt:
+        return _fail(options, "interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        return _fail(options, f"{error.filename or 'output'}: {error.strerror}", USAGE)
+    except Exception as error:
+        return _fail(
+            options,
+            f"internal error ({type(error).__name__}: {error}); this is a defect of pkgen: "
+            "please report it together with the model",
+            MODEL_WRONG,
+        )
+
+
+def _fail(options: argparse.Namespace, message: str, code: int) -> int:
+    if options.json:
+        print(json.dumps({"error": message, "code": code}))
+    else:
+        print(f"pkgen: {message}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,204 @@
+"""From generated C to a program that integrates it: the C compiler, the runtime, the cache.
+
+The runtime is compiled once for each compiler and flags, a model once for each text; both are
+kept in `PKGEN_CACHE`, else `$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import pkgen_runtime
+
+RUNTIME = Path(pkgen_runtime.__file__).parent
+# No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
+# clang differ in their defaults.
+FLAGS = ("-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+STANDARD = "-std=c11"
+TIMEOUT_SECONDS = 300
+KEPT_PROGRAMS = 100
+
+
+class BuildError(Exception):
+    """No C compiler, or it refused; the text is what it said."""
+
+
+@dataclass(frozen=True)
+class Toolchain:
+    """A C compiler with its flags, and GSL's where it is installed."""
+
+    cc: tuple[str, ...]
+    flags: tuple[str, ...]
+    gsl_cflags: tuple[str, ...] | None
+    gsl_libs: tuple[str, ...]
+    version: str
+
+    @property
+    def has_gsl(self) -> bool:
+        return self.gsl_cflags is not None
+
+
+def find_toolchain() -> Toolchain:
+    """`$CC` if set, else gcc, clang or cc, whichever comes first."""
+    wanted = os.environ.get("CC")
+    candidates = [shlex.split(wanted)] if wanted else [["gcc"], ["clang"], ["cc"]]
+    for candidate in candidates:
+        if candidate and shutil.which(candidate[0]):
+            version = _output([*candidate, "--version"]) or ""
+            flags = FLAGS + tuple(shlex.split(os.environ.get("CFLAGS", "")))
+            cflags, libs = _find_gsl(candidate)
+            return Toolchain(tuple(candidate), flags, cflags, libs, version.splitlines()[0])
+    raise BuildError(
+        f"no C compiler found (looked for {', '.join(c[0] for c in candidates if c)}); "
+        "install gcc, or name one with the environment variable CC"
+    )
+
+
+def _find_gsl(cc: list[str]) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
+    config = shutil.which("gsl-config")
+    if config is None:
+        return None, ()
+    cflags = shlex.split(_output([config, "--cflags"]) or "")
+    libs = shlex.split(_output([config, "--libs"]) or "-lgsl -lgslcblas")
+    # /usr/include is searched anyway, and named as -I would come before the compiler's own.
+    return tuple(f for f in cflags if f != "-I/usr/include"), tuple(libs)
+
+
+def _output(command: list[str]) -> str | None:
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout
+
+
+def cache_directory() -> Path:
+    named = os.environ.get("PKGEN_CACHE")
+    if named:
+        return Path(named)
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "pkgen"
+
+
+def runtime_library(tools: Toolchain) -> Path:
+    """The directory with the driver's objects and libpk.a for this compiler, made if missing."""
+    sources = sorted(p for d in ("src", "gsl", "run", "include/pk") for p in (RUNTIME / d).iterdir())
+    digest = hashlib.sha256(repr((tools, STANDARD)).encode())
+    for path in sources:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    directory = cache_directory() / "runtime" / digest.hexdigest()[:24]
+    if not (directory / "libpk.a").exists():
+        _build_runtime(tools, directory)
+    return directory
+
+
+def _build_runtime(tools: Toolchain, directory: Path) -> None:
+    parts = ["src"] + (["gsl"] if tools.has_gsl else [])
+    sources = [path for part in parts for path in sorted((RUNTIME / part).glob("*.c"))]
+    with _staging(directory.parent) as staging:
+        objects = []
+        for path in sources:
+            objects.append(f"{path.stem}.o")
+            flags = [*(tools.gsl_cflags or ())]
+            _compile(tools, ["-c", *flags, str(path), "-o", objects[-1]], staging)
+        ar = shutil.which("ar")
+        if ar is None:
+            raise BuildError("'ar' is missing; install binutils")
+        _run([ar, "rcs", "libpk.a", *objects], staging)
+        _publish(staging, directory)
+
+
+def build_program(files: dict[str, str], name: str) -> Path:
+    """A program that integrates the model NAME, from its generated files.
+
+    Raises BuildError with what the compiler said.
+    """
+    tools = find_toolchain()
+    library = runtime_library(tools)
+    digest = hashlib.sha256(repr((library.name, sorted(files.items()))).encode()).hexdigest()[:24]
+    directory = cache_directory() / "programs" / f"{name[:40]}-{digest}"
+    program = directory / "program"
+    if not program.exists():
+        with _staging(directory.parent) as staging:
+            for file_name, text in files.items():
+                (staging / file_name).write_text(text, encoding="utf-8")
+            driver = [str(path) for path in sorted((RUNTIME / "run").glob("*.c"))]
+            gsl = ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
+            _compile(
+                tools,
+                ["-DPK_RUNTIME", f"-DPK_SYSTEM={name}_system", *gsl, "-I.", f"{name}.c", *driver]
+                + [str(library / "libpk.a"), *tools.gsl_libs, "-lm", "-o", "program"],
+                staging,
+            )
+            _publish(staging, directory)
+        _prune(directory.parent)
+    os.utime(directory)
+    return program
+
+
+def _compile(tools: Toolchain, arguments: list[str], directory: Path) -> None:
+    include = f"-I{RUNTIME / 'include'}"
+    _run([*tools.cc, STANDARD, *tools.flags, include, *arguments], directory)
+
+
+def _run(command: list[str], directory: Path) -> None:
+    try:
+        done = subprocess.run(
+            command, cwd=directory, capture_output=True, text=True, timeout=TIMEOUT_SECONDS
+        )
+    except OSError as error:
+        raise BuildError(f"cannot run {command[0]}: {error.strerror}") from None
+    except subprocess.TimeoutExpired:
+        raise BuildError(
+            f"{command[0]} took more than {TIMEOUT_SECONDS} s: the model is too large"
+        ) from None
+    if done.returncode != 0:
+        said = done.stderr.strip()[-4000:]
+        raise BuildError(f"{shlex.join(command)}\nfailed:\n{said}")
+
+
+class _staging:
+    """A scratch directory beside its final place, so that publishing it is one rename."""
+
+    def __init__(self, parent: Path):
+        self.parent = parent
+
+    def __enter__(self) -> Path:
+        try:
+            self.parent.mkdir(parents=True, exist_ok=True)
+            self.path = Path(tempfile.mkdtemp(prefix=".new-", dir=self.parent))
+        except OSError as error:
+            raise BuildError(
+                f"cannot write to the cache {self.parent}: {error.strerror}; "
+                "name another directory with the environment variable PKGEN_CACHE"
+            ) from None
+        return self.path
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _publish(staging: Path, directory: Path) -> None:
+    """Put a finished directory in its place; another process may have been faster."""
+    try:
+        os.rename(staging, directory)
+    except OSError:
+        if not directory.exists():
+            raise BuildError(f"cannot write to the cache {directory.parent}") from None
+
+
+def _prune(parent: Path) -> None:
+    """Keep the newest programs; the rest can be built again."""
+    entries = sorted(
+        (p for p in parent.iterdir() if not p.name.startswith(".")),
+        key=lambda p: p.stat().st_mtime,
+    )
+    for old in entries[:-KEPT_PROGRAMS]:
+        shutil.rmtree(old, ignore_errors=True)

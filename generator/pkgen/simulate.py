@@ -1,0 +1,182 @@
+"""`pkgen run`: integrate a compiled model with the C driver, and keep what came out.
+
+The driver (runtime/run) is a program linked with the model. It reads its settings as lines on
+standard input, writes CSV to standard output and a report in JSON to a file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import IO
+
+from . import __version__
+from .build import build_program
+from .compiler import Compilation
+from .equations import Quantity
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Of one run; values in SI. Indices count flattened quantities in declaration order."""
+
+    method: str
+    until: float
+    every: float | None
+    step: float | None
+    rtol: float
+    atol: float
+    iteration: str
+    max_steps: int
+    parameters: tuple[tuple[int, float], ...]
+    inputs: tuple[tuple[int, float], ...]
+    start_q: tuple[tuple[int, float], ...]
+    start_v: tuple[tuple[int, float], ...]
+
+    def lines(self) -> list[str]:
+        """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
+        said = [
+            f"method {self.method}",
+            f"until {self.until.hex()}",
+            f"rtol {self.rtol.hex()}",
+            f"atol {self.atol.hex()}",
+            f"iteration {self.iteration}",
+            f"max_steps {self.max_steps}",
+        ]
+        if self.every is not None:
+            said.append(f"every {self.every.hex()}")
+        if self.step is not None:
+            said.append(f"step {self.step.hex()}")
+        said += [f"param {i} {x.hex()}" for i, x in self.parameters]
+        said += [f"input {i} {x.hex()}" for i, x in self.inputs]
+        said += [f"start q {i} {x.hex()}" for i, x in self.start_q]
+        said += [f"start v {i} {x.hex()}" for i, x in self.start_v]
+        return said
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended: the driver's exit code, its report, and what it said."""
+
+    code: int
+    report: dict[str, object]
+    messages: str
+
+
+def columns(compilation: Compilation) -> list[Quantity]:
+    """The columns of the CSV, in order."""
+    equations = compilation.equations
+    time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
+    energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
+    return [
+        time,
+        *equations.coordinates,
+        *equations.rates,
+        *equations.observed_names,
+        energy,
+    ]
+
+
+def simulate(
+    compilation: Compilation,
+    settings: Settings,
+    output: IO[bytes] | int,
+    on_progress: Callable[[float], None] | None = None,
+) -> Outcome:
+    """Run the model, its CSV going to `output`. Raises BuildError if C cannot be compiled."""
+    program = build_program(compilation.files, compilation.model.name)
+    with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
+        report_path = Path(scratch) / "report.json"
+        lines = [*settings.lines(), f"report {report_path}"]
+        lines.append(f"progress {1 if on_progress else 0}")
+        child = subprocess.Popen(
+            [program], stdin=subprocess.PIPE, stdout=output, stderr=subprocess.PIPE, text=True
+        )
+        messages = _converse(child, "\n".join(lines) + "\n", on_progress)
+        report = json.loads(report_path.read_text()) if report_path.exists() else {}
+    return Outcome(child.returncode, report, messages)
+
+
+def _converse(
+    child: subprocess.Popen[str], settings: str, on_progress: Callable[[float], None] | None
+) -> str:
+    """Give the driver its settings, follow its progress, return what else it said.
+
+    An interrupt reaches the driver as well (same terminal): it writes out what it has and ends.
+    """
+    assert child.stdin is not None and child.stderr is not None
+    messages = []
+    old = signal.signal(signal.SIGINT, lambda *_: _forward(child))
+    try:
+        # A driver that has ended already says why by its exit code and its messages.
+        with contextlib.suppress(BrokenPipeError):
+            child.stdin.write(settings)
+            child.stdin.close()
+        for line in child.stderr:
+            if line.startswith("progress "):
+                if on_progress:
+                    on_progress(float(line.split()[1]))
+            else:
+                messages.append(line)
+        child.wait()
+    finally:
+        signal.signal(signal.SIGINT, old)
+    return "".join(messages)
+
+
+def _forward(child: subprocess.Popen[str]) -> None:
+    if child.poll() is None:
+        child.send_signal(signal.SIGINT)
+
+
+def sidecar(
+    compilation: Compilation, settings: Settings, outcome: Outcome, data: str
+) -> dict[str, object]:
+    """What stands beside an output file: units, settings and the report."""
+    return {
+        "pkgen": __version__,
+        "model": compilation.model.name,
+        "source": os.path.basename(compilation.model.source.path),
+        "source_sha256": compilation.program.source_hash,
+        "data": data,
+        "columns": [asdict(c) for c in columns(compilation)],
+        "settings": asdict(settings),
+        "report": outcome.report,
+    }
+
+
+def csv_to_npy(csv: Path, npy: Path) -> None:
+    """The rows of a CSV as a 2-D float64 array, a column a quantity."""
+    import numpy
+
+    rows = numpy.loadtxt(csv, delimiter=",", skiprows=1, ndmin=2)
+    numpy.save(npy, rows)
+
+
+class ProgressLine:
+    """A progress bar on standard error, if that is a terminal; call it with a fraction."""
+
+    def __init__(self, title: str):
+        from rich.console import Console
+        from rich.progress import Progress
+
+        self._bar = Progress(console=Console(file=sys.stderr), transient=True)
+        self._task = self._bar.add_task(title, total=1.0)
+
+    def __enter__(self) -> ProgressLine:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def __call__(self, fraction: float) -> None:
+        self._bar.update(self._task, completed=fraction)

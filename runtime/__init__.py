@@ -1,0 +1,1 @@
+"""The C runtime as package data, so that an installed pkgen finds it."""

@@ -1,0 +1,93 @@
+#!/bin/sh
+# Everything that `make demo` and `make test` need, on a fresh Debian machine: system packages
+# by apt where missing, and .venv with pkgen in it. The package comes from the Python registry;
+# where none can be reached, from Debian's own python3-* packages.
+#
+#   PKGEN_SETUP=registry|debian   force one of the two ways
+set -eu
+cd "$(dirname "$0")/.."
+
+way=${PKGEN_SETUP:-any}
+log=build/setup.log
+: >"$log"
+
+say() { printf '%s\n' "setup: $*"; }
+
+fail() {
+    say "$*" >&2
+    [ -s "$log" ] && tail -n 5 "$log" >&2
+    exit 1
+}
+
+# apt_install PACKAGE...: as root or through sudo; elsewhere says what to install.
+updated=no
+apt_install() {
+    if ! command -v apt-get >/dev/null; then
+        fail "please install what these Debian packages hold, then run make again: $*"
+    elif [ "$(id -u)" = 0 ]; then
+        as_root=
+    elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+        as_root='sudo -n'
+    else
+        fail "please run, then make again: sudo apt-get install $*"
+    fi
+    say "installing $*"
+    if [ $updated = no ]; then
+        $as_root apt-get update >>"$log" 2>&1 || say "apt-get update failed; going on"
+        updated=yes
+    fi
+    $as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y --no-install-recommends "$@" >>"$log" 2>&1 ||
+        fail "apt-get install failed (see $log)"
+}
+
+has_header() { echo "#include <$1>" | cc -E - >/dev/null 2>&1; }
+
+missing=
+for pair in gcc:gcc clang:clang g++:g++ ar:binutils; do
+    command -v "${pair%%:*}" >/dev/null || missing="$missing ${pair#*:}"
+done
+[ -z "$missing" ] || apt_install $missing libc6-dev
+missing=
+has_header gsl/gsl_odeiv2.h || missing="$missing libgsl-dev"
+has_header CUnit/CUnit.h || missing="$missing libcunit1-dev"
+[ -z "$missing" ] || apt_install $missing
+
+from_registry() {
+    # Some Debian machines have python3 without venv and pip; those come from apt.
+    command -v python3 >/dev/null || apt_install python3 python3-venv
+    rm -rf .venv
+    python3 -m venv .venv >>"$log" 2>&1 || {
+        apt_install python3-venv
+        rm -rf .venv
+        python3 -m venv .venv >>"$log" 2>&1 || return 1
+    }
+    .venv/bin/python -m pip install --disable-pip-version-check --retries 1 --timeout 30 \
+        -e '.[dev]' >>"$log" 2>&1
+}
+
+from_debian() {
+    apt_install python3 python3-venv python3-pip python3-setuptools python3-wheel \
+        python3-jinja2 python3-lark python3-numpy python3-pint python3-rich python3-sympy \
+        python3-matplotlib python3-pytest python3-pytest-xdist
+    rm -rf .venv
+    # Debian's own python3: another one that comes first in PATH does not see its packages.
+    /usr/bin/python3 -m venv --system-site-packages .venv >>"$log" 2>&1 &&
+        .venv/bin/python -m pip install --disable-pip-version-check --no-index --no-deps \
+            --no-build-isolation -e . >>"$log" 2>&1
+}
+
+case $way in
+registry) from_registry || fail "installing from the Python registry failed (see $log)" ;;
+debian) from_debian || fail "installing from Debian's packages failed (see $log)" ;;
+any)
+    from_registry || {
+        say "no Python registry can be reached; using Debian's python3-* packages"
+        from_debian || fail "installing from Debian's packages failed too (see $log)"
+    }
+    ;;
+*) fail "PKGEN_SETUP is registry or debian, not '$way'" ;;
+esac
+
+.venv/bin/pkgen --version >>"$log" 2>&1 || fail "pkgen was installed but does not start (see $log)"
+say "ready: .venv/bin/$(.venv/bin/pkgen --version)"
