@@ -53,10 +53,10 @@ def show(name: str, method: str, reference: dict) -> bool:
     result = json.loads(done.stdout)
     report = result.get("report", {})
     status = report.get("status")
-    if status == "refused":
+    if status == "PK_REFUSED":
         print(COLUMNS.format(name, method, "-", "-", "-", "-", "-", "-"), "", report["reason"])
         return True
-    if status != "done":
+    if status != "PK_DONE":
         print(name, method, "failed:", done.stdout, done.stderr, file=sys.stderr)
         return False
     drifts = report["drifts"]
@@ -67,7 +67,7 @@ def show(name: str, method: str, reference: dict) -> bool:
         method,
         report["steps"],
         report["evaluations"],
-        f"{1000 * report['wall_seconds']:.1f}",
+        f"{1000 * report['seconds']:.1f}",
         f"{error(report, reference):.1e}",
         f"{energy[0]:.1e}" if energy else "-",
         f"{max(others):.1e}" if others else "-",
@@ -90,7 +90,7 @@ def options(name: str, method: str, reference: dict) -> list[str]:
 
 def error(report: dict, reference: dict) -> float:
     """Largest error of the final state, each component relative to max(1, its size)."""
-    final = [*report["final"]["q"], *report["final"]["v"]]
+    final = [*report["q"], *report["v"]]
     exact = [float(x) for x in reference["y"]]
     return max(abs(a - b) / max(1.0, abs(b)) for a, b in zip(final, exact, strict=True))
 

@@ -4,10 +4,20 @@
 # where none can be reached, from Debian's own python3-* packages.
 #
 #   PKGEN_SETUP=registry|debian   force one of the two ways
+#   PKGEN_PREFIX=DIR              install for use, not for work on it (see `make install`)
 set -eu
 cd "$(dirname "$0")/.."
 
 way=${PKGEN_SETUP:-any}
+if [ -n "${PKGEN_PREFIX:-}" ]; then
+    venv=$PKGEN_PREFIX/lib/pkgen
+    editable=
+    extra=
+else
+    venv=.venv
+    editable=-e
+    extra='[dev]'
+fi
 log=build/setup.log
 : >"$log"
 
@@ -56,25 +66,25 @@ has_header CUnit/CUnit.h || missing="$missing libcunit1-dev"
 from_registry() {
     # Some Debian machines have python3 without venv and pip; those come from apt.
     command -v python3 >/dev/null || apt_install python3 python3-venv
-    rm -rf .venv
-    python3 -m venv .venv >>"$log" 2>&1 || {
+    rm -rf "$venv"
+    python3 -m venv "$venv" >>"$log" 2>&1 || {
         apt_install python3-venv
-        rm -rf .venv
-        python3 -m venv .venv >>"$log" 2>&1 || return 1
+        rm -rf "$venv"
+        python3 -m venv "$venv" >>"$log" 2>&1 || return 1
     }
-    .venv/bin/python -m pip install --disable-pip-version-check --retries 1 --timeout 30 \
-        -e '.[dev]' >>"$log" 2>&1
+    "$venv/bin/python" -m pip install --disable-pip-version-check --retries 1 --timeout 30 \
+        $editable ".$extra" >>"$log" 2>&1
 }
 
 from_debian() {
     apt_install python3 python3-venv python3-pip python3-setuptools python3-wheel \
         python3-jinja2 python3-lark python3-numpy python3-pint python3-rich python3-sympy \
         python3-matplotlib python3-pytest python3-pytest-xdist
-    rm -rf .venv
+    rm -rf "$venv"
     # Debian's own python3: another one that comes first in PATH does not see its packages.
-    /usr/bin/python3 -m venv --system-site-packages .venv >>"$log" 2>&1 &&
-        .venv/bin/python -m pip install --disable-pip-version-check --no-index --no-deps \
-            --no-build-isolation -e . >>"$log" 2>&1
+    /usr/bin/python3 -m venv --system-site-packages "$venv" >>"$log" 2>&1 &&
+        "$venv/bin/python" -m pip install --disable-pip-version-check --no-index --no-deps \
+            --no-build-isolation $editable . >>"$log" 2>&1
 }
 
 case $way in
@@ -89,5 +99,5 @@ any)
 *) fail "PKGEN_SETUP is registry or debian, not '$way'" ;;
 esac
 
-.venv/bin/pkgen --version >>"$log" 2>&1 || fail "pkgen was installed but does not start (see $log)"
-say "ready: .venv/bin/$(.venv/bin/pkgen --version)"
+"$venv/bin/pkgen" --version >>"$log" 2>&1 || fail "pkgen was installed but does not start (see $log)"
+say "ready: $venv/bin/$("$venv/bin/pkgen" --version)"

@@ -12,7 +12,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from . import __version__, commands
+from . import __version__, commands, run_command
 from .build import BuildError
 from .options import UsageError
 from .resources import ResourcesExceeded
@@ -70,7 +70,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "compile": commands.compile_to_c,
     "check": commands.check,
     "explain": commands.explain,
-    "run": commands.run,
+    "run": run_command.run,
     "methods": commands.methods,
 }
 ARGUMENTS = {"compile": _compile_arguments, "run": _run_arguments}

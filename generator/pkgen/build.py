@@ -7,6 +7,7 @@ kept in `PKGEN_CACHE`, else `$XDG_CACHE_HOME/pkgen`, else `~/.cache/pkgen`.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shlex
 import shutil
@@ -141,6 +142,20 @@ def build_program(files: dict[str, str], name: str) -> Path:
         _prune(directory.parent)
     os.utime(directory)
     return program
+
+
+# The driver lists its methods without a model; it links with this one.
+NO_MODEL = """#include <pk/system.h>
+extern const struct pk_system no_model_system;
+const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
+"""
+
+
+def driver_methods() -> list[dict[str, object]]:
+    """The methods of the runtime, GSL's included where GSL is installed, as it describes them."""
+    program = build_program({"no_model.c": NO_MODEL}, "no_model")
+    done = subprocess.run([program, "--methods"], capture_output=True, text=True, check=True)
+    return [json.loads(line) for line in done.stdout.splitlines()]
 
 
 def _compile(tools: Toolchain, arguments: list[str], directory: Path) -> None:

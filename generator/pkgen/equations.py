@@ -67,11 +67,11 @@ class Equations:
     pdot: Row
     mass: Matrix
     force: Row  # f
-    acceleration: Row | None  # None: too large to unroll, solve M a = f in a loop
-    pivots: Row | None  # D of M = L D L^T in the order of elimination, with acceleration
-    p_q: Matrix
-    pdot_q: Matrix
-    pdot_v: Matrix
+    acceleration: Row | None  # None: not asked for, or too large: solve M a = f in a loop
+    pivots: Row | None  # D of M = L D L^T by coordinate, in whatever order eliminated
+    p_q: Matrix | None  # None, like the next two, where the kernel is not asked for
+    pdot_q: Matrix | None
+    pdot_v: Matrix | None
     observed: Row
     conserved: Row
     start_q: Row

@@ -11,7 +11,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -30,7 +29,7 @@ class Settings:
 
     method: str
     until: float
-    every: float | None
+    every: float
     step: float | None
     rtol: float
     atol: float
@@ -46,13 +45,12 @@ class Settings:
         said = [
             f"method {self.method}",
             f"until {self.until.hex()}",
+            f"every {self.every.hex()}",
             f"rtol {self.rtol.hex()}",
             f"atol {self.atol.hex()}",
             f"iteration {self.iteration}",
             f"max_steps {self.max_steps}",
         ]
-        if self.every is not None:
-            said.append(f"every {self.every.hex()}")
         if self.step is not None:
             said.append(f"step {self.step.hex()}")
         said += [f"param {i} {x.hex()}" for i, x in self.parameters]
@@ -145,7 +143,7 @@ def sidecar(
         "pkgen": __version__,
         "model": compilation.model.name,
         "source": os.path.basename(compilation.model.source.path),
-        "source_sha256": compilation.program.source_hash,
+        "source_sha256": compilation.model.source.sha256,
         "data": data,
         "columns": [asdict(c) for c in columns(compilation)],
         "settings": asdict(settings),
@@ -159,24 +157,3 @@ def csv_to_npy(csv: Path, npy: Path) -> None:
 
     rows = numpy.loadtxt(csv, delimiter=",", skiprows=1, ndmin=2)
     numpy.save(npy, rows)
-
-
-class ProgressLine:
-    """A progress bar on standard error, if that is a terminal; call it with a fraction."""
-
-    def __init__(self, title: str):
-        from rich.console import Console
-        from rich.progress import Progress
-
-        self._bar = Progress(console=Console(file=sys.stderr), transient=True)
-        self._task = self._bar.add_task(title, total=1.0)
-
-    def __enter__(self) -> ProgressLine:
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
-
-    def __call__(self, fraction: float) -> None:
-        self._bar.update(self._task, completed=fraction)

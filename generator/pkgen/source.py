@@ -6,6 +6,7 @@ all the diagnostics it found. Only `__main__` prints them.
 
 from __future__ import annotations
 
+import hashlib
 from bisect import bisect_right
 from dataclasses import dataclass, field
 
@@ -34,6 +35,11 @@ class Source:
         starts = [0]
         starts.extend(i + 1 for i, c in enumerate(self.text) if c == "\n")
         object.__setattr__(self, "_line_starts", starts)
+
+    @property
+    def sha256(self) -> str:
+        """The digest of the text, by which generated files name what they come from."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column of an offset, both counted from 1, columns in characters."""
@@ -84,15 +90,19 @@ class Diagnostic:
 
 
 class ModelError(Exception):
-    """The model is wrong; holds every finding of the stage that gave up."""
+    """The model is wrong; holds the findings of the stage that gave up, `more` not among them."""
 
-    def __init__(self, source: Source, diagnostics: list[Diagnostic]):
+    def __init__(self, source: Source, diagnostics: list[Diagnostic], more: int = 0):
         super().__init__(f"{len(diagnostics)} finding(s) in {source.path}")
         self.source = source
         self.diagnostics = sorted(diagnostics, key=lambda d: d.span.start)
+        self.more = more
 
     def text(self) -> str:
-        return "\n".join(d.text(self.source) for d in self.diagnostics)
+        lines = [d.text(self.source) for d in self.diagnostics]
+        if self.more:
+            lines.append(f"{self.source.path}: and {self.more} more errors")
+        return "\n".join(lines)
 
 
 def _printable(line: str) -> str:

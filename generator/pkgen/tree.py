@@ -129,3 +129,21 @@ class Quantity:
 Expr = Union[
     Number, Name, Prime, Component, Negate, Add, Multiply, Power, Call, Sum, Vector, Quantity
 ]
+
+
+def children(expr: Expr) -> tuple[Expr, ...]:
+    """The expressions directly within one, indices and the ends of ranges included."""
+    match expr:
+        case Number() | Name(index=None):
+            return ()
+        case Name(index=index):
+            return (index,)
+        case Add(terms=parts) | Multiply(factors=parts) | Call(arguments=parts):
+            return parts
+        case Vector(items=parts):
+            return parts
+        case Power(base=base, exponent=exponent):
+            return (base, exponent)
+        case Sum(body=body, ranges=ranges):
+            return (body, *(end for r in ranges for end in (r.lo, r.hi)))
+    return (expr.of,)  # Prime, Component, Negate, Quantity

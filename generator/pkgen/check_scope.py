@@ -1,0 +1,54 @@
+"""Where an expression stands, and so what it may use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .check_loops import Loop
+
+
+@dataclass(frozen=True)
+class Place:
+    """`what` it is in messages, which kinds of names it takes, whether derivatives mean
+    anything there."""
+
+    what: str
+    kinds: frozenset[str]
+    may_use: str
+    derivatives: bool = False
+
+
+_NUMBERS = frozenset(("loop variable", "size", "constant", "not compiled"))
+_PARAMETERS = _NUMBERS | {"parameter"}
+_DRIVEN = _PARAMETERS | {"time", "input", "definition"}
+_MOTION = _DRIVEN | {"coordinate"}
+
+PLACES: dict[str, Place] = {
+    "size": Place("a size", frozenset(("size",)), "integers and earlier sizes"),
+    "const": Place("a constant", _NUMBERS, "numbers, sizes and earlier constants"),
+    "bound": Place("a bound", _NUMBERS, "numbers, sizes and constants"),
+    "option": Place("an option", _NUMBERS, "numbers and sizes"),
+    "param": Place(
+        "a parameter's default", _PARAMETERS, "numbers, sizes, constants and earlier parameters"
+    ),
+    "start": Place("a start", _PARAMETERS, "numbers, sizes, constants and parameters"),
+    "fixed": Place("a fixed end", _DRIVEN, "parameters, inputs and t", derivatives=True),
+    "let": Place("a definition", _MOTION, "all but outputs", derivatives=True),
+    "energy": Place("an energy", _MOTION, "all but outputs", derivatives=True),
+    "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
+    "output": Place("an output", _MOTION | {"built-in"}, "all but other outputs", derivatives=True),
+    "scene": Place(
+        "a scene", _MOTION | {"built-in", "output", "event"}, "any name", derivatives=True
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Scope:
+    """A place and the loops around it, outermost first. `name` is what is being defined."""
+
+    place: Place
+    loops: tuple[Loop, ...] = ()
+    name: str = ""
+    variables: frozenset[str] = field(default=frozenset())
+    points: int = 1  # at most so many assignments of the loops' variables

@@ -1,0 +1,174 @@
+"""The same outputs with fewer operations: expanded as far as a policy says, then factored.
+
+Expanding lets terms cancel that come from different parts of a computation (the Coriolis terms
+in dL/dq and in dp/dt). Factoring is greedy: of all monomials common to two terms, the one that
+saves most is taken out of every term that has it, and so on within the bracket. Which form is
+used is decided by counting operations.
+"""
+
+from __future__ import annotations
+
+from . import policies
+from .count import operations
+from .graph import BIT, MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node
+from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
+
+Term = tuple[Node, Monomial]  # a scale and a monomial of what varies
+
+FACTORED = 80  # terms of one output; more are only added up
+SHARED_WORK = 50_000  # where what is shared stays closed, there is little to expand
+THOROUGH = 400  # nodes below the outputs, up to which everything is tried
+
+
+def fewest(g: Graph, outputs: list[Node], thorough: bool = True) -> list[Node]:
+    """Of the outputs as they are and rewritten by each policy, what costs least."""
+    return min(forms(g, outputs, thorough), key=lambda form: operations(g, form))
+
+
+def forms(g: Graph, outputs: list[Node], thorough: bool = True) -> list[list[Node]]:
+    """The outputs as they are first, then in each other form that could be had."""
+    tried = [(policies.shared, SHARED_WORK)] + ([(policies.shifts, WORK)] if thorough else [])
+    found = [rewritten(g, outputs, policy, work) for policy, work in tried]
+    return [list(outputs), *(form for form in found if form is not None)]
+
+
+def settled(g: Graph, outputs: list[Node]) -> list[Node]:
+    """What is constant (or zero) by an identity, as the constant that it is."""
+    normal = Normal(g)
+    result = []
+    for output in outputs:
+        polynomial = normal(output) if g.depends[output] & VARIABLE else None
+        if polynomial is not None and not varies(g, polynomial):
+            output = normal.plain(polynomial)
+        result.append(output)
+    return result
+
+
+def varies(g: Graph, polynomial: Polynomial) -> bool:
+    return any(g.depends[base] & VARIABLE for monomial in polynomial for base, _ in monomial)
+
+
+def rewritten(g: Graph, outputs: list[Node], policy: policies.Policy, work: int) -> list[Node] | None:
+    """The outputs expanded and factored; None if that is too much work."""
+    normal = Normal(g, policy(g, outputs), canonical=False, work=work)
+    result: dict[Node, Node] = {}
+    for output in outputs:
+        if output in result:
+            continue
+        if not g.depends[output] & VARIABLE:
+            result[output] = output
+            continue
+        polynomial = normal(output)
+        if polynomial is None:
+            return None
+        result[output] = factored(g, normal, squares_merged(g, polynomial))
+    return [result[output] for output in outputs]
+
+
+def factored(g: Graph, normal: Normal, polynomial: Polynomial) -> Node:
+    """A polynomial as an expression of few operations."""
+    terms = grouped(g, normal, polynomial)
+    if len(terms) > FACTORED:
+        return g.sum(g.multiply(p, _monomial(g, m)) for p, m in terms)
+    return _factored(g, terms)
+
+
+def grouped(g: Graph, normal: Normal, polynomial: Polynomial) -> list[Term]:
+    """Parameter-only parts of the terms gathered into one scale for each monomial."""
+    scales: dict[Monomial, Polynomial] = {}
+    for monomial in sorted(polynomial):
+        fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
+        free = tuple(f for f in monomial if g.depends[f[0]] & VARIABLE)
+        scales.setdefault(free, {})[fixed] = polynomial[monomial]
+    return [(normal.plain(scale), free) for free, scale in scales.items()]
+
+
+def _factored(g: Graph, terms: list[Term]) -> Node:
+    terms = list(terms)
+    while len(terms) > 1:
+        found = _best_factor(g, terms)
+        if found is None:
+            break
+        scale, common, members = found
+        inner = []
+        for i in members:
+            p, m = terms[i]
+            if scale != ONE:
+                p = ONE if p == scale else MINUS_ONE
+            inner.append((p, _without(m, common)))
+        bracket = _factored(g, inner)
+        p, rest = g.split(bracket)
+        p = g.multiply(scale, p)
+        merged = dict(common)
+        for base, exponent in ((rest, 1),) if rest != ONE else ():
+            merged[base] = merged.get(base, 0) + exponent
+        first = members[0]
+        chosen = set(members)
+        terms[first] = (p, tuple(sorted(merged.items())))
+        terms = [t for i, t in enumerate(terms) if i == first or i not in chosen]
+    return g.sum(g.multiply(p, _monomial(g, m)) for p, m in terms)
+
+
+def _best_factor(g: Graph, terms: list[Term]) -> tuple[Node, Monomial, list[int]] | None:
+    """The scale and monomial whose extraction saves most, and the terms that have it."""
+    best_found = None
+    best_saving = 0
+    signs = {ONE, MINUS_ONE}
+    tried: set[tuple[Node, Monomial]] = set()
+    negated = [g.negate(p) for p, _ in terms]
+    for i, (p, m) in enumerate(terms):
+        for j in range(i):
+            s, n = terms[j]
+            common = _common(m, n)
+            same = not {p, s} & signs and (p == s or negated[i] == s)
+            key = (s if same else ONE, common)
+            if not (common or same) or key in tried:
+                continue
+            tried.add(key)
+            members = [
+                k
+                for k, (r, part) in enumerate(terms)
+                if _has(part, common) and (not same or r == s or negated[k] == s)
+            ]
+            cost = sum(abs(e) for _, e in common) + same
+            saving = cost * (len(members) - 1)
+            if saving > best_saving:
+                best_saving = saving
+                best_found = (s if same else ONE, common, members)
+    return best_found
+
+
+def _common(a: Monomial, b: Monomial) -> Monomial:
+    other = dict(b)
+    found = []
+    for base, e in a:
+        f = other.get(base, 0)
+        if e > 0 and f > 0:
+            found.append((base, min(e, f)))
+        elif e < 0 and f < 0:
+            found.append((base, max(e, f)))
+    return tuple(found)
+
+
+def _has(monomial: Monomial, part: Monomial) -> bool:
+    powers = dict(monomial)
+    return all(
+        (e > 0 and powers.get(b, 0) >= e) or (e < 0 and powers.get(b, 0) <= e) for b, e in part
+    )
+
+
+def _without(monomial: Monomial, part: Monomial) -> Monomial:
+    powers = dict(monomial)
+    for base, exponent in part:
+        powers[base] -= exponent
+    return tuple((b, e) for b, e in powers.items() if e)
+
+
+def _monomial(g: Graph, monomial: Monomial) -> Node:
+    """A product with what depends on coordinates first, so that it is shared between rates."""
+    rates = BIT[Kind.RATE]
+    slow = [f for f in monomial if not g.depends[f[0]] & rates]
+    fast = [f for f in monomial if g.depends[f[0]] & rates]
+    left = g.product(g.power(b, e) for b, e in slow)
+    return g.multiply(left, g.product(g.power(b, e) for b, e in fast))
+

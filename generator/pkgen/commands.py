@@ -1,0 +1,110 @@
+"""What each command does: from its options to its exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+
+from . import dump, limits
+from . import explain as explanation
+from . import options as parsing
+from .build import driver_methods
+from .compiler import Compilation, compile_model
+from .kernels import KERNELS
+from .read import read
+from .resources import bounded
+from .source import Diagnostic, Source
+
+STAGES = tuple(dump.STAGES)
+DONE = 0
+
+
+def compile_within_limits(
+    options: argparse.Namespace, source: Source | None = None, **more: object
+) -> Compilation:
+    """Compile the model of the command line; warnings go to standard error."""
+    seconds = options.max_seconds or limits.CPU_SECONDS
+    source = source or read(options.model)
+    with bounded(seconds, limits.MEMORY_BYTES):
+        sizes = parsing.sizes(options.size)
+        compilation = compile_model(source, sizes=sizes, **more)
+        parsing.check_sizes(compilation.model, sizes)
+    if not options.json:
+        _warn(source, compilation.warnings)
+    return compilation
+
+
+def _warn(source: Source, warnings: tuple[Diagnostic, ...]) -> None:
+    for warning in warnings:
+        print(warning.text(source), file=sys.stderr)
+
+
+def compile_to_c(options: argparse.Namespace) -> int:
+    """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
+    source = read(options.model)
+    parsing.refuse_scene(options.scene)
+    kernels = parsing.kernels(options.kernels, KERNELS)
+    if options.dump:
+        with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
+            text = dump.STAGES[options.dump](source, parsing.sizes(options.size), kernels)
+        print(text)
+        return DONE
+    compilation = compile_within_limits(options, source, kernels=kernels, self_test=options.self_test)
+    directory = Path(options.directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    for name, text in compilation.files.items():
+        _replace(directory / name, text)
+    if options.json:
+        files = [str(directory / name) for name in compilation.files]
+        warnings = [w.record(source) for w in compilation.warnings]
+        print(json.dumps({"files": files, "warnings": warnings}))
+    return DONE
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        scratch.write_text(text, encoding="utf-8")
+        os.replace(scratch, path)
+    finally:
+        scratch.unlink(missing_ok=True)
+
+
+def check(options: argparse.Namespace) -> int:
+    """Report the errors and warnings of a model, and write nothing."""
+    compilation = compile_within_limits(options)
+    if options.json:
+        warnings = [w.record(compilation.model.source) for w in compilation.warnings]
+        print(json.dumps({"diagnostics": warnings}))
+    return DONE
+
+
+def explain(options: argparse.Namespace) -> int:
+    """Show a model's equations and structure."""
+    compilation = compile_within_limits(options)
+    with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
+        if options.json:
+            text = json.dumps(explanation.record(compilation), indent=1)
+        else:
+            text = explanation.explain(compilation)
+    print(text.rstrip("\n"))
+    return DONE
+
+
+def methods(options: argparse.Namespace) -> int:
+    """List the integration methods."""
+    found = driver_methods()
+    if options.json:
+        print(json.dumps(found, indent=1))
+        return DONE
+    width = max(len(m["name"]) for m in found)
+    for m in found:
+        facts = [f"order {m['order']}", f"{m['stages']} stages"] + m["flags"]
+        if m["requires"]:
+            facts.append("requires " + ", ".join(m["requires"]))
+        print(f"{m['name']:<{width}}  {', '.join(facts)}\n{'':<{width}}  {m['doc']}")
+    return DONE

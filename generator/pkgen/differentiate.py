@@ -1,0 +1,199 @@
+"""Derivatives on the expression graph: sparse forward sweeps and reverse sweeps.
+
+A function's partial derivatives are a row of the table RULES. `sqrt`, and so `norm` and `abs`,
+have derivative 0 at 0: 1/sqrt is written with `reciprocal`, which is 0 there.
+Reference: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+
+from .graph import MINUS_ONE, ONE, ZERO, Graph, Node, Op
+
+HALF = Fraction(1, 2)
+
+# graph, the call itself, its arguments -> the partial derivatives
+Rule = Callable[..., tuple[Node, ...]]
+
+
+def _square(g: Graph, a: Node) -> Node:
+    return g.power(a, 2)
+
+
+def _inverse(g: Graph, a: Node) -> Node:
+    return g.power(a, -1)
+
+
+def _less(g: Graph, a: Node, b: Node) -> Node:
+    """1 where a < b, else 0."""
+    return g.subtract(g.number(1), g.call("step", g.subtract(a, b)))
+
+
+def _atan2(g: Graph, y: Node, x: Node) -> tuple[Node, Node]:
+    inverse = _inverse(g, g.add(_square(g, x), _square(g, y)))
+    return g.multiply(x, inverse), g.negate(g.multiply(y, inverse))
+
+
+def _pow(g: Graph, node: Node, a: Node, b: Node) -> tuple[Node, Node]:
+    lowered = g.call("pow", a, g.subtract(b, ONE))
+    return g.multiply(b, lowered), g.multiply(node, g.call("log", a))
+
+
+def _arc_root(g: Graph, a: Node) -> Node:
+    return g.power(g.subtract(ONE, _square(g, a)), -HALF)
+
+
+RULES: dict[str, Rule] = {
+    "sin": lambda g, n, a: (g.call("cos", a),),
+    "cos": lambda g, n, a: (g.negate(g.call("sin", a)),),
+    "tan": lambda g, n, a: (g.add(ONE, _square(g, n)),),
+    "asin": lambda g, n, a: (_arc_root(g, a),),
+    "acos": lambda g, n, a: (g.negate(_arc_root(g, a)),),
+    "atan": lambda g, n, a: (_inverse(g, g.add(ONE, _square(g, a))),),
+    "atan2": lambda g, n, y, x: _atan2(g, y, x),
+    "sinh": lambda g, n, a: (g.call("cosh", a),),
+    "cosh": lambda g, n, a: (g.call("sinh", a),),
+    "tanh": lambda g, n, a: (g.subtract(ONE, _square(g, n)),),
+    "exp": lambda g, n, a: (n,),
+    "log": lambda g, n, a: (_inverse(g, a),),
+    "sqrt": lambda g, n, a: (g.multiply(g.number(HALF), g.call("reciprocal", n)),),
+    "abs": lambda g, n, a: (g.call("sign", a),),
+    "min": lambda g, n, a, b: (_less(g, a, b), g.subtract(ONE, _less(g, a, b))),
+    "max": lambda g, n, a, b: (g.subtract(ONE, _less(g, a, b)), _less(g, a, b)),
+    "step": lambda g, n, a: (ZERO,),
+    "pow": _pow,
+    "sign": lambda g, n, a: (ZERO,),
+    "reciprocal": lambda g, n, a: (g.negate(_square(g, n)),),
+}
+
+
+def partials(g: Graph, node: Node) -> tuple[Node, ...]:
+    """The derivatives of a node with respect to each of its arguments."""
+    op, args = g.op[node], g.args[node]
+    if op is Op.ADD:
+        return (ONE, ONE)
+    if op is Op.MULTIPLY:
+        return (args[1], args[0])
+    if op is Op.POWER:
+        exponent = g.data[node]
+        return (g.multiply(g.number(exponent), g.power(args[0], exponent - 1)),)
+    return RULES[g.data[node]](g, node, *args)
+
+
+def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
+    """Nodes below the outputs that depend on something in the mask, in topological order."""
+    seen = set()
+    stack = [n for n in outputs if mask == -1 or g.depends[n] & mask]
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        stack.extend(a for a in g.args[node] if a not in seen and (mask == -1 or g.depends[a] & mask))
+    return sorted(seen)
+
+
+class Forward:
+    """Tangents of any nodes along one direction: `seed` gives those of the symbols, by node.
+
+    What has been computed is kept, so asking again, or for a larger expression, goes on from
+    there. `mask` says which kinds of symbol have a tangent at all. `leaf`, given a symbol,
+    returns its tangent where a table will not do.
+    """
+
+    def __init__(self, g: Graph, mask: int, leaf: Callable[[Node], Node]):
+        self.graph = g
+        self.mask = mask
+        self.leaf = leaf
+        self.known: dict[Node, Node] = {}
+
+    def __call__(self, output: Node) -> Node:
+        g, known, mask = self.graph, self.known, self.mask
+        stack = [output]
+        while stack:
+            node = stack[-1]
+            if node in known:
+                stack.pop()
+                continue
+            if not g.depends[node] & mask:
+                known[node] = ZERO
+                stack.pop()
+                continue
+            missing = [a for a in g.args[node] if a not in known]
+            if missing:
+                stack.extend(missing)
+                continue
+            stack.pop()
+            known[node] = self._tangent(node)
+        return known[output]
+
+    def _tangent(self, node: Node) -> Node:
+        if self.graph.op[node] is Op.SYMBOL:
+            return self.leaf(node)
+        return tangent(self.graph, node, [self.known[a] for a in self.graph.args[node]])
+
+
+def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
+    """The derivative of a node given those of its arguments."""
+    if all(d == ZERO for d in of_arguments):
+        return ZERO
+    if g.op[node] is Op.ADD:
+        return g.add(*of_arguments)
+    terms = zip(partials(g, node), of_arguments)
+    return g.sum(g.multiply(p, d) for p, d in terms if d != ZERO)
+
+
+class Columns:
+    """Derivatives of some outputs with respect to single symbols, a sparse sweep for each.
+
+    Only the nodes between a symbol and the outputs are visited.
+    """
+
+    def __init__(self, g: Graph, outputs: Iterable[Node], mask: int):
+        self.graph = g
+        self.order = reachable(g, outputs, mask)
+        self.users: dict[Node, list[Node]] = {node: [] for node in self.order}
+        for node in self.order:
+            for a in dict.fromkeys(g.args[node]):
+                if a in self.users:
+                    self.users[a].append(node)
+
+    def column(self, symbol: Node) -> Mapping[Node, Node]:
+        """The derivatives by `symbol` of all nodes on which it has an influence."""
+        g, users = self.graph, self.users
+        if symbol not in users:
+            return {symbol: ONE}
+        influenced = {symbol}
+        stack = [symbol]
+        while stack:
+            for user in users[stack.pop()]:
+                if user not in influenced:
+                    influenced.add(user)
+                    stack.append(user)
+        known = {symbol: ONE}
+        for node in sorted(influenced):
+            if node != symbol:
+                known[node] = tangent(g, node, [known.get(a, ZERO) for a in g.args[node]])
+        return known
+
+
+def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
+    """One reverse sweep: the derivatives of a scalar by every symbol in the mask."""
+    adjoint: dict[Node, Node] = {output: ONE}
+    result: dict[Node, Node] = {}
+    for node in reversed(reachable(g, [output], mask)):
+        bar = adjoint.pop(node, ZERO)
+        if g.op[node] is Op.SYMBOL:
+            result[node] = bar
+            continue
+        if bar == ZERO:
+            continue
+        for a, p in zip(g.args[node], partials(g, node)):
+            if g.depends[a] & mask:
+                adjoint[a] = g.add(adjoint.get(a, ZERO), g.multiply(bar, p))
+    return result
+
+
+__all__ = ["MINUS_ONE", "Columns", "Forward", "gradient", "partials", "reachable", "tangent"]

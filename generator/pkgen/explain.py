@@ -1,0 +1,215 @@
+"""`pkgen explain` as text: what the model says, its equations, its structure.
+
+Equations are shown in SymPy's words, written out and lightly simplified where they are small;
+what is large is shown by its size only. The C does not come from here.
+"""
+
+from __future__ import annotations
+
+from . import sympy_bridge
+from .compiler import Compilation
+from .differentiate import reachable
+from .equations import Equations, ParameterSlot, Quantity, Structure
+from .graph import Kind, Node, Symbol
+from .program import operations_text
+
+SHOWN_OPERATIONS = 300  # a longer expression is not shown
+SIMPLIFIED_OPERATIONS = 60  # trigsimp's time grows fast
+
+
+def explain(compilation: Compilation) -> str:
+    """The whole report."""
+    sections = [
+        _title(compilation),
+        _quantities("Coordinates", compilation.equations.coordinates),
+        _parameters(compilation.equations),
+        _quantities("Inputs", compilation.equations.inputs),
+        _lagrangian(compilation.equations),
+        _equations(compilation.equations, compilation.structure),
+        _outputs(compilation.equations),
+        _structure(compilation),
+        _reductions(compilation),
+        _cost(compilation),
+    ]
+    return "\n\n".join(section for section in sections if section) + "\n"
+
+
+def record(compilation: Compilation) -> dict[str, object]:
+    """The same for `--json`."""
+    equations, structure = compilation.equations, compilation.structure
+    n = len(equations.coordinates)
+    return {
+        "model": compilation.model.name,
+        "description": compilation.model.description,
+        "coordinates": [vars(q) for q in equations.coordinates],
+        "parameters": [vars(p.quantity) for p in equations.parameters],
+        "lagrangian": _text(equations, equations.lagrangian),
+        "mass": [[_text(equations, equations.mass[i][j]) for j in range(n)] for i in range(n)],
+        "force": [_text(equations, node) for node in equations.force],
+        "structure": {**vars(structure), "cyclic": list(structure.cyclic)},
+        "conserved": _constants(equations, structure),
+        "operations": {k.name: dict(k.operations) for k in compilation.program.kernels},
+    }
+
+
+def _title(compilation: Compilation) -> str:
+    model = compilation.model
+    n = len(compilation.equations.coordinates)
+    title = model.name + (f": {model.description}" if model.description else "")
+    return f"{title}\n{n} degree{'s' if n != 1 else ''} of freedom"
+
+
+def _quantities(title: str, quantities: tuple[Quantity, ...]) -> str:
+    if not quantities:
+        return ""
+    width = max(len(q.name) for q in quantities)
+    lines = [f"  {q.name:<{width}}  {_unit(q.unit):<10} {q.description}" for q in quantities]
+    return "\n".join([title, *(line.rstrip() for line in lines)])
+
+
+def _parameters(equations: Equations) -> str:
+    if not equations.parameters:
+        return ""
+    rows = [
+        (slot.quantity.name, _default(equations, slot), _bounds(equations, slot), slot.quantity)
+        for slot in equations.parameters
+    ]
+    names, defaults, bounds = (max(len(row[i]) for row in rows) for i in range(3))
+    lines = [
+        f"  {name:<{names}} = {default:<{defaults}}  {bound:<{bounds}}  {q.description}".rstrip()
+        for name, default, bound, q in rows
+    ]
+    return "\n".join(["Parameters", *lines])
+
+
+def _default(equations: Equations, slot: ParameterSlot) -> str:
+    return f"{_text(equations, slot.default)} {_unit(slot.quantity.unit)}".strip()
+
+
+def _bounds(equations: Equations, slot: ParameterSlot) -> str:
+    if slot.lo is None and slot.hi is None:
+        return ""
+    lo = "-inf" if slot.lo is None else _text(equations, slot.lo)
+    hi = "inf" if slot.hi is None else _text(equations, slot.hi)
+    return f"in {'(' if slot.lo_open else '['}{lo}, {hi}{')' if slot.hi_open else ']'}"
+
+
+def _unit(unit: str) -> str:
+    return f"[{unit}]" if unit else ""
+
+
+def _lagrangian(equations: Equations) -> str:
+    lines = ["Lagrangian", f"  L = {_text(equations, equations.lagrangian)}"]
+    if equations.kinetic is not None and equations.potential is not None:
+        lines.append(f"  T = {_text(equations, equations.kinetic)}")
+        lines.append(f"  V = {_text(equations, equations.potential)}")
+    return "\n".join(lines)
+
+
+def _equations(equations: Equations, structure: Structure) -> str:
+    arguments = "q, t" if structure.quadratic else "q, q', t"
+    mass = "M" if structure.mass_constant else f"M({arguments})"
+    lines = [f"Equations of motion   {mass} q'' = f(q, q', t)"]
+    names = [q.name for q in equations.coordinates]
+    zero = equations.graph.number(0)
+    for i, row in enumerate(equations.mass):
+        for j in range(i + 1):
+            if row[j] != zero:
+                lines.append(f"  M[{names[i]}, {names[j]}] = {_text(equations, row[j])}")
+    lines += [f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, equations.force)]
+    return "\n".join(lines)
+
+
+def _outputs(equations: Equations) -> str:
+    lines = [
+        f"  {q.name} = {_text(equations, node)} {_unit(q.unit)}".rstrip()
+        for q, node in (
+            *zip(equations.observed_names, equations.observed),
+            *zip(equations.conserved_names, equations.conserved),
+        )
+    ]
+    return "\n".join(["Outputs", *lines]) if lines else ""
+
+
+def _structure(compilation: Compilation) -> str:
+    structure = compilation.structure
+    shape = "diagonal" if structure.mass_diagonal else "dense"
+    if structure.mass_constant:
+        mass = f"{shape}, constant: factored once"
+    elif structure.quadratic:
+        mass = f"{shape}, depends on the coordinates"
+    else:
+        mass = f"{shape}, depends on the rates too (L is not of second degree in them)"
+    facts = [
+        ("mass matrix", mass),
+        ("separable", _yes(structure.separable, "splitting methods apply", "verlet and its like do not apply")),
+        ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
+        ("forces beyond L", "none" if structure.variational else "yes (force or dissipation)"),
+        ("smooth", _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")),
+        ("constants", ", ".join(_constants(compilation.equations, structure)) or "none proved"),
+    ]
+    return "\n".join(["Structure", *(f"  {name:<16} {text}" for name, text in facts)])
+
+
+def _yes(fact: bool, if_so: str, if_not: str) -> str:
+    reason = if_so if fact else if_not
+    return ("yes" if fact else "no") + (f": {reason}" if reason else "")
+
+
+def _constants(equations: Equations, structure: Structure) -> list[str]:
+    names = ["energy"] if structure.conservative else []
+    momenta = zip(equations.momenta_names, structure.cyclic)
+    return names + [q.name for q, cyclic in momenta if cyclic]
+
+
+def _reductions(compilation: Compilation) -> str:
+    lines = compilation.report.lines
+    return "\n".join(["Reductions", *(f"  {line}" for line in lines)]) if lines else ""
+
+
+def _cost(compilation: Compilation) -> str:
+    lines = ["Kernels"]
+    for kernel in compilation.program.kernels:
+        lines.append(f"  {kernel.name:<14} {operations_text(kernel.operations)}")
+    return "\n".join(lines)
+
+
+def _text(equations: Equations, node: Node) -> str:
+    """A node as one line of algebra, or its size if it would be too long to read."""
+    import sympy
+
+    operations = _written_out(equations, node)
+    if operations > SHOWN_OPERATIONS:
+        return f"({operations:,} operations written out)"
+
+    def symbol(of: Symbol) -> sympy.Expr:
+        return sympy.Symbol(_symbol_name(equations, of), real=True)
+
+    (expression,) = sympy_bridge.to_sympy(equations.graph, [node], symbol)
+    if operations <= SIMPLIFIED_OPERATIONS:
+        shorter = sympy.trigsimp(expression)
+        if sympy.count_ops(shorter) < sympy.count_ops(expression):
+            expression = shorter
+    return str(expression).replace("**", "^")
+
+
+def _symbol_name(equations: Equations, symbol: Symbol) -> str:
+    match symbol.kind:
+        case Kind.PARAMETER:
+            return equations.parameters[symbol.index].quantity.name
+        case Kind.COORDINATE:
+            return equations.coordinates[symbol.index].name
+        case Kind.RATE:
+            return equations.rates[symbol.index].name
+        case Kind.INPUT:
+            return equations.inputs[symbol.index].name
+    return "t"
+
+
+def _written_out(equations: Equations, node: Node) -> int:
+    """Operations of an expression with nothing shared, which may be exponentially many."""
+    graph = equations.graph
+    counts: dict[Node, int] = {}
+    for n in reachable(graph, [node]):
+        counts[n] = sum(counts[a] + 1 for a in graph.args[n])
+    return counts[node]

@@ -1,0 +1,64 @@
+"""Exact constants as C text, each right to the last bit in float, double, long double, quad.
+
+- An integer up to 2^24 is itself: every type holds it, and the compiler converts it.
+- A number with a finite decimal expansion is written out in full (0.5, 9.81): the compiler
+  rounds it once, in the type at hand.
+- A ratio of two integers up to 2^24 is PK_C(1.0) / PK_C(3.0): both are exact in every type, and
+  IEEE division rounds once. (The 36 digits that quad needs would be rounded twice.)
+- What is left gets 60 digits, so that a second rounding matters in less than one number in 1e20.
+"""
+
+from __future__ import annotations
+
+from decimal import ROUND_HALF_EVEN, Context, Decimal
+from fractions import Fraction
+
+PI = "PK_PI"
+_EXACT = 2**24  # float's 24 bits
+_DIGITS = 60
+
+
+def literal(value: Fraction) -> str:
+    """C text of a number >= 0, fit to be a factor of a product."""
+    if value.denominator == 1 and value <= _EXACT:
+        return str(value.numerator)
+    decimal = _finite_decimal(value)
+    if decimal is not None:
+        return f"PK_C({decimal})"
+    if value.numerator <= _EXACT and value.denominator <= _EXACT:
+        return f"(PK_C({value.numerator}.0) / PK_C({value.denominator}.0))"
+    context = Context(prec=_DIGITS, rounding=ROUND_HALF_EVEN, Emax=10**6, Emin=-(10**6))
+    quotient = context.divide(Decimal(value.numerator), Decimal(value.denominator))
+    return f"PK_C({_spelt(quotient)})"
+
+
+def _finite_decimal(value: Fraction) -> str | None:
+    """The decimal expansion if it ends after at most _DIGITS significant digits."""
+    rest, twos, fives = value.denominator, 0, 0
+    while rest % 2 == 0:
+        rest, twos = rest // 2, twos + 1
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    if rest != 1:
+        return None
+    places = max(twos, fives)
+    digits = str(value.numerator * 10**places // value.denominator)
+    significant = digits.rstrip("0")
+    if len(significant) > _DIGITS:
+        return None
+    places -= len(digits) - len(significant)
+    return _spelt(Decimal((0, tuple(map(int, significant)), -places)))
+
+
+def _spelt(number: Decimal) -> str:
+    """Without an exponent where that is short: 0.001, 9.81, 1.5e-11, 5.97e24."""
+    _, digits, exponent = number.as_tuple()
+    text = "".join(map(str, digits)).rstrip("0") or "0"
+    exponent += len(digits) - len(text)
+    point = len(text) + exponent  # digits before the decimal point
+    if -4 < point <= 0:
+        return "0." + "0" * -point + text
+    if 0 < point <= 17:
+        padded = text.ljust(point, "0")
+        return padded[:point] + "." + (padded[point:] or "0")
+    return f"{text[0]}.{text[1:] or '0'}e{point - 1}"

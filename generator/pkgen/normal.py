@@ -1,0 +1,262 @@
+"""Expressions as polynomials over atoms, in which equal means equal.
+
+Atoms are symbols, functions of canonical arguments, inverses of sums, and sums that a policy
+keeps closed. sin^2 is replaced by 1 - cos^2 and an even power of a square root by what is under
+it, so that what cancels by these identities is not there: a Cartesian let that turns with Omega t
+leaves no t behind. Coefficients are fractions, parameters are atoms like any other. The work is
+bounded; an expression too large for it has no normal form (None).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from .graph import BIT, Graph, Kind, Node, Op
+
+Monomial = tuple[tuple[Node, int], ...]
+Polynomial = dict[Monomial, Fraction]
+
+WORK = 5_000  # products of two terms
+TERMS = 500  # of one polynomial
+POWERS = 12  # the largest power of a sum that is expanded
+
+
+class TooMuch(Exception):
+    """The work was not worth it."""
+
+
+class Normal:
+    """Normal forms of nodes of one graph; `closed` holds sums that stay atoms."""
+
+    def __init__(
+        self, g: Graph, closed: frozenset[Node] = frozenset(), canonical: bool = True, work: int = WORK
+    ):
+        self.graph = g
+        self.closed = closed
+        self.canonical = canonical  # whether sin^2 -> 1 - cos^2
+        self.work = work
+        self.known: dict[Node, Polynomial] = {}
+
+    def __call__(self, output: Node) -> Polynomial | None:
+        """The normal form, or None if it would take too much work."""
+        try:
+            for node in self._below(output):
+                if node not in self.known:
+                    self.known[node] = self._polynomial(node)
+        except TooMuch:
+            return None
+        return self.known[output]
+
+    def _below(self, output: Node) -> list[Node]:
+        """What has to be known first; nothing below an atom that stays as it is."""
+        g = self.graph
+        seen: set[Node] = set()
+        stack = [output]
+        while stack:
+            node = stack.pop()
+            if node in seen or node in self.known:
+                continue
+            seen.add(node)
+            if node not in self.closed:
+                stack.extend(g.args[node])
+        return sorted(seen)
+
+    def _polynomial(self, node: Node) -> Polynomial:
+        g = self.graph
+        op, args, data = g.op[node], g.args[node], g.data[node]
+        if op is Op.NUMBER:
+            return {(): data} if data else {}
+        if op is Op.SYMBOL or node in self.closed:
+            return {((node, 1),): Fraction(1)}
+        if op is Op.ADD:
+            return self.added(self.known[args[0]], self.known[args[1]])
+        if op is Op.MULTIPLY:
+            return self.multiplied(self.known[args[0]], self.known[args[1]])
+        if op is Op.POWER:
+            return self._power(self.known[args[0]], data)
+        arguments = [self.plain(self.known[a]) for a in args]
+        return self._of(g.call(data, *arguments))
+
+    def _of(self, node: Node) -> Polynomial:
+        """A call as built from canonical arguments: it may have come out scaled or simpler."""
+        g = self.graph
+        coefficient = Fraction(1)
+        monomial: dict[Node, int] = {}
+        for base, exponent in g.factors(node):
+            value = g.value(base)
+            if value is not None and exponent == int(exponent):
+                coefficient *= value ** int(exponent)
+                continue
+            if exponent != int(exponent):
+                if exponent.denominator != 2:
+                    return {((node, 1),): Fraction(1)}
+                base, exponent = g.call("sqrt", base), exponent.numerator
+            monomial[base] = monomial.get(base, 0) + int(exponent)
+        return {tuple(sorted(monomial.items())): coefficient}
+
+    # -- arithmetic ---------------------------------------------------------------------------
+
+    def added(self, a: Polynomial, b: Polynomial) -> Polynomial:
+        if len(a) < len(b):
+            a, b = b, a
+        result = dict(a)
+        for monomial, coefficient in b.items():
+            total = result.get(monomial, 0) + coefficient
+            if total:
+                result[monomial] = total
+            else:
+                del result[monomial]
+        return result
+
+    def multiplied(self, a: Polynomial, b: Polynomial) -> Polynomial:
+        self.work -= len(a) * len(b)
+        if self.work < 0:
+            raise TooMuch
+        result: Polynomial = {}
+        again: list[Polynomial] = []
+        for m, c in a.items():
+            for n, d in b.items():
+                monomial = _product(m, n)
+                reduced = self._reduced(monomial)
+                if reduced is not None:
+                    again.append({k: x * c * d for k, x in reduced.items()})
+                    continue
+                total = result.get(monomial, 0) + c * d
+                if total:
+                    result[monomial] = total
+                else:
+                    del result[monomial]
+        for part in again:
+            result = self.added(result, part)
+        if len(result) > TERMS:
+            raise TooMuch
+        return result
+
+    def _reduced(self, monomial: Monomial) -> Polynomial | None:
+        """The monomial by sin^2 = 1 - cos^2 and sqrt(u)^2 = u; None where neither applies."""
+        g = self.graph
+        for base, exponent in monomial:
+            if exponent < 2 or g.op[base] is not Op.CALL:
+                continue
+            if g.data[base] == "sin" and self.canonical:
+                cos = g.call("cos", g.args[base][0])
+                square: Polynomial = {(): Fraction(1), ((cos, 2),): Fraction(-1)}
+            elif g.data[base] == "sqrt":
+                under = self(g.args[base][0])
+                if under is None:
+                    raise TooMuch
+                square = under
+            else:
+                continue
+            rest = _product(monomial, ((base, -2),))
+            return self.multiplied(square, self._monomial(rest))
+        return None
+
+    def _monomial(self, monomial: Monomial) -> Polynomial:
+        reduced = self._reduced(monomial)
+        return {monomial: Fraction(1)} if reduced is None else reduced
+
+    def _power(self, base: Polynomial, exponent: Fraction) -> Polynomial:
+        g = self.graph
+        if exponent.denominator != 1:
+            return self._of(g.power(self.plain(base), exponent))
+        n = int(exponent)
+        if len(base) == 1:
+            ((monomial, coefficient),) = base.items()
+            if abs(n) > POWERS * 8:
+                raise TooMuch
+            raised = tuple((b, e * n) for b, e in monomial)
+            return {m: c * coefficient**n for m, c in self._monomial(raised).items()}
+        if n > 0:
+            if n > POWERS:
+                raise TooMuch
+            result: Polynomial = {(): Fraction(1)}
+            for _ in range(n):
+                result = self.multiplied(result, base)
+            return result
+        if not base:
+            raise TooMuch
+        # A sum with its leading coefficient taken out, so that 1/(2x + 2) is 1/(x + 1) / 2.
+        first = base[min(base)]
+        inner = self.plain({m: c / first for m, c in base.items()})
+        return {((inner, n),): first**n}
+
+    def plain(self, polynomial: Polynomial) -> Node:
+        """The polynomial as a node, term by term in canonical order."""
+        g = self.graph
+        return g.total(self.term(m, polynomial[m]) for m in sorted(polynomial))
+
+    def term(self, monomial: Monomial, coefficient: Fraction) -> Node:
+        g = self.graph
+        return g.multiply(g.number(coefficient), g.product(g.power(b, e) for b, e in monomial))
+
+
+def _product(a: Monomial, b: Monomial) -> Monomial:
+    if not a:
+        return b
+    if not b:
+        return a
+    powers = dict(a)
+    for base, exponent in b:
+        powers[base] = powers.get(base, 0) + exponent
+    return tuple(sorted((n, e) for n, e in powers.items() if e))
+
+
+def depends(g: Graph, polynomial: Polynomial) -> int:
+    """The mask of what occurs in it."""
+    mask = 0
+    for monomial in polynomial:
+        for base, _ in monomial:
+            mask |= g.depends[base]
+    return mask
+
+
+def rate_degree(g: Graph, monomial: Monomial) -> int | None:
+    """The degree in the rates; None where one is inside a function or under a division."""
+    degree = 0
+    for base, exponent in monomial:
+        if g.depends[base] & BIT[Kind.RATE]:
+            if g.op[base] is not Op.SYMBOL or exponent < 0:
+                return None
+            degree += exponent
+    return degree
+
+
+# -- sin^2 + cos^2 where it saves a term, nothing else changed ------------------------------------
+
+
+def squares_merged(g: Graph, polynomial: Polynomial) -> Polynomial:
+    """R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2 until there is none left.
+
+    Unlike the canonical 1 - cos^2 this never makes a difference of nearly equal terms.
+    """
+    terms = dict(polynomial)
+    pending = sorted(terms, reverse=True)
+    while pending:
+        monomial = pending.pop()
+        for swapped, common in _square_partners(g, monomial):
+            coefficient = terms.get(monomial)
+            if coefficient is None:
+                break
+            if terms.get(swapped) == coefficient:
+                gone, result = swapped, common
+            elif terms.get(common) == -coefficient:
+                gone, result, coefficient = common, swapped, -coefficient
+            else:
+                continue
+            del terms[monomial], terms[gone]
+            terms[result] = terms.get(result, 0) + coefficient
+            if not terms[result]:
+                del terms[result]
+            pending.append(result)
+    return terms
+
+
+def _square_partners(g: Graph, monomial: Monomial) -> list[tuple[Monomial, Monomial]]:
+    found = []
+    for base, exponent in monomial:
+        if exponent >= 2 and g.op[base] is Op.CALL and g.data[base] in ("sin", "cos"):
+            other = g.call("cos" if g.data[base] == "sin" else "sin", g.args[base][0])
+            common = _product(monomial, ((base, -2),))
+            found.append((_product(common, ((other, 2),)), common))
+    return found

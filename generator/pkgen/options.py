@@ -1,0 +1,226 @@
+"""What the options of the command line mean for a given model. Every error is a UsageError."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from . import options_text
+from .compiler import Compilation
+from .equations import Quantity
+from .model import Model
+from .options_text import OptionError
+from .simulate import Settings
+
+UNTIL = 10.0
+RTOL = 1e-10
+ROWS = 1000
+
+
+class UsageError(Exception):
+    """The command line asks for what there is not."""
+
+
+def sizes(assignments: Iterable[str]) -> dict[str, int]:
+    """`--size N=64`, repeatable."""
+    found = {}
+    for text in assignments:
+        name, equal, value = text.partition("=")
+        if not (equal and value.strip().isdecimal() and len(value) < 10):
+            raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
+        found[name.strip()] = int(value)
+    return found
+
+
+def check_sizes(model: Model, given: Mapping[str, int]) -> None:
+    """Refuse sizes that the model does not have."""
+    for name in given:
+        if name not in (size.name for size in model.sizes):
+            raise UsageError(_unknown("--size", name, [s.name for s in model.sizes], "size"))
+
+
+def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
+    """`--kernels mass,force`."""
+    if text is None:
+        return None
+    wanted = [name.strip() for name in text.split(",")]
+    for name in wanted:
+        if name not in known:
+            raise UsageError(_unknown("--kernels", name, list(known), "kernel"))
+    return frozenset(wanted)
+
+
+def refuse_scene(scene: str | None) -> None:
+    if scene is not None:
+        raise UsageError(
+            f"--scene {scene}: scenes cannot be compiled or run yet; "
+            "give their settings by --set, --start, --until, --method and --every"
+        )
+
+
+def refuse_deferred(model: Model) -> None:
+    """A run must not leave out what would change it."""
+    for statement in model.deferred:
+        if statement.kind == "event":
+            line, _ = model.source.position(statement.span.start)
+            raise UsageError(
+                f"{model.source.path}:{line}: event '{statement.name}' cannot be located yet, so "
+                "the model cannot be run; remove it, or embed the C (pkgen MODEL.lag)"
+            )
+
+
+def output(path: str | None) -> Path | None:
+    if path is None:
+        return None
+    if not path.endswith((".csv", ".npy")):
+        raise UsageError(f"-o {path}: the file's name must end in .csv or .npy")
+    return Path(path)
+
+
+def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
+    """The settings of `pkgen run`, all values in SI."""
+    values = _Values(compilation)
+    rtol = values.positive("--rtol", options.rtol, "")
+    step = values.positive("--step", options.step, values.time)
+    starts = [_assignment("--start", text) for text in options.start]
+    sets = [_assignment("--set", text) for text in options.set]
+    equations = compilation.equations
+    parameters = [slot.quantity for slot in equations.parameters]
+    names = {
+        "parameter": {q.name: (i, q) for i, q in enumerate(parameters)},
+        "input": {q.name: (i, q) for i, q in enumerate(equations.inputs)},
+    }
+    until = values.positive("--until", options.until, values.time) or UNTIL
+    every = values.positive("--every", options.every, values.time)
+    return Settings(
+        method=options.method,
+        until=until,
+        every=_interval(until, step) if every is None else every,
+        step=step,
+        rtol=rtol or RTOL,
+        atol=values.positive("--atol", options.atol, "") or rtol or RTOL,
+        iteration=options.iteration,
+        max_steps=_count("--max-steps", options.max_steps),
+        parameters=values.assigned("--set", sets, names["parameter"], names["input"]),
+        inputs=values.assigned("--set", sets, names["input"], names["parameter"]),
+        start_q=values.started(starts, equations.coordinates, 0),
+        start_v=values.started(starts, equations.coordinates, 1),
+    )
+
+
+def _interval(until: float, step: float | None) -> float:
+    """Time between rows if none is given: some thousand rows, a fixed step kept as it is."""
+    return step * math.ceil(until / (ROWS * step)) if step else until / ROWS
+
+
+class _Values:
+    """Values of options for one model: its units, its sizes, its names."""
+
+    def __init__(self, compilation: Compilation):
+        self.model = compilation.model
+        self.coordinates = compilation.equations.coordinates
+        self.rates = compilation.equations.rates
+        self.sizes = {size.name: size.value for size in self.model.sizes}
+        self.time = "" if self.model.dimensionless else "s"
+
+    def value(self, option: str, text: str, unit: str, name: str) -> float:
+        try:
+            found = options_text.quantity(
+                text,
+                unit,
+                dimensionless=self.model.dimensionless,
+                values=self.sizes,
+                name=name,
+            )
+        except OptionError as error:
+            raise UsageError(f"{option} {text}: {error.text()}") from None
+        if not math.isfinite(found):
+            raise UsageError(f"{option} {text}: {name} must be finite")
+        return float(found)
+
+    def positive(self, option: str, text: str | None, unit: str) -> float | None:
+        if text is None:
+            return None
+        name = option.removeprefix("--")
+        found = self.value(option, text, unit, name)
+        if not found > 0:
+            raise UsageError(f"{option} {text}: {name} must be positive")
+        return found
+
+    def assigned(
+        self,
+        option: str,
+        assignments: list[tuple[str, str]],
+        known: Mapping[str, tuple[int, Quantity]],
+        others: Mapping[str, object],
+    ) -> tuple[tuple[int, float], ...]:
+        """Those of the assignments whose left side is in `known`, as (index, value)."""
+        found = []
+        for left, text in assignments:
+            name = self.flat_name(option, left)
+            if name in known:
+                index, quantity = known[name]
+                found.append((index, self.value(option, text, quantity.unit, name)))
+            elif name not in others:
+                raise UsageError(_unknown(option, name, [*known, *others], "parameter or input"))
+        return tuple(found)
+
+    def started(
+        self, assignments: list[tuple[str, str]], coordinates: tuple[Quantity, ...], order: int
+    ) -> tuple[tuple[int, float], ...]:
+        """The starts of coordinates (order 0) or of their rates (order 1)."""
+        names = [q.name for q in coordinates]
+        found = []
+        for left, text in assignments:
+            side = self.left("--start", left)
+            name = _flat(side.name, side.index)
+            if name not in names:
+                raise UsageError(_unknown("--start", name, names, "coordinate"))
+            if side.order > 1:
+                raise UsageError(f"--start {left}: a start is a coordinate or its rate")
+            if side.order == order:
+                index = names.index(name)
+                unit = (self.rates if order else self.coordinates)[index].unit
+                found.append((index, self.value("--start", text, unit, left)))
+        return tuple(found)
+
+    def left(self, option: str, text: str) -> options_text.LeftSide:
+        try:
+            return options_text.left_side(text, self.sizes)
+        except OptionError as error:
+            raise UsageError(f"{option} {text}: {error.text()}") from None
+
+    def flat_name(self, option: str, text: str) -> str:
+        side = self.left(option, text)
+        return _flat(side.name, side.index) + "'" * side.order
+
+
+def _flat(name: str, index: int | None) -> str:
+    return name if index is None else f"{name}[{index}]"
+
+
+def _assignment(option: str, text: str) -> tuple[str, str]:
+    left, equal, right = text.partition("=")
+    if not equal:
+        raise UsageError(f"{option} {text}: give a name and a value, e.g. {option} g=9.81")
+    return left.strip(), right.strip()
+
+
+def _count(option: str, value: int) -> int:
+    if value <= 0:
+        raise UsageError(f"{option} {value}: must be positive")
+    return value
+
+
+def _unknown(option: str, name: str, known: list[str], kind: str) -> str:
+    near = difflib.get_close_matches(name, known, n=1)
+    if near:
+        hint = f"did you mean '{near[0]}'?"
+    elif known:
+        hint = f"it has: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+    else:
+        hint = "it has none"
+    return f"{option} {name}: the model has no such {kind}; {hint}"

@@ -1,0 +1,53 @@
+"""Which sums stay closed when an expression is expanded: a function each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from .differentiate import reachable
+from .graph import BIT, CONSTANT, ONE, VARIABLE, Graph, Kind, Node, Op
+
+Policy = Callable[[Graph, Iterable[Node]], frozenset[Node]]
+
+
+def shared(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
+    """Sums used more than once, so that no work is done twice."""
+    outputs = list(outputs)
+    order = reachable(g, outputs)
+    uses = dict.fromkeys(order, 0)
+    for node in outputs:
+        uses[node] += 1
+    for node in order:
+        for a in g.args[node]:
+            uses[a] += 1
+    # A scaled sum used twice is a sum used twice.
+    for node in reversed(order):
+        rest = g.split(node)[1]
+        if rest not in (node, ONE) and uses[node] > 1:
+            uses[rest] += uses[node] - 1
+    closed = {n for n in order if g.op[n] is Op.ADD and uses[n] > 1 and g.depends[n] & VARIABLE}
+    return frozenset(closed | _squared(g, order))
+
+
+def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
+    """Sums like l0 + s, of parameters and coordinates without any function."""
+    order = reachable(g, outputs)
+    closed = _squared(g, order)
+    plain: dict[Node, bool] = {}
+    for node in order:
+        still = not g.depends[node] & ~(CONSTANT | BIT[Kind.COORDINATE])
+        plain[node] = still and g.op[node] is not Op.CALL and all(plain[a] for a in g.args[node])
+        if plain[node] and g.op[node] is Op.ADD and g.depends[node] & VARIABLE:
+            closed.add(node)
+    return frozenset(closed)
+
+
+def _squared(g: Graph, order: list[Node]) -> set[Node]:
+    """Sums without rates to a power: expanded, (a - b)^2 loses its digits where a is near b."""
+    found = set()
+    for node in order:
+        if g.op[node] is Op.POWER and not g.depends[node] & BIT[Kind.RATE]:
+            base = g.args[node][0]
+            if g.op[base] is Op.ADD:
+                found.add(base)
+    return found

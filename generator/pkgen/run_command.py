@@ -1,0 +1,111 @@
+"""`pkgen run`: compile a model, integrate it, say how it went.
+
+Rows go to standard output or to a file with its settings beside it; what is said to a person
+goes to standard error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+from . import options as parsing
+from .commands import compile_within_limits
+from .compiler import Compilation
+from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
+
+DONE, USAGE, NUMERICS_FAILED = 0, 2, 4
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compile a model and integrate it; the rows go to standard output."""
+    parsing.refuse_scene(options.scene)
+    output = parsing.output(options.output)
+    compilation = compile_within_limits(options)
+    parsing.refuse_deferred(compilation.model)
+    settings = parsing.settings(options, compilation)
+    if output is None and not options.json:
+        sys.stdout.flush()
+        outcome = _simulate(compilation, settings, sys.stdout.fileno())
+    else:
+        outcome = _to_file(options, compilation, settings, output)
+    _tell(options, outcome)
+    return outcome.code
+
+
+def _to_file(
+    options: argparse.Namespace, compilation: Compilation, settings: Settings, output: Path | None
+) -> Outcome:
+    """Run with the rows in a file: the one asked for, or a scratch file to read them from."""
+    with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
+        as_is = output is not None and output.suffix == ".csv"
+        rows = output if as_is else Path(scratch) / "rows.csv"
+        with open(rows, "wb") as file:
+            outcome = _simulate(compilation, settings, file)
+        if output is None:
+            print(json.dumps(_result(compilation, settings, outcome, rows), indent=1))
+            return outcome
+        if not as_is:
+            csv_to_npy(rows, output)
+    description = sidecar(compilation, settings, outcome, output.name)
+    beside = output.with_name(output.name + ".json")
+    beside.write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")
+    if options.json:
+        print(json.dumps(description, indent=1))
+    return outcome
+
+
+def _result(
+    compilation: Compilation, settings: Settings, outcome: Outcome, rows: Path
+) -> dict[str, object]:
+    """Everything of a run in one JSON object, its rows included."""
+    result = sidecar(compilation, settings, outcome, "rows")
+    with open(rows, newline="", encoding="utf-8") as file:
+        result["rows"] = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+    return result
+
+
+def _simulate(compilation: Compilation, settings: Settings, output: IO[bytes] | int) -> Outcome:
+    with _progress(compilation.model.name) as on_progress:
+        return simulate(compilation, settings, output, on_progress)
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[float], None] | None]:
+    """A progress bar on standard error if that is a terminal; yields what to call, or None."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda fraction: bar.update(task, completed=fraction)
+
+
+def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
+    """Say to a person how the run went."""
+    if outcome.messages:
+        print(outcome.messages.rstrip("\n"), file=sys.stderr)
+    if options.json or outcome.code != DONE:
+        return
+    report = outcome.report
+    print(
+        f"{report['method']}: t = {report['t']:g} after {report['steps']} steps, "
+        f"{report['evaluations']} evaluations, {1000 * report['seconds']:.3g} ms",
+        file=sys.stderr,
+    )
+    for drift in report["drifts"]:
+        print(
+            f"drift({drift['name']}) max {drift['max']:.2e}, final {drift['final']:.2e}, "
+            f"slope {drift['slope']:.1e} per unit of time",
+            file=sys.stderr,
+        )

@@ -1,0 +1,80 @@
+"""Solving M a = f on the graph: L D L^T without square roots, unrolled, zeros left out.
+
+Structure falls out of the constructors: a constant M makes L and D parameter expressions, which
+the C computes once; a diagonal one leaves a division a row. M is positive definite, so any order
+of elimination is stable, and the cheapest is taken: constant pivots first, then the row with the
+fewest entries left (minimum degree), so that a star or a tree fills in nothing.
+Reference: G. Golub, C. Van Loan, Matrix Computations, 4th edition, sections 4.1 and 11.1.
+"""
+
+from __future__ import annotations
+
+from .graph import ZERO, Graph, Node
+
+Row = tuple[Node, ...]
+Solution = tuple[Row, Row]  # accelerations and pivots, each by coordinate
+
+UNROLLED_COORDINATES = 20  # beyond, a loop in C is as fast
+UNROLLED_NODES = 30_000  # added by the solution
+
+
+def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
+    """The accelerations and the pivots; None if too large to unroll."""
+    n = len(force)
+    if n > UNROLLED_COORDINATES:
+        return None
+    start = len(g)
+    order = elimination_order(g, mass)
+    inverses: list[Node] = []
+    pivots: list[Node] = [ZERO] * n
+    # By position in the order: lower[i][j] = l_ij and scaled[i][j] = l_ij d_j.
+    lower: list[list[Node]] = [[ZERO] * n for _ in range(n)]
+    scaled: list[list[Node]] = [[ZERO] * n for _ in range(n)]
+    for i in range(n):
+        for j in range(i + 1):
+            entry = mass[order[i]][order[j]]
+            for k in range(j):
+                entry = g.subtract(entry, g.multiply(scaled[i][k], lower[j][k]))
+            if j < i:
+                scaled[i][j] = entry
+                lower[i][j] = g.multiply(entry, inverses[j])
+            elif entry == ZERO:
+                return None
+            else:
+                pivots[order[i]] = entry
+                inverses.append(g.power(entry, -1))
+        if len(g) - start > UNROLLED_NODES:
+            return None
+    forward: list[Node] = []
+    for i in range(n):
+        entry = force[order[i]]
+        for k in range(i):
+            entry = g.subtract(entry, g.multiply(lower[i][k], forward[k]))
+        forward.append(entry)
+    result: list[Node] = [ZERO] * n
+    for i in reversed(range(n)):
+        entry = g.multiply(forward[i], inverses[i])
+        for k in range(i + 1, n):
+            entry = g.subtract(entry, g.multiply(lower[k][i], result[order[k]]))
+        result[order[i]] = entry
+    return tuple(result), tuple(pivots)
+
+
+def elimination_order(g: Graph, mass: tuple[Row, ...]) -> list[int]:
+    n = len(mass)
+    neighbours = [{j for j in range(n) if j != i and mass[i][j] != ZERO} for i in range(n)]
+    settled = [g.is_constant(mass[i][i]) for i in range(n)]
+    left = list(range(n))
+    order: list[int] = []
+    while left:
+        # A pivot stays constant until something that varies is subtracted from it.
+        chosen = min(left, key=lambda i: (not settled[i], len(neighbours[i]), i))
+        left.remove(chosen)
+        order.append(chosen)
+        around = sorted(neighbours[chosen])
+        for i in around:
+            neighbours[i].update(around)
+            neighbours[i] -= {i, chosen}
+            if not (settled[chosen] and g.is_constant(mass[i][chosen])):
+                settled[i] = False
+    return order

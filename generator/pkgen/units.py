@@ -1,0 +1,293 @@
+"""Units and dimensions: a dimension is a vector of exponents over the seven SI base units.
+
+Exponents are integers, or Fractions where a root was taken. A unit is a factor to SI (exact; a
+power of pi kept apart, so that 180 deg is pi) and a dimension. Names that are not in the small
+table below are looked up with pint, one name at a time, after a strict pattern has passed
+them; pint is imported only then, because that takes half a second.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from functools import cache
+
+Dimension = tuple  # of seven exponents, in the order of BASE
+
+BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
+_PINT_BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela")
+_PINT_PI = Fraction("3.1415926535897932384626433832795028841971693993751")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
+_ITEM = re.compile(
+    r"\s*(?:([A-Za-z][A-Za-z0-9_]*)|1)\s*(?:(?:\^|\*\*)\s*([+-]?[0-9]{1,2})(?![0-9]))?\s*"
+)
+_SPELT = str.maketrans(
+    {"\u00b5": "u", "\u03bc": "u", "\u2126": "ohm", "\u03a9": "ohm", "\u212b": "angstrom",
+     "\u00c5": "angstrom"}
+)  # fmt: skip
+
+
+def dimension(kg=0, m=0, s=0, A=0, K=0, mol=0, cd=0) -> Dimension:
+    return (kg, m, s, A, K, mol, cd)
+
+
+NONE = dimension()
+LENGTH = dimension(m=1)
+TIME = dimension(s=1)
+FORCE = dimension(1, 1, -2)
+ENERGY = dimension(1, 2, -2)
+POWER = dimension(1, 2, -3)
+
+_SIMPLE = {  # name: (factor, dimension, exponent of the angle)
+    "kg": (1, dimension(1), 0),
+    "g": (Fraction(1, 1000), dimension(1), 0),
+    "m": (1, LENGTH, 0),
+    "cm": (Fraction(1, 100), LENGTH, 0),
+    "mm": (Fraction(1, 1000), LENGTH, 0),
+    "km": (1000, LENGTH, 0),
+    "s": (1, TIME, 0),
+    "ms": (Fraction(1, 1000), TIME, 0),
+    "min": (60, TIME, 0),
+    "h": (3600, TIME, 0),
+    "A": (1, dimension(A=1), 0),
+    "K": (1, dimension(K=1), 0),
+    "mol": (1, dimension(mol=1), 0),
+    "cd": (1, dimension(cd=1), 0),
+    "Hz": (1, dimension(s=-1), 0),
+    "N": (1, FORCE, 0),
+    "J": (1, ENERGY, 0),
+    "W": (1, POWER, 0),
+    "Pa": (1, dimension(1, -1, -2), 0),
+    "C": (1, dimension(A=1, s=1), 0),
+    "V": (1, dimension(1, 2, -3, -1), 0),
+    "F": (1, dimension(-1, -2, 4, 2), 0),
+    "H": (1, dimension(1, 2, -2, -2), 0),
+    "T": (1, dimension(1, 0, -2, -1), 0),
+    "Wb": (1, dimension(1, 2, -2, -1), 0),
+    "ohm": (1, dimension(1, 2, -3, -2), 0),
+    "rad": (1, NONE, 1),
+}
+
+_JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K", "T")  # no prefixes of other units
+
+KINDS = {
+    NONE: "a pure number",
+    LENGTH: "a length",
+    TIME: "a time",
+    dimension(1): "a mass",
+    dimension(0, 1, -1): "a speed",
+    dimension(0, 1, -2): "an acceleration",
+    FORCE: "a force",
+    ENERGY: "an energy",
+    POWER: "a power",
+    dimension(1, 1, -1): "a momentum",
+    dimension(1, 2, -1): "an angular momentum",
+    dimension(1, 2): "a moment of inertia",
+    dimension(1, 0, -2): "a stiffness",
+    dimension(1, 0, -1): "a damping constant",
+    dimension(0, 0, -1): "a rate",
+    dimension(0, 0, -2): "a squared rate",
+    dimension(0, 2): "an area",
+    dimension(0, 3): "a volume",
+    dimension(0, 2, -2): "a squared speed",
+    dimension(1, -3): "a density",
+    dimension(1, -1, -2): "a pressure",
+    dimension(A=1): "a current",
+    dimension(A=1, s=1): "a charge",
+    dimension(1, 2, -3, -1): "a voltage",
+    dimension(1, 0, -2, -1): "a magnetic field",
+    dimension(K=1): "a temperature",
+}
+_SHORT = {ENERGY: "J", POWER: "W"}
+
+
+class UnitError(Exception):
+    """A unit that cannot be read: what is wrong, where in its text, and a hint."""
+
+    def __init__(self, message: str, start: int, end: int, help: str = ""):
+        super().__init__(message)
+        self.message, self.start, self.end, self.help = message, start, end, help
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """One of it is `factor` * pi^`pi` in SI. `angle` counts radians, for display only."""
+
+    factor: Fraction
+    pi: int
+    dimension: Dimension
+    angle: int
+
+    @property
+    def is_si(self) -> bool:
+        return self.factor == 1 and self.pi == 0
+
+    def to_power(self, n: int) -> Unit:
+        return Unit(self.factor**n, self.pi * n, power(self.dimension, n), self.angle * n)
+
+    def times(self, other: Unit) -> Unit:
+        return Unit(
+            self.factor * other.factor,
+            self.pi + other.pi,
+            times(self.dimension, other.dimension),
+            self.angle + other.angle,
+        )
+
+
+ONE = Unit(Fraction(1), 0, NONE, 0)
+
+
+def times(a: Dimension, b: Dimension) -> Dimension:
+    return (
+        a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5], a[6] + b[6],
+    )  # fmt: skip
+
+
+def over(a: Dimension, b: Dimension) -> Dimension:
+    return (
+        a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5], a[6] - b[6],
+    )  # fmt: skip
+
+
+def power(a: Dimension, n: Fraction | int) -> Dimension:
+    return tuple(_plain(x * n) if x else 0 for x in a)
+
+
+def _plain(x: Fraction | int) -> Fraction | int:
+    return int(x) if x == int(x) else x
+
+
+def si_text(a: Dimension, angle: int = 0) -> str:
+    """`kg*m/s^2`, `J`, `1/s`; empty if dimensionless. `angle` adds radians to it."""
+    if a in _SHORT and not angle:
+        return _SHORT[a]
+    parts = [(n, e) for n, e in zip((*BASE, "rad"), (*a, angle), strict=True) if e]
+    if angle > 0:
+        parts.insert(0, parts.pop())
+    over_line = "*".join(_raised(n, e) for n, e in parts if e > 0)
+    under = "".join("/" + _raised(n, -e) for n, e in parts if e < 0)
+    return (over_line or ("1" if under else "")) + under
+
+
+def base_text(a: Dimension) -> str:
+    """The same, energies and powers too in base units; `1` if dimensionless."""
+    over_line = "*".join(_raised(n, e) for n, e in zip(BASE, a, strict=True) if e > 0)
+    under = "".join("/" + _raised(n, -e) for n, e in zip(BASE, a, strict=True) if e < 0)
+    return (over_line or "1") + under
+
+
+def _raised(name: str, exponent: Fraction | int) -> str:
+    if exponent == 1:
+        return name
+    return f"{name}^{exponent}" if exponent == int(exponent) else f"{name}^({exponent})"
+
+
+def described(a: Dimension) -> str:
+    """`a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` where it has no name."""
+    if a == NONE:
+        return "a pure number"
+    kind = KINDS.get(a)
+    return f"{kind} [{si_text(a)}]" if kind else f"in [{si_text(a)}]"
+
+
+@cache
+def parse_unit(text: str) -> Unit:
+    """Reads `kg*m/s^2`; raises UnitError."""
+    text = text.translate(_SPELT)
+    if not text.strip():
+        raise UnitError("an empty unit", 0, len(text), "a pure number needs no unit")
+    unit, at, sign = ONE, 0, 1
+    while True:
+        item = _ITEM.match(text, at)
+        if item is None:
+            raise _malformed(text, at)
+        if item.group(1):
+            exponent = sign * int(item.group(2) or 1)
+            unit = unit.times(_named(item.group(1), item.start(1)).to_power(exponent))
+        at = item.end()
+        if at == len(text):
+            return unit
+        if text[at] not in "*/" or text.startswith("**", at):
+            raise _malformed(text, at)
+        sign = 1 if text[at] == "*" else -1
+        at += 1
+
+
+def _malformed(text: str, at: int) -> UnitError:
+    rest = text[at:]
+    character = rest[:1]
+    help = "unit names are joined by * and /, with integer exponents, e.g. [kg*m/s^2]"
+    if not character:
+        return UnitError("the unit is not complete", max(0, at - 1), at, help)
+    if character in "²³⁴":
+        help = f"write ^{'²³⁴'.index(character) + 2}"
+    elif character == "°":
+        help = "write [deg]"
+    elif character in "()":
+        help = "units have no brackets; / divides by the one name after it, e.g. [J/kg/K]"
+    elif character in "·×⋅" or (at and text[at - 1] == " " and _NAME.match(rest)):
+        help = "units are joined by *, e.g. [N*m]"
+    elif character.isdigit():
+        help = "a number belongs before the bracket"
+    return UnitError(f"'{text.strip()}' is not a unit", at, at + 1, help)
+
+
+@cache
+def _registry():
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Fraction)
+
+
+@cache
+def _look_up(name: str) -> Unit | str:
+    """The unit of that name, or what is wrong with it."""
+    if name in _SIMPLE:
+        factor, dim, angle = _SIMPLE[name]
+        return Unit(Fraction(factor), 0, dim, angle)
+    if not _NAME.fullmatch(name):
+        return f"'{name}' is not a unit"
+    registry = _registry()
+    try:
+        units = registry.parse_units(name)
+        if not all(registry._units[u].is_multiplicative for u in units._units):
+            return f"'{name}' has an offset or a logarithm; a model needs a plain unit"
+        factor, base = registry.get_base_units(units)
+    except Exception:  # pint raises a dozen kinds for what it does not know
+        return f"unknown unit '{name}'"
+    exponents = dict(base._units)
+    dim = tuple(_plain(Fraction(exponents.get(b, 0))) for b in _PINT_BASE)
+    angle = exponents.get("radian", 0)
+    exact, pi = _without_pi(Fraction(factor))
+    return Unit(exact, pi, dim, int(angle) if angle == int(angle) else 0)
+
+
+def _without_pi(factor: Fraction) -> tuple[Fraction, int]:
+    """Takes out the power of pi that pint multiplied in as a long decimal."""
+
+    def bits(x: Fraction) -> int:
+        return x.numerator.bit_length() + x.denominator.bit_length()
+
+    pi = min((0, 1, -1), key=lambda n: bits(factor / _PINT_PI**n))
+    return factor / _PINT_PI**pi, pi
+
+
+def _named(name: str, at: int) -> Unit:
+    found = _look_up(name)
+    pair = next(((a, b) for a in _JOINED for b in _SIMPLE if a + b == name), None)
+    if isinstance(found, Unit):
+        if pair is None or found.dimension == times(_SIMPLE[pair[0]][1], _SIMPLE[pair[1]][1]):
+            return found
+        found = f"unknown unit '{name}'"  # to pint Nm is a measure of yarn
+    help = ""
+    near = [n for n in _SIMPLE if n.lower() == name.lower()]
+    near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)
+    if "offset" in found:
+        help = "use K for temperatures, pure numbers for ratios"
+    elif pair:
+        help = f"did you mean '{pair[0]}*{pair[1]}'?"
+    elif near:
+        help = f"did you mean '{near[0]}'?"
+    raise UnitError(found, at, at + len(name), help)

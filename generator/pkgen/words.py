@@ -1,0 +1,76 @@
+"""Words of the language: statements, clauses, what no name may be, and Greek spelt out."""
+
+from __future__ import annotations
+
+import unicodedata
+
+_MODEL = """
+    model param size const let observe conserve rate coord input state rotation fixed free
+    periodic kinetic potential lagrangian dissipation force constraint rolling event start scene
+"""
+_SCENE = "set start hold until accuracy method record swarm expect end"
+_CLAUSES = "in rising falling either stop every at within step rtol"
+# C11 and C++20 keywords, and the macros of the headers that generated C includes.
+_C = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
+    char32_t class co_await co_return co_yield compl concept const const_cast consteval constexpr
+    constinit continue decltype default delete do double dynamic_cast else enum explicit export
+    extern false float for friend goto if inline int long mutable namespace new noexcept not
+    not_eq nullptr operator or or_eq private protected public register reinterpret_cast requires
+    restrict return short signed sizeof static static_assert static_cast struct switch template
+    this thread_local throw true try typedef typeid typename union unsigned using virtual void
+    volatile wchar_t while xor xor_eq
+    NULL NAN INFINITY HUGE_VAL EOF errno assert main size_t
+"""
+
+MODEL_WORDS = tuple(_MODEL.split())
+SCENE_WORDS = tuple(_SCENE.split())
+STATEMENT_WORDS = frozenset(MODEL_WORDS) | frozenset(SCENE_WORDS)
+CLAUSE_WORDS = frozenset(_CLAUSES.split())
+CONSTANTS = frozenset(("t", "pi", "inf", "energy"))
+C_WORDS = frozenset(_C.split())
+
+_LOOK_ALIKES = {
+    "\u00b5": "mu",  # micro sign
+    "\u2126": "Omega",  # ohm sign
+    "\u2206": "Delta",  # increment
+    "\u03d1": "theta",
+    "\u03d5": "phi",
+    "\u03f5": "epsilon",
+    "\u03f1": "rho",
+    "\u03d6": "pi",
+    "\u03f0": "kappa",
+    "\u03c2": "sigma",
+    "\u03f4": "Theta",
+}
+
+
+def reserved(name: str) -> str:
+    """Why a name cannot be declared, or an empty string."""
+    if name in STATEMENT_WORDS or name in CLAUSE_WORDS:
+        return "is a word of the language"
+    if name in CONSTANTS:
+        return {
+            "t": "is the time",
+            "pi": "is the number pi",
+            "inf": "is infinity",
+            "energy": "is the model's energy",
+        }[name]
+    if name in C_WORDS:
+        return "has a meaning in C or C++"
+    if name.startswith("__") or (name.startswith("_") and name[1:2].isupper()):
+        return "is kept for the C compiler (it begins with an underscore)"
+    return ""
+
+
+def greek(character: str) -> str | None:
+    """A Greek letter spelt out, look-alikes and mathematical alphabets included, or None."""
+    spelt = _LOOK_ALIKES.get(character)
+    if spelt is not None:
+        return spelt
+    for form in (character, unicodedata.normalize("NFKC", character)):
+        words = unicodedata.name(form, "").split() if len(form) == 1 else []
+        if len(words) == 4 and words[0] == "GREEK" and words[2] == "LETTER":
+            spelt = {"lamda": "lambda", "final": "sigma"}.get(words[3].lower(), words[3].lower())
+            return spelt.capitalize() if words[1] == "CAPITAL" else spelt
+    return None

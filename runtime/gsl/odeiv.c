@@ -1,0 +1,182 @@
+/* GSL's steppers rk8pd (Prince-Dormand 8(9)) and msadams (variable-order Adams) on y = (q, v),
+ * with GSL's own step control, as methods like the core's. GSL's error handler, which aborts, is
+ * switched off around every call into it and put back. Reference: GNU Scientific Library
+ * Reference Manual, "Ordinary Differential Equations"; P. J. Prince, J. R. Dormand,
+ * J. Comp. Appl. Math. 7 (1981) 67.
+ */
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+
+#include <pk/gsl.h>
+#include <pk/integrator.h>
+
+struct foreign {
+    gsl_odeiv2_system system;
+    gsl_odeiv2_driver *driver;
+    enum pk_status status; /* of the right-hand side, which GSL sees only as "failed" */
+    double h;              /* the step that GSL proposes; 0: to be guessed */
+};
+
+static size_t no_size(const struct pk_method *method, size_t n)
+{
+    (void)method;
+    (void)n;
+    return 0;
+}
+
+static int finite(const double *x, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!(x[i] - x[i] == 0.0))
+            return 0;
+    return 1;
+}
+
+static int right_hand_side(double t, const double *y, double *dy, void *context)
+{
+    struct pk_integrator *it = (struct pk_integrator *)context;
+    struct foreign *f = (struct foreign *)it->extra;
+    const struct pk_problem *problem = &it->problem;
+    if (problem->system->n_inputs && problem->input)
+        problem->input(problem->context, t, it->u);
+    it->count.evaluations++;
+    memcpy(dy, y + it->n, it->n * sizeof *y);
+    const int failed =
+        problem->system->acceleration(problem->params, t, y, y + it->n, it->u, dy + it->n);
+    if (failed) {
+        f->status = finite(y, 2 * it->n) ? PK_SINGULAR_MASS : PK_NOT_FINITE;
+        it->where = (size_t)failed - 1;
+        it->detail = t;
+    } else if (!finite(dy, 2 * it->n)) {
+        f->status = PK_NOT_FINITE;
+    } else {
+        return GSL_SUCCESS;
+    }
+    return GSL_FAILURE; /* GSL halves the step on this, and gives up only on GSL_EBADFUNC */
+}
+
+static void release(struct pk_integrator *it)
+{
+    struct foreign *f = (struct foreign *)it->extra;
+    if (f) {
+        if (f->driver)
+            gsl_odeiv2_driver_free(f->driver);
+        free(f);
+    }
+    it->extra = NULL;
+}
+
+static enum pk_status init(struct pk_integrator *it)
+{
+    const gsl_odeiv2_step_type *const *type =
+        (const gsl_odeiv2_step_type *const *)it->method->table;
+    release(it);
+    struct foreign *f = (struct foreign *)calloc(1, sizeof *f);
+    if (!f)
+        return PK_NO_MEMORY;
+    it->extra = f;
+    f->system.function = right_hand_side;
+    f->system.dimension = 2 * it->n;
+    f->system.params = it;
+    f->h = it->options.h;
+    gsl_error_handler_t *handler = gsl_set_error_handler_off();
+    f->driver = gsl_odeiv2_driver_alloc_y_new(&f->system, *type, 1e-6, it->options.atol,
+                                              it->options.rtol);
+    gsl_set_error_handler(handler);
+    return f->driver ? PK_DONE : PK_NO_MEMORY;
+}
+
+static enum pk_status fall_back(struct foreign *f, enum pk_status status)
+{
+    gsl_odeiv2_step_reset(f->driver->s);
+    gsl_odeiv2_evolve_reset(f->driver->e);
+    return status;
+}
+
+static enum pk_status step(struct pk_integrator *it, pk_real limit)
+{
+    struct foreign *f = (struct foreign *)it->extra;
+    const double left = limit - it->t;
+    double t = it->t, h = f->h;
+    if (!(h * left > 0)) { /* first step, or the direction turned */
+        h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
+        h = left > 0 ? h : -h;
+        fall_back(f, PK_DONE);
+    }
+    if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
+        h = h > 0 ? it->options.h_max : -it->options.h_max;
+    const double least = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
+
+    gsl_error_handler_t *handler = gsl_set_error_handler_off();
+    const unsigned long rejected = f->driver->e->failed_steps;
+    memcpy(it->next, it->state, 2 * it->n * sizeof *it->next);
+    f->status = PK_DONE;
+    enum pk_status status = PK_DONE;
+    const double planned = h;
+    for (;;) {
+        const int failed = gsl_odeiv2_evolve_apply(f->driver->e, f->driver->c, f->driver->s,
+                                                   &f->system, &t, limit, &h, it->next);
+        if (!failed)
+            break;
+        memcpy(it->next, it->state, 2 * it->n * sizeof *it->next);
+        t = it->t;
+        gsl_odeiv2_step_reset(f->driver->s);
+        h *= 0.2;
+        it->count.rejections++;
+        if (!(h > least || h < -least)) {
+            status = f->status < 0 ? f->status : PK_STEP_UNDERFLOW;
+            break;
+        }
+    }
+    it->count.rejections += f->driver->e->failed_steps - rejected;
+    const double made = t - it->t;
+    if (status >= 0 && !(made > least || made < -least) && !(t <= limit && t >= limit)) {
+        it->detail = made;
+        status = PK_STEP_UNDERFLOW;
+    }
+    gsl_set_error_handler(handler);
+    if (status < 0)
+        return fall_back(f, status);
+    /* A step cut short by the limit says nothing about the next. */
+    const int cut = (t <= limit && t >= limit) && made * made < planned * planned;
+    f->h = cut && h * h < planned * planned ? planned : h;
+    it->next_t = t;
+    it->h = f->h;
+    return PK_DONE;
+}
+
+#define GSL_METHOD(symbol, label, text, p, s, type)                  \
+    static const struct pk_method symbol = {.name = label,           \
+                                            .doc = text,             \
+                                            .order = p,              \
+                                            .stages = s,             \
+                                            .traits = PK_ADAPTIVE,   \
+                                            .table = &type,          \
+                                            .size = no_size,         \
+                                            .init = init,            \
+                                            .step = step,            \
+                                            .release = release}
+
+GSL_METHOD(rk8pd, "gsl_rk8pd", "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67", 8, 13,
+           gsl_odeiv2_step_rk8pd);
+GSL_METHOD(msadams, "gsl_msadams", "GSL: Adams in Nordsieck form, orders 1 to 12", 0, 0,
+           gsl_odeiv2_step_msadams);
+
+static const struct pk_method *const methods[] = {&rk8pd, &msadams};
+
+const struct pk_method *pk_gsl_method_at(size_t index)
+{
+    return index < sizeof methods / sizeof *methods ? methods[index] : NULL;
+}
+
+const struct pk_method *pk_gsl_method_find(const char *name)
+{
+    for (size_t i = 0; i < sizeof methods / sizeof *methods; i++)
+        if (strcmp(methods[i]->name, name) == 0)
+            return methods[i];
+    return NULL;
+}

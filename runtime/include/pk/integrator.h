@@ -1,0 +1,111 @@
+/* Integration of a pk_system in time, in memory that the caller owns.
+ *
+ *     struct pk_problem problem = {.system = &pendulum_system, .params = &params};
+ *     const struct pk_method *method = pk_method_find("dop853");
+ *     struct pk_options options = pk_options_default();
+ *     size_t size = pk_integrator_size(&problem, method);     (bytes)
+ *     pk_integrator_init(&it, &problem, method, &options, t0, q0, v0, block, size);
+ *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
+ *
+ * No function allocates, prints or exits (a method of pk/gsl.h allocates in init, and
+ * pk_integrator_free() gives that back). A step that fails leaves t, q, v and p as they were.
+ * One integrator is used by one thread at a time; different ones are independent.
+ */
+#ifndef PK_INTEGRATOR_H
+#define PK_INTEGRATOR_H
+
+#include <stddef.h>
+
+#include <pk/method.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What is integrated. `params` is the model's own struct, already prepared. `input` fills
+ * u at time t; without it inputs are zero. */
+struct pk_problem {
+    const struct pk_system *system;
+    const void *params;
+    void (*input)(void *context, pk_real t, pk_real *u);
+    void *context;
+};
+
+enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
+
+struct pk_options {
+    pk_real h;    /* fixed step, or an adaptive method's first one (0: it chooses). Positive. */
+    pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| a step, root mean square */
+    pk_real atol;
+    pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
+    pk_real h_max; /* adaptive; 0: none */
+    unsigned long max_steps; /* 0: no bound */
+    enum pk_iteration iteration;
+    pk_real newton_tol; /* relative correction that ends an iteration; 0: down to round-off */
+    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point */
+};
+
+struct pk_counters {
+    unsigned long steps, rejections;
+    unsigned long evaluations; /* of the acceleration, or of p and pdot at one stage */
+    unsigned long jacobians, factorisations, iterations;
+};
+
+struct pk_integrator {
+    /* To be read by the caller. p is NULL unless the method carries momenta. */
+    pk_real t;
+    const pk_real *q, *v, *p;
+    struct pk_counters count;
+    enum pk_status status; /* of the last call */
+
+    /* For methods and the runtime alone. */
+    struct pk_problem problem;
+    const struct pk_method *method;
+    struct pk_options options;
+    size_t n;
+    pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
+    pk_real *u, *work;
+    pk_real next_t, last_t;   /* end of the step being made; start of the last one made */
+    pk_real h;                /* signed step, made or to be made */
+    pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
+    pk_real error;            /* adaptive: of the last accepted step, in units of the tolerance */
+    int direction;            /* +1, -1, 0 before the first step */
+    int flags;                /* the method's own */
+    size_t where;             /* which coordinate or parameter a status is about */
+    pk_real detail;           /* a number that belongs to the reason */
+    void *extra;              /* of a foreign library */
+};
+
+struct pk_options pk_options_default(void);
+
+/* Bytes of the block that pk_integrator_init() wants; it is to be aligned for pk_real. */
+size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method);
+
+enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
+                                  const struct pk_method *method,
+                                  const struct pk_options *options, pk_real t0,
+                                  const pk_real *q0, const pk_real *v0, void *block,
+                                  size_t block_size);
+/* A new state at t for the same integrator; counters go on. */
+enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                   const pk_real *v);
+/* Another fixed step, or for an adaptive method another first step, from here on. */
+enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
+/* One step towards `limit`, never past it; a step that would end within round-off of it ends
+ * exactly there. PK_DONE without a step if t is there already. */
+enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
+/* Steps until t == t_end exactly, forward or backward. */
+enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
+/* The motion at t inside the last step, by the method's own interpolant. */
+enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+/* The last status in words, with the last valid time and names. Returns its length as
+ * snprintf() does. */
+int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size);
+/* Needed for methods that allocate (GSL's), harmless for others. */
+void pk_integrator_free(struct pk_integrator *it);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,58 @@
+/* An integration method as one const struct: what it is called, what it promises, what it needs
+ * of a system, and how it makes a step. Most methods are a table and a family's loop, so a new
+ * tableau is one table entry; see the registry in src/method.c.
+ */
+#ifndef PK_METHOD_H
+#define PK_METHOD_H
+
+#include <stddef.h>
+
+#include <pk/real.h>
+#include <pk/status.h>
+#include <pk/system.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a method promises. Symplectic is meant in (q, p) at a fixed step. */
+enum pk_trait {
+    PK_SYMPLECTIC = 1u << 0,
+    PK_SYMMETRIC = 1u << 1,
+    PK_ADAPTIVE = 1u << 2,
+    PK_IMPLICIT = 1u << 3,
+    PK_DENSE = 1u << 4 /* pk_integrator_dense() works */
+};
+
+struct pk_integrator;
+
+struct pk_method {
+    const char *name;
+    const char *doc; /* one line and the citation */
+    int order;       /* 0: variable */
+    int stages;      /* evaluations a step, last-is-first-of-next counted once; 0: variable */
+    int dense_order; /* local interpolant's order; 0: none */
+    unsigned traits; /* of enum pk_trait */
+    unsigned needs;  /* of enum pk_fact (`requires` is a keyword of C++20) */
+    const void *table;
+
+    /* Number of pk_real of work for n degrees of freedom. */
+    size_t (*size)(const struct pk_method *method, size_t n);
+    enum pk_status (*init)(struct pk_integrator *it);
+    /* One step into it->next, to it->next_t, not past `limit`. Must leave it->state alone. */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
+    /* Between the ends of the last step; NULL without PK_DENSE. */
+    enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+    /* Only for methods of foreign libraries that allocate; else NULL. */
+    void (*release)(struct pk_integrator *it);
+};
+
+/* NULL where there is none. The core's methods; see pk/gsl.h for GSL's. */
+const struct pk_method *pk_method_find(const char *name);
+const struct pk_method *pk_method_at(size_t index);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,12 @@
+/* The whole runtime: systems, methods, integrators, diagnostics. */
+#ifndef PK_PK_H
+#define PK_PK_H
+
+#include <pk/diagnostics.h>
+#include <pk/integrator.h>
+#include <pk/method.h>
+#include <pk/real.h>
+#include <pk/status.h>
+#include <pk/system.h>
+
+#endif

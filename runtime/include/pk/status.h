@@ -1,0 +1,43 @@
+/* What a call of the runtime came to. Zero is success; a positive status stopped for a reason
+ * that was asked for; a negative one failed, and its state is the last valid one.
+ *
+ * The list is one X-macro, so a status cannot be without its name and its text.
+ */
+#ifndef PK_STATUS_H
+#define PK_STATUS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PK_STATUSES(X)                                                                      \
+    X(PK_DONE, 0, "done")                                                                   \
+    X(PK_STOPPED_EVENT, 1, "stopped at an event")                                           \
+    X(PK_STOPPED_USER, 2, "stopped by the user")                                            \
+    X(PK_BAD_ARGUMENT, -1, "bad argument")                                                  \
+    X(PK_BLOCK_TOO_SMALL, -2, "memory block too small or misaligned")                       \
+    X(PK_REFUSED, -3, "the method does not apply to this system")                           \
+    X(PK_OUT_OF_BOUNDS, -4, "a parameter is outside its bounds")                            \
+    X(PK_SINGULAR_MASS, -5, "the mass matrix is singular or indefinite")                    \
+    X(PK_NO_CONVERGENCE, -6, "the iteration of an implicit step did not converge")          \
+    X(PK_STEP_UNDERFLOW, -7, "the step size fell to the round-off of time")                 \
+    X(PK_NOT_FINITE, -8, "the motion is no longer finite")                                  \
+    X(PK_TOO_MANY_STEPS, -9, "too many steps")                                              \
+    X(PK_NO_MEMORY, -10, "a foreign library could not allocate its workspace")
+
+enum pk_status {
+#define PK_STATUS_ENUM(name, value, text) name = value,
+    PK_STATUSES(PK_STATUS_ENUM)
+#undef PK_STATUS_ENUM
+    PK_STATUS_LAST = -11 /* below every status; no trailing comma, for C++98 readers */
+};
+
+/* "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */
+const char *pk_status_name(enum pk_status status);
+const char *pk_status_text(enum pk_status status);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,252 @@
+/* The program that `pkgen run` builds for a model: settings in, CSV out, a report beside it.
+ * Compiled with -DPK_SYSTEM=NAME_system and linked with the generated C.
+ *
+ * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. A fixed step is shortened so that a whole
+ * number of steps makes an interval, the last and shorter interval likewise. An adaptive method
+ * lands on rows, or answers by its dense output where that is as accurate as its steps: dopri5's
+ * and dop853's lose digits at tight tolerances (measured in tests/runtime), so they land there.
+ *
+ * Exit: 0 done; 2 wrong settings or output that cannot be written; 4 the numerics failed; 130
+ * interrupted. Rows up to the last valid time are always written first.
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "output.h"
+
+extern const struct pk_system PK_SYSTEM;
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void constant_input(void *context, pk_real t, pk_real *u)
+{
+    const struct run *run = (const struct run *)context;
+    (void)t;
+    memcpy(u, run->settings.u, run->problem.system->n_inputs * sizeof *u);
+}
+
+static void progress(const struct run *run, int force)
+{
+    static double last;
+    const double t = now();
+    if (!run->settings.progress || (!force && t - last < 0.1))
+        return;
+    last = t;
+    fprintf(stderr, "progress %.4g\n", (double)(run->it.t / run->settings.until));
+    fflush(stderr);
+}
+
+/* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
+ * as whole. */
+static pk_real intervals(pk_real whole, pk_real part)
+{
+    const pk_real count = PK_F(ceil)(whole / part * (1 - PK_C(1e-12)));
+    return count < 1 ? 1 : count;
+}
+
+static int step(struct run *run, pk_real limit)
+{
+    struct pk_integrator *it = &run->it;
+    if (pk_integrator_step(it, limit) < 0)
+        return 0;
+    const pk_real h = it->t - it->last_t;
+    if (it->count.steps == 1 || h < run->h_min)
+        run->h_min = h;
+    if (it->count.steps == 1 || h > run->h_max)
+        run->h_max = h;
+    pk_monitor_update(&run->monitor, it->t, it->q, it->v);
+    if (it->count.steps % 64 == 0)
+        progress(run, 0);
+    run->interrupted = interrupted;
+    return !interrupted && !run->write_failed;
+}
+
+static pk_real row_time(const struct run *run, pk_real k, pk_real count)
+{
+    return k < count ? k * run->settings.every : run->settings.until;
+}
+
+static void integrate_landing(struct run *run, pk_real count)
+{
+    struct pk_integrator *it = &run->it;
+    const int fixed = !(run->settings.method->traits & PK_ADAPTIVE);
+    for (pk_real k = 1; k <= count; k += 1) {
+        const pk_real t = row_time(run, k, count);
+        if (fixed && k >= count && count > 1) {
+            const pk_real tail = t - it->t;
+            pk_integrator_set_step(it, tail / intervals(tail, run->settings.options.h));
+        }
+        while (it->t < t)
+            if (!step(run, t))
+                return;
+        output_row(run, stdout, t, it->q, it->v);
+    }
+}
+
+static void integrate_dense(struct run *run, pk_real count)
+{
+    struct pk_integrator *it = &run->it;
+    const size_t n = it->n;
+    pk_real k = 1;
+    while (it->t < run->settings.until) {
+        if (!step(run, run->settings.until))
+            return;
+        for (; k <= count && row_time(run, k, count) <= it->t; k += 1) {
+            const pk_real t = row_time(run, k, count);
+            if (t < it->t && pk_integrator_dense(it, t, run->row, run->row + n) < 0)
+                return;
+            if (t < it->t)
+                output_row(run, stdout, t, run->row, run->row + n);
+            else
+                output_row(run, stdout, t, it->q, it->v);
+        }
+    }
+}
+
+static void integrate_each_step(struct run *run)
+{
+    while (run->it.t < run->settings.until && step(run, run->settings.until))
+        output_row(run, stdout, run->it.t, run->it.q, run->it.v);
+}
+
+/* Settings that depend on one another: the recording interval, the fixed step, landing. */
+static int choose(struct run *run, pk_real *count)
+{
+    struct settings *s = &run->settings;
+    const int fixed = !(s->method->traits & PK_ADAPTIVE);
+    if (s->every < 0)
+        s->every = s->until / 1000;
+    if (s->every > s->until)
+        s->every = s->until;
+    if (!fixed && !(s->every > 0)) {
+        fprintf(stderr, "run: every 0 (each step) is for methods of a fixed step\n");
+        return 2;
+    }
+    const pk_real interval = s->every > 0 ? s->every : s->until;
+    *count = s->every > 0 ? intervals(s->until, s->every) : 0;
+    if (fixed && !(s->options.h > 0)) {
+        fprintf(stderr, "run: method %s needs a step\n", s->method->name);
+        return 2;
+    }
+    if (fixed)
+        s->options.h = interval / intervals(interval, s->options.h);
+    if (s->land < 0)
+        s->land = 1;
+    if (!(s->method->traits & PK_DENSE))
+        s->land = 1;
+    return 0;
+}
+
+static int start(struct run *run)
+{
+    struct settings *s = &run->settings;
+    const struct pk_system *system = &PK_SYSTEM;
+    run->problem.system = system;
+    run->problem.params = s->params;
+    run->problem.input = constant_input;
+    run->problem.context = run;
+    const size_t size = pk_integrator_size(&run->problem, s->method);
+    const size_t monitor_size = pk_monitor_size(&run->problem);
+    run->block = malloc(size ? size : 1);
+    run->monitor_block = malloc(monitor_size ? monitor_size : 1);
+    run->row = (pk_real *)calloc(2 * system->n + system->n_observed + 1, sizeof *run->row);
+    if (!run->block || !run->monitor_block || !run->row) {
+        fprintf(stderr, "run: out of memory\n");
+        return 4;
+    }
+    pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
+    if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                           run->block, size) < 0)
+        return 4;
+    return 0;
+}
+
+static int finish(struct run *run)
+{
+    char reason[512];
+    int code = 0;
+    errno = 0;
+    if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
+        run->write_failed = errno ? errno : EIO;
+    if (run->it.status < 0) {
+        pk_integrator_reason(&run->it, reason, sizeof reason);
+        fprintf(stderr, "run: %s: %s\n", run->settings.method->name, reason);
+        code = 4;
+    }
+    if (run->write_failed) {
+        fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
+        code = 2;
+    }
+    if (run->interrupted) {
+        fprintf(stderr, "run: interrupted at t = %.17g\n", (double)run->it.t);
+        code = 130;
+    }
+    if (run->settings.report && output_report(run, run->settings.report) && code == 0)
+        code = 2;
+    return code;
+}
+
+int main(int argc, char **argv)
+{
+    static struct run run;
+    static char buffer[1 << 16];
+    pk_real count = 0;
+    if (argc == 2 && strcmp(argv[1], "--methods") == 0)
+        return output_methods(stdout) ? 2 : 0;
+    if (argc > 1) {
+        fprintf(stderr, "run: settings come on standard input; the one option is --methods\n");
+        return 2;
+    }
+    int code = settings_read(&run.settings, &PK_SYSTEM, stdin);
+    if (code == 0)
+        code = choose(&run, &count);
+    if (code) {
+        settings_free(&run.settings);
+        return code;
+    }
+    setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is a write that fails, and is reported */
+    signal(SIGINT, on_interrupt);
+    const double began = now();
+    code = start(&run);
+    if (run.it.state) {
+        output_header(&run, stdout);
+        if (code == 0) {
+            output_row(&run, stdout, 0, run.it.q, run.it.v);
+            pk_monitor_update(&run.monitor, 0, run.it.q, run.it.v);
+            if (!(run.settings.every > 0))
+                integrate_each_step(&run);
+            else if (run.settings.land)
+                integrate_landing(&run, count);
+            else
+                integrate_dense(&run, count);
+        }
+    }
+    run.seconds = now() - began;
+    progress(&run, 1);
+    code = finish(&run);
+    pk_integrator_free(&run.it);
+    settings_free(&run.settings);
+    free(run.block);
+    free(run.monitor_block);
+    free(run.row);
+    return code;
+}

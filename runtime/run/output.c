@@ -1,0 +1,225 @@
+/* Rows, report and the list of methods. CSV quotes a name that holds a comma, a quote or a blank
+ * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
+ */
+#include "output.h"
+
+#include <errno.h>
+#include <string.h>
+
+static void csv_name(FILE *file, const char *name)
+{
+    fputc(',', file);
+    if (!strpbrk(name, ",\" \n")) {
+        fputs(name, file);
+        return;
+    }
+    fputc('"', file);
+    for (; *name; name++) {
+        if (*name == '"')
+            fputc('"', file);
+        fputc(*name, file);
+    }
+    fputc('"', file);
+}
+
+void output_header(struct run *run, FILE *file)
+{
+    const struct pk_system *system = run->problem.system;
+    fputc('t', file);
+    for (size_t i = 0; i < system->n; i++)
+        csv_name(file, system->coordinates[i].name);
+    for (size_t i = 0; i < system->n; i++)
+        csv_name(file, system->rates[i].name);
+    for (size_t i = 0; i < system->n_observed; i++)
+        csv_name(file, system->observed[i].name);
+    fputs(",energy\n", file);
+}
+
+void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v)
+{
+    const struct pk_system *system = run->problem.system;
+    const pk_real *u = run->settings.u;
+    pk_real *out = run->row + 2 * system->n;
+
+    fprintf(file, "%.17g", (double)t);
+    for (size_t i = 0; i < system->n; i++)
+        fprintf(file, ",%.17g", (double)q[i]);
+    for (size_t i = 0; i < system->n; i++)
+        fprintf(file, ",%.17g", (double)v[i]);
+    if (system->n_observed) {
+        system->observe(run->settings.params, t, q, v, u, out);
+        for (size_t i = 0; i < system->n_observed; i++)
+            fprintf(file, ",%.17g", (double)out[i]);
+    }
+    fprintf(file, ",%.17g\n", (double)system->energy(run->settings.params, t, q, v, u));
+    run->rows++;
+    if (ferror(file))
+        run->write_failed = errno ? errno : EIO;
+}
+
+static void json_text(FILE *file, const char *text)
+{
+    fputc('"', file);
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\')
+            fprintf(file, "\\%c", c);
+        else if (c < 0x20)
+            fprintf(file, "\\u%04x", c);
+        else
+            fputc(c, file);
+    }
+    fputc('"', file);
+}
+
+static void json_real(FILE *file, pk_real x)
+{
+    if (x - x == PK_C(0.0))
+        fprintf(file, "%.17g", (double)x);
+    else
+        fputs("null", file);
+}
+
+static void json_array(FILE *file, const char *key, const pk_real *x, size_t count)
+{
+    fprintf(file, "\"%s\": [", key);
+    for (size_t i = 0; x && i < count; i++) {
+        fputs(i ? ", " : "", file);
+        json_real(file, x[i]);
+    }
+    fputs("]", file);
+}
+
+static void json_drift(FILE *file, const char *name, const struct pk_drift *drift)
+{
+    fputs("{\"name\": ", file);
+    json_text(file, name);
+    fputs(", \"max\": ", file);
+    json_real(file, pk_drift_max(drift));
+    fputs(", \"final\": ", file);
+    json_real(file, pk_drift_final(drift));
+    fputs(", \"slope\": ", file);
+    json_real(file, pk_drift_slope(drift));
+    fputs("}", file);
+}
+
+static void json_drifts(struct run *run, FILE *file)
+{
+    const struct pk_system *system = run->problem.system;
+    const struct pk_monitor *m = &run->monitor;
+    int first = 1;
+    /* Of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
+    fputs("  \"drifts\": [", file);
+    if (m->has_energy) {
+        json_drift(file, "energy", &m->energy);
+        first = 0;
+    }
+    for (size_t i = 0; m->momenta && i < system->n; i++)
+        if (system->cyclic && system->cyclic[i]) {
+            fputs(first ? "" : ", ", file);
+            first = 0;
+            json_drift(file, system->momenta[i].name, &m->momenta[i]);
+        }
+    for (size_t i = 0; m->conserved && i < system->n_conserved; i++) {
+        fputs(first ? "" : ", ", file);
+        first = 0;
+        json_drift(file, system->conserved[i].name, &m->conserved[i]);
+    }
+    fputs("]\n}\n", file);
+}
+
+static void json_run(struct run *run, FILE *file)
+{
+    const struct pk_integrator *it = &run->it;
+    const struct pk_method *method = run->settings.method;
+    const struct pk_counters *c = &it->count;
+    char reason[512];
+
+    fputs("{\n  \"model\": ", file);
+    json_text(file, run->problem.system->name);
+    fputs(",\n  \"source_hash\": ", file);
+    json_text(file, run->problem.system->source_hash);
+    pk_integrator_reason(it, reason, sizeof reason);
+    fprintf(file, ",\n  \"status\": \"%s\",\n  \"code\": %d,\n  \"text\": ",
+            pk_status_name(it->status), (int)it->status);
+    json_text(file, pk_status_text(it->status));
+    fputs(",\n  \"reason\": ", file);
+    json_text(file, reason);
+    fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
+    json_real(file, it->t);
+    fputs(",\n  ", file);
+    json_array(file, "q", it->q, it->n);
+    fputs(", ", file);
+    json_array(file, "v", it->v, it->n);
+    fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
+    fputs("  \"step\": ", file);
+    if (method->traits & PK_ADAPTIVE)
+        fputs("null", file);
+    else
+        json_real(file, run->settings.options.h);
+    fputs(",\n  \"step_min\": ", file);
+    json_real(file, run->h_min);
+    fputs(",\n  \"step_max\": ", file);
+    json_real(file, run->h_max);
+    fputs(",\n  \"rtol\": ", file);
+    json_real(file, run->settings.options.rtol);
+    fputs(",\n  \"atol\": ", file);
+    json_real(file, run->settings.options.atol);
+    fprintf(file,
+            ",\n  \"rows\": %lu,\n  \"steps\": %lu,\n  \"rejections\": %lu,\n"
+            "  \"evaluations\": %lu,\n  \"jacobians\": %lu,\n  \"factorisations\": %lu,\n"
+            "  \"iterations\": %lu,\n  \"seconds\": %.6g,\n",
+            run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
+            c->iterations, run->seconds);
+    json_drifts(run, file);
+}
+
+int output_report(struct run *run, const char *path)
+{
+    FILE *file = fopen(path, "w");
+    if (!file) {
+        fprintf(stderr, "run: cannot write %s: %s\n", path, strerror(errno));
+        return 1;
+    }
+    json_run(run, file);
+    const int failed = ferror(file);
+    if (fclose(file) || failed) {
+        fprintf(stderr, "run: cannot write %s\n", path);
+        return 1;
+    }
+    return 0;
+}
+
+static void json_flags(FILE *file, unsigned flags, const char *const *names, size_t count)
+{
+    int first = 1;
+    fputc('[', file);
+    for (size_t i = 0; i < count; i++)
+        if (flags & (1u << i)) {
+            fprintf(file, "%s\"%s\"", first ? "" : ", ", names[i]);
+            first = 0;
+        }
+    fputc(']', file);
+}
+
+int output_methods(FILE *file)
+{
+    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
+                                         "dense"};
+    static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
+                                        "separable",     "autonomous",    "conservative",
+                                        "variational",   "smooth"};
+    for (size_t i = 0; run_method_at(i); i++) {
+        const struct pk_method *m = run_method_at(i);
+        fprintf(file, "{\"name\": \"%s\", \"order\": %d, \"stages\": %d, \"dense_order\": %d, ",
+                m->name, m->order, m->stages, m->dense_order);
+        fputs("\"flags\": ", file);
+        json_flags(file, m->traits, traits, sizeof traits / sizeof *traits);
+        fputs(", \"requires\": ", file);
+        json_flags(file, m->needs, facts, sizeof facts / sizeof *facts);
+        fputs(", \"doc\": ", file);
+        json_text(file, m->doc);
+        fputs("}\n", file);
+    }
+    return fflush(file) || ferror(file);
+}

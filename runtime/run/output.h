@@ -1,0 +1,30 @@
+/* What a run writes: rows of a CSV, a report in JSON. */
+#ifndef RUN_OUTPUT_H
+#define RUN_OUTPUT_H
+
+#include <stdio.h>
+
+#include "settings.h"
+
+struct run {
+    struct settings settings;
+    struct pk_problem problem;
+    struct pk_integrator it;
+    struct pk_monitor monitor;
+    void *block, *monitor_block;
+    pk_real *row; /* q, v, u, observed of a row */
+    unsigned long rows;
+    pk_real h_min, h_max; /* steps made */
+    int interrupted;
+    int write_failed;
+    double seconds;
+};
+
+void output_header(struct run *run, FILE *file);
+void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v);
+/* 0, or a message on standard error. */
+int output_report(struct run *run, const char *path);
+/* One JSON object a line. */
+int output_methods(FILE *file);
+
+#endif

@@ -1,0 +1,111 @@
+/* Drift of constants of the motion, online. The slope is by Welford's update of the means and
+ * co-moments, which does not cancel as the sums of t^2 and t x would. Reference: B. P. Welford,
+ * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242.
+ */
+#include <string.h>
+
+#include <pk/diagnostics.h>
+
+#include "internal.h"
+
+void pk_drift_init(struct pk_drift *drift)
+{
+    memset(drift, 0, sizeof *drift);
+}
+
+void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale)
+{
+    if (drift->samples == 0)
+        drift->first = x;
+    const pk_real d = x - drift->first;
+    drift->samples++;
+    drift->scale = pk_max(drift->scale, pk_abs(scale));
+    /* A value that is not finite must show, so the comparison is written to let it through. */
+    if (!(pk_abs(d) <= drift->max))
+        drift->max = pk_abs(d);
+    drift->final = d;
+
+    const pk_real count = (pk_real)drift->samples;
+    const pk_real dt = t - drift->mean_t;
+    drift->mean_t += dt / count;
+    drift->mean_x += (d - drift->mean_x) / count;
+    drift->var_t += dt * (t - drift->mean_t);
+    drift->cov += dt * (d - drift->mean_x);
+}
+
+void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x)
+{
+    pk_drift_update_scaled(drift, t, x, pk_abs(x));
+}
+
+static pk_real scaled(const struct pk_drift *drift, pk_real x)
+{
+    if (!(x > 0) && !(x < 0) && pk_finite(x))
+        return 0; /* also where X is 0 all along */
+    return x / drift->scale;
+}
+
+pk_real pk_drift_max(const struct pk_drift *drift) { return scaled(drift, drift->max); }
+pk_real pk_drift_final(const struct pk_drift *drift) { return scaled(drift, drift->final); }
+
+pk_real pk_drift_slope(const struct pk_drift *drift)
+{
+    return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
+}
+
+static size_t drift_reals(size_t count)
+{
+    return (count * sizeof(struct pk_drift) + sizeof(pk_real) - 1) / sizeof(pk_real);
+}
+
+size_t pk_monitor_size(const struct pk_problem *problem)
+{
+    const struct pk_system *system = problem->system;
+    return (drift_reals(system->n + system->n_conserved) + 2 * system->n +
+            system->n_inputs + system->n_conserved) *
+           sizeof(pk_real);
+}
+
+enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_problem *problem,
+                               void *block, size_t block_size)
+{
+    const struct pk_system *system = problem->system;
+    if (block_size < pk_monitor_size(problem) || (size_t)block % sizeof(pk_real))
+        return PK_BLOCK_TOO_SMALL;
+    memset(block, 0, pk_monitor_size(problem));
+    monitor->problem = *problem;
+    monitor->has_energy = (system->facts & PK_CONSERVATIVE) != 0;
+    pk_drift_init(&monitor->energy);
+    monitor->momenta = (struct pk_drift *)block;
+    monitor->conserved = monitor->momenta + system->n;
+    monitor->work = (pk_real *)block + drift_reals(system->n + system->n_conserved);
+    return PK_DONE;
+}
+
+void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
+                       const pk_real *v)
+{
+    const struct pk_problem *problem = &monitor->problem;
+    const struct pk_system *system = problem->system;
+    const size_t n = system->n;
+    pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
+
+    if (system->n_inputs && problem->input)
+        problem->input(problem->context, t, u);
+    system->canonical(problem->params, t, q, v, u, p, pdot);
+    if (monitor->has_energy) {
+        const pk_real h = system->energy(problem->params, t, q, v, u);
+        pk_real vp = 0;
+        for (size_t i = 0; i < n; i++)
+            vp += v[i] * p[i];
+        pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
+    }
+    for (size_t i = 0; i < n; i++)
+        if (system->cyclic && system->cyclic[i])
+            pk_drift_update(&monitor->momenta[i], t, p[i]);
+    if (system->n_conserved && system->conserve) {
+        system->conserve(problem->params, t, q, v, u, c);
+        for (size_t i = 0; i < system->n_conserved; i++)
+            pk_drift_update(&monitor->conserved[i], t, c[i]);
+    }
+}

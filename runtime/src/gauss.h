@@ -1,0 +1,28 @@
+/* What gauss.c and newton.c share. */
+#ifndef PK_GAUSS_H
+#define PK_GAUSS_H
+
+#include "internal.h"
+#include "tableau.h"
+
+/* Corrections below this, relative, that no longer shrink are round-off, not divergence. */
+#define PK_GAUSS_ROUND (PK_C(16384.0) * PK_EPS)
+
+struct pk_gauss_work {
+    const struct pk_gauss *table;
+    size_t s;
+    pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, pdot, residual */
+    pk_real *last_V;            /* of the last step made, for the predictor */
+    pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
+    pk_real *lu, *pivot, *mass, *mean_q, *mean_v;
+    pk_real *mu, *hA, *hb, *predict;
+    /* The step that hA, and that lu, was made for; that of the predictor over the last one's;
+     * iterations of the first solution after the matrix was made. */
+    pk_real *h, *lu_h, *ratio, *last_h, *best;
+};
+
+struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
+/* Stage rates V, and Q, P, F at them, from the V given as a guess. */
+enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w);
+
+#endif

@@ -1,0 +1,315 @@
+/* The integrator: its memory, its checks, and the loop over steps. A method's step() writes the
+ * new state into it->next; here it is checked and only then becomes the state, so a step that
+ * fails leaves no trace. Time on a fixed step is anchor + k h, rounded twice, never a sum of k
+ * roundings.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "internal.h"
+
+int pk_all_finite(const pk_real *x, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!pk_finite(x[i]))
+            return 0;
+    return 1;
+}
+
+const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
+{
+    if (it->problem.system->n_inputs && it->problem.input)
+        it->problem.input(it->problem.context, t, it->u);
+    return it->u;
+}
+
+enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                    const pk_real *v, pk_real *a)
+{
+    const pk_real *u = pk_eval_input(it, t);
+    const int failed = it->problem.system->acceleration(it->problem.params, t, q, v, u, a);
+    it->count.evaluations++;
+    if (!failed)
+        return PK_DONE;
+    /* A state that has run away makes M no number: that is the cause to name. */
+    if (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n))
+        return PK_NOT_FINITE;
+    it->where = (size_t)failed - 1;
+    it->detail = t;
+    return PK_SINGULAR_MASS;
+}
+
+void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                       pk_real *p, pk_real *pdot)
+{
+    const pk_real *u = pk_eval_input(it, t);
+    it->problem.system->canonical(it->problem.params, t, q, v, u, p, pdot);
+    it->count.evaluations++;
+}
+
+struct pk_options pk_options_default(void)
+{
+    struct pk_options options = {0};
+    options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* about 1e-9 in double */
+    options.atol = options.rtol;
+    return options;
+}
+
+size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method)
+{
+    if (!problem || !problem->system || !method)
+        return 0;
+    const size_t n = problem->system->n;
+    return (2 * PK_PARTS * n + problem->system->n_inputs + method->size(method, n)) *
+           sizeof(pk_real);
+}
+
+static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size_t where)
+{
+    it->where = where;
+    return it->status = status;
+}
+
+enum { BAD_POINTER = 1, BAD_SYSTEM, BAD_STEP, BAD_TOLERANCE, BAD_STATE, BAD_TIME, BAD_DENSE };
+
+static const char *const bad_argument[] = {
+    "",
+    "a pointer is null",
+    "the system is of another version of the interface, or has no coordinates",
+    "the step must be positive and finite",
+    "the tolerances must not be negative, one must be positive",
+    "the start is not finite",
+    "the time is not finite",
+    "the time is outside the last step, or the method has no dense output",
+};
+
+static const struct {
+    unsigned fact;
+    const char *text;
+} fact_text[] = {
+    {PK_SEPARABLE, "M constant and forces independent of the rates"},
+    {PK_MASS_CONSTANT, "M constant"},
+    {PK_QUADRATIC, "L of second degree in the rates"},
+    {PK_SMOOTH, "no abs, min, max or step in the equations"},
+    {PK_VARIATIONAL, "no forces besides those of L"},
+    {PK_AUTONOMOUS, "no explicit time and no inputs"},
+    {PK_CONSERVATIVE, "a conserved energy"},
+    {PK_MASS_DIAGONAL, "M diagonal"},
+};
+
+static enum pk_status check_options(struct pk_integrator *it)
+{
+    const struct pk_options *o = &it->options;
+    const int adaptive = (it->method->traits & PK_ADAPTIVE) != 0;
+    if (!pk_finite(o->h) || o->h < 0 || (!adaptive && !(o->h > 0)))
+        return fail(it, PK_BAD_ARGUMENT, BAD_STEP);
+    if (!(o->h_min >= 0) || !(o->h_max >= 0) || !(o->newton_tol >= 0))
+        return fail(it, PK_BAD_ARGUMENT, BAD_STEP);
+    if (adaptive && (!(o->rtol >= 0) || !(o->atol >= 0) || !(o->rtol + o->atol > 0)))
+        return fail(it, PK_BAD_ARGUMENT, BAD_TOLERANCE);
+    return PK_DONE;
+}
+
+enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
+                                  const struct pk_method *method,
+                                  const struct pk_options *options, pk_real t0,
+                                  const pk_real *q0, const pk_real *v0, void *block,
+                                  size_t block_size)
+{
+    memset(it, 0, sizeof *it);
+    if (!problem || !problem->system || !method || !options || !q0 || !v0 || !block)
+        return fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
+    const struct pk_system *system = problem->system;
+    it->problem = *problem;
+    it->method = method;
+    it->options = *options;
+    it->n = system->n;
+    it->t = t0;
+    if (system->abi != PK_ABI || system->n == 0)
+        return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
+    if (method->needs & ~system->facts)
+        return fail(it, PK_REFUSED, 0);
+    if (check_options(it) < 0)
+        return it->status;
+    if (block_size < pk_integrator_size(problem, method) || (size_t)block % sizeof(pk_real))
+        return fail(it, PK_BLOCK_TOO_SMALL, 0);
+
+    memset(block, 0, pk_integrator_size(problem, method));
+    it->state = (pk_real *)block;
+    it->next = it->state + PK_PARTS * it->n;
+    it->u = it->next + PK_PARTS * it->n;
+    it->work = it->u + system->n_inputs;
+    it->q = pk_part(it->state, it->n, PK_Q);
+    it->v = pk_part(it->state, it->n, PK_V);
+    return pk_integrator_reset(it, t0, q0, v0);
+}
+
+enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                   const pk_real *v)
+{
+    const size_t n = it->n;
+    if (!pk_finite(t))
+        return fail(it, PK_BAD_ARGUMENT, BAD_TIME);
+    if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
+        return fail(it, PK_BAD_ARGUMENT, BAD_STATE);
+    memmove(pk_part(it->state, n, PK_Q), q, n * sizeof *q);
+    memmove(pk_part(it->state, n, PK_V), v, n * sizeof *v);
+    memset(pk_part(it->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
+    it->t = it->last_t = it->next_t = t;
+    it->direction = 0;
+    it->flags = 0;
+    it->h = 0;
+    return it->status = it->method->init(it);
+}
+
+enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
+{
+    if (!(h > 0) || !pk_finite(h))
+        return fail(it, PK_BAD_ARGUMENT, BAD_STEP);
+    it->options.h = h;
+    it->direction = 0; /* the next step starts a grid of its own */
+    return it->status = PK_DONE;
+}
+
+/* Chooses it->h and it->next_t of a fixed-step method. 1 where the step leaves the grid. */
+static int choose_fixed(struct pk_integrator *it, pk_real limit)
+{
+    const pk_real sign = (pk_real)it->direction;
+    const pk_real h = sign * it->options.h;
+    const pk_real target = it->anchor + (it->grid + PK_C(1.0)) * h;
+    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+
+    it->h = h;
+    if (pk_abs(target - limit) <= close) {
+        it->next_t = limit; /* the grid and the limit are the same point, rounded differently */
+        return 0;
+    }
+    if (sign * (target - limit) < 0) {
+        it->next_t = target;
+        return 0;
+    }
+    it->h = limit - it->t;
+    it->next_t = limit;
+    return 1;
+}
+
+static enum pk_status check_step(struct pk_integrator *it, pk_real limit)
+{
+    if (it->options.max_steps && it->count.steps >= it->options.max_steps)
+        return PK_TOO_MANY_STEPS;
+    if (it->method->traits & PK_ADAPTIVE)
+        return PK_DONE;
+    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
+        pk_abs(limit - it->t) > it->options.h) {
+        it->detail = it->options.h;
+        return PK_STEP_UNDERFLOW;
+    }
+    return PK_DONE;
+}
+
+enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
+{
+    const size_t n = it->n;
+    if (!it->state)
+        return it->status; /* never initialised: its refusal stands */
+    if (!pk_finite(limit))
+        return fail(it, PK_BAD_ARGUMENT, BAD_TIME);
+    const pk_real left = limit - it->t;
+    if (!(left > 0) && !(left < 0))
+        return it->status = PK_DONE;
+
+    enum pk_status status = check_step(it, limit);
+    if (status < 0)
+        return it->status = status;
+    const int direction = left > 0 ? 1 : -1;
+    if (direction != it->direction) {
+        it->direction = direction;
+        it->anchor = it->t;
+        it->grid = 0;
+        it->h = 0;
+    }
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const int off_grid = fixed && choose_fixed(it, limit);
+
+    status = it->method->step(it, limit);
+    if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
+        status = PK_NOT_FINITE;
+    if (status < 0)
+        return it->status = status;
+
+    memcpy(it->state, it->next, PK_PARTS * n * sizeof(pk_real));
+    it->last_t = it->t;
+    it->t = it->next_t;
+    it->count.steps++;
+    if (off_grid) {
+        it->anchor = it->t;
+        it->grid = 0;
+    } else if (fixed) {
+        it->grid += PK_C(1.0);
+    }
+    return it->status = status;
+}
+
+enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end)
+{
+    do {
+        const enum pk_status status = pk_integrator_step(it, t_end);
+        if (status != PK_DONE)
+            return status;
+    } while (it->t < t_end || it->t > t_end);
+    return PK_DONE;
+}
+
+enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
+    if (!it->state || !it->method->dense || !(it->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
+        return fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
+    return it->status = it->method->dense(it, t, q, v);
+}
+
+void pk_integrator_free(struct pk_integrator *it)
+{
+    if (it->method && it->method->release)
+        it->method->release(it);
+    it->extra = NULL;
+}
+
+int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
+{
+    const char *what = pk_status_text(it->status);
+    const double t = (double)it->t;
+    const struct pk_system *system = it->problem.system;
+
+    switch (it->status) {
+    case PK_BAD_ARGUMENT:
+        return snprintf(text, size, "%s: %s", what, bad_argument[it->where]);
+    case PK_REFUSED:
+        for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
+            if (it->method->needs & ~system->facts & fact_text[i].fact)
+                return snprintf(text, size, "%s needs a system with %s; %s has not",
+                                it->method->name, fact_text[i].text, system->name);
+        return snprintf(text, size, "%s: %s", it->method->name, what);
+    case PK_SINGULAR_MASS:
+        return snprintf(text, size,
+                        "%s: pivot of coordinate %s is not positive at t = %.17g; "
+                        "last valid time %.17g",
+                        what, system->coordinates ? system->coordinates[it->where].name : "?",
+                        (double)it->detail, t);
+    case PK_NO_CONVERGENCE:
+        return snprintf(text, size,
+                        "%s: after a correction of %.3g of the rates; last valid time %.17g",
+                        what, (double)it->detail, t);
+    case PK_STEP_UNDERFLOW:
+        return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
+                        (double)it->detail, t);
+    case PK_TOO_MANY_STEPS:
+        return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
+    case PK_DONE:
+    case PK_STOPPED_EVENT:
+    case PK_STOPPED_USER:
+        return snprintf(text, size, "%s at t = %.17g", what, t);
+    default:
+        return snprintf(text, size, "%s; last valid time %.17g", what, t);
+    }
+}

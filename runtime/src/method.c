@@ -1,0 +1,22 @@
+/* The registry: one line a method. */
+#include <string.h>
+
+#include "tableau.h"
+
+static const struct pk_method *const methods[] = {
+    &pk_euler,  &pk_symplectic_euler, &pk_verlet, &pk_yoshida4, &pk_rk4,    &pk_dopri5,
+    &pk_dop853, &pk_gauss1,           &pk_gauss2, &pk_gauss3,   &pk_gauss4,
+};
+
+const struct pk_method *pk_method_at(size_t index)
+{
+    return index < sizeof methods / sizeof *methods ? methods[index] : NULL;
+}
+
+const struct pk_method *pk_method_find(const char *name)
+{
+    for (size_t i = 0; i < sizeof methods / sizeof *methods; i++)
+        if (strcmp(methods[i]->name, name) == 0)
+            return methods[i];
+    return NULL;
+}

@@ -1,0 +1,239 @@
+"""The command line as a user meets it: what it prints, writes and returns."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy
+import pytest
+from conftest import MODELS, ROOT
+
+DOUBLE = ROOT / "models/double_pendulum.lag"
+HOOP = ROOT / "models/bead_on_hoop.lag"
+
+
+def rows(text: str) -> tuple[list[str], list[list[float]]]:
+    table = list(csv.reader(io.StringIO(text)))
+    return table[0], [[float(x) for x in row] for row in table[1:]]
+
+
+def test_compile_writes_two_files(pkgen, tmp_path: Path) -> None:
+    done = pkgen(DOUBLE, "-o", tmp_path / "made" / "here")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    made = sorted(p.name for p in (tmp_path / "made" / "here").iterdir())
+    assert made == ["double_pendulum.c", "double_pendulum.h"]
+
+
+def test_compile_writes_here_by_default(pkgen, tmp_path: Path) -> None:
+    assert pkgen(HOOP, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "bead_on_hoop.h").exists()
+
+
+def test_only_some_kernels(pkgen, tmp_path: Path) -> None:
+    assert pkgen(DOUBLE, "-o", tmp_path, "--kernels", "mass,force").returncode == 0
+    text = (tmp_path / "double_pendulum.c").read_text()
+    assert "double_pendulum_mass(" in text and "double_pendulum_jacobian(" not in text
+    done = pkgen(DOUBLE, "--kernels", "mass,farce", cwd=tmp_path)
+    assert done.returncode == 2 and "farce" in done.stderr and "force" in done.stderr
+
+
+@pytest.mark.parametrize("stage", "parse check derive analyze reduce lower render".split())
+def test_every_stage_can_be_shown(pkgen, stage: str) -> None:
+    done = pkgen(HOOP, f"--dump={stage}")
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) > 5
+
+
+def test_check_finds_nothing_in_the_models(pkgen) -> None:
+    for model in MODELS:
+        done = pkgen("check", model)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", ""), model
+
+
+def test_check_reports_as_json(pkgen, tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.lag"
+    wrong.write_text("model wrong\ncoord x\nkinetic x'^2/2 + yy\n")
+    done = pkgen("check", wrong, "--json")
+    assert done.returncode == 1
+    (found,) = json.loads(done.stdout)["diagnostics"]
+    assert (found["line"], found["column"], found["severity"]) == (3, 18, "error")
+
+
+def test_explain_names_what_is_constant(pkgen) -> None:
+    text = pkgen("explain", ROOT / "models/heavy_top.lag").stdout
+    (constants,) = [line for line in text.splitlines() if "constants" in line]
+    assert [c.strip(" ,") for c in constants.split()[1:]] == ["energy", "p_phi", "p_psi"]
+
+
+def test_explain_as_json(pkgen) -> None:
+    facts = json.loads(pkgen("explain", HOOP, "--json").stdout)["structure"]
+    assert facts["mass_constant"] and facts["separable"] and facts["autonomous"]
+
+
+def test_run_prints_rows_and_ends_exactly(pkgen) -> None:
+    done = pkgen("run", DOUBLE, "--until", "0.7", "--every", "0.2")
+    assert done.returncode == 0, done.stderr
+    names, table = rows(done.stdout)
+    assert names == ["t", "theta1", "theta2", "theta1'", "theta2'", "energy"]
+    assert [row[0] for row in table] == [0, 0.2, 0.4, 0.2 * 3, 0.7]
+    assert "drift(energy)" in done.stderr
+
+
+def test_run_writes_settings_beside_the_rows(pkgen, tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    done = pkgen("run", DOUBLE, "--until", "1", "--set", "l1=30 [cm]", "-o", out)
+    assert done.returncode == 0 and done.stdout == ""
+    beside = json.loads(Path(f"{out}.json").read_text())
+    assert beside["columns"][3] == {"name": "theta1'", "unit": "1/s", "description": ""} | {
+        "description": beside["columns"][3]["description"]
+    }
+    assert beside["settings"]["parameters"] == [[2, 0.3]]
+    assert beside["report"]["status"] == "PK_DONE"
+
+
+def test_run_writes_npy(pkgen, tmp_path: Path) -> None:
+    out = tmp_path / "rows.npy"
+    assert pkgen("run", HOOP, "--until", "1", "--every", "0.25", "-o", out).returncode == 0
+    table = numpy.load(out)
+    assert table.shape == (5, 4) and table[-1, 0] == 1
+    assert Path(f"{out}.json").exists()
+
+
+def test_run_as_json_has_the_rows(pkgen) -> None:
+    result = json.loads(pkgen("run", HOOP, "--until", "1", "--every", "0.5", "--json").stdout)
+    assert [row[0] for row in result["rows"]] == [0, 0.5, 1]
+    assert [c["name"] for c in result["columns"]] == ["t", "theta", "theta'", "energy"]
+
+
+def test_starts_of_rates_and_members(pkgen) -> None:
+    chain = ROOT / "models/coupled_oscillators.lag"
+    arguments = ["--until", "1", "--every", "1", "--start", "q[4]'=0.25", "--start", "q[1]=3 [mm]"]
+    done = pkgen("run", chain, "--size", "n=4", *arguments)
+    assert done.returncode == 0, done.stderr
+    names, table = rows(done.stdout)
+    first = dict(zip(names, table[0], strict=True))
+    assert (first["q[1]"], first["q[4]'"], first["q[2]"]) == (0.003, 0.25, -0.2)
+
+
+def test_a_default_follows_what_is_set(pkgen) -> None:
+    # k = 3 m g/l0 follows m; at the resonant k the energy at rest length differs.
+    model = ROOT / "models/elastic_pendulum.lag"
+    energies = []
+    for setting in (["--set", "m=2"], ["--set", "m=2", "--set", "k=58.86"], ["--set", "k=58.86"]):
+        done = pkgen("run", model, "--until", "0.1", "--every", "0.1", *setting)
+        energies.append(rows(done.stdout)[1][0][-1])
+    assert energies[0] == pytest.approx(energies[1], rel=1e-14)
+    assert energies[1] != pytest.approx(energies[2], rel=1e-3)
+
+
+USAGE = {
+    "unknown parameter": (["--set", "g2=3"], "g2"),
+    "unknown start": (["--start", "theta3=3"], "theta3"),
+    "not a value": (["--set", "g=9,81"], "point"),
+    "wrong unit": (["--set", "g=3 [kg]"], "m/s^2"),
+    "code": (["--set", "g=__import__('os')"], "__import__"),
+    "no step": (["--method", "rk4"], "--step"),
+    "unknown method": (["--method", "rk5", "--step", "0.1"], "rk5"),
+    "negative duration": (["--until", "-1"], "until"),
+    "not finite": (["--until", "inf"], "until"),
+    "zero step": (["--method", "rk4", "--step", "0"], "step"),
+    "outside its bounds": (["--set", "m1=-1"], "m1"),
+    "unknown file type": (["-o", "rows.xls"], "rows.xls"),
+    "unknown size": (["--size", "N=3"], "N"),
+    "scene": (["--scene", "butterfly"], "scene"),
+}
+
+
+@pytest.mark.parametrize("case", USAGE)
+def test_usage_errors(pkgen, case: str) -> None:
+    arguments, mentioned = USAGE[case]
+    done = pkgen("run", DOUBLE, "--until", "1", *arguments)
+    assert done.returncode == 2, done.stderr
+    assert mentioned in done.stderr and "Traceback" not in done.stderr
+    assert done.stdout == ""
+
+
+def test_a_method_that_does_not_apply_is_refused(pkgen) -> None:
+    done = pkgen("run", DOUBLE, "--method", "verlet", "--step", "0.01")
+    assert done.returncode == 4
+    assert "separable" in done.stderr and done.stdout.count("\n") <= 2
+
+
+FALL = """model fall
+param a = 1
+coord x
+kinetic x'^2/2
+potential a*sqrt(x)
+start x = 1
+"""
+
+
+def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:
+    (tmp_path / "fall.lag").write_text(FALL)  # reaches x < 0, where sqrt(x) is not a number
+    done = pkgen("run", tmp_path / "fall.lag", "--until", "10", "--json")
+    assert done.returncode == 4
+    report = json.loads(done.stdout)["report"]
+    assert report["status"] != "PK_DONE" and 1 < report["t"] < 2
+    assert all(x == x for row in json.loads(done.stdout)["rows"] for x in row)
+
+
+def test_missing_file(pkgen, tmp_path: Path) -> None:
+    for path in (tmp_path / "none.lag", tmp_path):
+        done = pkgen("check", path)
+        assert done.returncode == 2 and "Traceback" not in done.stderr
+
+
+def test_broken_compiler(pkgen, tmp_path: Path) -> None:
+    env = {**os.environ, "CC": "false", "PKGEN_CACHE": str(tmp_path)}
+    done = pkgen("run", HOOP, "--until", "1", env=env)
+    assert done.returncode == 3, done.stderr
+    done = pkgen("run", HOOP, "--until", "1", env={**env, "CC": "no-such-compiler"})
+    assert done.returncode == 3 and "no-such-compiler" in done.stderr
+
+
+def test_a_reader_that_goes_away(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m pkgen run {DOUBLE} --until 100 --every 0.001 | head -n 1"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    assert done.stdout.startswith("t,theta1") and "Traceback" not in done.stderr
+
+
+def test_interrupt(tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    command = [sys.executable, "-m", "pkgen", "run", str(DOUBLE), "--method", "gauss4"]
+    child = subprocess.Popen(
+        [*command, "--step", "1e-4", "--until", "1e6", "--every", "0.1", "-o", str(out)],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not (out.exists() and out.stat().st_size):
+        assert child.poll() is None, child.stderr.read()
+        time.sleep(0.05)
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    assert child.wait(timeout=20) == 130
+    assert "Traceback" not in child.stderr.read()
+    names, table = rows(out.read_text())
+    assert len(table) >= 1 and all(len(row) == len(names) for row in table)
+
+
+def test_methods(pkgen) -> None:
+    listed = {m["name"]: m for m in json.loads(pkgen("methods", "--json").stdout)}
+    wanted = "euler symplectic_euler verlet yoshida4 rk4 dopri5 dop853 gauss1 gauss2 gauss3 gauss4"
+    assert set(wanted.split()) <= set(listed)
+    assert {"gsl_rk8pd", "gsl_msadams"} <= set(listed)
+    assert (listed["gauss4"]["order"], listed["verlet"]["order"]) == (8, 2)
+    assert listed["verlet"]["requires"]
+
+
+@pytest.mark.parametrize("command", [[], ["compile"], ["run"], ["check"], ["explain"], ["methods"]])
+def test_help(pkgen, command: list[str]) -> None:
+    done = pkgen(*command, "--help")
+    assert done.returncode == 0 and "usage" in done.stdout

@@ -1,0 +1,87 @@
+"""Compiles emitted C and calls its kernels through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+
+from pkgen import analyze, check, derive, lower, render
+from pkgen.equations import Equations
+from pkgen.program import Program
+from pkgen.source import Source
+
+ROOT = Path(__file__).parents[2]
+MODELS = sorted((ROOT / "models").glob("*.lag"))
+STRICT = "-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror".split()
+COMPILERS = ("gcc", "clang")
+TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
+
+
+def read_model(path: Path) -> tuple[Equations, Program]:
+    return read_text(path.read_text(encoding="utf-8"), path.name)
+
+
+def read_text(text: str, name: str = "model.lag") -> tuple[Equations, Program]:
+    model, _ = check.check_text(Source(name, text))
+    equations = derive.derive(model)
+    return equations, lower.lower(equations, analyze.analyze(equations))
+
+
+def write(program: Program, directory: Path, *, self_test: bool = False) -> list[str]:
+    """The files of a program in a directory; their names."""
+    files = render.render(program, self_test=self_test)
+    for name, text in files.items():
+        (directory / name).write_text(text, encoding="utf-8")
+    return sorted(files)
+
+
+def run(*command: str | Path, cwd: Path) -> str:
+    """Its output; a failure shows everything it said."""
+    assert shutil.which(str(command[0])) or Path(command[0]).exists(), f"{command[0]} is missing"
+    done = subprocess.run(
+        [str(x) for x in command], cwd=cwd, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+class Loaded:
+    """A model compiled to a shared object, in double; kernels take and give lists of floats."""
+
+    def __init__(self, program: Program, directory: Path, compiler: str = "gcc") -> None:
+        self.program = program
+        self.name = program.equations.model.name
+        write(program, directory)
+        library = directory / f"{self.name}.so"
+        flags = ["-O1", "-ffp-contract=off", "-shared", "-fPIC"]
+        run(compiler, *STRICT, *flags, f"{self.name}.c", "-o", library, "-lm", cwd=directory)
+        self.library = ctypes.CDLL(str(library))
+        count = len(program.parameter_names) + max(1, program.hoisted)
+        self.params = (ctypes.c_double * count)()
+        self.function("defaults", None)(self.params)
+
+    def function(self, name: str, result: object):
+        function = getattr(self.library, f"{self.name}_{name}")
+        function.restype = result
+        return function
+
+    def prepare(self) -> int:
+        return self.function("prepare", ctypes.c_int)(self.params)
+
+    def derive(self, given: list[int] | None = None) -> None:
+        flags = None if given is None else (ctypes.c_ubyte * len(given))(*given)
+        self.function("derive", None)(self.params, flags)
+
+    def call(self, kernel: str, t=0.0, q=(), v=(), u=()) -> tuple[object, list[list[float]]]:
+        """What a kernel returns and the arrays that it writes."""
+        spec = self.program.kernel(kernel)
+        assert spec is not None, kernel
+        function = self.function(
+            kernel, {"int": ctypes.c_int, "void": None, "pk_real": ctypes.c_double}[spec.result]
+        )
+        outputs = [(ctypes.c_double * o.length)(*[9.875] * o.length) for o in spec.outputs]
+        arrays = [(ctypes.c_double * max(1, len(x)))(*x) for x in (q, v, u)]
+        result = function(self.params, ctypes.c_double(t), *arrays, *outputs)
+        return result, [list(o) for o in outputs]

@@ -1,0 +1,288 @@
+"""Lagrange's equations: cost, names, ends, inputs, and what is refused."""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from building import HERE, expression, links, model
+
+from pkgen import limits
+from pkgen.count import operations
+from pkgen.derive import derive
+from pkgen.evaluate import evaluate
+from pkgen.graph import MINUS_ONE, ZERO, Kind, Op, Symbol
+from pkgen.quantities import per_second
+from pkgen.source import ModelError
+
+MASS_AND_FORCE = frozenset({"mass", "force"})
+
+
+def cost(equations) -> int:
+    n = len(equations.force)
+    triangle = [equations.mass[i][j] for i in range(n) for j in range(i, n)]
+    return operations(equations.graph, [*triangle, *equations.force])
+
+
+# The measured count with a little room; a form that costs more has lost something.
+@pytest.mark.parametrize(
+    ("count", "own", "most", "seconds"),
+    [(10, False, 330, 0.3), (10, True, 370, 0.3), (20, False, 1080, 1.0), (20, True, 1160, 1.0)],
+)
+def test_links(count, own, most, seconds):
+    start = time.perf_counter()
+    equations = derive(links(count, own), MASS_AND_FORCE)
+    taken = time.perf_counter() - start
+    assert count**2 < cost(equations) <= most
+    assert taken < 2 * seconds  # with room for a busy machine
+
+
+def test_fifty_links():
+    assert cost(derive(links(50), MASS_AND_FORCE)) < 6_000
+
+
+def test_double_pendulum_is_as_short_as_by_hand():
+    equations = derive(links(2))
+    assert cost(equations) <= 21
+    assert operations(equations.graph, equations.acceleration) <= 31
+
+
+def test_the_mass_matrix_is_symmetric_node_by_node():
+    mass = derive(links(6)).mass
+    assert all(mass[i][j] == mass[j][i] for i in range(6) for j in range(6))
+    assert len({mass[i][j] for i in range(6) for j in range(i)}) == 15
+
+
+def test_acceleration_solves_the_system():
+    e = derive(links(5, own=True))
+    draw = random.Random(411)
+    values = {
+        Symbol(kind, i): draw.uniform(0.5, 1.5)
+        for kind in (Kind.COORDINATE, Kind.RATE, Kind.PARAMETER)
+        for i in range(11)
+    }
+    a, f = evaluate(e.graph, e.acceleration, values), evaluate(e.graph, e.force, values)
+    assert min(evaluate(e.graph, e.pivots, values)) > 0
+    for row, right in zip(e.mass, f):
+        left = sum(m * x for m, x in zip(evaluate(e.graph, row, values), a))
+        assert math.isclose(left, right, rel_tol=1e-10) and abs(right) > 1e-3
+
+
+def test_a_large_system_is_left_to_a_loop():
+    assert derive(links(21)).acceleration is None
+
+
+def test_kernels_not_asked_for_are_skipped():
+    e = derive(links(3), MASS_AND_FORCE)
+    assert e.acceleration is None and e.p_q is None and e.pdot_v is None
+    assert derive(links(3)).p_q is not None
+
+
+def test_a_star_fills_nothing_in():
+    """A cart with pendulums: the hub is eliminated last, though declared first."""
+    many = range(1, 9)
+    e = derive(
+        model(
+            params={"m": 1.3},
+            coords=("hub", "q[1..8]"),
+            kinetic="m*D(hub)**2*20 + "
+            + " + ".join(f"m*D(q[{i}])**2 + m/3*D(q[{i}])*D(hub)*cos(q[{i}])" for i in many),
+        )
+    )
+    assert operations(e.graph, e.pivots) < 40
+    assert operations(e.graph, e.acceleration) < 120
+
+
+def test_what_drops_out_by_an_identity_is_gone():
+    """A Cartesian let that turns with Omega t: M is constant and no t is left."""
+    e = derive(
+        model(
+            params={"m": 1.3, "R": 0.7, "w": 2.1},
+            coords=("theta",),
+            lets={"x": "R*sin(theta)*cos(w*t)", "y": "R*sin(theta)*sin(w*t)", "z": "R*cos(theta)"},
+            kinetic="m/2*(D(x)**2 + D(y)**2 + D(z)**2)",
+        )
+    )
+    assert e.graph.is_constant(e.mass[0][0])
+    assert not e.graph.depends[e.force[0]] & (1 << Kind.TIME)
+    assert operations(e.graph, e.force) <= 4
+
+
+def test_names_and_order():
+    e = derive(
+        model(
+            sizes={"N": 2},
+            params={"k[1..N]": 2.5, "g": 9.81},
+            coords=("q[1..N]", "x"),
+            inputs={"u": 0},
+            kinetic="D(q[1])**2 + D(q[2])**2 + (D(x) + D(u))**2",
+            potential="k[1]*q[1]**2 + k[2]*q[2]**2 + g*x",
+            observed={"where": "x + u", "twice": "2*where"},
+            conserved={"total": "energy + p_x + p_q[2] + T + V + L"},
+        )
+    )
+    assert [q.name for q in e.coordinates] == ["q[1]", "q[2]", "x"]
+    assert [q.name for q in e.rates] == ["q[1]'", "q[2]'", "x'"]
+    assert [q.name for q in e.momenta_names] == ["p_q[1]", "p_q[2]", "p_x"]
+    assert [q.name for q in e.inputs] == ["u", "u'", "u''"]
+    assert [p.quantity.name for p in e.parameters] == ["k[1]", "k[2]", "g"]
+    assert [(p.family, p.position, p.length) for p in e.parameters] == [
+        ("k", 0, 2),
+        ("k", 1, 2),
+        ("g", 0, 0),
+    ]
+    assert [q.name for q in e.observed_names] == ["where", "twice"]
+    assert len(e.conserved) == 1
+
+
+def test_an_input_has_no_more_derivatives_than_occur():
+    base = dict(coords=("x",), inputs={"u": 0}, kinetic="D(x)**2")
+    assert len(derive(model(**base, forces={"x": "u"})).inputs) == 1
+    assert len(derive(model(**base, potential="u*x")).inputs) == 1
+    assert len(derive(model(**base, observed={"o": "D(u)"})).inputs) == 2
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [
+        ("m", "m/s"),
+        ("m/s", "m/s^2"),
+        ("kg*m/s^2", "kg*m/s^3"),
+        ("", "1/s"),
+        ("m*s^2", "m*s"),
+        ("s", ""),
+        ("1/s", "1/s^2"),
+        ("kg/m", "kg/m/s"),
+    ],
+)
+def test_unit_per_second(unit, expected):
+    assert per_second(unit) == expected
+
+
+def test_starts_override_and_default_to_zero():
+    e = derive(
+        model(
+            sizes={"N": 3},
+            params={"a": 0.7},
+            coords=("q[1..N]", "x"),
+            kinetic="S('i', 1, N, D(q[i])**2) + D(x)**2",
+            starts={"q[i=1..N]": "a*i", "q[2]": "5", "x'": "-1"},
+        )
+    )
+    a = e.graph.symbol(Symbol(Kind.PARAMETER, 0))
+    three = e.graph.multiply(e.graph.number(3), a)
+    assert e.start_q == (a, e.graph.number(5), three, ZERO)
+    assert e.start_v == (ZERO, ZERO, ZERO, MINUS_ONE)
+
+
+def test_periodic_ends_wrap():
+    e = derive(
+        model(
+            sizes={"N": 3},
+            coords=("q[1..N]",),
+            ends=(("periodic", "q", None, None),),
+            kinetic="S('i', 1, N, D(q[i])**2)",
+            potential="S('i', 1, N, (q[i+4] - q[i])**2)",
+        )
+    )
+    assert e.graph.op[e.force[0]] is not Op.NUMBER
+
+
+# -- what is refused -----------------------------------------------------------------------------
+
+OK = dict(coords=("x",), kinetic="D(x)**2")
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (dict(coords=("x", "y"), kinetic="D(x)**2", potential="y"), "'y' has no inertia"),
+        (dict(coords=("x",), kinetic="D(x)", potential="x"), "'x' has no inertia"),
+        (dict(coords=("x",), kinetic="(D(x) + x)**2 - D(x)**2"), "'x' has no inertia"),
+        (OK | dict(potential="x/0"), "division by zero"),
+        (OK | dict(potential="x/(1 - 1)"), "division by zero"),
+        (OK | dict(potential="0**(-2)*x"), "division by zero"),
+        (OK | dict(potential="x*sqrt(1 - 2)"), "the square root of a negative number"),
+        (OK | dict(potential="x*log(0)"), "the logarithm of a number that is not positive"),
+        (OK | dict(potential="x*(-8)**(1/3)"), "a negative number has no real power"),
+        (OK | dict(potential="x**9999"), "an exponent beyond 1,000"),
+        (OK | dict(potential="D(D(x))"), "an acceleration cannot be used here"),
+        (OK | dict(potential="[x, 1, 2]"), "a vector where a single value is needed"),
+        (OK | dict(potential="dot([x, 1], [1, 2, 3])"), "dot takes vectors"),
+        (OK | dict(potential="x/[1, 2, 3]"), "vectors are multiplied by dot or cross"),
+        (OK | dict(potential="nothing*x"), "unknown name 'nothing'"),
+        (OK | dict(potential="S('i', 1, 2000, S('j', 1, 2000, x))"), "unrolls to more than"),
+        (OK | dict(starts={"x": "x"}), "an initial value may use parameters and numbers only"),
+        (dict(coords=("q[1..3]",), kinetic="D(q[4])**2"), "'q[4]' is outside 1..3"),
+        (
+            dict(sizes={"N": 9000}, coords=("q[1..N]",), kinetic="S('i', 1, N, D(q[i])**2)"),
+            "9,000 coordinates",
+        ),
+    ],
+)
+def test_refused_with_its_place(given, message):
+    with pytest.raises(ModelError) as caught:
+        derive(model(**given))
+    (found,) = caught.value.diagnostics
+    assert message in found.message
+    assert found.span == HERE
+    assert caught.value.text().startswith("test.lag:1:1: error: ")
+
+
+def test_every_coordinate_without_inertia_is_named():
+    with pytest.raises(ModelError) as caught:
+        derive(model(coords=("x", "y", "z"), kinetic="D(y)**2", potential="x*z"))
+    assert len(caught.value.diagnostics) == 2
+
+
+def test_the_limit_on_nodes(monkeypatch):
+    monkeypatch.setattr(limits, "UNROLLED", 500)
+    with pytest.raises(ModelError) as caught:
+        derive(links(10))
+    assert "unrolls to more than 500" in caught.value.diagnostics[0].message
+
+
+def test_a_huge_tower_ends_at_once():
+    """((9^9)^99)^99 is never computed."""
+    start = time.perf_counter()
+    derive(model(**(OK | dict(potential="x*((9**9)**99)**99"))), MASS_AND_FORCE)
+    assert time.perf_counter() - start < 1
+
+
+def test_a_nested_sum_of_squares_is_not_blown_up():
+    """Expanding (x + y + ...)^40 is given up, not done."""
+    given = OK | dict(coords=("x", "y"), kinetic="D(x)**2 + D(y)**2")
+    e = derive(model(**given, potential="(1 + x + y + x*y + sin(x) + cos(y))**40"))
+    assert operations(e.graph, e.force) < 40
+
+
+def test_the_same_for_every_hash_seed(tmp_path):
+    script = (
+        "from building import links\n"
+        "from pkgen.derive import derive\n"
+        "e = derive(links(4, own=True))\n"
+        "print(list(zip(e.graph.op, e.graph.args, e.graph.data)), e.mass, e.force, e.pivots)\n"
+    )
+    here = Path(__file__).parent
+    path = os.pathsep.join([str(here), *sys.path])
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env=os.environ | {"PYTHONHASHSEED": str(seed), "PYTHONPATH": path},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in (0, 1, 2)
+    }
+    assert len(found) == 1 and len(found.pop()) > 10_000
+
+
+def test_expressions_of_the_builder_have_a_place():
+    assert replace(links(2)).kinetic[0].span == expression("1").span

@@ -1,0 +1,39 @@
+"""Three models' C, kept under version control so that every change of the output is seen.
+
+After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from c_harness import MODELS, ROOT, read_model
+from pkgen.render import render
+
+GOLDEN = ROOT / "tests" / "golden"
+NAMES = ("coupled_oscillators", "double_pendulum", "heavy_top")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_golden(name):
+    path = next(p for p in MODELS if p.stem == name)
+    _, program = read_model(path)
+    files = render(program)
+    assert set(files) == {f"{name}.h", f"{name}.c"}
+    for file, text in files.items():
+        kept = GOLDEN / file
+        if os.environ.get("PKGEN_UPDATE"):
+            kept.write_text(text, encoding="utf-8")
+        assert kept.exists(), f"{kept} is missing; {_update()}"
+        assert kept.read_text(encoding="utf-8") == text, f"{file} has changed; if meant, {_update()}"
+
+
+def test_nothing_else_is_kept():
+    wanted = {f"{name}.{suffix}" for name in NAMES for suffix in "ch"}
+    assert {p.name for p in GOLDEN.iterdir()} == wanted
+
+
+def _update() -> str:
+    return f"PKGEN_UPDATE=1 pytest {Path(__file__).relative_to(ROOT)}"

@@ -1,0 +1,253 @@
+"""lower: what becomes a statement, what is hoisted, how expressions read, what is counted."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+import pytest
+from c_harness import MODELS, read_model, read_text
+from hand_made import World, make, pendulum_chain, structure
+from pkgen.ctext import comment, fold, string
+from pkgen.expressions import count_operations
+from pkgen.graph import ZERO, Graph, Node
+from pkgen.literals import literal
+from pkgen.lower import lower
+from pkgen.names import LOCAL_RESERVED, Names, local_wish
+from pkgen.program import CHECK, LOCAL, RETURN, STORE, operations_text
+
+
+def potential_text(build) -> tuple[str, list[str]]:
+    """The returned text and the hoisted constants of a potential in x (with x' = w), m and k."""
+
+    def energies(w: World) -> tuple[Node, Node]:
+        g = w.graph
+        return g.multiply(w.p[0], g.power(w.v[0], 2)), build(g, w.q[0], w.p[0], w.p[1])
+
+    program = lower(make("toy", ["m", "k"], ["x"], energies), structure(1), frozenset({"potential"}))
+    kernel = program.kernel("potential")
+    assert kernel is not None
+    texts = [str(s) for b in kernel.blocks for s in b.statements if s.kind != "load"]
+    hoisted = [s.text for b in program.prepare.blocks for s in b.statements if s.kind == STORE]
+    return "; ".join(texts), hoisted
+
+
+@pytest.mark.parametrize(
+    ("build", "expected", "hoisted"),
+    [
+        (lambda g, x, m, k: g.subtract(x, k), "return x - p->k", []),
+        (lambda g, x, m, k: g.subtract(k, x), "return p->k - x", []),
+        (lambda g, x, m, k: g.divide(k, x), "return p->k / x", []),
+        (lambda g, x, m, k: g.power(x, -2), "return 1 / (x * x)", []),
+        (lambda g, x, m, k: g.power(x, Fraction(1, 2)), "return PK_F(sqrt)(x)", []),
+        (
+            lambda g, x, m, k: g.power(x, Fraction(3, 2)),
+            "return x * PK_F(sqrt)(x)",
+            [],
+        ),
+        (
+            lambda g, x, m, k: g.power(x, Fraction(2, 3)),
+            "return PK_F(pow)(x, PK_C(2.0) / PK_C(3.0))",
+            [],
+        ),
+        (
+            lambda g, x, m, k: g.power(x, 5),
+            "x_sq = x * x; return x * x_sq * x_sq",
+            [],
+        ),
+        (lambda g, x, m, k: g.multiply(m, g.multiply(x, k)), "return p->c_[0] * x", ["p->m * p->k"]),
+        (lambda g, x, m, k: g.divide(x, m), "return p->c_[0] * x", ["1 / p->m"]),
+        (
+            lambda g, x, m, k: g.divide(g.call("exp", x), g.add(x, k)),
+            "return PK_F(exp)(x) / (x + p->k)",
+            [],
+        ),
+        (
+            lambda g, x, m, k: g.multiply(g.number(Fraction(1, 3)), x),
+            "return (PK_C(1.0) / PK_C(3.0)) * x",
+            [],
+        ),
+        (
+            lambda g, x, m, k: g.multiply(g.number(Fraction(-981, 100)), x),
+            "return -PK_C(9.81) * x",
+            [],
+        ),
+    ],
+)
+def test_expression_reads_as_a_person_writes_it(build, expected, hoisted):
+    assert potential_text(build) == (expected, hoisted)
+
+
+def test_sine_and_cosine_of_one_angle_stand_together_and_have_names():
+    _, program = read_model(next(p for p in MODELS if p.stem == "double_pendulum"))
+    for kernel in program.kernels:
+        names = [s.target for b in kernel.blocks for s in b.statements if s.kind == LOCAL]
+        for i, name in enumerate(names):
+            if name.startswith("sin_") and "cos_" + name[4:] in names:
+                assert names[i + 1] == "cos_" + name[4:]
+
+
+def test_double_pendulum_is_small():
+    _, program = read_model(next(p for p in MODELS if p.stem == "double_pendulum"))
+    counts = {k.name: sum(k.operations.values()) for k in program.kernels}
+    assert 10 < counts["acceleration"] <= 36
+    assert 4 < counts["mass"] <= 10
+    assert 10 < counts["force"] <= 22
+    acceleration = program.kernel("acceleration")
+    assert acceleration is not None
+    assert acceleration.operations["/"] == 1
+    assert acceleration.operations["sin"] == acceleration.operations["cos"] == 2
+
+
+def test_nothing_is_computed_twice_in_a_kernel():
+    for path in MODELS:
+        _, program = read_model(path)
+        for kernel in program.kernels:
+            texts = [s.text for b in kernel.blocks for s in b.statements if s.kind == LOCAL]
+            assert len(texts) == len(set(texts)), (path.stem, kernel.name)
+
+
+def test_every_local_is_used_and_known():
+    for path in MODELS:
+        _, program = read_model(path)
+        for kernel in (*program.kernels, program.prepare, program.start):
+            statements = [s for b in kernel.blocks for s in b.statements]
+            known: set[str] = set()
+            used: set[str] = set()
+            for s in statements:
+                words = set(re.findall(r"(?<![\w>])[a-zA-Z_]\w*", s.text))
+                used |= words
+                assert not ({w for w in words if re.fullmatch(r"t\d+", w)} - known)
+                if s.kind in (LOCAL, "load"):
+                    assert s.target not in known
+                    known.add(s.target)
+            assert known <= used, (path.stem, kernel.name, known - used)
+
+
+def test_checks_come_before_everything_that_is_written():
+    for path in MODELS:
+        _, program = read_model(path)
+        kernel = program.kernel("acceleration")
+        assert kernel is not None
+        kinds = [s.kind for b in kernel.blocks for s in b.statements]
+        assert STORE in kinds
+        if CHECK in kinds:
+            assert max(i for i, k in enumerate(kinds) if k == CHECK) < kinds.index(STORE)
+
+
+def test_kernels_can_be_chosen_and_bring_what_they_call():
+    equations = pendulum_chain("chain", 3, unroll=False)
+    program = lower(equations, structure(3), frozenset({"acceleration"}))
+    assert [k.name for k in program.kernels] == ["acceleration", "mass", "force"]
+    program = lower(pendulum_chain("chain", 3), structure(3), frozenset({"energy"}))
+    assert [k.name for k in program.kernels] == ["energy"]
+
+
+def test_dump_is_text():
+    _, program = read_model(next(p for p in MODELS if p.stem == "bead_on_hoop"))
+    assert "kernel acceleration: " in str(program)
+    assert "default R = 1" in str(program)
+
+
+def test_a_deep_chain_needs_no_recursion():
+    def energies(w: World) -> tuple[Node, Node]:
+        g = w.graph
+        x = w.q[0]
+        for _ in range(30_000):
+            x = g.call("sin", x)
+        return g.power(w.v[0], 2), x
+
+    equations = make("deep", ["m"], ["x"], energies, unroll=False)
+    program = lower(equations, structure(1), frozenset({"potential"}))
+    kernel = program.kernel("potential")
+    assert kernel is not None
+    assert kernel.operations["sin"] == 30_000
+    longest = max(len(s.text) for b in kernel.blocks for s in b.statements)
+    assert longest < 300
+    assert len(kernel.blocks) > 1  # cut up for the compiler's sake
+
+
+def test_a_long_sum_is_cut_into_lines_and_blocks_hand_values_on():
+    def energies(w: World) -> tuple[Node, Node]:
+        g = w.graph
+        terms = [g.call("sin", g.multiply(g.number(i), w.q[0])) for i in range(2, 3000)]
+        return g.power(w.v[0], 2), g.total(terms)
+
+    program = lower(make("long", ["m"], ["x"], energies), structure(1), frozenset({"potential"}))
+    kernel = program.kernel("potential")
+    assert kernel is not None
+    assert kernel.operations["sin"] == 2998
+    assert max(len(s.text) for b in kernel.blocks for s in b.statements) < 300
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (Fraction(3), "3"),
+        (Fraction(2**24 + 1), "PK_C(16777217.0)"),
+        (Fraction(1, 2), "PK_C(0.5)"),
+        (Fraction(981, 100), "PK_C(9.81)"),
+        (Fraction(2, 3), "(PK_C(2.0) / PK_C(3.0))"),
+        (Fraction(667430, 10**16), "PK_C(6.6743e-11)"),
+        (Fraction(5972 * 10**21), "PK_C(5.972e24)"),
+        (Fraction(1, 1000), "PK_C(0.001)"),
+    ],
+)
+def test_literals(value, text):
+    assert literal(value) == text
+
+
+def test_a_literal_that_is_no_short_fraction_has_sixty_digits():
+    text = literal(Fraction(10**30 + 7, 3 * 10**29))
+    assert re.fullmatch(r"PK_C\(3\.3{27}\d+\)", text)
+    assert len(re.sub(r"\D", "", text)) == 60
+
+
+def test_counting():
+    counted = count_operations("-a * PK_F(sin)(b) + m_step(c - 2) / (PK_C(1.0) / PK_C(3.0))", "m_")
+    assert dict(counted) == {"neg": 1, "*": 1, "sin": 1, "+": 1, "step": 1, "-": 1, "/": 1}
+    assert operations_text(counted).startswith("7 operations: 1 +, 1 -, 1 *, 1 /, 1 neg, 1 sin")
+    assert not count_operations("PK_C(1.0) / PK_C(3.0)", "m_")
+
+
+def test_names():
+    names = Names(LOCAL_RESERVED)
+    taken = [names.take(x) for x in ["I", "I_", "y1", "q", "_X", "pk_real", "x", "x"]]
+    assert taken == ["I_", "I__", "y1_", "q_", "x_X", "xpk_real", "x", "x_"]
+    assert names.number("t") == "t1"
+    assert local_wish("theta1'") == "theta1_dot"
+    assert local_wish("q[3]") == "q3"
+    assert local_wish("x1[3]'") == "x1_3_dot"
+
+
+def test_comments_and_strings_cannot_break_out():
+    assert comment("a */ b /* c ??/ d\\") == "a * / b / * c ? ?/ d/"
+    assert "*/" not in comment("**//*/**/") and "/*" not in comment("**//*/**/")
+    assert "\u202e" not in comment("a\u202eb")
+    assert string('say "hi"\\ ??/ \x07') == '"say \\"hi\\"\\\\ ?\\?/ ?"'
+    assert string("θ1") == '"\\316\\2701"'
+    assert len(string("x" * 9000)) < 600
+
+
+def test_lines_fold_at_the_outermost_operator():
+    line = "const pk_real f = " + " + ".join(f"(a{i} * b{i} - c{i} * d{i})" for i in range(9)) + ";"
+    folded = fold(line, 4)
+    assert all(len(x) <= 100 for x in folded.splitlines())
+    assert all(x.startswith("        + ") for x in folded.splitlines()[1:])
+    assert " ".join(folded.split()) == line
+
+
+def test_a_return_is_last():
+    _, program = read_text("model m\ncoord x\nkinetic x'^2/2\npotential cos(x)\n")
+    for name in ("energy", "kinetic", "potential", "lagrangian"):
+        kernel = program.kernel(name)
+        assert kernel is not None
+        assert kernel.blocks[-1].statements[-1].kind == RETURN
+
+
+def test_the_graph_is_not_touched():
+    equations = pendulum_chain("chain", 2)
+    before = len(equations.graph)
+    lower(equations, structure(2))
+    assert len(equations.graph) == before
+    assert isinstance(equations.graph, Graph) and equations.graph.number(0) == ZERO

@@ -1,0 +1,77 @@
+#!/bin/sh
+# Usage: driver.sh DIR. The driver's contract, on the programs run_pendulum and run_broken there.
+set -u
+dir=$1
+tmp=$dir/driver.tmp
+mkdir -p "$tmp"
+failed=0
+check() { # check TEXT COMMAND...
+    text=$1
+    shift
+    if "$@"; then count=$((count + 1)); else echo "driver: FAILED: $text"; failed=1; fi
+}
+count=0
+run() { # run PROGRAM SETTINGS; leaves code, out.csv, err
+    printf '%b' "$2" | "$dir/$1" >"$tmp/out.csv" 2>"$tmp/err"
+    code=$?
+}
+
+run run_pendulum "method rk4\nuntil 1\nevery 0.3\nstep 0.07\nreport $tmp/r.json\n"
+check "exit 0" [ $code -eq 0 ]
+check "header" [ "$(head -1 "$tmp/out.csv")" = "t,x,x',energy" ]
+check "rows at 0, .3, .6, .9 and 1" [ "$(cut -d, -f1 "$tmp/out.csv" | tr '\n' ' ')" = \
+    "t 0 0.29999999999999999 0.59999999999999998 0.89999999999999991 1 " ]
+check "step divides the interval: 5 + 5 + 5 + 2 steps" grep -q '"steps": 17' "$tmp/r.json"
+check "report is JSON" python3 -c "import json; json.load(open('$tmp/r.json'))['energy_drift']['max']"
+
+run run_pendulum "method verlet\nuntil 1\nevery 0\nstep 0.25\nstart q 0 0x1p-1\nparam 0 2.5\n"
+check "each step is a row" [ "$(wc -l <"$tmp/out.csv")" -eq 6 ]
+check "hexadecimal start" [ "$(sed -n 2p "$tmp/out.csv" | cut -d, -f2)" = 0.5 ]
+
+for method in dop853 dopri5 gsl_rk8pd gsl_msadams gauss3; do
+    run run_pendulum "method $method\nuntil 2\nrtol 1e-12\nstep 0.01\nevery 0.5\n"
+    check "$method: last row exactly at until" [ "$(tail -1 "$tmp/out.csv" | cut -d, -f1)" = 2 ]
+    check "$method: five rows" [ "$(wc -l <"$tmp/out.csv")" -eq 6 ]
+done
+run run_pendulum "method dop853\nuntil 2\nevery 0.01\nrows dense\nrtol 1e-6\nreport $tmp/r.json\n"
+check "dense rows" [ "$(wc -l <"$tmp/out.csv")" -eq 202 ]
+check "dense rows take few steps" [ "$(sed -n 's/.*"steps": \([0-9]*\).*/\1/p' "$tmp/r.json")" -lt 20 ]
+
+run run_broken "method dop853\nuntil 3\nevery 0.1\nreport $tmp/r.json\n"
+check "numerics fail: exit 4" [ $code -eq 4 ]
+check "rows up to the last valid time" [ "$(tail -1 "$tmp/out.csv" | cut -d, -f1)" = 1.2000000000000002 ]
+check "reason on standard error" grep -q 'no longer finite; last valid time 1.2' "$tmp/err"
+check "report names it" grep -q '"status": "PK_NOT_FINITE"' "$tmp/r.json"
+check "energy not conserved is said" grep -q '"energy_drift": "not conserved"' "$tmp/r.json"
+
+for bad in "method nosuch\n" "method rk4\nuntil x\n" "param 9 1\n" "start q 7 1\n" "bogus 1\n" \
+    "method rk4\n" "until 1\n" "method rk4\nuntil 1\n" "method dop853\nuntil 1\nevery 0\n" "param 0\n"; do
+    run run_pendulum "$bad"
+    check "usage error for $bad" [ $code -eq 2 ]
+    check "and says why" [ -s "$tmp/err" ]
+done
+run run_pendulum "method rk4\nuntil 1\nstep .1\nparam 0 -1\n"
+check "parameter out of bounds: exit 1" [ $code -eq 1 ]
+
+printf 'method rk4\nuntil 10\nstep 1e-3\nevery 0\n' | "$dir/run_pendulum" >/dev/full 2>"$tmp/err"
+check "disk full: exit 2" [ $? -eq 2 ]
+check "disk full is said" grep -q 'cannot write' "$tmp/err"
+
+printf 'method rk4\nuntil 1e7\nstep 1e-3\nevery 1\nprogress 1\nreport '"$tmp"'/r.json\n' >"$tmp/long"
+"$dir/run_pendulum" <"$tmp/long" >"$tmp/out.csv" 2>"$tmp/err" &
+pid=$!
+sleep 0.6
+kill -INT $pid
+wait $pid
+check "interrupted: exit 130" [ $? -eq 130 ]
+check "rows were flushed" [ "$(wc -l <"$tmp/out.csv")" -gt 10 ]
+check "whole last line" [ "$(tail -1 "$tmp/out.csv" | tr -cd , | wc -c)" -eq 3 ]
+check "progress was shown" grep -q '^progress ' "$tmp/err"
+check "not too often" [ "$(grep -c '^progress ' "$tmp/err")" -le 9 ]
+check "methods are JSON lines" sh -c "'$dir/run_pendulum' --methods | python3 -c '
+import json, sys
+names = [json.loads(l)[\"name\"] for l in sys.stdin]
+assert len(names) == 13 and \"gsl_msadams\" in names, names'"
+
+echo "driver: $count checks passed"
+exit $failed

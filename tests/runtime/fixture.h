@@ -1,0 +1,43 @@
+/* One integration for a test: system, parameters, integrator and its memory. */
+#ifndef TEST_FIXTURE_H
+#define TEST_FIXTURE_H
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <CUnit/CUnit.h>
+
+#include <pk/gsl.h>
+#include <pk/pk.h>
+
+#include "systems.h"
+
+struct fixture {
+    struct pk_problem problem;
+    struct test_params params;
+    struct pk_options options;
+    struct pk_integrator it;
+    double q0[2], v0[2];
+    double block[4096];
+};
+
+/* Defaults, start and options; then change what the test is about and call fixture_init(). */
+void fixture_set(struct fixture *f, const struct pk_system *system);
+enum pk_status fixture_init(struct fixture *f, const char *method);
+/* Both, and to t_end in steps of h (fixed) or at rtol = atol = h (adaptive). */
+enum pk_status fixture_run(struct fixture *f, const struct pk_system *system, const char *method,
+                           double h, double t_end);
+/* Distance in (q, v), maximum norm. */
+double fixture_distance(const struct fixture *f, const double *q, const double *v);
+/* Least-squares slope of log y over log x. */
+double fit_slope(const double *x, const double *y, int count);
+
+void add_tables(void);
+void add_order(void);
+void add_geometry(void);
+void add_status(void);
+void add_limits(void);
+void add_diagnostics(void);
+
+#endif

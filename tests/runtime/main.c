@@ -1,0 +1,82 @@
+/* The runtime's tests; CUnit prints its own summary.
+ * Every bound below also asserts that what it bounds is not zero, or that a worse
+ * method misses it.
+ */
+#include <stdlib.h>
+
+#include <CUnit/Basic.h>
+
+#include "fixture.h"
+
+void fixture_set(struct fixture *f, const struct pk_system *system)
+{
+    memset(f, 0, sizeof *f);
+    system->defaults(&f->params);
+    system->start(&f->params, f->q0, f->v0);
+    f->problem.system = system;
+    f->problem.params = &f->params;
+    f->options = pk_options_default();
+}
+
+enum pk_status fixture_init(struct fixture *f, const char *name)
+{
+    const struct pk_method *method = pk_method_find(name);
+    if (!method)
+        method = pk_gsl_method_find(name);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(method);
+    CU_ASSERT_FATAL(pk_integrator_size(&f->problem, method) <= sizeof f->block);
+    return pk_integrator_init(&f->it, &f->problem, method, &f->options, 0, f->q0, f->v0, f->block,
+                              pk_integrator_size(&f->problem, method));
+}
+
+enum pk_status fixture_run(struct fixture *f, const struct pk_system *system, const char *name,
+                           double h, double t_end)
+{
+    fixture_set(f, system);
+    const struct pk_method *method = pk_method_find(name);
+    if (!method || method->traits & PK_ADAPTIVE)
+        f->options.rtol = f->options.atol = h;
+    else
+        f->options.h = h;
+    const enum pk_status status = fixture_init(f, name);
+    return status < 0 ? status : pk_integrator_to(&f->it, t_end);
+}
+
+double fixture_distance(const struct fixture *f, const double *q, const double *v)
+{
+    double d = 0;
+    for (size_t i = 0; i < f->it.n; i++)
+        d = fmax(d, fmax(fabs(f->it.q[i] - q[i]), fabs(f->it.v[i] - v[i])));
+    return d;
+}
+
+double fit_slope(const double *x, const double *y, int count)
+{
+    double mx = 0, my = 0, xx = 0, xy = 0;
+    for (int i = 0; i < count; i++) {
+        mx += log(x[i]) / count;
+        my += log(y[i]) / count;
+    }
+    for (int i = 0; i < count; i++) {
+        xx += (log(x[i]) - mx) * (log(x[i]) - mx);
+        xy += (log(x[i]) - mx) * (log(y[i]) - my);
+    }
+    return xy / xx;
+}
+
+int main(void)
+{
+    if (CU_initialize_registry() != CUE_SUCCESS)
+        return CU_get_error();
+    add_tables();
+    add_order();
+    add_geometry();
+    add_status();
+    add_limits();
+    add_diagnostics();
+    CU_basic_set_mode(CU_BRM_VERBOSE);
+    CU_basic_run_tests();
+    const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();
+    CU_cleanup_registry();
+    return failures || run < 20 ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,69 @@
+# The runtime: libraries, tests. Included from the top Makefile, or alone from the repository's
+# root: make -f tests/runtime/runtime.mk test-runtime
+CC ?= cc
+BUILD ?= build
+RT_WARN = -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
+RT_CFLAGS = -std=c11 -O2 -ffp-contract=off $(RT_WARN) -Iruntime/include $(RT_EXTRA)
+RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
+RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
+
+RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/src/*.h runtime/run/*.h tests/runtime/*.h)
+RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c)))
+RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
+RT_TEST_C = $(sort $(wildcard tests/runtime/*.c))
+RT_TEST_O = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_TEST_C))
+
+.PHONY: runtime test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
+
+runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
+
+$(RT_DIR)/libpk.a: $(RT_CORE)
+	rm -f $@ && ar rcsD $@ $^
+$(RT_DIR)/libpk_gsl.a: $(RT_GSL)
+	rm -f $@ && ar rcsD $@ $^
+$(RT_DIR)/%.o: runtime/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_CFLAGS) -c $< -o $@
+$(RT_TESTS)/%.o: tests/runtime/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_CFLAGS) -Iruntime/src -c $< -o $@
+
+$(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+	$(CC) $(RT_EXTRA) $^ -lcunit -lgsl -lgslcblas -lm -o $@
+
+# The driver around a hand-written system, for its own tests.
+$(RT_TESTS)/run_%: $(RT_TESTS)/systems.o $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
+                   $(wildcard runtime/run/*.c) $(RT_HEADERS)
+	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DPK_SYSTEM=$*_system runtime/run/*.c $(RT_TESTS)/systems.o \
+	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
+
+test-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \
+              check-runtime-symbols test-runtime-scalars
+	$(RT_TESTS)/runtime
+	sh tests/runtime/driver.sh $(RT_TESTS)
+
+asan-runtime:
+	$(MAKE) -f tests/runtime/runtime.mk RT_SUFFIX=-asan \
+	    RT_EXTRA="-g -fsanitize=address,undefined -fno-sanitize-recover=all" \
+	    BUILD=$(BUILD) run-asan-runtime
+.PHONY: run-asan-runtime
+run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken
+	$(RT_TESTS)/runtime
+	sh tests/runtime/driver.sh $(RT_TESTS)
+
+# Every symbol that the core exports is pk_*; it neither allocates nor knows GSL, prints or exits.
+check-runtime-symbols: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
+	sh tests/runtime/symbols.sh $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
+
+# The same source in every scalar type, and headers as C99 and C++.
+test-runtime-scalars:
+	@mkdir -p $(RT_DIR)
+	@for t in FLOAT LONG_DOUBLE; do for f in runtime/src/*.c; do \
+	    $(CC) $(RT_CFLAGS) -DPK_$$t -c $$f -o $(RT_DIR)/scalar.o || exit 1; done; done
+	@for f in runtime/src/*.c; do gcc -std=gnu11 -O2 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 \
+	    -Iruntime/include -c $$f -o $(RT_DIR)/scalar.o || exit 1; done
+	@echo '#include <pk/pk.h>' >$(RT_DIR)/header.c
+	@echo '#include <pk/gsl.h>' >>$(RT_DIR)/header.c
+	$(CC) -std=c99 $(RT_WARN) -Iruntime/include -c $(RT_DIR)/header.c -o $(RT_DIR)/scalar.o
+	c++ -std=c++11 -Wall -Wextra -Wpedantic -Werror -Iruntime/include -x c++ -c \
+	    $(RT_DIR)/header.c -o $(RT_DIR)/scalar.o

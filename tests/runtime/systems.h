@@ -1,0 +1,34 @@
+/* Systems written by hand from textbooks, independent of the generator, as the runtime's tests
+ * need them. All share one struct of parameters.
+ */
+#ifndef TEST_SYSTEMS_H
+#define TEST_SYSTEMS_H
+
+#include <pk/system.h>
+
+struct test_params {
+    pk_real g;     /* gravity, or the oscillator's omega^2, or mu */
+    pk_real limit; /* where `broken` and `folded` break */
+};
+
+/* theta'' = -g sin theta, separable. */
+extern const struct pk_system pendulum_system;
+/* q'' = -g q. */
+extern const struct pk_system oscillator_system;
+/* Two unit masses on unit rods (textbook formulas), M(q). */
+extern const struct pk_system double_pendulum_system;
+/* Planar Kepler, Cartesian. */
+extern const struct pk_system kepler_system;
+/* L = -sqrt(1 - v^2) - g q^2/2: M(v) = (1 - v^2)^(-3/2). */
+extern const struct pk_system relativistic_system;
+/* M = limit - q, L = M v^2/2: singular where q reaches limit; q moves on if not seen. */
+extern const struct pk_system folded_system;
+/* a = sqrt(limit - t): no number after t = limit. */
+extern const struct pk_system broken_system;
+/* q'' = -g q + cos(3 t), exact: see driven_exact(). Separable, not autonomous. */
+extern const struct pk_system driven_system;
+void driven_exact(pk_real t, pk_real *q, pk_real *v);
+/* q'' = u: an input. */
+extern const struct pk_system pushed_system;
+
+#endif

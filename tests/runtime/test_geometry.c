@@ -1,0 +1,159 @@
+/* What symplectic and symmetric methods promise: bounded energy over long runs with M(q), the
+ * symplectic form kept by the step map in (q, p), reversal; each with a method that fails it.
+ */
+#include "fixture.h"
+
+static double energy_drift(const char *method, double h, double t_end, double *slope)
+{
+    static struct fixture f;
+    struct pk_drift drift;
+    pk_drift_init(&drift);
+    fixture_set(&f, &double_pendulum_system);
+    f.q0[0] = 0.5, f.q0[1] = 0.5, f.v0[0] = f.v0[1] = 0;
+    f.options.h = h;
+    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
+    while (f.it.t < t_end) {
+        CU_ASSERT_FATAL(pk_integrator_step(&f.it, t_end) == PK_DONE);
+        const struct pk_system *s = f.problem.system;
+        pk_drift_update(&drift, f.it.t, s->energy(&f.params, f.it.t, f.it.q, f.it.v, f.it.u));
+    }
+    *slope = pk_drift_slope(&drift) * t_end;
+    return pk_drift_max(&drift);
+}
+
+static void long_energy(void)
+{
+    double slope, slope4;
+    const double gauss = energy_drift("gauss2", 0.02, 2000, &slope); /* 1e5 steps */
+    const double rk4 = energy_drift("rk4", 0.02, 2000, &slope4);
+    printf("\n    1e5 steps: gauss2 max %.2e trend %.1e, rk4 max %.2e trend %.1e", gauss, slope, rk4,
+           slope4);
+    CU_ASSERT(gauss > 1e-12 && gauss < 1e-5);
+    CU_ASSERT(fabs(slope) < 0.02 * gauss);
+    CU_ASSERT(rk4 > 10 * gauss && fabs(slope4) > 0.5 * rk4);
+}
+
+/* Start in (q, p): v by solving M v = p, then one run, then p again. */
+static void map(const char *method, const double *z, double *out, double h, int steps)
+{
+    static struct fixture f;
+    double M[4], pdot[2];
+    const struct pk_system *s = &double_pendulum_system;
+    fixture_set(&f, s);
+    memcpy(f.q0, z, sizeof f.q0);
+    s->mass(&f.params, 0, z, z, NULL, M);
+    const double det = M[0] * M[3] - M[1] * M[2];
+    f.v0[0] = (M[3] * z[2] - M[1] * z[3]) / det;
+    f.v0[1] = (M[0] * z[3] - M[2] * z[2]) / det;
+    f.options.h = h;
+    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(&f.it, h * steps) == PK_DONE);
+    memcpy(out, f.it.q, 2 * sizeof *out);
+    s->canonical(&f.params, 0, f.it.q, f.it.v, NULL, out + 2, pdot);
+    if (f.it.p) /* v belongs to p to round-off */
+        CU_ASSERT(fabs(out[2] - f.it.p[0]) < 1e-13 && fabs(out[3] - f.it.p[1]) < 1e-13);
+}
+
+/* max |D^T J D - J| of the map's derivative D by differences of fourth order. */
+static double symplectic_defect(const char *method, double h)
+{
+    static const double z[] = {1.3, -0.9, 1.1, -0.4}, e = 2e-3;
+    double D[4][4], worst = 0;
+    for (int j = 0; j < 4; j++) {
+        double out[4][4];
+        static const double shift[] = {-2, -1, 1, 2}, w[] = {1, -8, 8, -1};
+        for (int k = 0; k < 4; k++) {
+            double x[4];
+            memcpy(x, z, sizeof x);
+            x[j] += shift[k] * e;
+            map(method, x, out[k], h, 2);
+        }
+        for (int i = 0; i < 4; i++) {
+            D[i][j] = 0;
+            for (int k = 0; k < 4; k++)
+                D[i][j] += w[k] * out[k][i] / (12 * e);
+        }
+    }
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double form = 0;
+            for (int k = 0; k < 2; k++)
+                form += D[k][i] * D[k + 2][j] - D[k + 2][i] * D[k][j];
+            worst = fmax(worst, fabs(form - (i + 2 == j ? 1 : 0) + (j + 2 == i ? 1 : 0)));
+        }
+    return worst;
+}
+
+static void symplectic(void)
+{
+    const double rk4 = symplectic_defect("rk4", 0.2);
+    printf("\n    symplectic defect: rk4 %.1e", rk4);
+    CU_ASSERT(rk4 > 1e-4);
+    for (int s = 1; s <= 4; s++) {
+        char name[] = "gauss0";
+        name[5] = (char)('0' + s);
+        const double defect = symplectic_defect(name, 0.2);
+        printf(", %s %.1e", name, defect);
+        CU_ASSERT(defect > 0 && defect < 2e-8); /* of the differences, e^4 */
+    }
+}
+
+static double reversal(const struct pk_system *system, const char *method)
+{
+    static struct fixture f;
+    fixture_set(&f, system);
+    f.options.h = 0.01;
+    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE);
+    CU_ASSERT(f.it.q[0] != f.q0[0]);
+    CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE);
+    CU_ASSERT(f.it.t == 0 && f.it.count.steps == 400);
+    return fixture_distance(&f, f.q0, f.v0);
+}
+
+static void reversible(void)
+{
+    static const char *const symmetric[] = {"verlet", "yoshida4", "gauss1", "gauss4"};
+    for (int i = 0; i < 4; i++)
+        CU_ASSERT(reversal(&pendulum_system, symmetric[i]) < 1e-13);
+    CU_ASSERT(reversal(&double_pendulum_system, "gauss2") < 1e-12);
+    CU_ASSERT(reversal(&pendulum_system, "symplectic_euler") > 1e-4);
+    CU_ASSERT(reversal(&double_pendulum_system, "rk4") > 1e-10);
+}
+
+static void compensated(void)
+{
+    /* Kepler, e = .6: angular momentum is exact for Verlet but for round-off, whose random walk
+     * of 1e5 plain sums would reach some 3e-14. */
+    static struct fixture f;
+    fixture_set(&f, &kepler_system);
+    f.options.h = 1e-3;
+    fixture_init(&f, "verlet");
+    CU_ASSERT(pk_integrator_to(&f.it, 100) == PK_DONE);
+    double plain[4] = {f.q0[0], f.q0[1], f.v0[0], f.v0[1]}, a[2];
+    kepler_system.acceleration(&f.params, 0, plain, plain + 2, NULL, a);
+    for (int step = 0; step < 100000; step++) {
+        for (int i = 0; i < 2; i++)
+            plain[2 + i] += 0.0005 * a[i];
+        for (int i = 0; i < 2; i++)
+            plain[i] += 0.001 * plain[2 + i];
+        kepler_system.acceleration(&f.params, 0, plain, plain + 2, NULL, a);
+        for (int i = 0; i < 2; i++)
+            plain[2 + i] += 0.0005 * a[i];
+    }
+    const double l0 = 0.4 * 2.0;
+    const double l = fabs(f.it.q[0] * f.it.v[1] - f.it.q[1] * f.it.v[0] - l0);
+    const double worse = fabs(plain[0] * plain[3] - plain[1] * plain[2] - l0);
+    printf("\n    angular momentum after 1e5 Verlet steps: %.1e, plain sums %.1e", l, worse);
+    CU_ASSERT(l < 1.2e-15);
+    CU_ASSERT(worse > 2 * l && worse > 2e-15);
+}
+
+void add_geometry(void)
+{
+    CU_pSuite suite = CU_add_suite("geometry", NULL, NULL);
+    CU_add_test(suite, "energy of the double pendulum over 1e5 steps", long_energy);
+    CU_add_test(suite, "the step map is symplectic in (q, p)", symplectic);
+    CU_add_test(suite, "reversal", reversible);
+    CU_add_test(suite, "compensated sums", compensated);
+}

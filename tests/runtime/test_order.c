@@ -1,0 +1,187 @@
+/* Measured order on the nonlinear pendulum (a linear one super-converges), and with explicit time
+ * and M(q, v); tolerance against error; dense output.
+ */
+#include "fixture.h"
+
+/* Slope of error over step, of the finest five errors above round-off. */
+static double measured_order(const struct pk_system *system, const char *method, double t_end)
+{
+    static struct fixture f;
+    double h[40], error[40], q[2], v[2];
+    int count = 0;
+    CU_ASSERT_FATAL(fixture_run(&f, system, "gauss4", t_end / 4000, t_end) == PK_DONE);
+    memcpy(q, f.it.q, f.it.n * sizeof *q);
+    memcpy(v, f.it.v, f.it.n * sizeof *v);
+    const int adaptive = (pk_method_find(method)->traits & PK_ADAPTIVE) != 0;
+    for (double steps = 4; steps < 20000 && count < 40; steps = ceil(steps * 1.25)) {
+        fixture_set(&f, system);
+        f.options.h = t_end / steps;
+        if (adaptive) { /* a fixed step: a tolerance that accepts everything, a capped step */
+            f.options.rtol = f.options.atol = 1e10;
+            f.options.h_max = f.options.h;
+        }
+        if (fixture_init(&f, method) < 0 || pk_integrator_to(&f.it, t_end) < 0)
+            continue;
+        const double e = fixture_distance(&f, q, v);
+        if (e < 1e-12)
+            break;
+        h[count] = f.options.h;
+        error[count++] = e;
+    }
+    CU_ASSERT_FATAL(count >= 5);
+    return fit_slope(h + count - 5, error + count - 5, 5);
+}
+
+static void fixed_order(void)
+{
+    static const char *const names[] = {"euler",  "symplectic_euler", "verlet", "yoshida4",
+                                        "rk4",    "dopri5",           "dop853", "gauss1",
+                                        "gauss2", "gauss3",           "gauss4"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const struct pk_method *m = pk_method_find(names[i]);
+        const double p = measured_order(&pendulum_system, m->name, 3);
+        printf("\n    %-16s order %d, measured %.3f", m->name, m->order, p);
+        CU_ASSERT(fabs(p - m->order) < (m->order == 8 ? 0.25 : 0.15));
+    }
+}
+
+static void order_with_time(void)
+{
+    /* Verlet keeps its order only if its kicks are at the right times. */
+    static const char *const names[] = {"symplectic_euler", "verlet", "yoshida4", "gauss2"};
+    for (size_t i = 0; i < 4; i++) {
+        const struct pk_method *m = pk_method_find(names[i]);
+        const double p = measured_order(&driven_system, m->name, 3);
+        printf("\n    driven, %-16s measured %.3f", m->name, p);
+        CU_ASSERT(fabs(p - m->order) < 0.15);
+    }
+    static struct fixture f;
+    double q, v;
+    driven_exact(3, &q, &v);
+    CU_ASSERT(fixture_run(&f, &driven_system, "gauss4", 0.003, 3) == PK_DONE);
+    CU_ASSERT(fixture_distance(&f, &q, &v) < 1e-13);
+    CU_ASSERT(fixture_run(&f, &driven_system, "verlet", 0.003, 3) == PK_DONE);
+    CU_ASSERT(fixture_distance(&f, &q, &v) > 1e-9);
+}
+
+static void order_general_mass(void)
+{
+    static const struct pk_system *const systems[] = {&double_pendulum_system,
+                                                      &relativistic_system};
+    static const char *const names[] = {"rk4", "gauss1", "gauss2", "gauss3"};
+    for (size_t s = 0; s < 2; s++)
+        for (size_t i = 0; i < 4; i++) {
+            const double p = measured_order(systems[s], names[i], 1);
+            printf("\n    %s, %-7s measured %.3f", systems[s]->name, names[i], p);
+            CU_ASSERT(fabs(p - pk_method_find(names[i])->order) < 0.15);
+        }
+}
+
+static void tolerance(void)
+{
+    static const char *const names[] = {"dopri5", "dop853", "gsl_rk8pd", "gsl_msadams"};
+    static struct fixture f;
+    double q[2], v[2];
+    CU_ASSERT(fixture_run(&f, &pendulum_system, "gauss4", 0.002, 10) == PK_DONE);
+    memcpy(q, f.it.q, sizeof *q);
+    memcpy(v, f.it.v, sizeof *v);
+    for (size_t i = 0; i < 4; i++) {
+        double tol[8], error[8], last = 1;
+        int count = 0;
+        for (double t = 1e-4; t > 5e-12; t /= 10) {
+            CU_ASSERT(fixture_run(&f, &pendulum_system, names[i], t, 10) == PK_DONE);
+            CU_ASSERT(f.it.t == 10);
+            tol[count] = t;
+            error[count] = fixture_distance(&f, q, v);
+            CU_ASSERT(error[count] > 0 && error[count] < 2e4 * t);
+            last = error[count++];
+        }
+        const double slope = fit_slope(tol, error, count);
+        printf("\n    %-11s error ~ tol^%.2f, %.1e at tol 1e-11", names[i], slope, last);
+        CU_ASSERT(slope > 0.75 && slope < 1.2);
+    }
+}
+
+/* Largest error of the interpolant inside first steps of size h: slope is its order + 1. */
+static void dense(void)
+{
+    static const char *const names[] = {"dopri5", "dop853"};
+    static struct fixture f, exact;
+    for (size_t i = 0; i < 2; i++) {
+        double h[6], error[6];
+        int count = 0;
+        for (double step = i ? 0.9 : 0.3; count < 6; step /= 1.3) {
+            fixture_set(&f, &pendulum_system);
+            f.options.h = f.options.h_max = step;
+            f.options.rtol = f.options.atol = 1e10;
+            fixture_init(&f, names[i]);
+            CU_ASSERT(pk_integrator_step(&f.it, 10) == PK_DONE);
+            CU_ASSERT(f.it.t == step);
+            h[count] = step;
+            error[count] = 0;
+            for (double s = 0.05; s < 1; s += 0.05) {
+                double q, v;
+                CU_ASSERT(fixture_run(&exact, &pendulum_system, "gauss4", s * step / 40,
+                                      s * step) == PK_DONE);
+                CU_ASSERT(pk_integrator_dense(&f.it, s * step, &q, &v) == PK_DONE);
+                error[count] = fmax(error[count], fixture_distance(&exact, &q, &v));
+            }
+            count++;
+        }
+        const double order = fit_slope(h, error, count) - 1;
+        printf("\n    %s: dense output measured order %.2f", names[i], order);
+        CU_ASSERT(fabs(order - pk_method_find(names[i])->dense_order) < 0.35);
+        double q, v;
+        CU_ASSERT(pk_integrator_dense(&f.it, 0, &q, &v) == PK_DONE && q == f.q0[0]);
+        CU_ASSERT(pk_integrator_dense(&f.it, f.it.t, &q, &v) == PK_DONE);
+        CU_ASSERT(fabs(q - f.it.q[0]) < 1e-15);
+        CU_ASSERT(pk_integrator_dense(&f.it, f.it.t * 1.01, &q, &v) == PK_BAD_ARGUMENT);
+    }
+}
+
+/* Inside the steps of a run at tolerance: the interpolant's own error beside the steps'. */
+static void dense_in_run(void)
+{
+    static struct fixture f, exact;
+    for (double tol = 1e-4; tol > 5e-14; tol /= 1000) {
+        double inside = 0, ends = 0;
+        fixture_set(&f, &double_pendulum_system);
+        f.options.rtol = f.options.atol = tol;
+        fixture_init(&f, "dop853");
+        for (int step = 0; step < 40; step++) {
+            double q0[2], v0[2], q[2], v[2];
+            const double t0 = f.it.t;
+            memcpy(q0, f.it.q, sizeof q0);
+            memcpy(v0, f.it.v, sizeof v0);
+            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 10) == PK_DONE);
+            for (int k = 1; k <= 4; k++) {
+                const double t = k == 4 ? f.it.t : t0 + k * (f.it.t - t0) / 4;
+                fixture_set(&exact, &double_pendulum_system);
+                memcpy(exact.q0, q0, sizeof q0);
+                memcpy(exact.v0, v0, sizeof v0);
+                exact.options.h = (t - t0) / 20;
+                fixture_init(&exact, "gauss4");
+                pk_integrator_to(&exact.it, t - t0);
+                CU_ASSERT(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
+                const double e = fixture_distance(&exact, q, v);
+                if (k == 4)
+                    ends = fmax(ends, e);
+                else
+                    inside = fmax(inside, e);
+            }
+        }
+        printf("\n    dop853 at %.0e: local error at ends %.1e, inside %.1e", tol, ends, inside);
+        CU_ASSERT(inside > 0 && inside < 200 * tol);
+    }
+}
+
+void add_order(void)
+{
+    CU_pSuite suite = CU_add_suite("order", NULL, NULL);
+    CU_add_test(suite, "fixed steps on the pendulum", fixed_order);
+    CU_add_test(suite, "explicit time", order_with_time);
+    CU_add_test(suite, "M(q) and M(v)", order_general_mass);
+    CU_add_test(suite, "error follows the tolerance", tolerance);
+    CU_add_test(suite, "dense output", dense);
+    CU_add_test(suite, "dense output within a run", dense_in_run);
+}

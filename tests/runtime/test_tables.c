@@ -1,0 +1,205 @@
+/* The tables: every rooted tree up to the order claimed (HNW II.2: sum b_i Phi_i(tree) =
+ * 1/density), and one of the order above must fail; symplecticity and symmetry of Gauss (GNI
+ * VI.4, V.2). Trees come as level sequences, by the successor rule of T. Beyer, S. Hedetniemi,
+ * SIAM J. Comput. 9 (1980) 706.
+ */
+#include "fixture.h"
+#include "tableau.h"
+
+#define MOST 16
+
+struct dense_table {
+    int s;
+    double a[MOST][MOST], b[MOST], c[MOST];
+};
+
+static void weight(const struct dense_table *t, const int *level, int first, int order,
+                   double *phi, double *density)
+{
+    /* The subtree rooted at `first`: phi_i = product over children of sum_j a_ij phi_child_j. */
+    int size = 1;
+    while (first + size < order && level[first + size] > level[first])
+        size++;
+    for (int i = 0; i < t->s; i++)
+        phi[i] = 1;
+    *density *= size;
+    for (int k = first + 1; k < first + size; k++) {
+        double child[MOST];
+        if (level[k] != level[first] + 1)
+            continue;
+        weight(t, level, k, order, child, density);
+        for (int i = 0; i < t->s; i++) {
+            double sum = 0;
+            for (int j = 0; j < t->s; j++)
+                sum += t->a[i][j] * child[j];
+            phi[i] *= sum;
+        }
+    }
+}
+
+static int next_tree(int *level, int order)
+{
+    int p = order - 1;
+    while (p > 0 && level[p] <= 1)
+        p--;
+    if (p <= 0)
+        return 0;
+    int q = p - 1;
+    while (level[q] != level[p] - 1)
+        q--;
+    for (int i = p; i < order; i++)
+        level[i] = level[i - (p - q)];
+    return 1;
+}
+
+/* Largest defect over all trees of an order; how many there are. */
+static double defect(const struct dense_table *t, int order, int *trees)
+{
+    int level[MOST];
+    double worst = 0;
+    for (int i = 0; i < order; i++)
+        level[i] = i;
+    *trees = 0;
+    do {
+        double phi[MOST], density = 1, sum = 0;
+        weight(t, level, 0, order, phi, &density);
+        for (int i = 0; i < t->s; i++)
+            sum += t->b[i] * phi[i];
+        worst = fmax(worst, fabs(sum - 1 / density));
+        ++*trees;
+    } while (next_tree(level, order));
+    return worst;
+}
+
+static void check_order(const char *name, const struct dense_table *t, int order)
+{
+    static const int known[] = {0, 1, 1, 2, 4, 9, 20, 48, 115, 286};
+    int trees;
+    for (int p = 1; p <= order; p++) {
+        CU_ASSERT(defect(t, p, &trees) < 4e-15);
+        CU_ASSERT(trees == known[p]);
+    }
+    const double above = defect(t, order + 1, &trees);
+    CU_ASSERT(above > 1e-7);
+    printf("\n    %s: order %d, next defect %.2e (%d trees)", name, order, above, trees);
+    for (int i = 0; i < t->s; i++) {
+        double row = 0;
+        for (int j = 0; j < t->s; j++)
+            row += t->a[i][j];
+        CU_ASSERT(fabs(row - t->c[i]) < 4e-14);
+    }
+}
+
+static void explicit_tables(void)
+{
+    static const char *const names[] = {"euler", "rk4", "dopri5", "dop853"};
+    for (size_t m = 0; m < 4; m++) {
+        const struct pk_method *method = pk_method_find(names[m]);
+        const struct pk_tableau *table = (const struct pk_tableau *)method->table;
+        struct dense_table t = {.s = table->stages};
+        const pk_real *a = table->a;
+        for (int i = 0; i < t.s; i++) {
+            t.b[i] = table->b[i];
+            t.c[i] = table->c[i];
+            for (int j = 0; j < i; j++)
+                t.a[i][j] = *a++;
+        }
+        CU_ASSERT(method->stages == t.s);
+        check_order(method->name, &t, method->order);
+        if (!table->e)
+            continue;
+        /* Embedded: weights b - e (and the derivative at the end as a last stage). */
+        struct dense_table e = t;
+        for (int j = 0; j < t.s; j++)
+            e.a[t.s][j] = t.b[j];
+        e.s++;
+        e.c[t.s] = 1;
+        for (int j = 0; j <= t.s; j++)
+            e.b[j] = (j < t.s ? t.b[j] : 0) - table->e[j];
+        check_order("  its estimate", &e, table->e3 ? 5 : 4);
+        if (table->e3) {
+            for (int j = 0; j <= t.s; j++)
+                e.b[j] = (j < t.s ? t.b[j] : 0) - table->e3[j];
+            check_order("  its second", &e, 3);
+        }
+    }
+    /* The check sees a wrong digit. */
+    struct dense_table bad = {.s = 1, .b = {1.000001}};
+    int trees;
+    CU_ASSERT(defect(&bad, 1, &trees) > 1e-7);
+}
+
+static void gauss_tables(void)
+{
+    static const char *const names[] = {"gauss1", "gauss2", "gauss3", "gauss4"};
+    for (int m = 0; m < 4; m++) {
+        const struct pk_method *method = pk_method_find(names[m]);
+        const struct pk_gauss *table = (const struct pk_gauss *)method->table;
+        const int s = table->stages;
+        struct dense_table t = {.s = s};
+        for (int i = 0; i < s; i++) {
+            t.b[i] = table->b[i];
+            t.c[i] = table->c[i];
+            for (int j = 0; j < s; j++) {
+                t.a[i][j] = table->mu[i * s + j] * table->b[j];
+                CU_ASSERT(fabs(table->mu[i * s + j] + table->mu[j * s + i] - 1) < 1e-15);
+                /* symmetry: a_{s+1-i,s+1-j} + a_ij = b_j */
+                CU_ASSERT(fabs(table->mu[(s - 1 - i) * s + s - 1 - j] + table->mu[i * s + j] -
+                               1) < 1e-15);
+                if (j < i) /* what makes 1 - mu exact */
+                    CU_ASSERT(table->mu[i * s + j] > 0.5 && table->mu[i * s + j] < 2);
+            }
+        }
+        CU_ASSERT(s == method->stages && 2 * s == method->order);
+        check_order(method->name, &t, method->order);
+    }
+    /* rk4 is not symplectic: b_i a_ij + b_j a_ji != b_i b_j. */
+    const struct pk_tableau *rk4 = (const struct pk_tableau *)pk_method_find("rk4")->table;
+    CU_ASSERT(fabs(rk4->b[1] * rk4->a[0] - rk4->b[0] * rk4->b[1]) > 0.01);
+}
+
+static void splitting_tables(void)
+{
+    static const char *const names[] = {"symplectic_euler", "verlet", "yoshida4"};
+    for (int m = 0; m < 3; m++) {
+        const struct pk_method *method = pk_method_find(names[m]);
+        const struct pk_splitting *t = (const struct pk_splitting *)method->table;
+        double kick = 0, drift = 0, cubes = 0, skew = 0;
+        for (int i = 0; i <= t->stages; i++)
+            kick += t->kick[i];
+        for (int i = 0; i < t->stages; i++) {
+            drift += t->drift[i];
+            cubes += pow(t->drift[i], 3);
+        }
+        for (int i = 0; i <= t->stages; i++)
+            skew = fmax(skew, fabs(t->kick[i] - t->kick[t->stages - i]));
+        CU_ASSERT(fabs(kick - 1) < 1e-15 && fabs(drift - 1) < 1e-15);
+        CU_ASSERT((method->traits & PK_SYMMETRIC) ? skew == 0 : skew > 0.5);
+        CU_ASSERT(method->order == 4 ? fabs(cubes) < 1e-14 : fabs(cubes - 1) < 1e-15);
+    }
+}
+
+static void registry(void)
+{
+    size_t count = 0;
+    for (; pk_method_at(count); count++) {
+        const struct pk_method *m = pk_method_at(count);
+        CU_ASSERT(pk_method_find(m->name) == m);
+        CU_ASSERT(m->order > 0 && m->stages > 0 && strlen(m->doc) > 10);
+        CU_ASSERT(!(m->traits & PK_DENSE) == !m->dense);
+    }
+    CU_ASSERT(count == 11);
+    CU_ASSERT_PTR_NULL(pk_method_find("rk5"));
+    CU_ASSERT_PTR_NOT_NULL(pk_gsl_method_find("gsl_rk8pd"));
+    CU_ASSERT_PTR_NOT_NULL(pk_gsl_method_find("gsl_msadams"));
+    CU_ASSERT_PTR_NULL(pk_gsl_method_find("rk8pd"));
+}
+
+void add_tables(void)
+{
+    CU_pSuite suite = CU_add_suite("tables", NULL, NULL);
+    CU_add_test(suite, "explicit Runge-Kutta: all rooted trees", explicit_tables);
+    CU_add_test(suite, "Gauss: trees, symplectic, symmetric", gauss_tables);
+    CU_add_test(suite, "splitting", splitting_tables);
+    CU_add_test(suite, "registry", registry);
+}
