@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 MODEL = ROOT / "models" / "double_pendulum.lag"
 TARGET = ROOT / "docs" / "pictures" / "double_pendulum.svg"
-DURATION = 300.0
+DURATION = 5000.0
 STEP = 0.01
 # Okabe and Ito's colours, which survive colour-blindness; each curve is labelled directly too.
 METHODS = {"rk4": "#D55E00", "gauss1": "#0072B2", "gauss2": "#009E73", "gauss4": "#CC79A7"}
@@ -39,18 +39,19 @@ def draw_motion(axes: plt.Axes) -> None:
     x = np.sin(rows[:, 1]) + np.sin(rows[:, 2])
     y = -np.cos(rows[:, 1]) - np.cos(rows[:, 2])
     axes.plot(x, y, color="#0072B2", lw=0.9)
-    for k in (0, -1):
+    for k, label, offset in ((0, "start", (8, -3)), (-1, "after 10 s", (8, -12))):
         xs = [0, np.sin(rows[k, 1]), x[k]]
         ys = [0, -np.cos(rows[k, 1]), y[k]]
         axes.plot(xs, ys, "o-", color="#999999" if k == 0 else "black", ms=5, lw=1.5)
-        axes.annotate("start" if k == 0 else "t = 10 s", (xs[2], ys[2]), (6, 6), textcoords="offset points")
+        place = {"textcoords": "offset points", "bbox": {"fc": "white", "ec": "none", "pad": 0.5}}
+        axes.annotate(label, (xs[2], ys[2]), offset, **place)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Path of the lower bob")
 
 
 def draw_drift(axes: plt.Axes) -> None:
     for method, colour in METHODS.items():
-        rows = run(method, DURATION, 0.25)
+        rows = run(method, DURATION, 0.5)
         energy = rows[:, -1]
         error = np.maximum.accumulate(np.abs(energy / energy[0] - 1))
         axes.loglog(rows[1:, 0], np.maximum(error[1:], 1e-17), color=colour, lw=1.5)
@@ -59,7 +60,7 @@ def draw_drift(axes: plt.Axes) -> None:
         xlabel="t [s]",
         ylabel="largest relative energy error so far",
         title=f"Energy at a step of {STEP} s",
-        xlim=(0.25, DURATION * 2.2),
+        xlim=(0.5, DURATION * 2.6),
     )
     axes.grid(alpha=0.25)
 

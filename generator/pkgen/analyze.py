@@ -75,7 +75,9 @@ def _cyclic(equations: Equations, seen: _Seen) -> tuple[bool, ...]:
     }
     return tuple(
         applied == ZERO and (slope == ZERO or i not in symbols)
-        for i, (slope, applied) in enumerate(zip(equations.gradient, equations.applied))
+        for i, (slope, applied) in enumerate(
+            zip(equations.gradient, equations.applied, strict=True)
+        )
     )
 
 
@@ -87,5 +89,3 @@ def _smooth(equations: Equations) -> bool:
     return all(
         FUNCTIONS[g.data[node]].smooth for node in reachable(g, outputs) if g.op[node] is Op.CALL
     )
-
-

@@ -129,8 +129,12 @@ class _Checker:
     # what a model must have
 
     def _required(self) -> None:
-        if not self.file.statements and self.file.diagnostics:
-            return  # an empty file, or one in which nothing could be read
+        if not self.file.statements:
+            if not self.file.diagnostics:  # else there was something, but nothing could be read
+                self.report.error(
+                    "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
+                )
+            return
         first = next(iter(self.file.statements), None)
         broken = self.broken
         parts = self.shared.parts
@@ -171,7 +175,8 @@ class _Checker:
     def _inertia(self) -> None:
         """A light check: every coordinate's rate occurs in an energy. The exact one is derive's."""
         energies = self.shared.energies
-        if not energies or not all(f.known for f in energies):
+        has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
+        if not has_kinetic or not all(f.known for f in energies):
             return
         with_rate = frozenset().union(*(f.rates for f in energies))
         for coordinate in self.shared.parts["coord"]:

@@ -57,8 +57,8 @@ class Definitions:
 
     def param(self, statement: st.Param) -> None:
         left = statement.left
-        scope, members = self.shared.left_scope(left, "param")
         before = len(self.report.errors)
+        scope, members = self.shared.left_scope(left, "param")
         value, facts = self.expressions.check(statement.value, scope)
         if facts.vector:
             self.shared.no_vector(left, "parameter")

@@ -13,14 +13,13 @@ from fractions import Fraction
 
 from . import check_values as values
 from . import limits, units
+from .check_calls import Calls
 from .check_indices import Indices
 from .check_mismatch import Mismatch
 from .check_names import (
     BUILT_IN,
-    CALLABLE,
     KIND_TEXT,
     NO_INPUTS,
-    SPECIAL,
     UNKNOWN,
     Entry,
     Facts,
@@ -29,7 +28,6 @@ from .check_names import (
     joined,
 )
 from .check_scope import Place, Scope
-from .functions import FUNCTIONS, VECTOR_FUNCTIONS
 from .source import Source, Span
 from .tree import (
     Add,
@@ -78,6 +76,7 @@ class Expressions:
         self.lagrangian = lagrangian
         self.indices = Indices(source, report, names, sizes)
         self.mismatch = Mismatch(source, report, names)
+        calls = Calls(self)
         self._visit: dict[type, Callable[[Expr, Scope], Checked]] = {
             Number: self._number,
             Name: self._name,
@@ -87,10 +86,10 @@ class Expressions:
             Add: self._add,
             Multiply: self._multiply,
             Power: self._power,
-            Call: self._call,
-            Sum: self._sum,
-            Vector: self._vector,
-            Quantity: self._quantity,
+            Call: calls.call,
+            Sum: calls.sum,
+            Vector: calls.vector,
+            Quantity: calls.quantity,
         }
 
     # entry points
@@ -268,7 +267,7 @@ class Expressions:
         vector = self._same_rank(expr, facts)
         result = joined(dimension, vector, facts)
         if all(f.value is not None for f in facts):
-            result.value = self._constant(
+            result.value = self.constant(
                 expr, lambda: values.added([f.value for f in facts], expr.signs)
             )
         return Add(tuple(e for e, _ in parts), expr.signs, expr.span), result
@@ -307,7 +306,7 @@ class Expressions:
                 self.report.error("division by zero", factor.span)
                 return expr, UNKNOWN
         if all(f.value is not None for f in facts):
-            result.value = self._constant(
+            result.value = self.constant(
                 expr, lambda: values.multiplied([f.value for f in facts], expr.exponents)
             )
         return Multiply(tuple(e for e, _ in parts), expr.exponents, expr.span), result
@@ -366,145 +365,17 @@ class Expressions:
                 )
                 result.dimension = None
         if facts.value is not None and up.value is not None:
-            result.value = self._constant(expr, lambda: values.raised(facts.value, up.value))
+            result.value = self.constant(expr, lambda: values.raised(facts.value, up.value))
         if up.value is None and up.known and up.bare:
             self.indices.exponent(expr.exponent, scope)
         return new, result
 
-    def _constant(self, expr: Expr, compute: Callable[[], Fraction | float]):
+    def constant(self, expr: Expr, compute: Callable[[], Fraction | float]):
         try:
             return compute()
         except values.NoValue as error:
             self.report.error(str(error), expr.span)
             return None
-
-    # functions, sums, vectors, units
-
-    def _call(self, expr: Call, scope: Scope) -> Checked:
-        function = expr.function
-        parts = [self.check(argument, scope) for argument in expr.arguments]
-        facts = [f for _, f in parts]
-        if function not in CALLABLE:
-            self._not_callable(expr)
-            return expr, UNKNOWN
-        arity = VECTOR_FUNCTIONS.get(function) or FUNCTIONS[function].arity
-        if len(parts) != arity:
-            count = "one argument" if arity == 1 else f"{arity} arguments"
-            self.report.error(f"{function} takes {count}, not {len(parts)}", expr.span)
-            return expr, UNKNOWN
-        new = Call(function, tuple(e for e, _ in parts), expr.span)
-        if function in VECTOR_FUNCTIONS:
-            return new, self._vector_call(expr, facts)
-        return new, self._scalar_call(expr, facts)
-
-    def _not_callable(self, expr: Call) -> None:
-        if expr.function in SPECIAL - {"sum"}:
-            self.report.error(f"{expr.function}(…) has no meaning here", expr.span)
-        elif expr.function in self.names.table and self.names.table[expr.function].kind == (
-            "poisoned"
-        ):
-            return
-        else:
-            start = expr.span.start
-            word = self.source.text[start : expr.span.end].partition("(")[0].rstrip()
-            self.names.unknown(expr.function, Span(start, start + len(word)), called=True)
-
-    def _vector_call(self, expr: Call, facts: list[Facts]) -> Facts:
-        for argument, part in zip(expr.arguments, facts, strict=True):
-            if part.vector is False:
-                help = "the magnitude of a number is abs(x)" if expr.function == "norm" else ""
-                self.report.error(
-                    f"{expr.function} needs a vector, {self.mismatch.text(argument)} is a number",
-                    argument.span,
-                    help,
-                )
-                return UNKNOWN
-        dims = [f.dimension for f in facts]
-        result = joined(None, expr.function == "cross", facts)
-        if expr.function == "norm":
-            result.dimension = dims[0]
-        elif None not in dims:
-            result.dimension = units.times(*dims)
-        return result
-
-    def _scalar_call(self, expr: Call, facts: list[Facts]) -> Facts:
-        function = FUNCTIONS[expr.function]
-        for argument, part in zip(expr.arguments, facts, strict=True):
-            if part.vector:
-                help = "the magnitude of a vector is norm(v)" if expr.function == "abs" else ""
-                self.report.error(
-                    f"{expr.function} needs a number, {self.mismatch.text(argument)} is a vector",
-                    argument.span,
-                    help,
-                )
-                return UNKNOWN
-        dimension: Dimension | None = NONE
-        if function.units == "none":
-            for argument, part in zip(expr.arguments, facts, strict=True):
-                if part.dimension not in (None, NONE):
-                    self.mismatch.argument(expr.function, argument, part)
-        else:
-            shared = self.mismatch.common(expr.arguments, facts, expr.function)
-            if function.units == "same":
-                dimension = shared
-            elif function.units == "root" and shared is not None:
-                dimension = units.power(shared, Fraction(1, 2))
-        result = joined(dimension, False, facts)
-        if not function.smooth and result.moves and not result.rough:
-            result.rough = expr.function
-        if all(f.value is not None for f in facts):
-            result.value = self._constant(
-                expr, lambda: values.called(expr.function, [f.value for f in facts])
-            )
-        return result
-
-    def _sum(self, expr: Sum, scope: Scope) -> Checked:
-        inner = self.indices.enter(expr.ranges, scope)
-        if inner is None:
-            return expr, UNKNOWN
-        body, facts = self.check(expr.body, inner)
-        return Sum(body, expr.ranges, expr.span), replace(facts, value=None)
-
-    def _vector(self, expr: Vector, scope: Scope) -> Checked:
-        parts = [self.check(item, scope) for item in expr.items]
-        facts = [f for _, f in parts]
-        if len(parts) != 3:
-            self.report.error(
-                f"a vector has three components, this has {len(parts)}",
-                expr.span,
-                "in a plane write [x, y, 0]",
-            )
-            return expr, UNKNOWN
-        for item, part in zip(expr.items, facts, strict=True):
-            if part.vector:
-                self.report.error("a component of a vector is a number", item.span)
-                return expr, UNKNOWN
-        dimension = self.mismatch.common(expr.items, facts, "a vector")
-        return Vector(tuple(e for e, _ in parts), expr.span), joined(dimension, True, facts)
-
-    def _quantity(self, expr: Quantity, scope: Scope) -> Checked:
-        of, facts = self.check(expr.of, scope)
-        unit = self.unit(expr.unit, expr.unit_span)
-        if unit is None:
-            return of, replace(facts, dimension=None, value=None)
-        if facts.dimension is None or (facts.dimension == NONE and not facts.united):
-            value = facts.value
-            if value is not None and not unit.is_si:
-                factor = unit.factor if not unit.pi else float(unit.factor) * math.pi**unit.pi
-                value = self._constant(expr, lambda: values.multiplied([value, factor], (1, 1)))
-            scaled = replace(facts, dimension=unit.dimension, value=value, bare=False, united=True)
-            return _scaled(of, unit, expr.span), scaled
-        if facts.dimension != unit.dimension:
-            self.mismatch.unit(expr, facts, unit.dimension)
-            return of, replace(facts, dimension=unit.dimension)
-        if not unit.is_si:
-            si = units.si_text(unit.dimension, unit.angle) or "1"
-            self.report.warn(
-                f"{self.mismatch.text(expr.of)} has a unit already; [{expr.unit}] is only checked",
-                expr.unit_span,
-                f"values are in SI: [{si}]",
-            )
-        return of, facts
 
     def unit(self, text: str, span: Span) -> units.Unit | None:
         """Reads a unit; `span` includes its brackets."""
@@ -527,17 +398,3 @@ class Expressions:
             return units.parse_unit(text)
         except UnitError:
             return None
-
-
-def _scaled(of: Expr, unit: units.Unit, span: Span) -> Expr:
-    """`of` times the unit's factor."""
-    if unit.is_si:
-        return of
-    if isinstance(of, Number) and not unit.pi:
-        return Number(of.value * unit.factor, span)
-    factors: list[Expr] = [Number(unit.factor, span), of]
-    exponents = [1, 1]
-    for _ in range(abs(unit.pi)):
-        factors.append(Name("pi", None, span))
-        exponents.append(1 if unit.pi > 0 else -1)
-    return Multiply(tuple(factors), tuple(exponents), span)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from . import limits
 from .check_loops import Loop, at_text, bound, first_outside, intervals, points
 from .check_names import Entry, Names, Report
-from .check_scope import Scope
+from .check_scope import PLACES, Scope
 from .indices import NotAnInteger, integer
 from .source import Source, Span
 from .tree import Expr, Name, Range, children
@@ -32,7 +32,10 @@ class Indices:
             integer(index, self._samples(scope))
         except NotAnInteger as error:
             help = "declare it with 'size'" if "not a size" in error.message else ""
-            self.report.error(error.message, error.span, help)
+            message = error.message
+            if scope.place is PLACES["size"]:
+                message = message.replace("an index", "a size")
+            self.report.error(message, error.span, help)
             return False
         return True
 

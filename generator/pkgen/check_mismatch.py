@@ -70,9 +70,13 @@ class Mismatch:
         )
 
     def _hint(self, expr: Expr, facts: Facts, needed: Dimension, needs: str, bare: bool) -> str:
+        if self.report.full:
+            return ""
         text = self.text(expr)
         if facts.bare:
             return f"give it a unit: {text} [{si_text(needed)}]" if needed != NONE else ""
+        if isinstance(expr, Quantity):
+            return ""
         factor = units.over(needed, facts.dimension)
         for ratio, verb, sign in ((factor, "multiply", "*"), (_inverse(factor), "divide", "/")):
             name = self._fitting(ratio, expr, needs)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from fractions import Fraction
 
+from . import limits
 from .functions import FUNCTIONS, VECTOR_FUNCTIONS
 from .source import Diagnostic, Span
-from .units import Dimension, UnitError, parse_unit
+from .units import Dimension
 from .words import reserved
 
 NOTHING: frozenset[str] = frozenset()
 NO_INPUTS: dict[str, int] = {}
+_UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 CALLABLE = frozenset(n for n, f in FUNCTIONS.items() if not f.internal) | VECTOR_FUNCTIONS.keys()
 SPECIAL = frozenset(("sum", "omega", "rot", "drift", "time"))
@@ -75,26 +78,26 @@ class Members:
             self.add(lo, hi)
 
     def add(self, lo: int, hi: int) -> None:
-        kept = []
-        for a, b in self.intervals:
-            if b + 1 < lo or hi + 1 < a:
-                kept.append((a, b))
-            else:
-                lo, hi = min(lo, a), max(hi, b)
-        self.intervals = sorted([*kept, (lo, hi)])
+        # Those that touch lo..hi are merged with it; they lie side by side.
+        first = bisect_left(self.intervals, lo - 1, key=lambda x: x[1])
+        last = bisect_right(self.intervals, hi + 1, key=lambda x: x[0])
+        for a, b in self.intervals[first:last]:
+            lo, hi = min(lo, a), max(hi, b)
+        self.intervals[first:last] = [(lo, hi)]
 
     def hold(self, lo: int, hi: int) -> bool:
         """Whether all of lo..hi are members."""
-        return any(a <= lo and hi <= b for a, b in self.intervals)
+        at = bisect_left(self.intervals, hi, key=lambda x: x[1])
+        return at < len(self.intervals) and self.intervals[at][0] <= lo
 
     def touch(self, lo: int, hi: int) -> bool:
         """Whether any of lo..hi is a member."""
-        return any(a <= hi and lo <= b for a, b in self.intervals)
+        at = bisect_left(self.intervals, lo, key=lambda x: x[1])
+        return at < len(self.intervals) and self.intervals[at][0] <= hi
 
     def text(self, name: str) -> str:
-        return ", ".join(
-            f"{name}[{a}]" if a == b else f"{name}[{a}..{b}]" for a, b in self.intervals
-        )
+        shown = [f"{name}[{a}]" if a == b else f"{name}[{a}..{b}]" for a, b in self.intervals[:4]]
+        return ", ".join(shown) + (", …" if len(self.intervals) > 4 else "")
 
 
 @dataclass
@@ -138,6 +141,11 @@ class Report:
 
     def error(self, message: str, span: Span, help: str = "") -> None:
         self.errors.append(Diagnostic(message, span, help))
+
+    @property
+    def full(self) -> bool:
+        """Whether more than can be shown were found already; hints are costly then."""
+        return len(self.errors) > limits.DIAGNOSTICS
 
     def warn(self, message: str, span: Span, help: str = "") -> None:
         self.warnings.append(Diagnostic(message, span, help, "warning"))
@@ -189,11 +197,12 @@ class Names:
         self.reported.add(name)
         place = self.later.get(name)
         if place is not None and not called:
-            self.report.error(
-                f"'{name}' is used before its definition in line {self.line_of(place)}",
-                span,
-                "a name is defined above its first use",
-            )
+            line = self.line_of(place)
+            if line == self.line_of(span):
+                message = f"'{name}' is used in its own definition"
+            else:
+                message = f"'{name}' is used before its definition in line {line}"
+            self.report.error(message, span, "a name is defined above its first use")
         else:
             what = "function" if called else "name"
             message = f"unknown {what} '{name}'"
@@ -202,11 +211,15 @@ class Names:
             self.report.error(message, span, help or self._hint(name, called))
 
     def _hint(self, name: str, called: bool) -> str:
+        if self.report.full:
+            return ""
         if called and name in self.table:
             return f"a product is written {name}*(…)"
         if not called and name in CALLABLE | SPECIAL:
             return f"'{name}' is a function: write {name}(…)"
         known = sorted(CALLABLE | {"sum"}) if called else [*self.table, "t", "pi"]
+        if not called and name in _UNITS:
+            return f"a unit stands in square brackets after a value: 2 [{name}]"
         near = get_close_matches(name, known, 1, 0.6)
         product = None if called else self._product(name)
         if product and (not near or len(name) <= 3):
@@ -215,8 +228,6 @@ class Names:
             return f"did you mean '{near[0]}'?"
         if called:
             return "functions: " + " ".join(sorted(CALLABLE | {"sum"}))
-        if len(name) <= 3 and _is_unit(name):
-            return f"a unit stands in square brackets: [{name}]"
         return self.missing.format(name=name)
 
     def _product(self, name: str) -> str:
@@ -225,11 +236,3 @@ class Names:
             if name[:i] in self.table and name[i:] in self.table:
                 return f"{name[:i]}*{name[i:]}"
         return ""
-
-
-def _is_unit(name: str) -> bool:
-    try:
-        parse_unit(name)
-    except UnitError:
-        return False
-    return True

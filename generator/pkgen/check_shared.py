@@ -52,13 +52,26 @@ class Shared:
         if left.index is None:
             return scope, None
         if place == "param":
+            self._no_family(left)
+            return scope, None
+        index = self.indices.value(left.index, scope)
+        return scope, Members((index, index)) if index is not None else Members()
+
+    def _no_family(self, left: st.Left) -> None:
+        """`param m[kg] = 1` or `param m[1] = 1`."""
+        name, index = left.name, left.index
+        if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
+            self.report.error(
+                f"'{name}[{index.id}]': a bracket that touches a name is an index",
+                left.span,
+                f"a unit stands after the value: param {name} = 1 [{index.id}]",
+            )
+        else:
             self.report.error(
                 "a family of parameters is declared with its range",
                 left.span,
-                f"e.g. param {left.name}[i = 1..N] = …; a unit stands after a space",
+                f"e.g. param {name}[i = 1..N] = …",
             )
-        index = self.indices.value(left.index, scope)
-        return scope, Members((index, index)) if index is not None else Members()
 
     def coordinate_named(self, left: st.Left, what: str) -> Entry | None:
         entry = self.names.table.get(left.name)

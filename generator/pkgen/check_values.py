@@ -14,6 +14,7 @@ from . import limits
 from .indices import assignments, integer
 from .tree import Add, Call, Component, Expr, Multiply, Name, Negate, Number, Power, Sum, Vector
 
+
 class NoValue(Exception):
     """A constant that cannot be; the message says why."""
 

@@ -48,7 +48,9 @@ def varies(g: Graph, polynomial: Polynomial) -> bool:
     return any(g.depends[base] & VARIABLE for monomial in polynomial for base, _ in monomial)
 
 
-def rewritten(g: Graph, outputs: list[Node], policy: policies.Policy, work: int) -> list[Node] | None:
+def rewritten(
+    g: Graph, outputs: list[Node], policy: policies.Policy, work: int
+) -> list[Node] | None:
     """The outputs expanded and factored; None if that is too much work."""
     normal = Normal(g, policy(g, outputs), canonical=False, work=work)
     result: dict[Node, Node] = {}
@@ -171,4 +173,3 @@ def _monomial(g: Graph, monomial: Monomial) -> Node:
     fast = [f for f in monomial if g.depends[f[0]] & rates]
     left = g.product(g.power(b, e) for b, e in slow)
     return g.multiply(left, g.product(g.power(b, e) for b, e in fast))
-

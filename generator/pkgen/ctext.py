@@ -40,11 +40,11 @@ def string(text: str) -> str:
     return '"' + "".join(parts) + '"'
 
 
-def paragraph(text: str, first: str = " * ", rest: str = " * ", width: int = WIDTH) -> str:
+def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
     """Words folded behind a comment's left margin."""
     lines = textwrap.wrap(
         text,
-        width,
+        WIDTH - 3,  # room for what ends the comment
         initial_indent=first,
         subsequent_indent=rest,
         break_long_words=False,
@@ -71,8 +71,9 @@ def fold(line: str, indent: int = 0, hang: int = 4) -> str:
 
 
 def fold_call(line: str, indent: int = 0) -> str:
-    """The same for a call or a declaration: what follows stands under the first argument."""
-    return fold(line, indent, line.index("(") + 1)
+    """The same for a declaration: what follows stands under the first argument, if it can."""
+    hang = line.index("(") + 1
+    return fold(line, indent, hang if hang <= WIDTH // 2 else 4)
 
 
 def _best_break(line: str) -> int | None:
@@ -83,6 +84,9 @@ def _best_break(line: str) -> int | None:
     for c in line[: WIDTH + 1]:
         depth += (c == "(") - (c == ")")
         depths.append(depth)
-    places = [m.start() for m in _BREAK.finditer(line) if start < m.start() <= WIDTH]
+    every = [m.start() for m in _BREAK.finditer(line) if m.start() > start]
+    places = [at for at in every if at <= WIDTH]
+    if not places:
+        return every[0] if every else None
     late = [at for at in places if at > start + (WIDTH - start) * 2 // 5] or places
     return min(late, key=lambda at: (depths[at], line[at + 1] in "*/", -at), default=None)

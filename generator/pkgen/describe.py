@@ -53,7 +53,7 @@ def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) ->
     coordinates = program.equations.coordinates
     return [
         Quantity(name.format(c.name), per_second(q.unit, model.dimensionless), "")
-        for c, q in zip(coordinates, quantities)
+        for c, q in zip(coordinates, quantities, strict=True)
     ]
 
 

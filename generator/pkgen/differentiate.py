@@ -91,7 +91,9 @@ def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
         if node in seen:
             continue
         seen.add(node)
-        stack.extend(a for a in g.args[node] if a not in seen and (mask == -1 or g.depends[a] & mask))
+        stack.extend(
+            a for a in g.args[node] if a not in seen and (mask == -1 or g.depends[a] & mask)
+        )
     return sorted(seen)
 
 
@@ -141,7 +143,7 @@ def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
         return ZERO
     if g.op[node] is Op.ADD:
         return g.add(*of_arguments)
-    terms = zip(partials(g, node), of_arguments)
+    terms = zip(partials(g, node), of_arguments, strict=True)
     return g.sum(g.multiply(p, d) for p, d in terms if d != ZERO)
 
 
@@ -153,23 +155,34 @@ class Columns:
 
     def __init__(self, g: Graph, outputs: Iterable[Node], mask: int):
         self.graph = g
+        outputs = list(outputs)
         self.order = reachable(g, outputs, mask)
         self.users: dict[Node, list[Node]] = {node: [] for node in self.order}
         for node in self.order:
             for a in dict.fromkeys(g.args[node]):
                 if a in self.users:
                     self.users[a].append(node)
+        # The last output that needs a node.
+        self.last = dict.fromkeys(self.order, -1)
+        self.last.update((node, i) for i, node in enumerate(outputs))
+        for node in reversed(self.order):
+            for a in g.args[node]:
+                if a in self.users:
+                    self.last[a] = max(self.last[a], self.last[node])
 
-    def column(self, symbol: Node) -> Mapping[Node, Node]:
-        """The derivatives by `symbol` of all nodes on which it has an influence."""
-        g, users = self.graph, self.users
+    def column(self, symbol: Node, from_output: int = 0) -> Mapping[Node, Node]:
+        """The derivatives by `symbol` of all nodes on which it has an influence.
+
+        With `from_output`, of those alone that an output of this number or a later one needs.
+        """
+        g, users, last = self.graph, self.users, self.last
         if symbol not in users:
             return {symbol: ONE}
         influenced = {symbol}
         stack = [symbol]
         while stack:
             for user in users[stack.pop()]:
-                if user not in influenced:
+                if user not in influenced and last[user] >= from_output:
                     influenced.add(user)
                     stack.append(user)
         known = {symbol: ONE}
@@ -190,7 +203,7 @@ def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
             continue
         if bar == ZERO:
             continue
-        for a, p in zip(g.args[node], partials(g, node)):
+        for a, p in zip(g.args[node], partials(g, node), strict=True):
             if g.depends[a] & mask:
                 adjoint[a] = g.add(adjoint.get(a, ZERO), g.multiply(bar, p))
     return result

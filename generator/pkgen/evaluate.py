@@ -10,9 +10,26 @@ from .constants import folded
 from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
 
+BITS = 100_000  # of an exact power
+
 _MATH: dict[str, Callable[..., float]] = {
     name: getattr(math, name)
-    for name in ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "pow"]
+    for name in [
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "atan2",
+        "sinh",
+        "cosh",
+        "tanh",
+        "exp",
+        "log",
+        "sqrt",
+        "pow",
+    ]
 } | {
     "abs": abs,
     "min": min,
@@ -77,6 +94,7 @@ def _fraction(
     if op is Op.MULTIPLY:
         return args[0] * args[1]
     if op is Op.POWER:
-        possible = data.denominator == 1 and (args[0] != 0 or data > 0) and abs(data) <= 64
-        return args[0] ** int(data) if possible else None
+        size = args[0].numerator.bit_length() + args[0].denominator.bit_length()
+        possible = data.denominator == 1 and (args[0] != 0 or data > 0)
+        return args[0] ** int(data) if possible and size * abs(data) < BITS else None
     return folded(data, args)

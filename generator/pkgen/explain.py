@@ -10,7 +10,7 @@ from . import sympy_bridge
 from .compiler import Compilation
 from .differentiate import reachable
 from .equations import Equations, ParameterSlot, Quantity, Structure
-from .graph import Kind, Node, Symbol
+from .graph import Kind, Node, Op, Symbol
 from .program import operations_text
 
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
@@ -83,14 +83,21 @@ def _parameters(equations: Equations) -> str:
 
 
 def _default(equations: Equations, slot: ParameterSlot) -> str:
-    return f"{_text(equations, slot.default)} {_unit(slot.quantity.unit)}".strip()
+    return f"{_constant(equations, slot.default)} {_unit(slot.quantity.unit)}".strip()
+
+
+def _constant(equations: Equations, node: Node) -> str:
+    """A number as a decimal, which is how its author wrote it; else algebra."""
+    if equations.graph.op[node] is Op.NUMBER:
+        return f"{float(equations.graph.data[node]):.15g}"
+    return _text(equations, node)
 
 
 def _bounds(equations: Equations, slot: ParameterSlot) -> str:
     if slot.lo is None and slot.hi is None:
         return ""
-    lo = "-inf" if slot.lo is None else _text(equations, slot.lo)
-    hi = "inf" if slot.hi is None else _text(equations, slot.hi)
+    lo = "-inf" if slot.lo is None else _constant(equations, slot.lo)
+    hi = "inf" if slot.hi is None else _constant(equations, slot.hi)
     return f"in {'(' if slot.lo_open else '['}{lo}, {hi}{')' if slot.hi_open else ']'}"
 
 

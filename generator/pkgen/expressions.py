@@ -120,5 +120,7 @@ def _as_terms(form: Form) -> tuple[tuple[int, str], ...]:
 
 def _as_factors(form: Form) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
     if form.is_sum:
+        if all(sign < 0 for sign, _ in form.terms):
+            return MINUS, (f"({text(negated(form))})",), ()
         return PLUS, (f"({text(form)})",), ()
     return form.sign, form.above, form.below

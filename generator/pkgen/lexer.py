@@ -41,11 +41,12 @@ _VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRA
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {".x": 0, ".y": 1, ".z": 2}
 _DESCRIPTION_LENGTH = 200
+_TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
 
 # What people type or paste, and how it is written here.
 _INSTEAD = {
     "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∗": "*", "÷": "/", "∕": "/",
-    "′": "'", "’": "'", "‘": "'", "`": "'", '"': "''", "″": "''", "²": "^2", "³": "^3",
+    "′": "'", "’": "'", "‘": "'", "`": "'", "″": "''", "²": "^2", "³": "^3",
     "⁴": "^4", "½": "1/2", "¼": "1/4", "√": "sqrt( )", "∑": "sum( )", "∞": "inf",
     "°": "[deg]", "…": "..", "\u00a0": "a plain space", "{": "(", "}": ")", "\\": "/",
 }  # fmt: skip
@@ -87,10 +88,15 @@ class _Lexer:
         self.open: list[tuple[str, str, int]] = []  # bracket, the type of its closer, offset
         self.too_deep = False
         self.at_line_start = True
+        self.tokens = 0
 
     def run(self) -> None:
         at, match, text = 0, _PATTERN.match, self.text
         while at < len(text):
+            if self.tokens > _TOKENS:
+                self._error(f"the model has more than {_TOKENS} words and signs", at, at + 1)
+                self.open.clear()
+                break
             found = match(text, at)
             kind = found.lastgroup
             if kind == "space":
@@ -122,6 +128,7 @@ class _Lexer:
 
     def _add(self, kind: str, value: object, start: int, end: int) -> int:
         self.at_line_start = False
+        self.tokens += 1
         self.now.tokens.append(Token(kind, value, start_pos=start, end_pos=end))
         return end
 
@@ -178,12 +185,14 @@ class _Lexer:
         return text.startswith("(", at)
 
     def _spell_out(self, spelt: str, at: int) -> str:
-        letters = []
+        letters: list[str] = []
+        junk = False
         for i, character in enumerate(spelt):
             letter = character if character.isascii() else greek(character)
             if letter is None:
-                self._junk(character, at + i, "a name")
-                letter = "_"
+                if not junk:
+                    self._junk(character, at + i, "a name")
+                junk, letter = True, "_"
             letters.append(letter)
         return "".join(letters)
 

@@ -18,6 +18,7 @@ Polynomial = dict[Monomial, Fraction]
 
 WORK = 5_000  # products of two terms
 TERMS = 500  # of one polynomial
+BITS = 4_096  # of a coefficient
 POWERS = 12  # the largest power of a sum that is expanded
 
 
@@ -29,7 +30,11 @@ class Normal:
     """Normal forms of nodes of one graph; `closed` holds sums that stay atoms."""
 
     def __init__(
-        self, g: Graph, closed: frozenset[Node] = frozenset(), canonical: bool = True, work: int = WORK
+        self,
+        g: Graph,
+        closed: frozenset[Node] = frozenset(),
+        canonical: bool = True,
+        work: int = WORK,
     ):
         self.graph = g
         self.closed = closed
@@ -116,6 +121,8 @@ class Normal:
         again: list[Polynomial] = []
         for m, c in a.items():
             for n, d in b.items():
+                if c.numerator.bit_length() + d.numerator.bit_length() > BITS:
+                    raise TooMuch
                 monomial = _product(m, n)
                 reduced = self._reduced(monomial)
                 if reduced is not None:
@@ -163,7 +170,8 @@ class Normal:
         n = int(exponent)
         if len(base) == 1:
             ((monomial, coefficient),) = base.items()
-            if abs(n) > POWERS * 8:
+            size = coefficient.numerator.bit_length() + coefficient.denominator.bit_length()
+            if abs(n) * size > BITS:
                 raise TooMuch
             raised = tuple((b, e * n) for b, e in monomial)
             return {m: c * coefficient**n for m, c in self._monomial(raised).items()}

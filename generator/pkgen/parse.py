@@ -156,7 +156,10 @@ class _Reader:
         try:
             statement = lark.parse(lexed.tokens)
         except UnexpectedToken as error:
-            self.errors.append(explain(self.source, lexed, error))
+            if len(self.errors) > limits.DIAGNOSTICS:  # not shown; only counted
+                self.errors.append(Diagnostic("a statement that does not parse", lexed.span))
+            else:
+                self.errors.append(explain(self.source, lexed, error))
             return None
         self.nodes, wrong = measure(statement, self.nodes)
         if wrong is not None:

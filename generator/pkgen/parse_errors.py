@@ -16,6 +16,7 @@ from lark.lexer import Token
 from lark.parsers.lalr_analysis import Shift
 
 from .lexer import Lexed
+from .parse_forms import FORMS, WHAT
 from .source import Diagnostic, Source, Span
 from .words import CLAUSE_WORDS, MODEL_WORDS, STATEMENT_WORDS
 
@@ -37,48 +38,6 @@ _LISTS = frozenset(
         "record",
     ]
 )
-
-# How each statement is written, for the hints.
-FORMS = {
-    "model": "model NAME",
-    "param": "param NAME = VALUE [unit] in (lo, hi)",
-    "size": "size NAME = INTEGER",
-    "const": "const NAME = VALUE [unit]",
-    "let": "let NAME = EXPRESSION",
-    "observe": "observe NAME = EXPRESSION",
-    "conserve": "conserve NAME = EXPRESSION",
-    "rate": "rate NAME = EXPRESSION",
-    "coord": "coord a, b [m], q[1..N] [rad]",
-    "input": "input NAME [unit]",
-    "state": "state NAME [unit]",
-    "rotation": "rotation NAME",
-    "fixed": "fixed q[0] = VALUE",
-    "free": "free q",
-    "periodic": "periodic q",
-    "kinetic": "kinetic m/2*x'^2",
-    "potential": "potential m*g*x",
-    "lagrangian": "lagrangian m/2*x'^2 - m*g*x",
-    "dissipation": "dissipation b/2*x'^2",
-    "force": "force COORDINATE = EXPRESSION",
-    "constraint": "constraint NAME: A = B",
-    "rolling": "rolling NAME: A = B",
-    "event": "event NAME: EXPRESSION rising",
-    "start": "start a = VALUE, a' = VALUE",
-    "scene": "scene NAME",
-    "end": "end",
-    "set": "set p = VALUE",
-    "hold": "hold a = EXPRESSION",
-    "until": "until 5 [s]",
-    "accuracy": "accuracy 1e-9",
-    "method": "method rk4 step 0.01 [s]",
-    "record": "record a, energy every 0.01 [s]",
-    "swarm": "swarm k = 1..1000",
-    "expect": "expect A = B within 1e-6 at 2 [s]",
-}
-_WHAT = {
-    "EQUAL": "'='", "COLON": "':'", "DOTS": "'..'", "_COMMA": "','", "RPAREN": "')'",
-    "RBRACKET": "']'", "NAME": "a name", "LEND": "'(' or '['", "REND": "')' or ']'",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -176,6 +135,12 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
     span = Span(first.start_pos, first.end_pos)
     shown = source.text[first.start_pos : first.end_pos]
     types = [t.type for t in lexed.tokens]
+    if first.type in _BINARY:
+        return Diagnostic(
+            f"a statement cannot start with '{shown}'",
+            span,
+            "an expression goes on in the next line only while a bracket is open: put it in ( )",
+        )
     near = get_close_matches(shown.lower(), sorted(STATEMENT_WORDS), 1, 0.7)
     if near and (len(types) < 2 or types[1] not in ("EQUAL", "LINDEX", "PRIME")):
         help = f"did you mean '{near[0]}'?"
@@ -200,6 +165,43 @@ def _decimal_comma(spot: _Spot):
         f"'{left.group()},{right.group()}': a decimal is written with a point",
         f"write {left.group()}.{right.group()}",
         Span(comma.start_pos - len(left.group()), right.end()),
+    )
+
+
+def _model_name(spot: _Spot):
+    if spot.word != "model" or spot.token.type in ("$END", spot.token.upper()):
+        return None
+    return (
+        "a model's name is one word of letters, digits and '_'",
+        "it names the C files and begins every C symbol; -o gives the directory",
+    )
+
+
+def _sum_form(spot: _Spot):
+    """Directly within the brackets of a sum: its ranges are wrong, or missing."""
+    opened, before = [], ""
+    for token in spot.lexed.tokens:
+        if token is spot.token:
+            break
+        if token.type in ("LPAREN", "LINDEX", "LVECTOR", "LEND"):
+            opened.append(before)
+        elif token.type in ("RPAREN", "RBRACKET", "REND") and opened:
+            opened.pop()
+        before = token.type
+    if not opened or opened[-1] != "SUM" or spot.wants_value():
+        return None
+    if spot.token.type not in ("EQUAL", "NUMBER", "RPAREN"):
+        return None
+    return "a sum says what runs over which range", "the form is: sum(m/2*q[i]'^2, i = 1..N)"
+
+
+def _family_left(spot: _Spot):
+    if spot.token.type != "DOTS" or not any(t.type == "LINDEX" for t in spot.lexed.tokens):
+        return None
+    low = spot.text(spot.before)
+    return (
+        "a range needs the name of its variable",
+        f"write [i = {low}..{spot.text(spot.after) if spot.after else ''}]",
     )
 
 
@@ -270,6 +272,8 @@ def _one_name_a_line(spot: _Spot):
 
 
 def _missing_operator(spot: _Spot):
+    if spot.token.type == "LPAREN" and spot.before.type == "PRIME":
+        return "a prime stands after the brackets of a function", "e.g. sin(x)'"
     if spot.token.type not in _VALUE_STARTS or "TIMES" not in spot.expected:
         return None
     left, right = spot.text(spot.before), spot.text(spot.token)
@@ -327,7 +331,7 @@ def _value_missing(spot: _Spot):
 
 def _something_missing(spot: _Spot):
     """What could have come, if that is one thing or two; else what should not have."""
-    wanted = [_WHAT[t] for t in _WHAT if t in spot.expected]
+    wanted = [WHAT[t] for t in WHAT if t in spot.expected]
     if "EQUAL" in spot.expected and spot.word not in ("expect",):
         wanted = ["'='"]
     shown = "the end of the statement"
@@ -343,7 +347,10 @@ def _something_missing(spot: _Spot):
 
 _RULES: tuple[Callable[[_Spot], tuple[str, str] | None], ...] = (
     _decimal_comma,
+    _model_name,
+    _sum_form,
     _index_without_space,
+    _family_left,
     _unit_in_the_middle,
     _nothing_after_keyword,
     _reserved_word,

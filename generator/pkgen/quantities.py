@@ -43,9 +43,7 @@ def sizes(model: Model) -> dict[str, int]:
     return {size.name: size.value for size in model.sizes}
 
 
-def families(
-    model: Model, declarations: tuple[Parameter | Coordinate, ...]
-) -> dict[str, Family]:
+def families(model: Model, declarations: tuple[Parameter | Coordinate, ...]) -> dict[str, Family]:
     result: dict[str, Family] = {}
     first = 0
     for item in declarations:
@@ -80,7 +78,7 @@ def quantities(
 def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, ...]:
     """Each input, then as many of its derivatives as occur."""
     result: list[Quantity] = []
-    for item, order in zip(model.inputs, orders):
+    for item, order in zip(model.inputs, orders, strict=True):
         for k in range(order + 1):
             result.append(Quantity(item.name + "'" * k, _unit(model, item, k), item.description))
     return tuple(result)

@@ -33,9 +33,31 @@ FACTS = [
 ]
 
 # Kernels of struct pk_system, in its order.
-SYSTEM_KERNELS = ["acceleration", "mass", "force", "canonical", "gradient", "jacobian", "energy", "kinetic", "potential", "observe", "conserve"]
+SYSTEM_KERNELS = [
+    "acceleration",
+    "mass",
+    "force",
+    "canonical",
+    "gradient",
+    "jacobian",
+    "energy",
+    "kinetic",
+    "potential",
+    "observe",
+    "conserve",
+]
 
-_TESTED = ["acceleration", "mass", "force", "canonical", "momenta", "gradient", "jacobian", "energy", "lagrangian"]
+_TESTED = [
+    "acceleration",
+    "mass",
+    "force",
+    "canonical",
+    "momenta",
+    "gradient",
+    "jacobian",
+    "energy",
+    "lagrangian",
+]
 
 
 def render(program: Program, *, self_test: bool = False) -> dict[str, str]:
@@ -118,7 +140,9 @@ def _context(program: Program) -> dict[str, Any]:
         "prepare": _kernel(program, program.prepare),
         "kernels": kernels,
         "operations": operations_rows(program),
-        "apart": int(any(len(k.blocks) > 1 for k in (program.start, program.prepare, *program.kernels))),
+        "apart": int(
+            any(len(k.blocks) > 1 for k in (program.start, program.prepare, *program.kernels))
+        ),
         "helpers": list(program.helpers),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],

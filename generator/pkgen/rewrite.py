@@ -116,9 +116,7 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     return new
 
 
-def _absorbed(
-    work: Workspace, order: list[Node], roots: list[Node], gather: bool
-) -> set[Node]:
+def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
     """Sums used once, in a sum; products used once, in a product or as its divisor."""
     uses: dict[Node, int] = dict.fromkeys(order, 0)
     user: dict[Node, Node] = {}
@@ -133,7 +131,11 @@ def _absorbed(
         if uses[node] != 1 or node not in user or (gather and work.fixed[node]):
             continue
         op, above = work.op[node], work.op[user[node]]
-        if (op is above and (op is Op.ADD or op is Op.MULTIPLY)) or (_is_reciprocal(work, node) and above is Op.MULTIPLY) or (op is Op.MULTIPLY and user[node] in absorbed and above is Op.POWER):
+        if (
+            (op is above and (op is Op.ADD or op is Op.MULTIPLY))
+            or (_is_reciprocal(work, node) and above is Op.MULTIPLY)
+            or (op is Op.MULTIPLY and user[node] in absorbed and above is Op.POWER)
+        ):
             absorbed.add(node)
     return absorbed
 

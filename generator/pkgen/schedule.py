@@ -200,6 +200,7 @@ _PATTERNS = [
     (re.compile(rf"({_NAMED}) - ({_NAMED})"), r"\1_minus_\2"),
     (re.compile(rf"({_NAMED}) \+ ({_NAMED})"), r"\1_plus_\2"),
     (re.compile(rf"({_NAMED}) \* \1"), r"\1_sq"),
+    (re.compile(rf"1 / ({_NAMED})"), r"inv_\1"),
 ]
 
 

@@ -57,7 +57,22 @@ def to_sympy(
     nodes = list(nodes)
     functions: dict[str, Callable[..., sp.Expr]] = {
         name: getattr(sp, name)
-        for name in ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "sign"]
+        for name in [
+            "sin",
+            "cos",
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "atan2",
+            "sinh",
+            "cosh",
+            "tanh",
+            "exp",
+            "log",
+            "sqrt",
+            "sign",
+        ]
     } | {
         "abs": sp.Abs,
         "min": sp.Min,

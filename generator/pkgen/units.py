@@ -286,7 +286,7 @@ def _named(name: str, at: int) -> Unit:
     near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)
     if "offset" in found:
         help = "use K for temperatures, pure numbers for ratios"
-    elif pair:
+    elif pair and not (near and near[0].lower() == name.lower()):
         help = f"did you mean '{pair[0]}*{pair[1]}'?"
     elif near:
         help = f"did you mean '{near[0]}'?"

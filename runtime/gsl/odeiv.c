@@ -12,7 +12,8 @@
 #include <gsl/gsl_odeiv2.h>
 
 #include <pk/gsl.h>
-#include <pk/integrator.h>
+
+#include "../src/internal.h"
 
 struct foreign {
     gsl_odeiv2_system system;
@@ -28,14 +29,6 @@ static size_t no_size(const struct pk_method *method, size_t n)
     return 0;
 }
 
-static int finite(const double *x, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!(x[i] - x[i] == 0.0))
-            return 0;
-    return 1;
-}
-
 static int right_hand_side(double t, const double *y, double *dy, void *context)
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
@@ -48,14 +41,15 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
     const int failed =
         problem->system->acceleration(problem->params, t, y, y + it->n, it->u, dy + it->n);
     if (failed) {
-        f->status = finite(y, 2 * it->n) ? PK_SINGULAR_MASS : PK_NOT_FINITE;
+        f->status = pk_all_finite(y, 2 * it->n) ? PK_SINGULAR_MASS : PK_NOT_FINITE;
         it->where = (size_t)failed - 1;
-        it->detail = t;
-    } else if (!finite(dy, 2 * it->n)) {
+    } else if (!pk_all_finite(dy, 2 * it->n)) {
         f->status = PK_NOT_FINITE;
     } else {
         return GSL_SUCCESS;
     }
+    it->trouble = f->status;
+    it->trouble_t = t;
     return GSL_FAILURE; /* GSL halves the step on this, and gives up only on GSL_EBADFUNC */
 }
 
@@ -128,15 +122,14 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         h *= 0.2;
         it->count.rejections++;
         if (!(h > least || h < -least)) {
-            status = f->status < 0 ? f->status : PK_STEP_UNDERFLOW;
+            status = pk_underflow(it, h);
             break;
         }
     }
     it->count.rejections += f->driver->e->failed_steps - rejected;
     const double made = t - it->t;
     if (status >= 0 && !(made > least || made < -least) && !(t <= limit && t >= limit)) {
-        it->detail = made;
-        status = PK_STEP_UNDERFLOW;
+        status = pk_underflow(it, made);
     }
     gsl_set_error_handler(handler);
     if (status < 0)

@@ -10,7 +10,7 @@
 #include <pk/gsl.h>
 #endif
 
-enum { EXIT_MODEL = 1, EXIT_USAGE = 2 };
+enum { EXIT_USAGE = 2 };
 
 const struct pk_method *run_method_at(size_t index)
 {
@@ -198,10 +198,13 @@ static int finish(struct settings *s, const struct pk_system *system)
     system->derive(s->params, s->given);
     const int outside = system->prepare(s->params);
     if (outside) {
-        fprintf(stderr, "run: parameter %s is outside its bounds\n",
-                system->parameters[outside - 1].what.name);
+        if ((size_t)outside > system->n_parameters)
+            fprintf(stderr, "run: what is computed from the parameters is not finite\n");
+        else
+            fprintf(stderr, "run: parameter %s is outside its bounds\n",
+                    system->parameters[outside - 1].what.name);
         free(q);
-        return EXIT_MODEL;
+        return EXIT_USAGE;
     }
     system->start(s->params, q, v);
     for (size_t i = 0; i < system->n; i++) {

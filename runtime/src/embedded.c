@@ -188,7 +188,7 @@ enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
     const pk_real alpha =
         PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
-    enum pk_status status = begin(it, &w, limit), cause = PK_STEP_UNDERFLOW;
+    enum pk_status status = begin(it, &w, limit);
     if (status < 0)
         return status;
 
@@ -197,15 +197,15 @@ enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
     for (;;) {
         if (it->options.h_max > 0)
             planned = pk_min(planned, it->options.h_max);
-        it->detail = planned;
         if (!(planned > least) && left > least)
-            return cause; /* also a step that shrank while being accepted ends here */
+            return pk_underflow(it, planned); /* also a step that shrank while being accepted ends here */
         const int lands = planned * PK_C(1.01) >= left;
         const pk_real h = lands ? left : planned;
         it->next_t = lands ? limit : it->t + sign * h;
         status = attempt(it, &w, sign * h);
         if (status < 0) {
-            cause = status;
+            it->trouble = status;
+            it->trouble_t = it->next_t;
             planned = h * PK_C(0.2);
         } else {
             const pk_real raw = PK_F(pow)(it->error, alpha) / safety;
@@ -223,7 +223,6 @@ enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
                 it->h = sign * next;
                 break;
             }
-            cause = PK_STEP_UNDERFLOW;
             planned = h / pk_min(PK_C(1.0) / table->shrink, raw);
         }
         rejected = 1;

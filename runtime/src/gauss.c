@@ -21,7 +21,7 @@ size_t pk_gauss_size(const struct pk_method *method, size_t n)
 {
     const struct pk_gauss *table = (const struct pk_gauss *)method->table;
     const size_t s = (size_t)table->stages, m = s * n;
-    return 7 * m + 5 * s * n * n + m * m + n * n + 2 * n + 3 * s * s + 2 * s + 6;
+    return 7 * m + 5 * s * n * n + m * m + n * n + 3 * n + 3 * s * s + 2 * s + 8;
 }
 
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
@@ -44,11 +44,13 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
     w.mass = x, x += n * n;
     w.mean_q = x, x += n;
     w.mean_v = x, x += n;
+    w.scale = x, x += n;
     w.mu = x, x += s * s;
     w.hA = x, x += s * s;
     w.predict = x, x += s * (s + 1);
     w.hb = x, x += s;
-    w.h = x++, w.lu_h = x++, w.ratio = x++, w.last_h = x++, w.best = x;
+    w.h = x++, w.lu_h = x++, w.ratio = x++, w.last_h = x++, w.best = x++;
+    w.wait = x++, w.patience = x;
     return w;
 }
 
@@ -61,7 +63,7 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
             w.mu[i * w.s + j] = i == j ? PK_C(0.5) : w.table->mu[i * w.s + j];
             w.mu[j * w.s + i] = PK_C(1.0) - w.mu[i * w.s + j];
         }
-    *w.h = *w.lu_h = *w.ratio = *w.last_h = *w.best = 0;
+    *w.h = *w.lu_h = *w.ratio = *w.last_h = *w.best = *w.wait = *w.patience = 0;
     pk_eval_canonical(it, it->t, it->q, it->v, p, w.F);
     it->p = p;
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;

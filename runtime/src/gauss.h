@@ -14,11 +14,12 @@ struct pk_gauss_work {
     pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, pdot, residual */
     pk_real *last_V;            /* of the last step made, for the predictor */
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
-    pk_real *lu, *pivot, *mass, *mean_q, *mean_v;
+    pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;
     pk_real *mu, *hA, *hb, *predict;
     /* The step that hA, and that lu, was made for; that of the predictor over the last one's;
-     * iterations of the first solution after the matrix was made. */
-    pk_real *h, *lu_h, *ratio, *last_h, *best;
+     * iterations with a new matrix; steps for which it is still to be made anew, and how many
+     * these were. */
+    pk_real *h, *lu_h, *ratio, *last_h, *best, *wait, *patience;
 };
 
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);

@@ -3,7 +3,6 @@
  * fails leaves no trace. Time on a fixed step is anchor + k h, rounded twice, never a sum of k
  * roundings.
  */
-#include <stdio.h>
 #include <string.h>
 
 #include "internal.h"
@@ -47,6 +46,26 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
     it->count.evaluations++;
 }
 
+/* The cause is what a trial step met just ahead, or else what a straight line from here meets
+ * there: steps may shrink before a singular M without ever reaching it. */
+enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
+{
+    const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
+    pk_real *q = pk_part(it->next, it->n, PK_Q), *a = pk_part(it->next, it->n, PK_A);
+    if (it->trouble == PK_DONE || !(pk_abs(it->trouble_t - it->t) <= near)) {
+        it->trouble_t = it->t + (pk_real)it->direction * near;
+        for (size_t i = 0; i < it->n; i++)
+            q[i] = it->q[i] + (pk_real)it->direction * near * it->v[i];
+        if (pk_eval_acceleration(it, it->trouble_t, q, it->v, a) != PK_SINGULAR_MASS) {
+            it->detail = h;
+            return PK_STEP_UNDERFLOW;
+        }
+        it->trouble = PK_SINGULAR_MASS;
+    }
+    it->detail = it->trouble_t;
+    return it->trouble;
+}
+
 struct pk_options pk_options_default(void)
 {
     struct pk_options options = {0};
@@ -69,33 +88,6 @@ static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size
     it->where = where;
     return it->status = status;
 }
-
-enum { BAD_POINTER = 1, BAD_SYSTEM, BAD_STEP, BAD_TOLERANCE, BAD_STATE, BAD_TIME, BAD_DENSE };
-
-static const char *const bad_argument[] = {
-    "",
-    "a pointer is null",
-    "the system is of another version of the interface, or has no coordinates",
-    "the step must be positive and finite",
-    "the tolerances must not be negative, one must be positive",
-    "the start is not finite",
-    "the time is not finite",
-    "the time is outside the last step, or the method has no dense output",
-};
-
-static const struct {
-    unsigned fact;
-    const char *text;
-} fact_text[] = {
-    {PK_SEPARABLE, "M constant and forces independent of the rates"},
-    {PK_MASS_CONSTANT, "M constant"},
-    {PK_QUADRATIC, "L of second degree in the rates"},
-    {PK_SMOOTH, "no abs, min, max or step in the equations"},
-    {PK_VARIATIONAL, "no forces besides those of L"},
-    {PK_AUTONOMOUS, "no explicit time and no inputs"},
-    {PK_CONSERVATIVE, "a conserved energy"},
-    {PK_MASS_DIAGONAL, "M diagonal"},
-};
 
 static enum pk_status check_options(struct pk_integrator *it)
 {
@@ -157,6 +149,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     memset(pk_part(it->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
+    it->trouble = PK_DONE;
     it->flags = 0;
     it->h = 0;
     return it->status = it->method->init(it);
@@ -199,6 +192,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit)
         return PK_TOO_MANY_STEPS;
     if (it->method->traits & PK_ADAPTIVE)
         return PK_DONE;
+    it->trouble = PK_DONE; /* only trial steps leave it behind */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h) {
         it->detail = it->options.h;
@@ -273,43 +267,4 @@ void pk_integrator_free(struct pk_integrator *it)
     if (it->method && it->method->release)
         it->method->release(it);
     it->extra = NULL;
-}
-
-int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
-{
-    const char *what = pk_status_text(it->status);
-    const double t = (double)it->t;
-    const struct pk_system *system = it->problem.system;
-
-    switch (it->status) {
-    case PK_BAD_ARGUMENT:
-        return snprintf(text, size, "%s: %s", what, bad_argument[it->where]);
-    case PK_REFUSED:
-        for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
-            if (it->method->needs & ~system->facts & fact_text[i].fact)
-                return snprintf(text, size, "%s needs a system with %s; %s has not",
-                                it->method->name, fact_text[i].text, system->name);
-        return snprintf(text, size, "%s: %s", it->method->name, what);
-    case PK_SINGULAR_MASS:
-        return snprintf(text, size,
-                        "%s: pivot of coordinate %s is not positive at t = %.17g; "
-                        "last valid time %.17g",
-                        what, system->coordinates ? system->coordinates[it->where].name : "?",
-                        (double)it->detail, t);
-    case PK_NO_CONVERGENCE:
-        return snprintf(text, size,
-                        "%s: after a correction of %.3g of the rates; last valid time %.17g",
-                        what, (double)it->detail, t);
-    case PK_STEP_UNDERFLOW:
-        return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
-                        (double)it->detail, t);
-    case PK_TOO_MANY_STEPS:
-        return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
-    case PK_DONE:
-    case PK_STOPPED_EVENT:
-    case PK_STOPPED_USER:
-        return snprintf(text, size, "%s at t = %.17g", what, t);
-    default:
-        return snprintf(text, size, "%s; last valid time %.17g", what, t);
-    }
 }

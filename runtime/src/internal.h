@@ -54,6 +54,12 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
     return sum;
 }
 
+/* it->where of PK_BAD_ARGUMENT. */
+enum { BAD_POINTER = 1, BAD_SYSTEM, BAD_STEP, BAD_TOLERANCE, BAD_STATE, BAD_TIME, BAD_DENSE };
+
+/* The status of an adaptive method whose step h became too small, with its cause if known. */
+enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
+
 /* Kernels through the integrator: inputs filled, calls counted, failures named. */
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,

@@ -2,9 +2,9 @@
  *
  *     dG_i/dV_j = delta_ij M + h a_ij (p_q - pdot_v) - h^2 (A^2)_ij pdot_q
  *
- * with the derivatives at the stages. Simplified: all at the mean of the predicted stages, where
- * the error of freezing is of second order in h; its LU is kept over iterations and steps while
- * these converge as fast as at first. If that fails, full Newton from V = v0. Fixed-point
+ * with the derivatives at the stages. Simplified: frozen at the predicted stages, or in large
+ * systems all at their mean, where the error of freezing is of second order in h; the LU is kept
+ * over iterations and steps while these converge as fast as at first. If that fails, full Newton from V = v0. Fixed-point
  * iteration has M alone for its matrix and converges for small h only (h omega < 2, 3.46, 4.64
  * for 1, 2, 3 stages); it is told apart from convergence, never cut off.
  *
@@ -119,21 +119,37 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
 {
     const size_t n = it->n;
     pk_real most = 0;
+    for (size_t k = 0; k < n; k++)
+        most = pk_max(most, w->scale[k]);
     *own = *shared = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t k = 0; k < n; k++) {
-            pk_real scale = pk_abs(it->q[k] / it->h), size = 0;
-            for (size_t i = 0; i < w->s; i++) {
-                scale = pk_max(scale, pk_abs(w->V[i * n + k]));
-                size = pk_max(size, pk_abs(w->G[i * n + k]));
-            }
-            if (pass == 0)
-                most = pk_max(most, scale);
-            else if (size > 0) {
-                *own = pk_max(*own, size / (scale + PK_EPS * most));
-                *shared = pk_max(*shared, size / (scale + PK_C(1e-3) * most));
-            }
+    for (size_t k = 0; k < n; k++) {
+        pk_real size = 0;
+        for (size_t i = 0; i < w->s; i++) /* written so that what is no number gets through */
+            if (!(pk_abs(w->G[i * n + k]) <= size))
+                size = pk_abs(w->G[i * n + k]);
+        if (size > 0 || !pk_finite(size)) {
+            *own = pk_max(size / (w->scale[k] + PK_EPS * most), *own);
+            *shared = pk_max(size / (w->scale[k] + PK_C(1e-3) * most), *shared);
         }
+    }
+}
+
+/* Set once a step, after the first correction: a scale that grew with a diverging V would hide
+ * its divergence. */
+static void set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    for (size_t k = 0; k < it->n; k++) {
+        w->scale[k] = pk_max(pk_abs(it->q[k] / it->h), pk_abs(it->v[k]));
+        for (size_t i = 0; i < w->s; i++)
+            w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[i * it->n + k]));
+    }
+}
+
+/* Where a matrix costs less than an iteration or two: it then takes the derivatives at each
+ * predicted stage, and is made anew at the first sign of slower convergence. */
+static int small(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    return w->s * it->n <= 24;
 }
 
 enum mode { SIMPLIFIED, FULL, FIXED_POINT };
@@ -142,10 +158,9 @@ enum outcome { CONVERGED, FAILED, NO_NUMBER };
 static int refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum mode mode)
 {
     it->flags &= ~(PK_HAVE_LU | PK_REFRESH);
-    *w->best = 0;
     if (mode == FIXED_POINT)
         return factor_mass(it, w);
-    if (!(mode == FULL ? factor_full(it, w) : factor_simplified(it, w)))
+    if (!(mode == FULL || small(it, w) ? factor_full(it, w) : factor_simplified(it, w)))
         return 0;
     if (mode == SIMPLIFIED)
         it->flags |= PK_HAVE_LU;
@@ -164,23 +179,49 @@ static void correct(struct pk_integrator *it, struct pk_gauss_work *w, enum mode
         w->V[k] -= w->G[k];
 }
 
+/* Divergence of a slow iteration: the largest correction of 25 is not below that of the 25
+ * before. Single ones may rise and fall, since the eigenvalues of h^2 A^2 are complex. */
+static int rising(pk_real size, int count, pk_real *window)
+{
+    window[0] = pk_max(window[0], size);
+    if (count % 25 != 24)
+        return 0;
+    const int up = count > 25 && window[0] >= window[1];
+    window[1] = window[0];
+    window[0] = 0;
+    return up;
+}
+
+/* Keeps the matrix for the next step only while that does not cost iterations; where it did, it
+ * is made anew for a while, twice as long each time, before keeping it is tried again. */
+static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh,
+                            pk_real count)
+{
+    if (fresh) {
+        *w->best = count;
+        *w->wait -= *w->wait > 0 ? PK_C(1.0) : PK_C(0.0);
+    } else if (count > *w->best + (small(it, w) ? PK_C(0.0) : PK_C(1.0))) {
+        *w->patience = pk_min(2 * *w->patience + 1, PK_C(63.0));
+        *w->wait = *w->patience;
+    } else {
+        *w->patience = 0;
+    }
+    if (*w->wait > 0)
+        it->flags |= PK_REFRESH;
+}
+
 static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum mode mode)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
                      : mode == FIXED_POINT          ? 1000
                                                     : 50;
     int fresh = 0, growing = 0, last = 0;
-    pk_real before = 0, least = 0;
+    pk_real before = 0, least = 0, window[2] = {0, 0};
     for (int count = 0; count <= most; count++) {
         if (!residual(it, w))
             return NO_NUMBER;
         if (last) { /* P and F now belong to the V that is kept */
-            /* A small matrix costs less than an iteration: it is made anew at the first sign. */
-            const pk_real slack = w->s * it->n > 16 ? PK_C(1.0) : PK_C(0.0);
-            if (*w->best > 0 && (pk_real)count > *w->best + slack)
-                it->flags |= PK_REFRESH;
-            if (!(*w->best > 0))
-                *w->best = (pk_real)count;
+            keep_or_refresh(it, w, fresh, (pk_real)count);
             return CONVERGED;
         }
         const int stale = !(it->flags & PK_HAVE_LU) || it->flags & PK_REFRESH ||
@@ -193,9 +234,11 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w, e
         correct(it, w, mode);
         it->count.iterations++;
         pk_real size, shared;
+        if (count == 0)
+            set_scale(it, w);
         sizes(it, w, &size, &shared);
         it->detail = size;
-        if (!pk_finite(size))
+        if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return NO_NUMBER;
         const pk_real rate = count ? size / before : PK_C(1.0);
         if (it->options.newton_tol > 0)
@@ -208,7 +251,7 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w, e
         least = count == 0 ? size : pk_min(least, size);
         if (mode == FIXED_POINT && growing >= 3 && shared <= PK_GAUSS_ROUND)
             last = 1;
-        if (!last && growing >= (mode == FIXED_POINT ? 10 : 3))
+        if (!last && (mode == FIXED_POINT ? rising(size, count, window) : growing >= 3))
             return FAILED;
         if (!last && mode == SIMPLIFIED && count && rate > PK_C(0.3)) {
             if (fresh)

@@ -14,7 +14,15 @@ from pkgen.source import Source
 
 ROOT = Path(__file__).parents[2]
 MODELS = sorted((ROOT / "models").glob("*.lag"))
-STRICT = "-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror".split()
+STRICT = [
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wdouble-promotion",
+    "-Werror",
+]
 COMPILERS = ("gcc", "clang")
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
 

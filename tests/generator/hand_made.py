@@ -29,8 +29,16 @@ class World:
 
 def structure(n: int, **facts: bool) -> Structure:
     every = dict.fromkeys(
-        "mass_constant mass_diagonal quadratic separable autonomous conservative variational "
-        "smooth".split(),
+        [
+            "mass_constant",
+            "mass_diagonal",
+            "quadratic",
+            "separable",
+            "autonomous",
+            "conservative",
+            "variational",
+            "smooth",
+        ],
         False,
     )
     return Structure(**(every | facts), cyclic=(False,) * n)
@@ -84,7 +92,7 @@ def make(
         return world.v[symbol.index] if symbol.kind is Kind.COORDINATE else ZERO
 
     coasting = Forward(g, BIT[Kind.COORDINATE], coast)
-    force = tuple(g.subtract(s, coasting(m)) for s, m in zip(slope, momenta))
+    force = tuple(g.subtract(s, coasting(m)) for s, m in zip(slope, momenta, strict=True))
     solution = solve(g, mass, force) if unroll else None
     outputs = observed(world)
     limits, default = bounds(world), defaults(world)
@@ -96,8 +104,23 @@ def make(
         dimensionless=True,
         span=span,
         **dict.fromkeys(
-            "sizes parameters coordinates ends inputs definitions kinetic potential lagrangian "
-            "dissipation forces observed conserved starts deferred".split(),
+            [
+                "sizes",
+                "parameters",
+                "coordinates",
+                "ends",
+                "inputs",
+                "definitions",
+                "kinetic",
+                "potential",
+                "lagrangian",
+                "dissipation",
+                "forces",
+                "observed",
+                "conserved",
+                "starts",
+                "deferred",
+            ],
             (),
         ),
     )
@@ -171,9 +194,7 @@ def pendulum_chain(name: str, links: int, *, unroll: bool = True) -> Equations:
             square = g.add(g.power(x, 2), g.power(y, 2))
             half = g.divide(w.p[i], g.number(2))
             kinetic = g.add(kinetic, g.multiply(half, square))
-            potential = g.add(
-                potential, g.multiply(g.multiply(w.p[i], w.p[2 * links]), height)
-            )
+            potential = g.add(potential, g.multiply(g.multiply(w.p[i], w.p[2 * links]), height))
         return kinetic, potential
 
     numbers = range(1, links + 1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 from building import links, model
-
 from pkgen.analyze import analyze
 from pkgen.derive import derive
 from pkgen.reduce import reduce

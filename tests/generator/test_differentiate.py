@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import random
+from itertools import pairwise
 
 import pytest
-
 from pkgen.differentiate import RULES, Columns, Forward, gradient
 from pkgen.evaluate import evaluate
 from pkgen.functions import FUNCTIONS
@@ -92,10 +92,10 @@ def test_forward_columns_and_reverse_agree():
         reverse = evaluate(g, [back.get(s, ZERO) for s in x], values)
         forward = evaluate(g, [columns.column(s).get(node, ZERO) for s in x], values)
         (product,) = evaluate(g, [along], values)
-        for a, b in zip(reverse, forward):
+        for a, b in zip(reverse, forward, strict=True):
             assert math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-9)
             nonzero += abs(a) > 1e-3
-        dot = sum(a * s for a, s in zip(reverse, seeds))
+        dot = sum(a * s for a, s in zip(reverse, seeds, strict=True))
         assert math.isclose(product, dot, rel_tol=1e-9, abs_tol=1e-9)
     assert nonzero > 40
 
@@ -103,7 +103,7 @@ def test_forward_columns_and_reverse_agree():
 def test_columns_visit_only_what_is_influenced():
     g = Graph()
     x = variables(g, 50)
-    chain = [g.call("sin", g.multiply(a, b)) for a, b in zip(x, x[1:])]
+    chain = [g.call("sin", g.multiply(a, b)) for a, b in pairwise(x)]
     columns = Columns(g, chain, COORDINATE)
     assert len(columns.column(x[20])) == 5
 

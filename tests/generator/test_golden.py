@@ -27,7 +27,9 @@ def test_golden(name):
         if os.environ.get("PKGEN_UPDATE"):
             kept.write_text(text, encoding="utf-8")
         assert kept.exists(), f"{kept} is missing; {_update()}"
-        assert kept.read_text(encoding="utf-8") == text, f"{file} has changed; if meant, {_update()}"
+        assert kept.read_text(encoding="utf-8") == text, (
+            f"{file} has changed; if meant, {_update()}"
+        )
 
 
 def test_nothing_else_is_kept():

@@ -6,7 +6,6 @@ from fractions import Fraction as F
 from itertools import pairwise
 
 import pytest
-
 from pkgen.count import operations
 from pkgen.graph import BIT, MINUS_ONE, ONE, ZERO, Graph, Kind, Op, Symbol, TooLarge
 from pkgen.sympy_bridge import to_sympy
@@ -65,9 +64,7 @@ def test_parameter_coefficients_add_up(world):
     # Inside a sum too, and with the product built in another order.
     sum_ = g.add(g.multiply(a, g.multiply(x, world.y)), g.multiply(b, world.y))
     again = g.add(sum_, g.multiply(g.multiply(world.y, b), x))
-    expected = g.add(
-        g.multiply(g.add(a, b), g.multiply(x, world.y)), g.multiply(b, world.y)
-    )
+    expected = g.add(g.multiply(g.add(a, b), g.multiply(x, world.y)), g.multiply(b, world.y))
     assert again == expected
     # But not what varies: x*y + x*z stays as it is written.
     assert g.op[g.add(g.multiply(x, world.y), g.multiply(x, world.z))] is Op.ADD

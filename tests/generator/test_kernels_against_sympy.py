@@ -10,18 +10,18 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import mpmath
 import pytest
 import sympy as sp
 from building import links, model
-from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
-
 from pkgen.derive import derive
 from pkgen.equations import Equations
 from pkgen.evaluate import evaluate
 from pkgen.graph import Kind, Symbol
 from pkgen.model import Model
+from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 RTOL = 1e-12
 STATES = 4
@@ -43,8 +43,8 @@ def _energy(mass: object, *points: tuple[sp.Expr, ...]) -> sp.Expr:
 
 def rate(expr: sp.Expr, q: list, v: list, u: list) -> sp.Expr:
     """The total time derivative."""
-    result = sp.diff(expr, t) + sum(sp.diff(expr, a) * b for a, b in zip(q, v))
-    return result + sum(sp.diff(expr, a) * b for a, b in zip(u, u[1:]))
+    result = sp.diff(expr, t) + sum(sp.diff(expr, a) * b for a, b in zip(q, v, strict=True))
+    return result + sum(sp.diff(expr, a) * b for a, b in pairwise(u))
 
 
 def double_pendulum(q, v, u, m1, m2, l1, l2, g):
@@ -68,10 +68,10 @@ def elastic(q, v, u, m, l0, g, k):
     return m / 2 * (v[0] ** 2 + r**2 * v[1] ** 2) + m * g * r * sp.cos(q[1]) - k / 2 * q[0] ** 2
 
 
-def top(q, v, u, I1, I3, M, l, g):
+def top(q, v, u, I1, I3, M, length, g):
     spin = v[2] + v[0] * sp.cos(q[1])
     kinetic = I1 / 2 * (v[1] ** 2 + (v[0] * sp.sin(q[1])) ** 2) + I3 / 2 * spin**2
-    return kinetic - M * g * l * sp.cos(q[1])
+    return kinetic - M * g * length * sp.cos(q[1])
 
 
 def charge(q, v, u, m, e, B, E):
@@ -80,9 +80,9 @@ def charge(q, v, u, m, e, B, E):
     return _energy(m, tuple(v)) + e * potential + e * E * x * z
 
 
-def shaken(q, v, u, m, l, g, a, w):
-    x = a * sp.sin(w * t) + l * sp.sin(q[0])
-    y = a * t**2 / 3 - l * sp.cos(q[0])
+def shaken(q, v, u, m, length, g, a, w):
+    x = a * sp.sin(w * t) + length * sp.sin(q[0])
+    y = a * t**2 / 3 - length * sp.cos(q[0])
     return _energy(m, (rate(x, q, v, u), rate(y, q, v, u))) - m * g * y
 
 
@@ -90,13 +90,13 @@ def relativistic(q, v, u, m, c, k):
     return -m * c**2 * sp.sqrt(1 - (v[0] ** 2 + v[1] ** 2) / c**2) - k / 4 * (q[0] ** 2 + q[1]) ** 2
 
 
-def driven(q, v, u, m, l, g):
-    x, y = u[0] + l * sp.sin(q[0]), -l * sp.cos(q[0])
+def driven(q, v, u, m, length, g):
+    x, y = u[0] + length * sp.sin(q[0]), -length * sp.cos(q[0])
     return _energy(m, (rate(x, q, v, u), rate(y, q, v, u))) - m * g * y
 
 
-def cart(q, v, u, M, m, l, g, c, d, F):
-    x, y = q[0] + l * sp.sin(q[1]), -l * sp.cos(q[1])
+def cart(q, v, u, M, m, length, g, c, d, F):
+    x, y = q[0] + length * sp.sin(q[1]), -length * sp.cos(q[1])
     kinetic = M / 2 * v[0] ** 2 + _energy(m, (rate(x, q, v, u), rate(y, q, v, u)))
     drag = c / 2 * v[0] ** 2 + d / 4 * (v[1] - v[0]) ** 4 * (2 + sp.cos(q[1]))
     force = [F * sp.cos(3 * t) + u[0] * q[1], m * v[0] * v[1]]
@@ -136,11 +136,11 @@ def functions(q, v, u, m, a):
     return inertia / 2 * (v[0] ** 2 + v[0] * v[1] + 3 * v[1] ** 2) - potential
 
 
-def links_3(q, v, u, m, l, g):
+def links_3(q, v, u, m, length, g):
     x = y = sp.Integer(0)
     result = sp.Integer(0)
     for angle in q:
-        x, y = x + l * sp.sin(angle), y - l * sp.cos(angle)
+        x, y = x + length * sp.sin(angle), y - length * sp.cos(angle)
         result += _energy(m, (rate(x, q, v, u), rate(y, q, v, u))) - m * g * y
     return result
 
@@ -323,6 +323,10 @@ CASES: dict[str, Case] = {
 }
 
 
+def _renamed(parameters: dict[str, sp.Symbol]) -> dict[str, sp.Symbol]:
+    return {"length" if name == "l" else name: x for name, x in parameters.items()}
+
+
 @dataclass(frozen=True)
 class Reference:
     """Expressions by name, over plain symbols."""
@@ -342,15 +346,15 @@ def reference(case: Case) -> Reference:
     v = [sp.Symbol(f"v{i}", real=True) for i in range(n)]
     u = [sp.Symbol(f"u{i}", real=True) for i in range(3)]
     parameters = {name: sp.Symbol("P_" + name, positive=True) for name in names}
-    made = case.lagrangian(q, v, u, **parameters)
+    made = case.lagrangian(q, v, u, **_renamed(parameters))
     L, drag, applied = made if isinstance(made, tuple) else (made, sp.Integer(0), [0] * n)
     p = [sp.diff(L, x) for x in v]
     gradient = [sp.diff(L, x) for x in q]
-    pdot = [a + b - sp.diff(drag, x) for a, b, x in zip(gradient, applied, v)]
+    pdot = [a + b - sp.diff(drag, x) for a, b, x in zip(gradient, applied, v, strict=True)]
     coasting = [
         sp.diff(x, t)
-        + sum(sp.diff(x, a) * b for a, b in zip(q, v))
-        + sum(sp.diff(x, a) * b for a, b in zip(u, u[1:]))
+        + sum(sp.diff(x, a) * b for a, b in zip(q, v, strict=True))
+        + sum(sp.diff(x, a) * b for a, b in pairwise(u))
         for x in p
     ]
     kernels = {
@@ -358,11 +362,11 @@ def reference(case: Case) -> Reference:
         "gradient": gradient,
         "pdot": pdot,
         "mass": [sp.diff(a, b) for a in p for b in v],
-        "force": [a - b for a, b in zip(pdot, coasting)],
+        "force": [a - b for a, b in zip(pdot, coasting, strict=True)],
         "p_q": [sp.diff(a, b) for a in p for b in q],
         "pdot_q": [sp.diff(a, b) for a in pdot for b in q],
         "pdot_v": [sp.diff(a, b) for a in pdot for b in v],
-        "energy": [sum(a * b for a, b in zip(v, p)) - L],
+        "energy": [sum(a * b for a, b in zip(v, p, strict=True)) - L],
         "lagrangian": [L],
     }
     return Reference([t, *q, *v, *u, *parameters.values()], q, v, kernels, {})
@@ -400,7 +404,7 @@ def made(request):
 
 def close(name: str, ours: list[float], theirs: list, scale: float) -> None:
     assert len(ours) == len(theirs), name
-    for i, (a, b) in enumerate(zip(ours, theirs)):
+    for i, (a, b) in enumerate(zip(ours, theirs, strict=True)):
         assert abs(a - b) <= RTOL * (abs(b) + scale), (name, i, a, b)
 
 
@@ -442,10 +446,10 @@ def test_against_lagranges_method(name):
     v = [x.diff(dynamicsymbols._t) for x in q]
     plain = [sp.Symbol(f"x{i}") for i in range(2 * n)]
     parameters = {p.name: sp.Symbol("P_" + p.name, positive=True) for p in case.model.parameters}
-    made = case.lagrangian(list(q), v, [], **parameters)
+    made = case.lagrangian(list(q), v, [], **_renamed(parameters))
     method = LagrangesMethod(made, list(q))
     method.form_lagranges_equations()
-    swap = dict(zip(v, plain[n:])) | dict(zip(q, plain[:n]))
+    swap = dict(zip(v, plain[n:], strict=True)) | dict(zip(q, plain[:n], strict=False))
     mass = method.mass_matrix.subs(swap)
     forcing = method.forcing.subs(swap)
     kernel = sp.lambdify([*plain, *parameters.values()], [list(mass), list(forcing)], "mpmath")

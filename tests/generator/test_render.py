@@ -49,7 +49,7 @@ def test_lines_are_short_and_tidy(files):
     for name, text in texts.items():
         assert text.endswith("\n") and not text.endswith("\n\n")
         assert "\n\n\n" not in text, name
-        assert "{\n\n" not in text.replace("extern \"C\" {\n\n", ""), name
+        assert "{\n\n" not in text.replace('extern "C" {\n\n', ""), name
         for line in text.splitlines():
             assert len(line) <= 100, f"{name}: {line}"
             assert line == line.rstrip(), f"{name}: {line!r}"
@@ -108,7 +108,7 @@ def test_nasty_names_and_comments_are_tamed():
     fields = re.findall(r"pk_real (\w+)", struct[: struct.index("};")])
     assert fields == ["I_", "NAN_", "linux_", "I__", "errno_", "k", "c_"]
     assert '"linux"' in source and '"NAN"' in source
-    assert "*/ early" not in header and "/* \"quoted\"" not in header
+    assert "*/ early" not in header and '/* "quoted"' not in header
     assert "\u202e" not in header + source
     assert "\\316\\270" in source  # theta as octal bytes
     assert "const pk_real y1_ = q[0];" in source

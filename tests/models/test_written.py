@@ -83,7 +83,7 @@ def test_motion(pkgen, name: str) -> None:
     done = pkgen("run", model, "--until", until, "--every", until, "--rtol", "1e-12", "--json")
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
-    exact = independent(CASES[name], until, 4000)
+    exact = independent(CASES[name], until, 16000)
     n = len(exact)
     assert result["rows"][-1][1 : n + 1] == pytest.approx(exact, rel=1e-8, abs=1e-9)
     for drift in result["report"]["drifts"]:

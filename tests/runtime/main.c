@@ -67,7 +67,7 @@ double fit_slope(const double *x, const double *y, int count)
 int main(void)
 {
     if (CU_initialize_registry() != CUE_SUCCESS)
-        return CU_get_error();
+        return EXIT_FAILURE;
     add_tables();
     add_order();
     add_geometry();

@@ -37,9 +37,28 @@ $(RT_TESTS)/run_%: $(RT_TESTS)/systems.o $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DPK_SYSTEM=$*_system runtime/run/*.c $(RT_TESTS)/systems.o \
 	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
 
-test-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \
+# The program in runtime/README.md, on the hand-written double pendulum in the model's place.
+$(RT_TESTS)/example: runtime/README.md $(RT_TESTS)/systems.o $(RT_DIR)/libpk.a
+	@mkdir -p $(RT_TESTS)/example.d
+	sed -n '/^```c/,/^```$$/p' $< | sed '/^```/d' >$(RT_TESTS)/example.d/example.c
+	printf '#include "systems.h"\n#define double_pendulum_params test_params\n' \
+	    >$(RT_TESTS)/example.d/double_pendulum.h
+	$(CC) $(RT_CFLAGS) -Itests/runtime -I$(RT_TESTS)/example.d $(RT_TESTS)/example.d/example.c \
+	    $(RT_TESTS)/systems.o $(RT_DIR)/libpk.a -lm -o $@
+
+# Order of the methods of order 6 and more in __float128, where round-off is far away.
+$(RT_TESTS)/quad: $(wildcard runtime/src/*.c) $(RT_HEADERS) tests/runtime/quad/order.c \
+                  tests/runtime/systems.c
+	@mkdir -p $(@D)
+	gcc -std=gnu11 -O2 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
+	    -Itests/runtime $(RT_EXTRA) runtime/src/*.c tests/runtime/systems.c \
+	    tests/runtime/quad/order.c -lquadmath -lm -o $@
+
+test-runtime: $(RT_TESTS)/example $(RT_TESTS)/quad $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \
               check-runtime-symbols test-runtime-scalars
 	$(RT_TESTS)/runtime
+	$(RT_TESTS)/quad
+	$(RT_TESTS)/example | grep -q '^t = 10: 1.018731427'
 	sh tests/runtime/driver.sh $(RT_TESTS)
 
 asan-runtime:

@@ -33,7 +33,6 @@ static const struct pk_quantity momenta[] = {{"p_x", "", ""}, {"p_y", "", ""}};
 static const struct pk_quantity inputs[] = {{"u", "", ""}};
 static const struct pk_quantity angular[] = {{"angular momentum", "", ""}};
 static const unsigned char none_cyclic[] = {0, 0};
-static const unsigned char all_cyclic[] = {1, 1};
 
 #define SYSTEM(NAME, N, FACTS, GRAVITY, LIMIT0, CYCLIC, START_Q, START_V, ...)               \
     static void NAME##_defaults(void *params)                                               \

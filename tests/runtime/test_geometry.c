@@ -149,11 +149,28 @@ static void compensated(void)
     CU_ASSERT(worse > 2 * l && worse > 2e-15);
 }
 
+static void newton_is_fast(void)
+{
+    /* A wrong Jacobian still converges, only slower: so count (2.3 and 4.0 or more). */
+    static struct fixture f;
+    CU_ASSERT(fixture_run(&f, &double_pendulum_system, "gauss2", 0.01, 5) == PK_DONE);
+    const double each = (double)f.it.count.iterations / (double)f.it.count.steps;
+    fixture_set(&f, &double_pendulum_system);
+    f.options.h = 0.01;
+    f.options.iteration = PK_FIXED_POINT; /* the matrix without its derivatives */
+    CU_ASSERT(fixture_init(&f, "gauss2") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE);
+    const double slow = (double)f.it.count.iterations / (double)f.it.count.steps;
+    printf("\n    iterations a step: Newton %.2f, fixed-point %.2f", each, slow);
+    CU_ASSERT(each > 1 && each < 3 && slow > 4);
+}
+
 void add_geometry(void)
 {
     CU_pSuite suite = CU_add_suite("geometry", NULL, NULL);
     CU_add_test(suite, "energy of the double pendulum over 1e5 steps", long_energy);
     CU_add_test(suite, "the step map is symplectic in (q, p)", symplectic);
     CU_add_test(suite, "reversal", reversible);
+    CU_add_test(suite, "Newton converges as Newton", newton_is_fast);
     CU_add_test(suite, "compensated sums", compensated);
 }

@@ -150,10 +150,13 @@ static void underflow(void)
     CU_ASSERT(fixture_init(&f, "rk4") == PK_DONE);
     CU_ASSERT(pk_integrator_reset(&f.it, 1e7, f.q0, f.v0) == PK_DONE);
     CU_ASSERT(run_to_failure(&f, 2e7) == PK_STEP_UNDERFLOW);
-    fixture_set(&f, &kepler_system); /* a tolerance that round-off cannot meet */
-    f.options.rtol = f.options.atol = 1e-19;
+    fixture_set(&f, &kepler_system); /* falls straight into the centre, at a known time */
+    f.v0[0] = f.v0[1] = 0;
     CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
-    CU_ASSERT(run_to_failure(&f, 20) == PK_STEP_UNDERFLOW);
+    const enum pk_status status = run_to_failure(&f, 20);
+    CU_ASSERT(status == PK_STEP_UNDERFLOW);
+    CU_ASSERT(fabs(f.it.t - acos(-1) * pow(0.4, 1.5) / sqrt(8)) < 1e-6);
+    printf(" %s;", reason(&f));
     fixture_set(&f, &kepler_system);
     f.options.h_min = 0.5;
     CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
@@ -226,7 +229,7 @@ static void inputs(void)
         CU_ASSERT_FATAL(fixture_init(&f, all[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE);
         CU_ASSERT(fabs(f.it.q[0] - (0.7 + 0.4 + 1.7 * 8 / 6)) <
-                  (i == 1 ? 1e-2 : i == 2 ? 1e-5 : 1e-8));
+                  (f.it.method->order == 2 || i == 1 ? 1e-6 : 1e-8));
         pk_integrator_free(&f.it);
     }
 }

@@ -68,8 +68,9 @@ struct pk_system {
     /* Parameters. defaults() sets all of them and calls prepare(). derive() computes again the
      * defaults that follow other parameters, except where given[i] != 0 (given may be NULL: none
      * is given). prepare() computes what depends on parameters alone and must follow any change;
-     * it returns 0, or 1 + the index of a parameter outside its bounds or not finite. bounds()
-     * gives the bounds, infinite where there is none. */
+     * it returns 0, or 1 + the index of a parameter outside its bounds or not finite, or
+     * 1 + n_parameters if each is allowed but what follows from them is not finite (1/m at m = 0).
+     * bounds() gives the bounds, infinite where there is none. */
     void (*defaults)(void *params);
     void (*derive)(void *params, const unsigned char *given);
     int (*prepare)(void *params);

@@ -1,0 +1,79 @@
+"""Like terms of a sum: a x + b x -> (a + b) x, and sin^2 + cos^2 -> 1 with any common factor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .nodes import TERMS, ZERO, Factors, Node, Terms, merged
+
+if TYPE_CHECKING:
+    from .graph import Graph
+
+Found = dict[Factors, tuple[Node, Node]]  # scale and rest by the monomial of the rest
+
+
+def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
+    """Like terms added, where that leaves no more terms than the longer sum has."""
+    terms = {g._factors[r]: (p, r) for p, r in left}
+    bound = max(len(left), len(right))
+    for p, r in right:
+        key = g._factors[r]
+        if key in terms:
+            p = g.add(terms[key][0], p)
+            if p == ZERO:
+                del terms[key]
+            else:
+                terms[key] = (p, r)
+        elif not _merge_squares(g, terms, p, r):
+            terms[key] = (p, r)
+        if len(terms) > 2 * TERMS:
+            return None
+    return list(terms.values()) if len(terms) <= bound else None
+
+
+def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:
+    """R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2, whatever the factor R is."""
+    for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, scale, rest):
+        if other_key in terms and terms[other_key][0] == wanted_scale:
+            del terms[other_key]
+            _merge_into(g, terms, new_scale, new_rest)
+            return True
+    for key, (other_scale, other) in terms.items():
+        if not g._squared[other] or g.negate(scale) != other_scale:
+            continue
+        for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, other_scale, other):
+            if other_key == g._factors[rest] and wanted_scale == scale:
+                del terms[key]
+                _merge_into(g, terms, new_scale, new_rest)
+                return True
+    return False
+
+
+def _square_partners(
+    g: Graph, scale: Node, rest: Node
+) -> Iterator[tuple[Factors, Node, Node, Node]]:
+    """(key, scale) of each term that, added to this one, makes the one (scale, rest)."""
+    if not g._squared[rest]:
+        return
+    factors = g._factors[rest]
+    for base, exponent in factors:
+        partner = g._partner.get(base)
+        if partner is None or exponent < 2:
+            continue
+        common = merged(factors, ((base, -2),))
+        swapped = merged(common, ((partner, 2),))
+        yield swapped, scale, scale, g._product_of(common)
+        yield common, g.negate(scale), g.negate(scale), g._product_of(swapped)
+
+
+def _merge_into(g: Graph, terms: Found, scale: Node, rest: Node) -> None:
+    """Add a term that may itself find like terms."""
+    scale, rest = g.multiply(scale, g._scale[rest]), g._rest[rest]
+    key = g._factors[rest]
+    if key in terms:
+        scale = g.add(terms.pop(key)[0], scale)
+    elif _merge_squares(g, terms, scale, rest):
+        return
+    if scale != ZERO:
+        terms[key] = (scale, rest)

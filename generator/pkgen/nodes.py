@@ -1,0 +1,227 @@
+"""The nodes of the expression graph: storage, leaves, and each node seen as a monomial.
+
+`graph.py` has the arithmetic on top and says what the parts of a node mean.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from fractions import Fraction
+
+Node = int
+Factors = tuple[tuple[Node, Fraction | int], ...]
+Terms = tuple[tuple[Node, Node], ...]  # of a sum: (scale, rest) each
+
+
+class Op(IntEnum):
+    NUMBER = 0  # data: its Fraction
+    SYMBOL = 1  # data: its Symbol
+    ADD = 2  # args: two nodes
+    MULTIPLY = 3  # args: two nodes; a constant factor comes first, -1 stands for a sign
+    POWER = 4  # args: the base; data: the exponent, a Fraction other than 0 and 1
+    CALL = 5  # args: one or two nodes; data: a name in functions.FUNCTIONS
+
+
+class Kind(IntEnum):
+    PI = 0
+    PARAMETER = 1
+    COORDINATE = 2
+    RATE = 3
+    TIME = 4
+    INPUT = 5
+
+
+# What a node depends on is a mask of these.
+BIT = {kind: 1 << kind for kind in Kind}
+CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
+VARIABLE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME] | BIT[Kind.INPUT]
+
+NUMBER_BITS = 512  # numbers beyond are left to the C as a product
+FACTORS = 16  # a product of more is one factor of any larger product
+TERMS = 4  # a sum of more is not searched for like terms
+ZERO: Node = 0
+ONE: Node = 1
+MINUS_ONE: Node = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """`index` counts the flattened quantities of its kind from 0."""
+
+    kind: Kind
+    index: int = 0
+
+
+class TooLarge(Exception):
+    """The graph has reached its limit of nodes."""
+
+
+SQUARES = {"sin": "cos", "cos": "sin"}
+
+
+class Nodes:
+    """Hash-consed nodes; `Graph` adds the constructors that simplify."""
+
+    def __init__(self, limit: int | None = None) -> None:
+        self.op: list[Op] = []
+        self.args: list[tuple[Node, ...]] = []
+        self.data: list[object] = []
+        self.depends: list[int] = []  # a mask of BIT
+        self.limit = limit
+        self._known: dict[tuple[object, ...], Node] = {}
+        self._domain: list[int] = []
+        self._scale: list[Node] = []
+        self._rest: list[Node] = []
+        self._factors: list[Factors] = []
+        self._terms: list[Terms | None] = []
+        self._squared: list[bool] = []  # has a factor sin^2 or cos^2
+        self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
+        self._negatives: dict[Node, Node] = {}
+        self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
+        for value in (0, 1, -1):
+            self.number(value)
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    # -- leaves -------------------------------------------------------------------------------
+
+    def number(self, value: Fraction | int) -> Node:
+        value = Fraction(value)
+        known = self._known.get((Op.NUMBER._value_, (), value))
+        return self._node(Op.NUMBER, (), value) if known is None else known
+
+    def symbol(self, symbol: Symbol) -> Node:
+        return self._node(Op.SYMBOL, (), symbol)
+
+    def value(self, node: Node) -> Fraction | None:
+        """The number that a node is, or None."""
+        return self.data[node] if self.op[node] is Op.NUMBER else None
+
+    def is_constant(self, node: Node) -> bool:
+        """Whether it depends on parameters alone (or on nothing)."""
+        return not self.depends[node] & VARIABLE
+
+    def factors(self, node: Node) -> Factors:
+        """The whole product as (base, exponent), a number as a base of its own."""
+        found: list[tuple[Node, Fraction | int]] = []
+        while node != ONE:
+            rest = self._rest[node]
+            if rest == ONE:
+                found.append((node, 1))
+                break
+            found.extend(self._factors[rest])
+            node = self._scale[node]
+        return tuple(found)
+
+    def split(self, node: Node) -> tuple[Node, Node]:
+        """The node as (scale, rest); the scale depends on parameters alone."""
+        if self._domain[node] < 2:
+            return node, ONE
+        return self._scale[node], self._rest[node]
+
+    def key(self, rest: Node) -> Factors:
+        """The monomial of a node whose scale is 1."""
+        return self._factors[rest]
+
+    # -- a node as terms and as scale times rest ------------------------------------------------
+
+    def _split(self, node: Node, domain: int) -> tuple[Node, Node]:
+        """Scale and rest with respect to a domain, the node's own or a higher one."""
+        if self._domain[node] < domain:
+            return node, ONE
+        return self._scale[node], self._rest[node]
+
+    def _terms_of(self, node: Node, domain: int) -> Terms | None:
+        if self._domain[node] < domain:
+            return ((node, ONE),)
+        terms = self._terms[node]
+        if terms is None:
+            scale, rest = self._scale[node], self._rest[node]
+            terms = self._terms[rest]
+            if terms is not None and scale != ONE:
+                return tuple((self.multiply(scale, p), r) for p, r in terms)
+        return terms
+
+    # -- bookkeeping --------------------------------------------------------------------------
+
+    def _number_or(self, op: Op, a: Node, b: Node, value: Fraction) -> Node:
+        if max(value.numerator.bit_length(), value.denominator.bit_length()) > NUMBER_BITS:
+            return self._node(op, (a, b), None)
+        return self.number(value)
+
+    def _node(self, op: Op, args: tuple[Node, ...], data: object) -> Node:
+        key = (op._value_, args, data)
+        node = self._known.get(key)
+        if node is None:
+            node = len(self.op)
+            if self.limit is not None and node >= self.limit:
+                raise TooLarge
+            self._known[key] = node
+            self.op.append(op)
+            self.args.append(args)
+            self.data.append(data)
+            depends = BIT[data.kind] if op is Op.SYMBOL else 0
+            for a in args:
+                depends |= self.depends[a]
+            self.depends.append(depends)
+            self._enter(node, op, args, data)
+        return node
+
+    def _enter(self, node: Node, op: Op, args: tuple[Node, ...], data: object) -> None:
+        """The node as scale, rest and monomial; as a sum, its terms."""
+        domain = 0 if op is Op.NUMBER else 2 if self.depends[node] & VARIABLE else 1
+        self._domain.append(domain)
+        scaled = op is Op.MULTIPLY and self._domain[args[0]] < domain > self._domain[args[0]]
+        scaled = scaled and self._domain[args[1]] == domain
+        self._scale.append(node if domain == 0 else args[0] if scaled else ONE)
+        self._rest.append(ONE if domain == 0 else args[1] if scaled else node)
+        factors: Factors = ((node, 1),)
+        if domain == 0 or scaled:
+            factors = ()
+        elif op is Op.MULTIPLY and self._domain[args[0]] == self._domain[args[1]] == domain:
+            product = merged(self._factors[args[0]], self._factors[args[1]])
+            if len(product) <= FACTORS:
+                factors = product
+        elif op is Op.POWER and self._domain[args[0]] == domain:
+            inner = self._factors[args[0]]
+            if self._scale[args[0]] == ONE and data.denominator == 1:
+                factors = tuple((b, e * data.numerator) for b, e in inner)
+            elif self._scale[args[0]] == ONE:
+                factors = ((args[0], data),)
+        elif op is Op.CALL and data == "sqrt":
+            factors = ((args[0], Fraction(1, 2)),)
+        self._factors.append(factors)
+        self._squared.append(any(e >= 2 and self.data[b] in SQUARES for b, e in factors))
+        terms: Terms | None = None if scaled else ((ONE, node),)
+        if op is Op.ADD and domain:
+            left = self._terms_of(args[0], domain)
+            right = self._terms_of(args[1], domain)
+            terms = None
+            if left is not None and right is not None:
+                # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
+                both = left + right
+                if len(both) <= TERMS and len({self._factors[r] for _, r in both}) == len(both):
+                    terms = both
+        self._terms.append(terms)
+        if op is Op.CALL and data in SQUARES:
+            partner = self._known.get((Op.CALL._value_, args, SQUARES[data]))
+            if partner is not None:
+                self._partner[node], self._partner[partner] = partner, node
+        if op is Op.CALL and data == "reciprocal":
+            inner = self._factors[args[0]]
+            if self._scale[args[0]] == ONE and len(inner) == 1:
+                self._reciprocals[node] = inner[0]
+
+
+def merged(left: Factors, right: Factors) -> Factors:
+    """The product of two monomials."""
+    if not left:
+        return right
+    if not right:
+        return left
+    powers = dict(left)
+    for base, exponent in right:
+        powers[base] = powers.get(base, 0) + exponent
+    return tuple(sorted((b, e) for b, e in powers.items() if e))

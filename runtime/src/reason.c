@@ -1,0 +1,68 @@
+/* A status in words, with the names and numbers that belong to it. */
+#include <stdio.h>
+
+#include "internal.h"
+
+static const char *const bad_argument[] = {
+    "",
+    "a pointer is null",
+    "the system is of another version of the interface, or has no coordinates",
+    "the step must be positive and finite",
+    "the tolerances must not be negative, one must be positive",
+    "the start is not finite",
+    "the time is not finite",
+    "the time is outside the last step, or the method has no dense output",
+};
+
+static const struct {
+    unsigned fact;
+    const char *text;
+} fact_text[] = {
+    {PK_SEPARABLE, "M constant and forces independent of the rates"},
+    {PK_MASS_CONSTANT, "M constant"},
+    {PK_QUADRATIC, "L of second degree in the rates"},
+    {PK_SMOOTH, "no abs, min, max or step in the equations"},
+    {PK_VARIATIONAL, "no forces besides those of L"},
+    {PK_AUTONOMOUS, "no explicit time and no inputs"},
+    {PK_CONSERVATIVE, "a conserved energy"},
+    {PK_MASS_DIAGONAL, "M diagonal"},
+};
+
+int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
+{
+    const char *what = pk_status_text(it->status);
+    const double t = (double)it->t;
+    const struct pk_system *system = it->problem.system;
+
+    switch (it->status) {
+    case PK_BAD_ARGUMENT:
+        return snprintf(text, size, "%s: %s", what, bad_argument[it->where]);
+    case PK_REFUSED:
+        for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
+            if (it->method->needs & ~system->facts & fact_text[i].fact)
+                return snprintf(text, size, "%s needs a system with %s; %s has not",
+                                it->method->name, fact_text[i].text, system->name);
+        return snprintf(text, size, "%s: %s", it->method->name, what);
+    case PK_SINGULAR_MASS:
+        return snprintf(text, size,
+                        "%s: pivot of coordinate %s is not positive at t = %.17g; "
+                        "last valid time %.17g",
+                        what, system->coordinates ? system->coordinates[it->where].name : "?",
+                        (double)it->detail, t);
+    case PK_NO_CONVERGENCE:
+        return snprintf(text, size,
+                        "%s: after a correction of %.3g of the rates; last valid time %.17g",
+                        what, (double)it->detail, t);
+    case PK_STEP_UNDERFLOW:
+        return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
+                        (double)it->detail, t);
+    case PK_TOO_MANY_STEPS:
+        return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
+    case PK_DONE:
+    case PK_STOPPED_EVENT:
+    case PK_STOPPED_USER:
+        return snprintf(text, size, "%s at t = %.17g", what, t);
+    default:
+        return snprintf(text, size, "%s; last valid time %.17g", what, t);
+    }
+}

@@ -1,0 +1,301 @@
+"""Statements to a Model: what comes out of a right model, and the warnings."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from pkgen.check import check_text
+from pkgen.options_text import LeftSide, OptionError, left_side, quantity
+from pkgen.read import from_text
+from pkgen.source import ModelError
+from pkgen.tree import Multiply, Name, Number, Quantity, children
+
+ROOT = Path(__file__).parents[2]
+HEAD = """model test
+param m = 1 [kg]
+param l = 1 [m]
+param g = 9.81 [m/s^2]
+coord x [m]
+coord theta [rad]
+kinetic m/2*x'^2 + m/2*l^2*theta'^2
+"""
+
+
+def model_of(text: str, **sizes: int):
+    return check_text(from_text("test.lag", text), sizes)[0]
+
+
+def errors_of(text: str, **sizes: int) -> list[str]:
+    with pytest.raises(ModelError) as caught:
+        check_text(from_text("test.lag", text), sizes)
+    return [d.message for d in caught.value.diagnostics]
+
+
+def warnings_of(text: str) -> list[str]:
+    return [w.message for w in check_text(from_text("test.lag", text))[1]]
+
+
+def nodes(model):
+    """Every expression of a model."""
+    definitions = (*model.definitions, *model.observed, *model.conserved)
+    waiting = [*model.kinetic, *model.potential, *model.lagrangian, *model.dissipation]
+    waiting += [x.value for x in (*definitions, *model.forces, *model.starts)]
+    waiting += [p.default for p in model.parameters]
+    waiting += [e for p in model.parameters for e in (p.bounds.lo, p.bounds.hi) if e is not None]
+    waiting += [e.value for e in model.ends if e.value is not None]
+    while waiting:
+        expr = waiting.pop()
+        yield expr
+        waiting.extend(children(expr))
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "models").glob("*.lag")), ids=lambda p: p.stem)
+def test_the_models_are_right(path):
+    model, warnings = check_text(from_text(path.name, path.read_text(encoding="utf-8")))
+    assert model.name == path.stem
+    assert model.description
+    assert not warnings
+    assert not any(isinstance(e, Quantity) for e in nodes(model))
+
+
+def test_units_become_factors():
+    model = model_of(HEAD + "param a = 30 [cm]\nparam b = 48 [deg]\nparam c = 2*m [kg]\n")
+    a, b, c = model.parameters[3:]
+    assert (a.default.value, a.unit) == (Fraction(3, 10), "m")
+    assert (b.unit, c.unit) == ("rad", "kg")
+    assert isinstance(b.default, Multiply)
+    assert [f.value for f in b.default.factors[:2]] == [Fraction(1, 180), 48]
+    assert b.default.factors[2].id == "pi"
+    assert not any(isinstance(e, Quantity) for e in nodes(model))
+
+
+def test_units_for_display():
+    model = model_of(HEAD + "input F [N]\nforce x = F\nobserve E = m*g*x\nobserve o = theta'\n")
+    x, theta = model.coordinates
+    assert (x.unit, x.rate_unit, x.momentum_unit) == ("m", "m/s", "kg*m/s")
+    assert (theta.unit, theta.rate_unit, theta.momentum_unit) == ("rad", "rad/s", "kg*m^2/s")
+    assert [o.unit for o in model.observed] == ["J", "1/s"]
+    assert model.inputs[0].units == ("kg*m/s^2",)
+
+
+@pytest.mark.parametrize("text", ["coord x\n", "coord x [rad]\n", "coord x [deg]\n"])
+def test_a_model_without_dimensions(text):
+    model = model_of("model test\n" + text + "kinetic x'^2/2\npotential -cos(x) + x*t\n")
+    assert model.dimensionless
+    assert model.coordinates[0].momentum_unit == ""
+
+
+def test_a_model_with_one_unit_has_units():
+    text = "model test\nparam m = 1 [kg]\ncoord x\nkinetic m*x'^2/2\n"
+    assert errors_of(text) and "unit mismatch" in errors_of(text)[0]
+
+
+def test_units_of_scenes_do_not_count():
+    text = "model test\ncoord x\nkinetic x'^2/2\nscene a\n  until 5 [s]\nend\n"
+    model = model_of(text)
+    assert model.dimensionless
+    assert [(d.kind, d.name) for d in model.deferred] == [("scene", "a")]
+
+
+def test_bare_numbers_take_the_unit_of_their_target():
+    model = model_of(
+        HEAD + "size N = 3\ncoord q[1..N] [m]\nkinetic sum(m*q[i]'^2, i = 1..N)\n"
+        "fixed q[0] = 0.3, q[N+1] = l\nparam k = 2 [N/m] in [1, 5)\npotential k*q[0]*q[4]\n"
+        "start x = pi/2 + 0.1, x' = 0.2*sqrt(2), q[i = 1..N] = sin(pi*i/(N+1)), theta = 10 [deg]\n"
+    )
+    assert len(model.starts) == 4
+    assert [e.index for e in model.ends] == [0, 4]
+    message = errors_of(HEAD + "start x = 0.1 + m\n")[-1]
+    assert "m is a mass [kg], x is a length [m]" in message
+
+
+def test_a_literal_zero_fits_any_unit():
+    model_of(HEAD + "let P = [x, 0, 0]\npotential m*g*(P.x + 0)\nforce x = 0\nparam c = 0 [m]\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "orders"),
+    [("", [0]), ("let v = u'\nkinetic m/2*v^2\n", [1]), ("kinetic m/2*(x + u)'^2\n", [1]),
+     ("force x = m*u''\n", [2]), ("let v = u'\nforce x = m*v'\n", [2])],
+)  # fmt: skip
+def test_the_highest_derivative_of_an_input(text, orders):
+    model = model_of(HEAD + "input u [m]\n" + text)
+    assert [i.order for i in model.inputs] == orders
+    assert model.inputs[0].units == ("m", "m/s", "m/s^2")[: orders[0] + 1]
+
+
+def test_members_of_definitions_one_after_the_other():
+    model = model_of(
+        HEAD + "size N = 3\ncoord q[1..N] [m]\nlet X[0] = 0\nlet X[i = 1..N] = X[i-1] + q[i]\n"
+        "kinetic sum(m/2*X[i]'^2, i = 1..N)\n"
+    )
+    first, rest = model.definitions
+    assert (first.index.value, first.range) == (0, None)
+    assert (rest.index, rest.range.variable) == (None, "i")
+
+
+def test_vectors():
+    model_of(
+        HEAD + "let P = [x, 0, -l*cos(theta)]\nlet v = P'\nkinetic m/2*dot(v, v)\n"
+        "kinetic m/2*dot(P', P')\nobserve n = norm(P) [m]\nobserve w = cross(P, v).y [m^2/s]\n"
+        "let Q = 2*P - P/3 + x*P/l\npotential m*g*Q.z\n"
+    )
+
+
+def test_sizes():
+    text = (
+        "model test\nsize N = 3\nsize M = 2*N\ncoord q[1..M]\nkinetic sum(q[i]'^2, i = 1..M)\n"
+        "potential sum(q[i]*q[i+1], i = 1..M-1)\n"
+    )
+    assert [s.value for s in model_of(text).sizes] == [3, 6]
+    assert [s.value for s in model_of(text, N=5).sizes] == [5, 10]
+    assert "no size 'K'" in errors_of(text, K=5)[0]
+    assert "at least 1" in errors_of(text, N=0)[0]
+
+
+@pytest.mark.parametrize(
+    ("ends", "right"),
+    [("", False), ("fixed q[0] = 0\n", False), ("fixed q[0] = 0, q[N+1] = 0\n", True),
+     ("free q\n", True), ("free q[0]\nfixed q[4] = sin(t)\n", True), ("periodic q\n", True)],
+)  # fmt: skip
+def test_ends(ends, right):
+    text = (
+        "model test\nsize N = 3\ncoord q[1..N]\nkinetic sum(q[i]'^2, i = 1..N)\n"
+        "potential sum((q[i+1] - q[i])^2, i = 0..N)\n" + ends
+    )
+    if right:
+        assert model_of(text).ends
+    else:
+        assert any("outside the family" in m for m in errors_of(text))
+
+
+def test_parameters_that_follow():
+    model = model_of(HEAD + "const c = 2\nparam a = 3*m\nparam b = c*2 + sin(1)\nparam d = a\n")
+    assert [p.follows for p in model.parameters] == [False, False, False, True, False, True]
+
+
+def test_declared_names_hide_the_built_in_ones():
+    model = model_of(HEAD + "let T = x\nobserve o = T [m]\nobserve e = V\n")
+    assert [o.unit for o in model.observed] == ["m", "J"]
+
+
+def test_names_of_functions_are_names():
+    model = model_of(HEAD + "let sin = x\nlet sum = sin(theta)*x\npotential m*g*(sin + sum)\n")
+    assert [d.name for d in model.definitions] == ["sin", "sum"]
+
+
+def test_the_momentum_of_a_family():
+    text = "model test\ncoord q[1..3] [m]\nparam m = 1 [kg]\nkinetic sum(m*q[i]'^2, i = 1..3)\n"
+    model = model_of(text + "conserve P = sum(p_q[i], i = 1..3)\nobserve o = p_q[2]\n")
+    assert model.observed[0].unit == "kg*m/s"
+    assert errors_of(text + "observe o = p_q\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "warning"),
+    [
+        ("param unused = 1\n", "'unused' is never used"),
+        ("let unused = x\n", "'unused' is never used"),
+        ("potential m*g*abs(x)\n", "contains abs of the motion"),
+        ("let a = max(x, l)\npotential m*g*a\n", "contains max of the motion"),
+        ("observe a = x [cm]\n", "is only checked"),
+        ("coord y [cm]\nkinetic m*y'^2\n", "are in SI, [m], not in [cm]"),
+        ("conserve c = 3\n", "always conserved"),
+    ],
+)
+def test_warnings(text, warning):
+    assert any(warning in w for w in warnings_of(HEAD + text))
+    assert not any(warning in w for w in warnings_of(HEAD))
+
+
+def test_abs_of_what_does_not_move_is_no_reason_to_warn():
+    assert not any("abs" in w for w in warnings_of(HEAD + "potential m*abs(g)*x\n"))
+
+
+def test_errors_of_one_kind_do_not_hide_another():
+    found = errors_of(
+        "model test\nparam a = .5\nparam m = 1 [kg] in (2, 3)\ncoord x, y [m]\nkinetic m*x'^2\n"
+        "potential m*x\nstart z = 1\nlet b = a + 1\n"
+    )
+    for part in ("digits on both sides", "outside its bounds", "'y' has no inertia",
+                 "potential needs an energy", "unknown coordinate 'z'"):  # fmt: skip
+        assert sum(part in message for message in found) == 1, part
+    assert len(found) == 5  # and nothing about a
+
+
+def test_too_many_errors_are_counted():
+    text = HEAD + "".join(f"let a{i} = b{i}\n" for i in range(60))
+    with pytest.raises(ModelError) as caught:
+        check_text(from_text("test.lag", text))
+    assert (len(caught.value.diagnostics), caught.value.more) == (50, 10)
+    assert caught.value.text().endswith("test.lag: and 10 more errors")
+
+
+def test_the_error_of_the_manual():
+    """The example at the end of LANGUAGE.md, to the letter."""
+    path = Path(__file__).with_name("wrong") / "energy_units.txt"
+    message = path.read_text(encoding="utf-8").replace("energy_units", "double_pendulum")
+    assert message == (
+        "double_pendulum.lag:17:11: error: unit mismatch: m1*g is a force [kg*m/s^2],"
+        " potential needs an energy [J]\n"
+        "   17 | potential m1*g + m2*g*y2\n"
+        "      |           ^^^^\n"
+        "   help: multiply by a height, e.g. m1*g*y1\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [("30 [cm]", "m", Fraction(3, 10)), ("0.3", "m", Fraction(3, 10)), ("0", "kg", 0),
+     ("pi/2 + 0.1", "rad", 1.6707963267948966), ("45 [deg]", "rad", 0.7853981633974483),
+     ("N + 1", "m", 4), ("sum(i, i = 1..N)", "", 6), ("-1e3", "1/s", -1000),
+     ("60 [rpm]", "rad/s", 6.283185307179586)],
+)  # fmt: skip
+def test_values_of_options(text, unit, value):
+    assert quantity(text, unit, values={"N": 3}) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("3 [kg]", "3 [kg] is a mass [kg], l is a length [m]"), ("9,81", "a decimal is written"),
+     ("2x", "neither a number"), ("x", "unknown name 'x'"), ("1/0", "division by zero"),
+     ("9^9^9^9", "an exponent beyond"), ("", "a value is missing"), ("1 +", "a value is missing"),
+     ("t", "is the time"), ("[1, 2, 3]", "is a vector"), ("(1", "never closed"),
+     ("__import__('os')", ""), ("1\n2", "one value"), ("1" * 2000, "more than 1000"),
+     ("3 [foo]", "unknown unit"), ("3 # a", "one value"), ("\0", "NUL")],
+)  # fmt: skip
+def test_wrong_values_of_options(text, message):
+    with pytest.raises(OptionError) as caught:
+        quantity(text, "m", name="l")
+    assert message in caught.value.text()
+
+
+def test_left_sides_of_options():
+    assert left_side("theta'") == LeftSide("theta", None, 1)
+    assert left_side("θ") == LeftSide("theta", None, 0)
+    assert left_side("q[N+1]'", {"N": 3}) == LeftSide("q", 4, 1)
+    for text in ("a = 3", "a, b", "q[i = 1..2]", "2", "q[x]", "q[1.5]", "omega(R)", ""):
+        with pytest.raises(OptionError):
+            left_side(text)
+
+
+def test_the_examples_of_the_manual():
+    manual = ROOT.parent / "shared" / "LANGUAGE.md"
+    if not manual.exists():
+        pytest.skip("the manual is not here")
+    examples = re.findall(r"```lag\n(.*?)```", manual.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(examples) >= 2
+    for example in examples:
+        model_of(example)
+
+
+def test_places_of_names_stay():
+    model = model_of(HEAD + "potential m*g*x\n")
+    product = model.potential[0]
+    assert [type(f) for f in product.factors] == [Name, Name, Name]
+    start, end = product.factors[2].span.start, product.factors[2].span.end
+    assert model.source.text[start:end] == "x"
+    assert isinstance(model.parameters[0].default, Number)

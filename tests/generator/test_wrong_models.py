@@ -1,0 +1,51 @@
+"""Wrong models and exactly what is said about them.
+
+`wrong/NAME.lag` is a model, `wrong/NAME.txt` what pkgen says. PKGEN_UPDATE=1 writes the latter
+anew; read the difference before you keep it.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from pkgen.check import check_text
+from pkgen.read import from_text
+from pkgen.source import ModelError
+
+MODELS = sorted(Path(__file__).with_name("wrong").glob("*.lag"))
+
+
+def said_about(path: Path) -> str:
+    source = from_text(path.name, path.read_text(encoding="utf-8"))
+    with pytest.raises(ModelError) as caught:
+        check_text(source)
+    return caught.value.text() + "\n"
+
+
+def test_there_are_wrong_models():
+    assert len(MODELS) > 50
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+def test_message(path: Path):
+    said = said_about(path)
+    expected = path.with_suffix(".txt")
+    if os.environ.get("PKGEN_UPDATE"):
+        expected.write_text(said, encoding="utf-8")
+    assert said == expected.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+def test_every_message_has_its_place(path: Path):
+    """Each finding points into the file, and no two say the same at one place."""
+    source = from_text(path.name, path.read_text(encoding="utf-8"))
+    with pytest.raises(ModelError) as caught:
+        check_text(source)
+    places = [(d.message, d.span.start) for d in caught.value.diagnostics]
+    assert len(set(places)) == len(places)
+    for d in caught.value.diagnostics:
+        assert 0 <= d.span.start <= d.span.end
+        assert d.span.start <= len(source.text)
+        assert d.message and not d.message.endswith(".")
