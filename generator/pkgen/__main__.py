@@ -112,7 +112,7 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
             print(json.dumps({"diagnostics": [d.record(error.source) for d in error.diagnostics]}))
         else:
             print(error.text(), file=sys.stderr)
-        return MODEL_WRONG
+        return MODEL_WRONG if os.path.isfile(options.model) else USAGE
     except ResourcesExceeded as error:
         return _fail(options, str(error), MODEL_WRONG)
     except UsageError as error:

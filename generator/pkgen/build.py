@@ -55,7 +55,7 @@ def find_toolchain() -> Toolchain:
             version = _output([*candidate, "--version"]) or ""
             flags = FLAGS + tuple(shlex.split(os.environ.get("CFLAGS", "")))
             cflags, libs = _find_gsl(candidate)
-            return Toolchain(tuple(candidate), flags, cflags, libs, version.splitlines()[0])
+            return Toolchain(tuple(candidate), flags, cflags, libs, version.partition("\n")[0])
     raise BuildError(
         f"no C compiler found (looked for {', '.join(c[0] for c in candidates if c)}); "
         "install gcc, or name one with the environment variable CC"

@@ -108,8 +108,8 @@ class _Checker:
         self._required()
         parts = self.shared.parts
         check_bounds(
-            [p for p in parts["param"] if p.name in self.shared.sound],
-            [d for d in parts["definitions"] if d.name in self.shared.sound],
+            [p for p in parts["param"] if p.span in self.shared.sound],
+            [d for d in parts["definitions"] if d.span in self.shared.sound],
             self.expressions.sizes,
             self.report,
         )
@@ -163,7 +163,7 @@ class _Checker:
         return min(places, key=lambda s: s.start, default=Span(0, 0))
 
     def _given_sizes(self) -> None:
-        known = [s.name for s in self.shared.parts["size"]]
+        known = [s.left.name for s in self.file.statements if isinstance(s, st.SizeOf)]
         for name in self.given:
             if name not in known and not self.file.diagnostics:
                 self.report.error(

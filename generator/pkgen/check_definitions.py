@@ -17,6 +17,9 @@ from .units import NONE
 from .words import reserved
 
 
+_UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
+
+
 class Definitions:
     def __init__(self, shared: Shared) -> None:
         self.shared = shared
@@ -69,11 +72,18 @@ class Definitions:
             replace(_declared(facts, _with_unit(statement.value)), value=None),
             name_span(left),
             members,
+            periodic=left.range is not None and not scope.loops,
         )
         if not facts.known and facts.dimension is None:
             entry.facts = UNKNOWN
-        if self.names.declare(entry) and len(self.report.errors) == before:
-            self.shared.sound.add(left.name)
+        ranged = left.range is None or scope.loops
+        if (
+            self.names.declare(entry)
+            and facts.known
+            and ranged
+            and len(self.report.errors) == before
+        ):
+            self.shared.sound.add(statement.span)
         follows = facts.value is None and _mentions_parameter(value, self.names)
         self.parts["param"].append(
             m.Parameter(
@@ -112,7 +122,8 @@ class Definitions:
             )
             return None
         target = Target(of.dimension, f"{name} is {described(of)}", bare=True)
-        return self.expressions.wanted(end, Scope(PLACES["bound"]), target)[0]
+        value, facts = self.expressions.wanted(end, Scope(PLACES["bound"]), target)
+        return value if facts.known else Name(_UNKNOWN, None, end.span)
 
     def define(self, statement: st.Define) -> None:
         keyword, left = statement.keyword, statement.left
@@ -142,8 +153,8 @@ class Definitions:
             self.names.declare(
                 Entry(left.name, kind, shown, name_span(left), members, used=kind == "output")
             )
-        if keyword == "const" and len(self.report.errors) == before:
-            self.shared.sound.add(left.name)
+        if keyword == "const" and facts.known and len(self.report.errors) == before:
+            self.shared.sound.add(statement.span)
         self.shared.use_inputs(facts)
         definition = m.Definition(
             left.name,
@@ -171,7 +182,9 @@ class Definitions:
             # they are is not known then; the first member says.
             entry = Entry(left.name, "definition", UNKNOWN, name_span(left), Members())
             self.names.declare(entry)
-        self.indices.defining = (left.name, left.range) if left.range else None
+        if not members.intervals:  # its range or index has an error
+            entry.periodic = True
+        self.indices.defining = (left.name, left.range) if scope.loops else None
         value, facts = self.expressions.check(statement.value, scope)
         self.indices.defining = None
         for lo, hi in members.intervals:

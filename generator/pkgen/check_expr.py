@@ -179,11 +179,11 @@ class Expressions:
         everything = self.names.coordinates
         facts = Facts(self.energy_dimension, united=True, coordinates=everything, rates=everything)
         of = self.names.table.get(name[2:]) if name.startswith("p_") else None
-        if of is not None:
-            momentum = units.over(
-                units.times(self.energy_dimension, self.time_dimension), of.facts.dimension
-            )
-            facts = replace(facts, dimension=momentum)
+        if of is not None and of.facts.dimension is None:
+            facts = replace(facts, dimension=None, known=False)
+        elif of is not None:
+            action = units.times(self.energy_dimension, self.time_dimension)
+            facts = replace(facts, dimension=units.over(action, of.facts.dimension))
         return Entry(name, "built-in", facts, expr.span, of.members if of else None)
 
     def _once(self, name: str, message: str, span: Span, help: str = "") -> None:

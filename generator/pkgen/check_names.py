@@ -109,7 +109,7 @@ class Entry:
     facts: Facts
     span: Span
     members: Members | None = None  # of a family
-    periodic: bool = False
+    periodic: bool = False  # or not known for an error: any index will do
     used: bool = False
 
 

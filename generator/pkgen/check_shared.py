@@ -34,7 +34,7 @@ class Shared:
         self.parts: dict[str, list] = {key: [] for key in _PARTS}
         self.energies: list[Facts] = []  # of kinetic, potential and lagrangian
         self.inputs: dict[str, int] = {}  # the highest derivative of each that occurs
-        self.sound: set[str] = set()  # parameters and constants without errors
+        self.sound: set[Span] = set()  # of parameters and constants without errors
 
     def use_inputs(self, facts: Facts) -> None:
         for name, order in facts.inputs.items():

@@ -69,9 +69,9 @@ def raised(base: Fraction | float, exponent: Fraction | float) -> Fraction | flo
         raise NoValue("division by zero")
     if abs(exponent) > limits.EXPONENT:
         raise NoValue(f"an exponent beyond {limits.EXPONENT}")
-    if isinstance(base, Fraction) and isinstance(exponent, Fraction) and exponent.denominator == 1:
-        if _bits(base) * abs(exponent) <= limits.CONSTANT_BITS:
-            return checked(base ** int(exponent))
+    exact = isinstance(base, Fraction) and isinstance(exponent, Fraction)
+    if exact and exponent.denominator == 1 and _bits(base) * abs(exponent) <= limits.CONSTANT_BITS:
+        return checked(base ** int(exponent))
     if base < 0 and exponent != int(exponent):
         raise NoValue("a negative number to a power that is no integer is not real")
     try:

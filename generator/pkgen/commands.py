@@ -29,9 +29,7 @@ def compile_within_limits(
     seconds = options.max_seconds or limits.CPU_SECONDS
     source = source or read(options.model)
     with bounded(seconds, limits.MEMORY_BYTES):
-        sizes = parsing.sizes(options.size)
-        compilation = compile_model(source, sizes=sizes, **more)
-        parsing.check_sizes(compilation.model, sizes)
+        compilation = compile_model(source, sizes=parsing.sizes(options.size), **more)
     if not options.json:
         _warn(source, compilation.warnings)
     return compilation

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from . import sympy_bridge
 from .compiler import Compilation
-from .differentiate import reachable
 from .equations import Equations, ParameterSlot, Quantity, Structure
-from .graph import Kind, Node, Op, Symbol
+from .graph import Node, Op
 from .program import operations_text
 
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
-SIMPLIFIED_OPERATIONS = 60  # trigsimp's time grows fast
 
 
 def explain(compilation: Compilation) -> str:
@@ -182,41 +180,4 @@ def _cost(compilation: Compilation) -> str:
 
 
 def _text(equations: Equations, node: Node) -> str:
-    """A node as one line of algebra, or its size if it would be too long to read."""
-    import sympy
-
-    operations = _written_out(equations, node)
-    if operations > SHOWN_OPERATIONS:
-        return f"({operations:,} operations written out)"
-
-    def symbol(of: Symbol) -> sympy.Expr:
-        return sympy.Symbol(_symbol_name(equations, of), real=True)
-
-    (expression,) = sympy_bridge.to_sympy(equations.graph, [node], symbol)
-    if operations <= SIMPLIFIED_OPERATIONS:
-        shorter = sympy.trigsimp(expression)
-        if sympy.count_ops(shorter) < sympy.count_ops(expression):
-            expression = shorter
-    return str(expression).replace("**", "^")
-
-
-def _symbol_name(equations: Equations, symbol: Symbol) -> str:
-    match symbol.kind:
-        case Kind.PARAMETER:
-            return equations.parameters[symbol.index].quantity.name
-        case Kind.COORDINATE:
-            return equations.coordinates[symbol.index].name
-        case Kind.RATE:
-            return equations.rates[symbol.index].name
-        case Kind.INPUT:
-            return equations.inputs[symbol.index].name
-    return "t"
-
-
-def _written_out(equations: Equations, node: Node) -> int:
-    """Operations of an expression with nothing shared, which may be exponentially many."""
-    graph = equations.graph
-    counts: dict[Node, int] = {}
-    for n in reachable(graph, [node]):
-        counts[n] = sum(counts[a] + 1 for a in graph.args[n])
-    return counts[node]
+    return sympy_bridge.text(equations, node, SHOWN_OPERATIONS)

@@ -35,13 +35,6 @@ def sizes(assignments: Iterable[str]) -> dict[str, int]:
     return found
 
 
-def check_sizes(model: Model, given: Mapping[str, int]) -> None:
-    """Refuse sizes that the model does not have."""
-    for name in given:
-        if name not in (size.name for size in model.sizes):
-            raise UsageError(_unknown("--size", name, [s.name for s in model.sizes], "size"))
-
-
 def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
     """`--kernels mass,force`."""
     if text is None:

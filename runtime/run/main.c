@@ -143,7 +143,7 @@ static int choose(struct run *run, pk_real *count)
     const pk_real interval = s->every > 0 ? s->every : s->until;
     *count = s->every > 0 ? intervals(s->until, s->every) : 0;
     if (fixed && !(s->options.h > 0)) {
-        fprintf(stderr, "run: method %s needs a step\n", s->method->name);
+        fprintf(stderr, "run: method %s has a fixed step: give it by --step\n", s->method->name);
         return 2;
     }
     if (fixed)

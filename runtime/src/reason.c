@@ -18,14 +18,14 @@ static const struct {
     unsigned fact;
     const char *text;
 } fact_text[] = {
-    {PK_SEPARABLE, "M constant and forces independent of the rates"},
-    {PK_MASS_CONSTANT, "M constant"},
-    {PK_QUADRATIC, "L of second degree in the rates"},
-    {PK_SMOOTH, "no abs, min, max or step in the equations"},
-    {PK_VARIATIONAL, "no forces besides those of L"},
-    {PK_AUTONOMOUS, "no explicit time and no inputs"},
-    {PK_CONSERVATIVE, "a conserved energy"},
-    {PK_MASS_DIAGONAL, "M diagonal"},
+    {PK_SEPARABLE, "separable: M constant, forces independent of the rates"},
+    {PK_MASS_CONSTANT, "of constant M"},
+    {PK_QUADRATIC, "of second degree in the rates"},
+    {PK_SMOOTH, "smooth: no abs, min, max or step in the equations"},
+    {PK_VARIATIONAL, "variational: no forces besides those of L"},
+    {PK_AUTONOMOUS, "autonomous: no explicit time and no inputs"},
+    {PK_CONSERVATIVE, "conservative: its energy is constant"},
+    {PK_MASS_DIAGONAL, "of diagonal M"},
 };
 
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
@@ -40,7 +40,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_REFUSED:
         for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
             if (it->method->needs & ~system->facts & fact_text[i].fact)
-                return snprintf(text, size, "%s needs a system with %s; %s has not",
+                return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_SINGULAR_MASS:

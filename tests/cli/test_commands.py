@@ -92,7 +92,7 @@ def test_run_writes_settings_beside_the_rows(pkgen, tmp_path: Path) -> None:
     done = pkgen("run", DOUBLE, "--until", "1", "--set", "l1=30 [cm]", "-o", out)
     assert done.returncode == 0 and done.stdout == ""
     beside = json.loads(Path(f"{out}.json").read_text())
-    assert beside["columns"][3] == {"name": "theta1'", "unit": "1/s", "description": ""} | {
+    assert beside["columns"][3] == {"name": "theta1'", "unit": "rad/s", "description": ""} | {
         "description": beside["columns"][3]["description"]
     }
     assert beside["settings"]["parameters"] == [[2, 0.3]]
@@ -147,7 +147,7 @@ USAGE = {
     "zero step": (["--method", "rk4", "--step", "0"], "step"),
     "outside its bounds": (["--set", "m1=-1"], "m1"),
     "unknown file type": (["-o", "rows.xls"], "rows.xls"),
-    "unknown size": (["--size", "N=3"], "N"),
+    "not a size": (["--size", "N=3.5"], "--size"),
     "scene": (["--scene", "butterfly"], "scene"),
 }
 
@@ -183,6 +183,11 @@ def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:
     report = json.loads(done.stdout)["report"]
     assert report["status"] != "PK_DONE" and 1 < report["t"] < 2
     assert all(x == x for row in json.loads(done.stdout)["rows"] for x in row)
+
+
+def test_a_size_that_the_model_has_not(pkgen) -> None:
+    done = pkgen("check", DOUBLE, "--size", "N=3")
+    assert done.returncode == 1 and "no size 'N'" in done.stderr
 
 
 def test_missing_file(pkgen, tmp_path: Path) -> None:

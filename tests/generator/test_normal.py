@@ -7,6 +7,7 @@ import random
 
 import pytest
 from building import model
+from pkgen import policies
 from pkgen.collect import fewest, settled
 from pkgen.count import operations
 from pkgen.derive import derive
@@ -107,3 +108,13 @@ def test_no_digits_are_lost_by_rewriting():
     stretch = (1e-9 + 1e-13) - 1e-9
     assert math.isclose(inertia, 1.3 * (1e-9 + 1e-13) ** 2 * math.sin(1e-9) ** 2, rel_tol=1e-12)
     assert math.isclose(force, -4 * 2.1 * stretch**3, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("policy", [policies.shared, policies.shifts])
+def test_a_sum_to_a_power_stays_closed_unless_rates_are_in_it(world, policy):
+    g, x, y, _ = world
+    v = g.symbol(Symbol(Kind.RATE, 0))
+    difference = g.subtract(g.call("cos", x), y)
+    moving = g.add(v, g.call("sin", x))
+    closed = policy(g, [g.multiply(g.power(difference, 3), g.power(moving, 2))])
+    assert closed == {difference}

@@ -262,8 +262,13 @@ def test_files_that_are_no_text(tmp_path, data, message):
 
 
 def test_paths_that_are_no_file(tmp_path):
-    for path, message in [(tmp_path, "a directory"), (tmp_path / "none", "no such file"),
-                          ("/dev/zero", "not a regular file"), ("a\0b", "cannot read")]:  # fmt: skip
+    paths = {
+        tmp_path: "a directory",
+        tmp_path / "none": "no such file",
+        "/dev/zero": "not a regular file",
+        "a\0b": "cannot read",
+    }
+    for path, message in paths.items():
         with pytest.raises(UnreadableModel) as caught:
             read(path)
         assert message in caught.value.text()

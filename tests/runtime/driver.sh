@@ -52,7 +52,7 @@ for bad in "method nosuch\n" "method rk4\nuntil x\n" "param 9 1\n" "start q 7 1\
     check "and says why" [ -s "$tmp/err" ]
 done
 run run_pendulum "method rk4\nuntil 1\nstep .1\nparam 0 -1\n"
-check "parameter out of bounds: exit 1" [ $code -eq 1 ]
+check "parameter out of bounds: exit 2" [ $code -eq 2 ]
 
 printf 'method rk4\nuntil 10\nstep 1e-3\nevery 0\n' | "$dir/run_pendulum" >/dev/full 2>"$tmp/err"
 check "disk full: exit 2" [ $? -eq 2 ]
