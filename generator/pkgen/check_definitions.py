@@ -16,7 +16,6 @@ from .tree import Expr, Name, Negate, Quantity, children
 from .units import NONE
 from .words import reserved
 
-
 _UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
 
 
