@@ -69,6 +69,14 @@ def test_limits_table() -> None:
     assert documented == {k: v for k, v in vars(limits).items() if k.isupper()}
 
 
+def test_the_page_of_errors_is_that_of_the_tests() -> None:
+    text = (ROOT / "docs/errors.md").read_text()
+    cases = sorted((ROOT / "tests/generator/wrong").glob("*.txt"))
+    assert len(cases) > 50
+    for case in cases:
+        assert case.read_text().rstrip() in text, f"{case.name}: run tools/errors_page.py"
+
+
 def test_links_lead_somewhere() -> None:
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):

@@ -26,13 +26,17 @@ METHODS = {
     "verlet": ["--step", "0.005"],
 }
 COLUMNS = "{:<20} {:<7} {:>9} {:>11} {:>9} {:>9} {:>9} {:>9}"
+HEADINGS = (
+    ("model", "method", "steps", "evaluations", "ms", "error", "energy", "others"),
+    ("", "", "", "", "", "of state", "drift", "drift"),
+)
 
 
 def main() -> int:
     OUTPUT.mkdir(parents=True, exist_ok=True)
     print(f"C sources and trajectories in {OUTPUT.relative_to(ROOT)}/\n")
-    print(COLUMNS.format("model", "method", "steps", "evaluations", "ms", "error", "energy", "others"))
-    print(COLUMNS.format("", "", "", "", "", "of state", "drift", "drift"))
+    for heading in HEADINGS:
+        print(COLUMNS.format(*heading))
     failures = 0
     for name, reference in REFERENCES.items():
         pkgen(str(model(name)), "-o", str(OUTPUT))

@@ -1,6 +1,6 @@
 """The README's picture: one motion of the double pendulum, and how each method keeps its energy.
 
-    .venv/bin/python tools/picture.py        writes docs/pictures/double_pendulum.svg
+.venv/bin/python tools/picture.py        writes docs/pictures/double_pendulum.svg
 """
 
 from __future__ import annotations
@@ -55,7 +55,9 @@ def draw_drift(axes: plt.Axes) -> None:
         energy = rows[:, -1]
         error = np.maximum.accumulate(np.abs(energy / energy[0] - 1))
         axes.loglog(rows[1:, 0], np.maximum(error[1:], 1e-17), color=colour, lw=1.5)
-        axes.annotate(method, (DURATION, error[-1]), (4, -3), textcoords="offset points", color=colour)
+        axes.annotate(
+            method, (DURATION, error[-1]), (4, -3), textcoords="offset points", color=colour
+        )
     axes.set(
         xlabel="t [s]",
         ylabel="largest relative energy error so far",

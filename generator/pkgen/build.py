@@ -90,7 +90,8 @@ def cache_directory() -> Path:
 
 def runtime_library(tools: Toolchain) -> Path:
     """The directory with the driver's objects and libpk.a for this compiler, made if missing."""
-    sources = sorted(p for d in ("src", "gsl", "run", "include/pk") for p in (RUNTIME / d).iterdir())
+    folders = ("src", "gsl", "run", "include/pk")
+    sources = sorted(path for folder in folders for path in (RUNTIME / folder).iterdir())
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
     for path in sources:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
@@ -130,12 +131,13 @@ def build_program(files: dict[str, str], name: str) -> Path:
         with _staging(directory.parent) as staging:
             for file_name, text in files.items():
                 (staging / file_name).write_text(text, encoding="utf-8")
-            driver = [str(path) for path in sorted((RUNTIME / "run").glob("*.c"))]
+            driver = sorted((RUNTIME / "run").glob("*.c"))
+            sources = [f"{name}.c", *(str(path) for path in driver), "-o", "program"]
+            libraries = [str(library / "libpk.a"), *tools.gsl_libs, "-lm"]
             gsl = ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
             _compile(
                 tools,
-                ["-DPK_RUNTIME", f"-DPK_SYSTEM={name}_system", *gsl, "-I.", f"{name}.c", *driver]
-                + [str(library / "libpk.a"), *tools.gsl_libs, "-lm", "-o", "program"],
+                ["-DPK_RUNTIME", f"-DPK_SYSTEM={name}_system", *gsl, "-I.", *sources, *libraries],
                 staging,
             )
             _publish(staging, directory)

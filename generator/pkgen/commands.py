@@ -11,10 +11,10 @@ from pathlib import Path
 from . import dump, limits
 from . import explain as explanation
 from . import options as parsing
+from .back.kernels import KERNELS
 from .build import driver_methods
 from .compiler import Compilation, compile_model
-from .kernels import KERNELS
-from .read import read
+from .front.read import read
 from .resources import bounded
 from .source import Diagnostic, Source
 
@@ -50,7 +50,9 @@ def compile_to_c(options: argparse.Namespace) -> int:
             text = dump.STAGES[options.dump](source, parsing.sizes(options.size), kernels)
         print(text)
         return DONE
-    compilation = compile_within_limits(options, source, kernels=kernels, self_test=options.self_test)
+    compilation = compile_within_limits(
+        options, source, kernels=kernels, self_test=options.self_test
+    )
     directory = Path(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
     for name, text in compilation.files.items():

@@ -16,9 +16,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from . import analyze, check, derive, lower, reduce, render
+from .back import lower, render
+from .back.lower import Program
 from .equations import Equations, Structure
-from .lower import Program
+from .front import check
+from .middle import analyze, derive, reduce
 from .model import Model
 from .source import Diagnostic, Source
 

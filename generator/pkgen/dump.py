@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
 
-from . import analyze, check, derive, lower, parse, reduce, render
+from .back import lower, render
 from .equations import Equations
-from .graph import Graph, Op
+from .front import check, parse
+from .middle import analyze, derive, reduce
+from .middle.graph import Graph, Op
 from .source import Source, Span
 
 Kernels = frozenset[str] | None

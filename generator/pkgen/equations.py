@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .graph import Graph, Node
+from .middle.graph import Graph, Node
 from .model import Model
 
 Row = tuple[Node, ...]

@@ -6,11 +6,11 @@ what is large is shown by its size only. The C does not come from here.
 
 from __future__ import annotations
 
-from . import sympy_bridge
+from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure
-from .graph import Node, Op
-from .program import operations_text
+from .middle import sympy_bridge
+from .middle.graph import Node, Op
 
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
 
@@ -121,7 +121,9 @@ def _equations(equations: Equations, structure: Structure) -> str:
         for j in range(i + 1):
             if row[j] != zero:
                 lines.append(f"  M[{names[i]}, {names[j]}] = {_text(equations, row[j])}")
-    lines += [f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, equations.force)]
+    lines += [
+        f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, equations.force, strict=True)
+    ]
     return "\n".join(lines)
 
 
@@ -129,8 +131,8 @@ def _outputs(equations: Equations) -> str:
     lines = [
         f"  {q.name} = {_text(equations, node)} {_unit(q.unit)}".rstrip()
         for q, node in (
-            *zip(equations.observed_names, equations.observed),
-            *zip(equations.conserved_names, equations.conserved),
+            *zip(equations.observed_names, equations.observed, strict=True),
+            *zip(equations.conserved_names, equations.conserved, strict=True),
         )
     ]
     return "\n".join(["Outputs", *lines]) if lines else ""
@@ -147,7 +149,10 @@ def _structure(compilation: Compilation) -> str:
         mass = f"{shape}, depends on the rates too (L is not of second degree in them)"
     facts = [
         ("mass matrix", mass),
-        ("separable", _yes(structure.separable, "splitting methods apply", "verlet and its like do not apply")),
+        (
+            "separable",
+            _yes(structure.separable, "verlet and its like apply", "verlet does not apply"),
+        ),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
         ("forces beyond L", "none" if structure.variational else "yes (force or dissipation)"),
         ("smooth", _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")),
@@ -163,7 +168,7 @@ def _yes(fact: bool, if_so: str, if_not: str) -> str:
 
 def _constants(equations: Equations, structure: Structure) -> list[str]:
     names = ["energy"] if structure.conservative else []
-    momenta = zip(equations.momenta_names, structure.cyclic)
+    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)
     return names + [q.name for q, cyclic in momenta if cyclic]
 
 

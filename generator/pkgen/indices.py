@@ -31,7 +31,7 @@ def integer(expr: Expr, values: Mapping[str, int]) -> int:
         case Negate(of=of):
             return -integer(of, values)
         case Add(terms=terms, signs=signs):
-            return sum(s * integer(x, values) for x, s in zip(terms, signs))
+            return sum(s * integer(x, values) for x, s in zip(terms, signs, strict=True))
         case Multiply(factors=factors, exponents=exponents) if all(e == 1 for e in exponents):
             product = 1
             for factor in factors:

@@ -8,11 +8,11 @@ import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from . import options_text
 from .compiler import Compilation
 from .equations import Quantity
+from .front import options_text
+from .front.options_text import OptionError
 from .model import Model
-from .options_text import OptionError
 from .simulate import Settings
 
 UNTIL = 10.0

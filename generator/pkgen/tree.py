@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Union
 
 from .source import Span
 
@@ -126,9 +125,20 @@ class Quantity:
     span: Span
 
 
-Expr = Union[
-    Number, Name, Prime, Component, Negate, Add, Multiply, Power, Call, Sum, Vector, Quantity
-]
+Expr = (
+    Number
+    | Name
+    | Prime
+    | Component
+    | Negate
+    | Add
+    | Multiply
+    | Power
+    | Call
+    | Sum
+    | Vector
+    | Quantity
+)
 
 
 def children(expr: Expr) -> tuple[Expr, ...]:

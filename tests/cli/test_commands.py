@@ -45,7 +45,9 @@ def test_only_some_kernels(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 2 and "farce" in done.stderr and "force" in done.stderr
 
 
-@pytest.mark.parametrize("stage", "parse check derive analyze reduce lower render".split())
+@pytest.mark.parametrize(
+    "stage", ["parse", "check", "derive", "analyze", "reduce", "lower", "render"]
+)
 def test_every_stage_can_be_shown(pkgen, stage: str) -> None:
     done = pkgen(HOOP, f"--dump={stage}")
     assert done.returncode == 0, done.stderr

@@ -7,9 +7,11 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from pkgen import analyze, check, derive, lower, render
+from pkgen.back import lower, render
+from pkgen.back.program import Program
 from pkgen.equations import Equations
-from pkgen.program import Program
+from pkgen.front import check
+from pkgen.middle import analyze, derive
 from pkgen.source import Source
 
 ROOT = Path(__file__).parents[2]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pkgen.differentiate import Columns, Forward, gradient
 from pkgen.equations import Equations, ParameterSlot, Quantity, Structure
-from pkgen.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from pkgen.middle.differentiate import Columns, Forward, gradient
+from pkgen.middle.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from pkgen.middle.solve import solve
 from pkgen.model import Model
-from pkgen.solve import solve
 from pkgen.source import Source, Span
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]

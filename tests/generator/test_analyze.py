@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from building import links, model
-from pkgen.analyze import analyze
-from pkgen.derive import derive
-from pkgen.reduce import reduce
+from pkgen.middle.analyze import analyze
+from pkgen.middle.derive import derive
+from pkgen.middle.reduce import reduce
 
 FREE = dict(params={"m": 1.3, "k": 2.1}, coords=("x", "y"), kinetic="m/2*(D(x)**2 + D(y)**2)")
 

@@ -7,9 +7,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from pkgen.check import check_text
-from pkgen.options_text import LeftSide, OptionError, left_side, quantity
-from pkgen.read import from_text
+from pkgen.front.check import check_text
+from pkgen.front.options_text import LeftSide, OptionError, left_side, quantity
+from pkgen.front.read import from_text
 from pkgen.source import ModelError
 from pkgen.tree import Multiply, Name, Number, Quantity, children
 

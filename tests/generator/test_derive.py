@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 from building import HERE, expression, links, model
 from pkgen import limits
-from pkgen.count import operations
-from pkgen.derive import derive
-from pkgen.evaluate import evaluate
-from pkgen.graph import MINUS_ONE, ZERO, Kind, Op, Symbol
-from pkgen.quantities import per_second
+from pkgen.middle.count import operations
+from pkgen.middle.derive import derive
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import MINUS_ONE, ZERO, Kind, Op, Symbol
+from pkgen.middle.quantities import per_second
 from pkgen.source import ModelError
 
 MASS_AND_FORCE = frozenset({"mass", "force"})
@@ -275,7 +275,7 @@ def test_a_nested_sum_of_squares_is_not_blown_up():
 def test_the_same_for_every_hash_seed(tmp_path):
     script = (
         "from building import links\n"
-        "from pkgen.derive import derive\n"
+        "from pkgen.middle.derive import derive\n"
         "e = derive(links(4, own=True))\n"
         "print(list(zip(e.graph.op, e.graph.args, e.graph.data)), e.mass, e.force, e.pivots)\n"
     )

@@ -7,10 +7,10 @@ import random
 from itertools import pairwise
 
 import pytest
-from pkgen.differentiate import RULES, Columns, Forward, gradient
-from pkgen.evaluate import evaluate
 from pkgen.functions import FUNCTIONS
-from pkgen.graph import BIT, ONE, ZERO, Graph, Kind, Symbol
+from pkgen.middle.differentiate import RULES, Columns, Forward, gradient
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import BIT, ONE, ZERO, Graph, Kind, Symbol
 
 COORDINATE = BIT[Kind.COORDINATE]
 

@@ -20,11 +20,11 @@ from c_harness import (
     write,
 )
 from hand_made import World, make, pendulum_chain, structure
-from pkgen.evaluate import evaluate
-from pkgen.graph import Kind, Symbol
-from pkgen.kernels import KERNELS
-from pkgen.lower import lower
-from pkgen.program import CHECK, FILL, RETURN
+from pkgen.back.kernels import KERNELS
+from pkgen.back.lower import lower
+from pkgen.back.program import CHECK, FILL, RETURN
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import Kind, Symbol
 from test_render import nasty_model
 
 RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
@@ -378,7 +378,7 @@ def test_loop_solves_what_is_unrolled(tmp_path):
 
 
 def test_parts_of_a_long_kernel_work_together(tmp_path, monkeypatch):
-    from pkgen import chunk
+    from pkgen.back import chunk
 
     rng = random.Random(6)
     q, v = ([rng.uniform(-2, 2) for _ in range(6)] for _ in range(2))

@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from pkgen.check import check_text
-from pkgen.read import from_text
+from pkgen.front.check import check_text
+from pkgen.front.read import from_text
 from pkgen.source import ModelError
 
 HERE = Path(__file__).parent

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import MODELS, ROOT, read_model
-from pkgen.render import render
+from pkgen.back.render import render
 
 GOLDEN = ROOT / "tests" / "golden"
 NAMES = ("coupled_oscillators", "double_pendulum", "heavy_top")

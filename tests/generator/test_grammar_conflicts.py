@@ -7,7 +7,7 @@ import logging
 import pytest
 from lark import Lark
 from lark.exceptions import GrammarError
-from pkgen.parse import GRAMMAR, _Tokens
+from pkgen.front.parse import GRAMMAR, _Tokens
 
 
 def conflicts(grammar: str) -> list[str]:

@@ -16,10 +16,10 @@ import mpmath
 import pytest
 import sympy as sp
 from building import links, model
-from pkgen.derive import derive
 from pkgen.equations import Equations
-from pkgen.evaluate import evaluate
-from pkgen.graph import Kind, Symbol
+from pkgen.middle.derive import derive
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import Kind, Symbol
 from pkgen.model import Model
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 

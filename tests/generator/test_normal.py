@@ -7,13 +7,13 @@ import random
 
 import pytest
 from building import model
-from pkgen import policies
-from pkgen.collect import fewest, settled
-from pkgen.count import operations
-from pkgen.derive import derive
-from pkgen.evaluate import evaluate
-from pkgen.graph import ZERO, Graph, Kind, Symbol
-from pkgen.normal import Normal, squares_merged
+from pkgen.middle import policies
+from pkgen.middle.collect import fewest, settled
+from pkgen.middle.count import operations
+from pkgen.middle.derive import derive
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import ZERO, Graph, Kind, Symbol
+from pkgen.middle.normal import Normal, squares_merged
 
 
 @pytest.fixture

@@ -5,9 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from pkgen import limits, statements
-from pkgen.parse import parse, parse_all
-from pkgen.read import UnreadableModel, from_text, read
+from pkgen import limits
+from pkgen.front import statements
+from pkgen.front.parse import parse, parse_all
+from pkgen.front.read import UnreadableModel, from_text, read
 from pkgen.source import ModelError
 from pkgen.tree import (
     Add,

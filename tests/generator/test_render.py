@@ -10,8 +10,8 @@ import sys
 import pytest
 from c_harness import MODELS, ROOT, read_model
 from hand_made import World, make, pendulum_chain, structure
-from pkgen.lower import lower
-from pkgen.render import real_header, render
+from pkgen.back.lower import lower
+from pkgen.back.render import real_header, render
 
 NASTY = 'ends */ early /* "quoted" back\\slash ??/ θ\u202e'
 
@@ -136,7 +136,7 @@ def test_the_same_to_the_byte_for_ten_hash_seeds():
     script = (
         "import sys, hashlib; sys.path.insert(0, 'tests/generator')\n"
         "from c_harness import MODELS, read_model\n"
-        "from pkgen.render import render\n"
+        "from pkgen.back.render import render\n"
         "for path in MODELS:\n"
         "    files = render(read_model(path)[1], self_test=True)\n"
         "    print(hashlib.sha256(repr(sorted(files.items())).encode()).hexdigest())\n"

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pint
 import pytest
-from pkgen import units
-from pkgen.units import NONE, UnitError, described, dimension, parse_unit, si_text
+from pkgen.front import units
+from pkgen.front.units import NONE, UnitError, described, dimension, parse_unit, si_text
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import os
 from pathlib import Path
 
 import pytest
-from pkgen.check import check_text
-from pkgen.read import from_text
+from pkgen.front.check import check_text
+from pkgen.front.read import from_text
 from pkgen.source import ModelError
 
 MODELS = sorted(Path(__file__).with_name("wrong").glob("*.lag"))

@@ -1,0 +1,141 @@
+"""What the comments of generated C say: units of outputs, bounds, tables of operations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from ..equations import Quantity
+from .names import dots, family_of
+from .program import Field, Kernel, Program, operations_text
+
+_LISTED = 8  # outputs with more entries are described as a whole
+
+
+def per_second(unit: str, dimensionless: bool) -> str:
+    """The unit of a time derivative: m/s^2 for m/s."""
+    if dimensionless:
+        return unit
+    if match := re.search(r"/s(?:\^(\d+))?$", unit):
+        return f"{unit[: match.start()]}/s^{int(match[1] or 1) + 1}"
+    return f"{unit}/s" if unit else "1/s"
+
+
+def entries(program: Program, kernel: Kernel) -> list[str]:
+    """A line for each output of a kernel: its shape, entries and units."""
+    lines = []
+    for output in kernel.outputs:
+        name, n = output.name, output.rows
+        if output.columns > 1 or name in _MATRICES:
+            lines.append(f"{name}[{n}*{n}]: {_MATRICES[name].format(n=n)}")
+        elif name in _VECTORS:
+            listed = _VECTORS[name](program, kernel) if n <= _LISTED else []
+            shown = ", ".join(_with_unit(q.name, q.unit) for q in listed)
+            lines.append(f"{name}[{n}]: {shown}" if shown else f"{name}[{n}]")
+    if kernel.result == "pk_real":
+        unit = "" if program.equations.model.dimensionless else " in J"
+        lines.append(f"returned{unit}")
+    return lines
+
+
+_MATRICES = {
+    "M": "M[i*{n} + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j",
+    "p_q": "p_q[i*{n} + j] = dp_i/dq_j",
+    "pdot_q": "pdot_q[i*{n} + j] = d(pdot_i)/dq_j",
+    "pdot_v": "pdot_v[i*{n} + j] = d(pdot_i)/dv_j",
+}
+
+
+def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
+    """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
+    model = program.equations.model
+    coordinates = program.equations.coordinates
+    return [
+        Quantity(name.format(c.name), per_second(q.unit, model.dimensionless), "")
+        for c, q in zip(coordinates, quantities, strict=True)
+    ]
+
+
+_VECTORS = {
+    "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
+    "f": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "momenta": lambda p, _: p.equations.momenta_names,
+    "pdot": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "dLdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "q": lambda p, _: p.equations.coordinates,
+    "v": lambda p, _: p.equations.rates,
+    "out": lambda p, kernel: (
+        p.equations.observed_names if kernel.name == "observe" else p.equations.conserved_names
+    ),
+}
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def families(quantities: Sequence[Quantity]) -> list[dict[str, Any]]:
+    """Plain quantities and whole families: name, index of the (first) member, their number."""
+    rows: list[dict[str, Any]] = []
+    for index, quantity in enumerate(quantities):
+        plain = "[" not in quantity.name
+        c_name = family_of(quantity.name).rstrip("'") + dots(quantity.name.count("'"))
+        if not plain and rows and rows[-1]["c_name"] == c_name and not rows[-1]["plain"]:
+            rows[-1]["count"] += 1
+            continue
+        rows.append(
+            {
+                "c_name": c_name,
+                "index": index,
+                "count": 1,
+                "plain": plain,
+                "quantity": quantity,
+            }
+        )
+    return [
+        {
+            "c_name": row["c_name"],
+            "index": row["index"],
+            "says": _says(
+                "" if row["plain"] else f"{row['quantity'].name}, the first of {row['count']}",
+                row["quantity"],
+            ),
+        }
+        for row in rows
+    ]
+
+
+def field_says(program: Program, field: Field) -> str:
+    """The comment beside a member of struct NAME_params."""
+    quantity = program.equations.parameters[field.first].quantity
+    what = _says(f"{quantity.name}, ..." if field.length else "", quantity)
+    return " ".join(x for x in (what, bounds_text(program, field.first)) if x)
+
+
+def _says(member: str, quantity: Quantity) -> str:
+    """'q[1], ...: stretch [m]', as much of it as there is."""
+    what = _with_unit(quantity.description, quantity.unit).strip()
+    return ": ".join(x for x in (member, what) if x)
+
+
+def bounds_text(program: Program, index: int) -> str:
+    """'in (0, inf)' as the author wrote it, '' where a parameter may be anything."""
+    slot = program.equations.parameters[index]
+    lo, hi = program.bounds[index].lo, program.bounds[index].hi
+    if (lo is None and hi is None) or program.bounds[index].statements:
+        return ""
+    left = "(" if slot.lo_open or lo is None else "["
+    right = ")" if slot.hi_open or hi is None else "]"
+    return f"in {left}{_plain(lo or '-inf')}, {_plain(hi or 'inf')}{right}"
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"PK_[CF]\((\w[\w.]*)\)", r"\1", text.replace("p->", ""))
+
+
+def operations_rows(program: Program) -> list[str]:
+    """The table in the header of a generated file, a kernel a line."""
+    kernels = (*program.kernels, program.prepare)
+    width = max(len(kernel.name) for kernel in kernels)
+    return [f"{k.name:{width}}  {operations_text(k.operations)}" for k in kernels]

@@ -1,0 +1,208 @@
+"""The kernels that a model can have: a row each, with outputs, results and what they mean.
+
+A new kernel is a row here, its place in runtime/include/pk/system.h, and its caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ..equations import Equations, Matrix, Row
+from ..middle.graph import ZERO, Node, Op
+from .program import CHECK, FILL, RETURN, STORE, Output
+from .schedule import Target
+
+_FEW_ZEROS = 8  # of a matrix, each written out
+Hint = tuple[Node, str]
+
+
+def _nothing(_: Equations) -> list[Node]:
+    return []
+
+
+@dataclass(frozen=True)
+class KernelSpec:
+    """`says` is the equation in the kernel's comment; `units` the unit of an output's entries."""
+
+    name: str
+    result: str
+    says: str
+    outputs: Callable[[Equations], tuple[Output, ...]]
+    targets: Callable[[Equations], list[Target]]
+    exists: Callable[[Equations], bool] = lambda _: True
+    kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
+
+    def hints(self, equations: Equations) -> Iterator[Hint]:
+        """Names for values that mean something to a reader, if they become locals."""
+        if self.name == "acceleration":
+            yield from _named("D", equations.pivots or ())
+        if equations.mass:
+            for i, row in enumerate(equations.mass):
+                for j in range(i + 1):
+                    yield row[j], f"M_{j}_{i}"
+        yield from _named("f", equations.force)
+        yield from _named("p", equations.momenta)
+
+
+def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
+    """Those of `wanted` that the model has, and those that these call."""
+    names = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
+    if wanted is not None:
+        names &= wanted
+    if "acceleration" in names and equations.acceleration is None:
+        names |= {"mass", "force"}
+    return frozenset(names)
+
+
+def _named(stem: str, row: Row) -> Iterator[Hint]:
+    for i, node in enumerate(row):
+        yield node, f"{stem}_{i}"
+
+
+def _vector(name: str, row: Callable[[Equations], Row]):
+    """Outputs and targets of a kernel that writes one vector."""
+    return (
+        lambda e: (Output(name, len(row(e)), 1),),
+        lambda e: _stores(name, row(e)),
+    )
+
+
+def _scalar(node: Callable[[Equations], Node | None]):
+    def targets(equations: Equations) -> list[Target]:
+        value = node(equations)
+        assert value is not None
+        return [Target(RETURN, "", (value,))]
+
+    return lambda e: (), targets
+
+
+def _stores(name: str, row: Row) -> list[Target]:
+    return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
+
+
+def _matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
+    """All entries; of a symmetric matrix the upper triangle, mirrored. Many zeros are written by
+    a loop at the start."""
+    n = len(matrix)
+    zeros = sum(node == ZERO for row in matrix for node in row)
+    targets = []
+    if zeros > _FEW_ZEROS:
+        targets.append(Target(FILL, name, (), str(n * n)))
+    for i, row in enumerate(matrix):
+        for j in range(i if symmetric else 0, n):
+            if row[j] == ZERO and targets and targets[0].kind == FILL:
+                continue
+            mirrored = (f"{name}[{j * n + i}]",) if symmetric and j > i else ()
+            targets.append(Target(STORE, f"{name}[{i * n + j}]", (row[j],), also=mirrored))
+    return targets
+
+
+def _square(name: str, equations: Equations) -> Output:
+    n = len(equations.coordinates)
+    return Output(name, n, n)
+
+
+def _acceleration_targets(equations: Equations) -> list[Target]:
+    """Every pivot is tested before anything is written."""
+    if equations.acceleration is None:
+        return []
+    checks = []
+    graph = equations.graph
+    for i, pivot in enumerate(equations.pivots or ()):
+        diagonal = equations.mass[i][i]
+        positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
+        if positive or pivot in equations.pivots[:i]:
+            continue
+        if pivot == diagonal:
+            checks.append(Target(CHECK, str(i + 1), (pivot,), "{0} > 0"))
+        else:
+            text = "{0} > PK_PIVOT_MIN * {1}"
+            checks.append(Target(CHECK, str(i + 1), (pivot, diagonal), text))
+    return checks + _stores("a", equations.acceleration)
+
+
+def _jacobian(equations: Equations) -> list[Target]:
+    return (
+        _matrix_stores("p_q", equations.p_q or ())
+        + _matrix_stores("pdot_q", equations.pdot_q or ())
+        + _matrix_stores("pdot_v", equations.pdot_v or ())
+    )
+
+
+def _specs() -> Iterator[KernelSpec]:
+    yield KernelSpec(
+        "acceleration",
+        "int",
+        "a = q'' with M a = f, by M = L D L^T",
+        lambda e: (Output("a", len(e.coordinates), 1),),
+        _acceleration_targets,
+        kept=lambda e: [*(e.pivots or ()), *e.force],
+    )
+    yield KernelSpec(
+        "mass",
+        "void",
+        "M = dp/dv",
+        lambda e: (_square("M", e),),
+        lambda e: _matrix_stores("M", e.mass, symmetric=True),
+    )
+    yield KernelSpec(
+        "force", "void", "f = pdot - (dp/dq) v - dp/dt", *_vector("f", lambda e: e.force)
+    )
+    yield KernelSpec(
+        "canonical",
+        "void",
+        "p = dL/dv and pdot = dL/dq + Q - dD/dv",
+        lambda e: (Output("momenta", len(e.momenta), 1), Output("pdot", len(e.pdot), 1)),
+        lambda e: _stores("momenta", e.momenta) + _stores("pdot", e.pdot),
+    )
+    yield KernelSpec("momenta", "void", "p = dL/dv", *_vector("momenta", lambda e: e.momenta))
+    yield KernelSpec("gradient", "void", "dL/dq", *_vector("dLdq", lambda e: e.gradient))
+    yield KernelSpec(
+        "jacobian",
+        "void",
+        "dp/dq, d(pdot)/dq, d(pdot)/dv",
+        lambda e: (_square("p_q", e), _square("pdot_q", e), _square("pdot_v", e)),
+        _jacobian,
+        exists=lambda e: e.p_q is not None,
+    )
+    yield KernelSpec("energy", "pk_real", "h = v.p - L", *_scalar(lambda e: e.energy))
+    yield KernelSpec("lagrangian", "pk_real", "L", *_scalar(lambda e: e.lagrangian))
+    yield KernelSpec(
+        "kinetic",
+        "pk_real",
+        "T",
+        *_scalar(lambda e: e.kinetic),
+        exists=lambda e: e.kinetic is not None,
+    )
+    yield KernelSpec(
+        "potential",
+        "pk_real",
+        "V",
+        *_scalar(lambda e: e.potential),
+        exists=lambda e: e.potential is not None,
+    )
+    yield KernelSpec(
+        "observe",
+        "void",
+        "observed outputs",
+        *_vector("out", lambda e: e.observed),
+        exists=lambda e: bool(e.observed),
+    )
+    yield KernelSpec(
+        "conserve",
+        "void",
+        "quantities claimed to be constant",
+        *_vector("out", lambda e: e.conserved),
+        exists=lambda e: bool(e.conserved),
+    )
+    yield KernelSpec(
+        "start",
+        "void",
+        "initial values",
+        lambda e: (Output("q", len(e.start_q), 1), Output("v", len(e.start_v), 1)),
+        lambda e: _stores("q", e.start_q) + _stores("v", e.start_v),
+    )
+
+
+KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _specs()}

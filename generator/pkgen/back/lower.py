@@ -1,0 +1,238 @@
+"""Equations -> Program: straight-line code for every kernel, as text and counted.
+
+What depends on parameters alone is hoisted: computed once, by `prepare`, into the array c_ of
+the parameter struct. The rest of the work is in `rewrite.py` (powers, products), `schedule.py`
+(order, names, sharing), `expressions.py` (C text) and `chunk.py` (very long kernels).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ..equations import Equations, Structure
+from ..middle.graph import Kind, Node, Op, Symbol
+from .chunk import blocks
+from .expressions import count_operations
+from .kernels import KERNELS, KernelSpec, needed_kernels
+from .literals import PI
+from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
+from .program import LOAD, STORE, Assignment, Field, Interval, Kernel, Output, Program, Statement
+from .rewrite import Workspace, rewrite
+from .schedule import Schedule, Target, number_text
+
+__all__ = ["Program", "lower"]
+
+_ARGUMENT = {Kind.COORDINATE: "q", Kind.RATE: "v", Kind.INPUT: "u"}
+
+
+def lower(
+    equations: Equations, structure: Structure, kernels: frozenset[str] | None = None
+) -> Program:
+    """Straight-line code for the kernels named (None: all that the model has)."""
+    return _Lowering(equations, structure).program(kernels)
+
+
+@dataclass(frozen=True)
+class _Draft:
+    """A kernel rewritten, but not yet written out: hoisted constants have no numbers yet."""
+
+    spec: KernelSpec
+    targets: list[Target]
+    hints: dict[Node, str]
+    kept: frozenset[Node]
+
+
+class _Lowering:
+    def __init__(self, equations: Equations, structure: Structure) -> None:
+        self.equations = equations
+        self.structure = structure
+        self.prefix = equations.model.name + "_"
+        self.work = Workspace(equations.graph)
+        self.fields, self.parameter_names = _fields(equations)
+        self.symbols = _local_names(equations)
+        self.hoisted: dict[Node, int] = {}
+        self.helpers: set[str] = set()
+
+    def program(self, wanted: frozenset[str] | None) -> Program:
+        names = needed_kernels(self.equations, wanted)
+        specs = [KERNELS[name] for name in KERNELS if name in names]
+        drafts = [self._draft(spec) for spec in specs]
+        prepare = self._prepare(drafts)
+        parameters = self.equations.parameters
+        return Program(
+            equations=self.equations,
+            structure=self.structure,
+            fields=self.fields,
+            parameter_names=self.parameter_names,
+            defaults=tuple(self._assignment(i, x.default) for i, x in enumerate(parameters)),
+            bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
+            prepare=prepare,
+            hoisted=len(self.hoisted),
+            start=self._start(),
+            kernels=tuple(self._kernel(draft) for draft in drafts),
+            helpers=tuple(sorted(self.helpers)),
+        )
+
+    # Kernels of the motion
+
+    def _draft(self, spec: KernelSpec) -> _Draft:
+        targets = spec.targets(self.equations)
+        roots = [node for target in targets for node in target.nodes]
+        reachable = set(self.work.reachable(roots))
+        hints = {node: name for node, name in spec.hints(self.equations) if node in reachable}
+        kept = [node for node in hints if node in set(spec.kept(self.equations))]
+        new = rewrite(self.work, roots + kept)
+        targets = [
+            Target(t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also)
+            for t in targets
+        ]
+        return _Draft(
+            spec, targets, {new[x]: hints[x] for x in hints}, frozenset(new[x] for x in kept)
+        )
+
+    def _kernel(self, draft: _Draft) -> Kernel:
+        spec, n = draft.spec, len(self.equations.coordinates)
+        outputs = spec.outputs(self.equations)
+        names = Names(LOCAL_RESERVED, (o.name for o in outputs))
+        for name in self.symbols.values():
+            names.take(name)
+        schedule = Schedule(
+            self.work, names, self.prefix, self._leaf, hints=draft.hints, kept=draft.kept
+        )
+        schedule.run(draft.targets)
+        self.helpers |= schedule.helpers
+        loads = {
+            name: Statement(LOAD, name, f"{_ARGUMENT[symbol.kind]}[{symbol.index}]")
+            for symbol, name in self.symbols.items()
+        }
+        solves = spec.name == "acceleration" and self.equations.acceleration is None and n > 0
+        return self._finished(spec.name, spec.result, outputs, schedule, loads, solves)
+
+    def _finished(
+        self,
+        name: str,
+        result: str,
+        outputs: tuple[Output, ...],
+        schedule: Schedule,
+        loads: dict[str, Statement],
+        solves: bool = False,
+    ) -> Kernel:
+        parts, work = blocks(schedule.statements, loads, [o.name for o in outputs])
+        operations: Counter[str] = Counter()
+        for statement in schedule.statements:
+            operations += count_operations(statement.text, self.prefix)
+        return Kernel(name, result, outputs, parts, work, operations, solves)
+
+    def _leaf(self, node: Node) -> str | None:
+        """The text of what needs no computing in a kernel of the motion."""
+        if node in self.hoisted:
+            return f"p->c_[{self.hoisted[node]}]"
+        return self._symbol(node)
+
+    def _symbol(self, node: Node) -> str | None:
+        if self.work.op[node] is Op.NUMBER:
+            return number_text(self.work.data[node])
+        if self.work.op[node] is not Op.SYMBOL:
+            return None
+        symbol = self.work.data[node]
+        assert isinstance(symbol, Symbol)
+        if symbol.kind is Kind.PARAMETER:
+            return "p->" + self.parameter_names[symbol.index]
+        if symbol.kind in _ARGUMENT:
+            return self.symbols[symbol]
+        return PI if symbol.kind is Kind.PI else "t"
+
+    # What depends on parameters alone
+
+    def _prepare(self, drafts: Iterable[_Draft]) -> Kernel:
+        """Numbers the hoisted constants in the order in which they can be computed."""
+        found = self._to_hoist([x for d in drafts for t in d.targets for x in t.nodes])
+        new = rewrite(self.work, found, gather=False)
+        distinct = sorted({new[node] for node in found})
+        places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
+        schedule = Schedule(
+            self.work,
+            Names(LOCAL_RESERVED),
+            self.prefix,
+            self._symbol,
+            known_after={place: place for place in places.values()},
+        )
+        schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
+        self.helpers |= schedule.helpers
+        self.hoisted = {node: distinct.index(new[node]) for node in found}
+        outputs = (Output("c_", len(distinct), 1),)
+        return self._finished("prepare", "int", outputs, schedule, {})
+
+    def _to_hoist(self, roots: list[Node]) -> list[Node]:
+        """The largest subtrees that depend on parameters alone and compute something."""
+        found: set[Node] = set()
+        seen = set(roots)
+        stack = list(seen)
+        while stack:
+            node = stack.pop()
+            if self.work.fixed[node] and self.work.negated(node) is None:
+                if not self.work.is_leaf(node):
+                    found.add(node)
+                continue
+            for a in self.work.args[node]:
+                if a not in seen:
+                    seen.add(a)
+                    stack.append(a)
+        return sorted(found)
+
+    def _start(self) -> Kernel:
+        spec = KERNELS["start"]
+        targets = spec.targets(self.equations)
+        return self._finished(
+            "start", spec.result, spec.outputs(self.equations), self._fixed_code(targets), {}
+        )
+
+    def _fixed_code(self, targets: list[Target]) -> Schedule:
+        """Code on parameters alone, nothing hoisted."""
+        new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
+        schedule = Schedule(self.work, Names(LOCAL_RESERVED), self.prefix, self._symbol)
+        schedule.run(Target(t.kind, t.where, tuple(new[x] for x in t.nodes)) for t in targets)
+        self.helpers |= schedule.helpers
+        return schedule
+
+    def _assignment(self, index: int, value: Node) -> Assignment:
+        *before, last = self._fixed_code([Target(STORE, "", (value,))]).statements
+        return Assignment(index, tuple(before), last.text)
+
+    def _interval(self, lo: Node | None, hi: Node | None) -> Interval:
+        ends = [("lo", lo), ("hi", hi)]
+        targets = [Target(STORE, where, (node,)) for where, node in ends if node is not None]
+        statements = self._fixed_code(targets).statements if targets else []
+        values = {s.target: s.text for s in statements if s.kind == STORE}
+        before = tuple(s for s in statements if s.kind != STORE)
+        return Interval(before, values.get("lo"), values.get("hi"))
+
+
+def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
+    """The members of struct NAME_params, and the C text of each scalar parameter."""
+    names = Names(FIELD_RESERVED)
+    fields: list[Field] = []
+    scalars: list[str] = []
+    for index, slot in enumerate(equations.parameters):
+        if slot.position == 0:
+            fields.append(Field(names.take(slot.family), slot.family, slot.length, index))
+        place = f"[{slot.position}]" if slot.length else ""
+        scalars.append(fields[-1].c_name + place)
+    return tuple(fields), tuple(scalars)
+
+
+def _local_names(equations: Equations) -> dict[Symbol, str]:
+    """What coordinates, rates and inputs are called in the kernels."""
+    names = Names(LOCAL_RESERVED)
+    rows = [
+        (Kind.COORDINATE, equations.coordinates),
+        (Kind.RATE, equations.rates),
+        (Kind.INPUT, equations.inputs),
+    ]
+    return {
+        Symbol(kind, index): names.take(local_wish(quantity.name))
+        for kind, quantities in rows
+        for index, quantity in enumerate(quantities)
+    }

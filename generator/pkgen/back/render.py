@@ -1,0 +1,268 @@
+"""Program -> {file name: text}. The templates own all C syntax; what they see is strings, ints
+and lists, made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import pkgen_runtime
+
+from .. import __version__
+from ..equations import Quantity
+from .ctext import comment, fold, fold_call, paragraph, string
+from .describe import entries, families, field_says, operations_rows
+from .kernels import KERNELS
+from .names import family_of
+from .program import Block, Kernel, Program, Statement, operations_text
+
+# Which field of Structure proves which of enum pk_fact, in the order of that enum.
+FACTS = [
+    ("mass_constant", "PK_MASS_CONSTANT"),
+    ("mass_diagonal", "PK_MASS_DIAGONAL"),
+    ("quadratic", "PK_QUADRATIC"),
+    ("separable", "PK_SEPARABLE"),
+    ("autonomous", "PK_AUTONOMOUS"),
+    ("conservative", "PK_CONSERVATIVE"),
+    ("variational", "PK_VARIATIONAL"),
+    ("smooth", "PK_SMOOTH"),
+]
+
+# Kernels of struct pk_system, in its order.
+SYSTEM_KERNELS = [
+    "acceleration",
+    "mass",
+    "force",
+    "canonical",
+    "gradient",
+    "jacobian",
+    "energy",
+    "kinetic",
+    "potential",
+    "observe",
+    "conserve",
+]
+
+_TESTED = [
+    "acceleration",
+    "mass",
+    "force",
+    "canonical",
+    "momenta",
+    "gradient",
+    "jacobian",
+    "energy",
+    "lagrangian",
+]
+
+
+def render(program: Program, *, self_test: bool = False) -> dict[str, str]:
+    """NAME.h and NAME.c; with `self_test` also NAME_selftest.c, a program that checks them."""
+    name = program.equations.model.name
+    context = _context(program)
+    templates = {f"{name}.h": "header.h.j2", f"{name}.c": "source.c.j2"}
+    if self_test:
+        _refuse_parts(program)
+        templates[f"{name}_selftest.c"] = "selftest.c.j2"
+    environment = _environment()
+    return {
+        file: environment.get_template(template).render(context)
+        for file, template in templates.items()
+    }
+
+
+def _refuse_parts(program: Program) -> None:
+    """A self-test compares all kernels with each other."""
+    missing = [name for name in _TESTED if program.kernel(name) is None]
+    if missing:
+        raise ValueError(f"a self-test needs the kernels {', '.join(missing)} too")
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    environment.filters |= {
+        "comment": comment,
+        "string": string,
+        "paragraph": paragraph,
+        "fold": fold,
+        "fold_call": fold_call,
+    }
+    return environment
+
+
+def real_header() -> str:
+    """The text of runtime/include/pk/real.h."""
+    path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / "real.h"
+    return path.read_text(encoding="utf-8")
+
+
+def _context(program: Program) -> dict[str, Any]:
+    equations = program.equations
+    model = equations.model
+    kernels = [_kernel(program, kernel) for kernel in program.kernels]
+    present = {kernel.name for kernel in program.kernels}
+    return {
+        "version": __version__,
+        "name": model.name,
+        "description": model.description,
+        "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
+        "source_hash": model.source.sha256,
+        "real_header": real_header(),
+        "n": len(equations.coordinates),
+        "n_parameters": len(equations.parameters),
+        "n_inputs": len(equations.inputs),
+        "n_observed": len(equations.observed),
+        "n_conserved": len(equations.conserved),
+        "n_hoisted": program.hoisted,
+        "indices": _indices(program),
+        "fields": _fields(program),
+        "parameters": _parameters(program),
+        "any_follows": any(p.follows for p in equations.parameters),
+        "tables": _tables(program),
+        "start": _kernel(program, program.start),
+        "prepare": _kernel(program, program.prepare),
+        "kernels": kernels,
+        "operations": operations_rows(program),
+        "apart": int(
+            any(len(k.blocks) > 1 for k in (program.start, program.prepare, *program.kernels))
+        ),
+        "helpers": list(program.helpers),
+        "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
+        "cyclic": [int(flag) for flag in program.structure.cyclic],
+        "system_kernels": [
+            {"name": kernel, "present": kernel in present} for kernel in SYSTEM_KERNELS
+        ],
+        "has_parts": int({"kinetic", "potential"} <= present),
+        "input_rates": _input_rates(equations.inputs),
+    }
+
+
+def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
+    spec = KERNELS.get(kernel.name)
+    arguments = {"start": ["p"], "prepare": []}.get(kernel.name, ["p", "t", "q", "v", "u"])
+    unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
+    return {
+        "name": kernel.name,
+        "result": kernel.result,
+        "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
+        "says": spec.says if spec else "",
+        "entries": entries(program, kernel),
+        "operations": operations_text(kernel.operations),
+        "blocks": [_block(block, kernel) for block in kernel.blocks],
+        "unused": unused,
+        "work": kernel.work,
+        "solves": kernel.solves,
+    }
+
+
+def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
+    """Statements grouped by what they do, so that a blank line can stand between."""
+    groups: list[list[dict[str, str]]] = []
+    last = None
+    for s in block.statements:
+        part = {"load": 0, "local": 1, "check": 2}.get(s.kind, 1)
+        if part != last and {part, last} != {1}:
+            groups.append([])
+        last = part
+        groups[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
+    return {
+        "groups": groups,
+        "checks": int(block.checks),
+        "arguments": [a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses],
+        "outputs": [o.name for o in kernel.outputs if o.name in block.uses],
+    }
+
+
+def _quantity(quantity: Quantity) -> dict[str, str]:
+    return {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "description": quantity.description,
+    }
+
+
+def _tables(program: Program) -> list[dict[str, Any]]:
+    e = program.equations
+    rows: list[tuple[str, str, Sequence[Quantity]]] = [
+        ("coordinates", "N", e.coordinates),
+        ("rates", "N", e.rates),
+        ("momentum_names", "N", e.momenta_names),
+        ("inputs", "INPUTS", e.inputs),
+        ("observed", "OBSERVED", e.observed_names),
+        ("conserved", "CONSERVED", e.conserved_names),
+    ]
+    return [
+        {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}
+        for name, count, quantities in rows
+    ]
+
+
+def _indices(program: Program) -> list[dict[str, Any]]:
+    """Named indices, one for a plain quantity or the first of a family."""
+    e = program.equations
+    rows: list[tuple[str, Sequence[Quantity], str]] = [
+        ("q", e.coordinates, "into q, v, momenta, ..."),
+        ("p", [slot.quantity for slot in e.parameters], "into the table of parameters"),
+        ("u", e.inputs, "into u"),
+        ("o", e.observed_names, "into the observed outputs"),
+        ("c", e.conserved_names, "into the quantities claimed to be constant"),
+    ]
+    return [
+        {"stem": stem, "says": says, "rows": families(quantities)}
+        for stem, quantities, says in rows
+        if quantities
+    ]
+
+
+def _fields(program: Program) -> list[dict[str, Any]]:
+    return [
+        {"c_name": field.c_name, "length": field.length, "says": field_says(program, field)}
+        for field in program.fields
+    ]
+
+
+def _parameters(program: Program) -> list[dict[str, Any]]:
+    rows = []
+    for index, slot in enumerate(program.equations.parameters):
+        c_name = program.parameter_names[index]
+        bounds, default = program.bounds[index], program.defaults[index]
+        rows.append(
+            _quantity(slot.quantity)
+            | {
+                "index": index,
+                "c_name": c_name,
+                "field": family_of(c_name),
+                "position": slot.position,
+                "follows": int(slot.follows),
+                "lo_open": int(slot.lo_open or bounds.lo is None),
+                "hi_open": int(slot.hi_open or bounds.hi is None),
+                "lo": bounds.lo or "-PK_INFINITY",
+                "hi": bounds.hi or "PK_INFINITY",
+                "bounds_need": _locals(bounds.statements),
+                "default": default.text,
+                "default_needs": _locals(default.statements),
+            }
+        )
+    return rows
+
+
+def _locals(statements: Sequence[Statement]) -> list[dict[str, str]]:
+    return [{"kind": s.kind, "target": s.target, "text": s.text} for s in statements]
+
+
+def _input_rates(inputs: Sequence[Quantity]) -> list[int]:
+    """For each input the index of its time derivative, or -1 where that is not an input."""
+    places = {quantity.name: i for i, quantity in enumerate(inputs)}
+    return [places.get(quantity.name + "'", -1) for quantity in inputs]

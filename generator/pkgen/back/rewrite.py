@@ -1,0 +1,251 @@
+"""One kernel's expressions, rearranged for straight-line code.
+
+- A power becomes what C does about it: repeated multiplication (shared), a reciprocal, a square
+  root, pow().
+- In a product, the factors that depend on parameters alone are brought together, and so are the
+  terms of a sum: `m*(l^2*(x*y))` becomes `(m*l^2)*x*y`, whose bracket `lower` hoists. A product
+  keeps its sign outermost, so that x and -x share their work.
+
+Only what is used once is taken apart, so nothing is ever computed twice. Loops, no recursion: a
+chain of terms may be as deep as the model is long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+
+from ..middle.graph import Graph, Kind, Node, Op, Symbol
+
+_ONE = Fraction(1)
+
+
+class Workspace:
+    """A private copy of the graph that can grow; hash-consed, but it simplifies nothing."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.op = list(graph.op)
+        self.args = list(graph.args)
+        self.data = list(graph.data)
+        self._known: dict[tuple[object, ...], Node] = {}
+        self.fixed: list[bool] = []  # depends on parameters alone (or on nothing)
+        for node in range(len(self.op)):
+            self._known[self.op[node], self.args[node], self.data[node]] = node
+            self.fixed.append(self._is_fixed(node))
+
+    def _is_fixed(self, node: Node) -> bool:
+        if self.op[node] is Op.SYMBOL:
+            symbol = self.data[node]
+            assert isinstance(symbol, Symbol)
+            return symbol.kind in (Kind.PI, Kind.PARAMETER)
+        return all(self.fixed[a] for a in self.args[node])
+
+    def node(self, op: Op, args: tuple[Node, ...], data: object = None) -> Node:
+        key = (op, args, data)
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = len(self.op)
+            self.op.append(op)
+            self.args.append(args)
+            self.data.append(data)
+            self.fixed.append(self._is_fixed(known))
+        return known
+
+    def find(self, op: Op, args: tuple[Node, ...], data: object) -> Node | None:
+        return self._known.get((op, args, data))
+
+    def number(self, value: Fraction) -> Node:
+        return self.node(Op.NUMBER, (), value)
+
+    def add(self, a: Node, b: Node) -> Node:
+        return self.node(Op.ADD, (a, b))
+
+    def multiply(self, a: Node, b: Node) -> Node:
+        return self.node(Op.MULTIPLY, (a, b))
+
+    def reciprocal(self, a: Node) -> Node:
+        return self.node(Op.POWER, (a,), Fraction(-1))
+
+    def is_leaf(self, node: Node) -> bool:
+        return self.op[node] is Op.NUMBER or self.op[node] is Op.SYMBOL
+
+    def negated(self, node: Node) -> Node | None:
+        """x, if the node is (-1)*x."""
+        if self.op[node] is Op.MULTIPLY:
+            sign, core = self.args[node]
+            if self.op[sign] is Op.NUMBER and self.data[sign] == -1:
+                return core
+        return None
+
+    def reachable(self, roots: Iterable[Node]) -> list[Node]:
+        """All nodes that the roots need, arguments before what uses them."""
+        seen = set(roots)
+        stack = list(seen)
+        while stack:
+            for a in self.args[stack.pop()]:
+                if a not in seen:
+                    seen.add(a)
+                    stack.append(a)
+        return sorted(seen)
+
+
+def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Node, Node]:
+    """For every node that the roots need, its replacement; `gather` brings together what
+    depends on parameters alone."""
+    order = work.reachable(roots)
+    absorbed = _absorbed(work, order, roots, gather)
+    new: dict[Node, Node] = {}
+    for node in order:
+        if node in absorbed or (gather and work.fixed[node]):
+            # As it is: taken apart by its user, or hoisted as a whole but for its sign.
+            new[node] = node if node in absorbed else _sign_outermost(work, node)
+            continue
+        op = work.op[node]
+        if op is Op.ADD:
+            new[node] = _sum(work, [new[x] for x in _terms(work, node, absorbed)], gather)
+        elif op is Op.MULTIPLY:
+            new[node] = _product(work, list(_factors(work, node, absorbed)), new, gather)
+        elif op is Op.POWER:
+            exponent = work.data[node]
+            assert isinstance(exponent, Fraction)
+            new[node] = power(work, new[work.args[node][0]], exponent)
+        elif op is Op.CALL:
+            new[node] = work.node(op, tuple(new[a] for a in work.args[node]), work.data[node])
+        else:
+            new[node] = node
+    return new
+
+
+def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
+    """Sums used once, in a sum; products used once, in a product or as its divisor."""
+    uses: dict[Node, int] = dict.fromkeys(order, 0)
+    user: dict[Node, Node] = {}
+    for root in roots:
+        uses[root] += 1
+    for node in order:
+        for a in work.args[node]:
+            uses[a] += 1
+            user[a] = node
+    absorbed: set[Node] = set()
+    for node in reversed(order):  # users first
+        if uses[node] != 1 or node not in user or (gather and work.fixed[node]):
+            continue
+        op, above = work.op[node], work.op[user[node]]
+        if (
+            (op is above and (op is Op.ADD or op is Op.MULTIPLY))
+            or (_is_reciprocal(work, node) and above is Op.MULTIPLY)
+            or (op is Op.MULTIPLY and user[node] in absorbed and above is Op.POWER)
+        ):
+            absorbed.add(node)
+    return absorbed
+
+
+def _sign_outermost(work: Workspace, node: Node) -> Node:
+    """-2*m as (-1)*(2*m)."""
+    if work.op[node] is Op.MULTIPLY and work.op[work.args[node][0]] is Op.NUMBER:
+        value = work.data[work.args[node][0]]
+        assert isinstance(value, Fraction)
+        if value < 0 and value != -1:
+            magnitude = work.multiply(work.number(-value), work.args[node][1])
+            return work.multiply(work.number(Fraction(-1)), magnitude)
+    return node
+
+
+def _is_reciprocal(work: Workspace, node: Node) -> bool:
+    return work.op[node] is Op.POWER and work.data[node] == -1
+
+
+def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
+    """The terms of a sum, left to right."""
+    stack = [node]
+    while stack:
+        x = stack.pop()
+        if x == node or (x in absorbed and work.op[x] is Op.ADD):
+            stack.extend(reversed(work.args[x]))
+        else:
+            yield x
+
+
+def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
+    """The factors of a product, left to right, each with whether it divides."""
+    stack = [(node, False)]
+    while stack:
+        x, divides = stack.pop()
+        if x == node or (x in absorbed and work.op[x] is Op.MULTIPLY):
+            stack.extend((a, divides) for a in reversed(work.args[x]))
+        elif x in absorbed and _is_reciprocal(work, x):
+            stack.append((work.args[x][0], not divides))
+        else:
+            yield x, divides
+
+
+def _sum(work: Workspace, terms: list[Node], gather: bool) -> Node:
+    if gather:
+        fixed = [x for x in terms if work.fixed[x]]
+        if len(fixed) > 1:
+            at = terms.index(fixed[0])
+            terms = [x for x in terms if not work.fixed[x]]
+            terms.insert(at, _chain(work.add, fixed))
+    return _chain(work.add, terms)
+
+
+def _product(
+    work: Workspace, factors: list[tuple[Node, bool]], new: dict[Node, Node], gather: bool
+) -> Node:
+    coefficient = _ONE
+    fixed: list[Node] = []
+    above: list[Node] = []
+    below: list[Node] = []
+    for old, divides in factors:
+        x = new[old]
+        while (core := work.negated(x)) is not None:
+            coefficient, x = -coefficient, core
+        if work.op[x] is Op.NUMBER:
+            value = work.data[x]
+            assert isinstance(value, Fraction)
+            coefficient = coefficient / value if divides and value else coefficient * value
+        elif gather and work.fixed[x]:
+            fixed.append(power(work, x, Fraction(-1)) if divides else x)
+        else:
+            (below if divides else above).append(x)
+    magnitude = work.number(abs(coefficient))
+    if fixed:
+        # Sorted, so that the same constant met in another order is the same node.
+        fixed.sort()
+        constants = fixed if abs(coefficient) == 1 else [magnitude, *fixed]
+        above.insert(0, _chain(work.multiply, constants))
+    elif abs(coefficient) != 1 or not (above or below):
+        above.insert(0, magnitude)
+    if below:
+        above.append(work.reciprocal(_chain(work.multiply, below)))
+    product = _chain(work.multiply, above)
+    return work.multiply(work.number(Fraction(-1)), product) if coefficient < 0 else product
+
+
+def _chain(join, items: list[Node]) -> Node:
+    result = items[0]
+    for item in items[1:]:
+        result = join(result, item)
+    return result
+
+
+def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
+    """base^exponent by multiplication, division, sqrt, or else pow."""
+    if exponent < 0:
+        return work.reciprocal(power(work, base, -exponent))
+    if exponent.denominator > 2:
+        return work.node(Op.CALL, (base, work.number(exponent)), "pow")
+    whole = int(exponent)
+    root = work.node(Op.CALL, (base,), "sqrt") if exponent.denominator == 2 else None
+    result = root
+    # By squaring, from the highest bit down: every step uses the one before twice at most.
+    power_so_far: Node | None = None
+    for bit in bin(whole)[2:] if whole else "":
+        if power_so_far is not None:
+            power_so_far = work.multiply(power_so_far, power_so_far)
+        if bit == "1":
+            power_so_far = base if power_so_far is None else work.multiply(base, power_so_far)
+    if power_so_far is not None:
+        result = power_so_far if root is None else work.multiply(power_so_far, root)
+    assert result is not None  # the exponent is not 0
+    return result

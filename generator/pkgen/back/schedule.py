@@ -1,0 +1,218 @@
+"""The statements of one kernel: in what order, under which names, what stays inline.
+
+A value used twice, or one that would make a line hard to read, becomes a local constant; the
+rest is written where it is used. A value comes just before its first use, a sine next to the
+cosine of the same angle (gcc merges them), an output as soon as it is known.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from ..functions import FUNCTIONS
+from ..middle.graph import Node, Op
+from .expressions import Form, added, atom, called, inverted, multiplied, negated, text
+from .literals import literal
+from .names import Names
+from .program import LOCAL, Statement
+from .rewrite import Workspace
+
+# Longest text, in characters, of an expression, and of a part of one in brackets.
+_LONGEST = 150
+_LONGEST_PART = 64
+_LONGEST_NAME = 32
+_PARTNERS = {"sin": "cos", "cos": "sin"}
+
+
+@dataclass(frozen=True)
+class Target:
+    """A node whose value goes somewhere; `also` are further places that get a copy.
+
+    In a CHECK, `text` is completed by the values of `nodes`.
+    """
+
+    kind: str
+    where: str
+    nodes: tuple[Node, ...]
+    template: str = "{0}"
+    also: tuple[str, ...] = ()
+
+
+@dataclass
+class Schedule:
+    """Builds the statements of one kernel. `leaf` gives the text of symbols and of hoisted
+    values, None for anything to be computed; `hints` names for nodes that become locals."""
+
+    work: Workspace
+    names: Names
+    prefix: str
+    leaf: Callable[[Node], str | None]
+    hints: Mapping[Node, str] = field(default_factory=dict)
+    kept: frozenset[Node] = frozenset()  # must become locals
+    known_after: Mapping[str, str] = field(default_factory=dict)  # read back an output: its text
+    statements: list[Statement] = field(default_factory=list)
+    helpers: set[str] = field(default_factory=set)
+    _forms: dict[Node, Form] = field(default_factory=dict)
+    _local: set[Node] = field(default_factory=set)
+
+    def run(self, targets: Iterable[Target]) -> None:
+        targets = list(targets)
+        self._local = self._locals(targets)
+        for target in targets:
+            for node in target.nodes:
+                self._compute(node)
+            values = []
+            for node in target.nodes:
+                if target.template != "{0}":
+                    self._promote(node, 0)
+                values.append(text(self._forms[node]))
+            value = target.template.format(*values)
+            self.statements.append(Statement(target.kind, target.where, value))
+            for place in target.also:
+                copied = value if value == "0" else target.where
+                self.statements.append(Statement(target.kind, place, copied))
+            if target.where in self.known_after and self.leaf(target.nodes[0]) is None:
+                self._forms[target.nodes[0]] = atom(self.known_after[target.where])
+
+    def _locals(self, targets: list[Target]) -> set[Node]:
+        """Nodes used more than once; a sign on the way does not count as a value of its own."""
+        uses: dict[Node, int] = {}
+        stack: list[Node] = []
+
+        def use(node: Node) -> None:
+            while (core := self.work.negated(node)) is not None and self.leaf(node) is None:
+                node = core
+            uses[node] = uses.get(node, 0) + 1
+            if uses[node] == 1 and self.leaf(node) is None:
+                stack.append(node)
+
+        for target in targets:
+            for node in target.nodes:
+                use(node)
+        while stack:
+            for a in self.work.args[stack.pop()]:
+                use(a)
+        local = {node for node, count in uses.items() if count > 1}
+        local |= self.kept & uses.keys()
+        for node in list(uses):
+            partner = self._partner(node)
+            if partner in uses:
+                local.add(node)
+        if self.known_after:  # an output can be read back: it needs no local
+            local -= {node for target in targets for node in target.nodes}
+        return {node for node in local if self.leaf(node) is None}
+
+    def _partner(self, node: Node) -> Node | None:
+        """The cosine that belongs to a sine, and the other way round."""
+        if self.work.op[node] is not Op.CALL:
+            return None
+        other = _PARTNERS.get(str(self.work.data[node]))
+        return other and self.work.find(Op.CALL, self.work.args[node], other)
+
+    def _compute(self, root: Node) -> None:
+        """Forms of everything that the root needs, arguments first."""
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            if node in self._forms:
+                stack.pop()
+                continue
+            if (leaf := self.leaf(node)) is not None:
+                self._forms[node] = negated(atom(leaf[1:])) if leaf[0] == "-" else atom(leaf)
+                continue
+            missing = [a for a in self.work.args[node] if a not in self._forms]
+            if missing:
+                stack.extend(reversed(missing))
+                continue
+            stack.pop()
+            pair = [node]
+            partner = self._partner(node)
+            if partner is not None and partner in self._local and partner not in self._forms:
+                pair.append(partner)
+                pair.sort(key=lambda x: self.work.data[x] != "sin")
+            for x in pair:
+                self._finish(x)
+
+    def _finish(self, node: Node) -> None:
+        self._forms[node] = self._form(node)
+        if node in self._local:
+            self._promote(node, 0)
+
+    def _form(self, node: Node) -> Form:
+        op, args = self.work.op[node], self.work.args[node]
+        if (core := self.work.negated(node)) is not None:
+            return negated(self._forms[core])
+        if op is Op.ADD:
+            self._fit(args, _LONGEST)
+            return added(self._forms[args[0]], self._forms[args[1]])
+        if op is Op.MULTIPLY:
+            for a in args:
+                if self._forms[a].is_sum:
+                    self._promote(a, _LONGEST_PART)
+            self._fit(args, _LONGEST)
+            return multiplied(self._forms[args[0]], self._forms[args[1]])
+        for a in args:
+            self._promote(a, _LONGEST_PART)
+        if op is Op.POWER:
+            assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
+            return inverted(self._forms[args[0]])
+        function = FUNCTIONS[str(self.work.data[node])].c
+        if function[0] == ":":
+            self.helpers.add(function[1:])
+            function = self.prefix + function[1:]
+        else:
+            function = f"PK_F({function})"
+        return called(function, [self._forms[a] for a in args])
+
+    def _fit(self, args: tuple[Node, ...], longest: int) -> None:
+        """Makes locals of the longer arguments until all fit on a line."""
+        for a in sorted(args, key=lambda a: -self._forms[a].length):
+            if sum(self._forms[b].length for b in args) > longest:
+                self._promote(a, 0)
+
+    def _promote(self, node: Node, longest: int) -> None:
+        """Makes a local of a value whose text is longer than that."""
+        form = self._forms[node]
+        if form.length <= longest or self.leaf(node) is not None:
+            return
+        # A minus moves to where the value is used: -a - b is kept as a + b.
+        sign = form.sign if not form.is_sum else max(sign for sign, _ in form.terms)
+        value = text(negated(form) if sign < 0 else form)
+        if re.fullmatch(r"\w+|p->\w+(\[\d+\])?", value):
+            return
+        name = self._name(node, value)
+        self.statements.append(Statement(LOCAL, name, value))
+        self._forms[node] = negated(atom(name)) if sign < 0 else atom(name)
+
+    def _name(self, node: Node, value: str) -> str:
+        wish = self.hints.get(node) or _described(value)
+        if wish and len(wish) <= _LONGEST_NAME and self.names.is_free(wish):
+            return self.names.take(wish)
+        return self.names.number("t")
+
+
+_NAMED = r"(?!t\d)[a-z]\w*"
+_PATTERNS = [
+    (re.compile(r"PK_F\((\w+)\)\((\w+)\)"), r"\1_\2"),
+    (re.compile(rf"({_NAMED}) - ({_NAMED})"), r"\1_minus_\2"),
+    (re.compile(rf"({_NAMED}) \+ ({_NAMED})"), r"\1_plus_\2"),
+    (re.compile(rf"({_NAMED}) \* \1"), r"\1_sq"),
+    (re.compile(rf"1 / ({_NAMED})"), r"inv_\1"),
+]
+
+
+def _described(value: str) -> str | None:
+    """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
+    for pattern, name in _PATTERNS:
+        if match := pattern.fullmatch(value):
+            return match.expand(name)
+    return None
+
+
+def number_text(value: object) -> str:
+    """A constant of the graph, with its sign."""
+    assert isinstance(value, Fraction)
+    return ("-" if value < 0 else "") + literal(abs(value))

@@ -1,0 +1,258 @@
+"""Statements to a Model: names, kinds, bounds, units. All semantic errors, in one run.
+
+What each statement means is in `check_statements.py`, expressions in `check_expr.py`, indices
+in `check_indices.py`, scenes in `check_scenes.py`. Here: the order of the checks, what a model
+must have, and the limit on how much is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from .. import limits
+from .. import model as m
+from ..source import Diagnostic, ModelError, Source, Span
+from . import statements as st
+from .check_coordinates import Coordinates
+from .check_definitions import Definitions
+from .check_dynamics import NOT_COMPILED, Dynamics, refuse
+from .check_expr import Expressions
+from .check_names import Names, Report
+from .check_params import check_bounds
+from .check_scenes import Scenes
+from .check_shared import Shared
+from .parse import parse_all
+from .units import NONE, UnitError, over, parse_unit, si_text
+
+_INERTIA = ("kinetic", "potential", "lagrangian")
+
+
+def check_text(
+    source: Source, sizes: Mapping[str, int] = {}
+) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+    """Parses and checks; raises one ModelError with all that is wrong, else gives warnings."""
+    return check(parse_all(source), sizes)
+
+
+def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+    """The model and its warnings; `sizes` are those set on the command line."""
+    checker = _Checker(file, sizes)
+    model = checker.run()
+    errors = [*file.diagnostics, *checker.report.errors]
+    if errors:
+        raise _limited(file.source, errors)
+    warnings = sorted(checker.report.warnings, key=lambda d: d.span.start)
+    return model, tuple(warnings)
+
+
+def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
+    """The first errors by place, each once, and how many more there are."""
+    unique = {(d.message, d.span.start, d.span.end): d for d in errors}
+    ordered = sorted(unique.values(), key=lambda d: d.span.start)
+    shown = ordered[: limits.DIAGNOSTICS]
+    return ModelError(source, shown, more=len(ordered) - len(shown))
+
+
+class _Checker:
+    def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
+        self.file, self.given = file, dict(given)
+        self.report = Report()
+        declared = dict(_declarations(file.statements))
+        coordinates = frozenset(
+            item.name
+            for s in file.statements
+            if isinstance(s, st.Declare) and s.keyword == "coord"
+            for item in s.items
+        )
+        self.broken = {b.keyword for b in file.broken}
+        self.dimensionless = all(_has_no_dimension(text) for text in file.units)
+        poisoned = [n for b in file.broken for n in b.names]
+        self.names = Names(self.report, self._line, declared, poisoned)
+        self.names.coordinates = coordinates
+        sizes: dict[str, int] = {}
+        lagrangian = any(
+            isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
+        )
+        self.expressions = Expressions(
+            file.source, self.report, self.names, sizes, self.dimensionless, lagrangian
+        )
+        self.shared = Shared(self.expressions, self.report, self.names, self.given)
+        definitions, coordinates = Definitions(self.shared), Coordinates(self.shared)
+        dynamics = Dynamics(self.shared)
+        self.checks = {
+            st.ModelName: definitions.model,
+            st.SizeOf: definitions.size,
+            st.Param: definitions.param,
+            st.Define: definitions.define,
+            st.Declare: coordinates.declare,
+            st.Ends: coordinates.ends,
+            st.Energy: dynamics.energy,
+            st.ForceAlong: dynamics.force,
+            st.Event: dynamics.event,
+            st.StartAt: dynamics.start,
+            st.Scene: dynamics.scene,
+        }
+
+    def _line(self, span: Span) -> int:
+        return self.file.source.position(span.start)[0]
+
+    def run(self) -> m.Model:
+        for statement in self.file.statements:
+            self._check(statement)
+        self.expressions.indices.finish()
+        scenes = Scenes(self.report, self.names)
+        for statement in self.file.statements:
+            if isinstance(statement, st.Scene):
+                scenes.check(statement)
+        self._given_sizes()
+        self._required()
+        parts = self.shared.parts
+        check_bounds(
+            [p for p in parts["param"] if p.span in self.shared.sound],
+            [d for d in parts["definitions"] if d.span in self.shared.sound],
+            self.expressions.sizes,
+            self.report,
+        )
+        if not self.broken & {"", "let", "coord", *_INERTIA}:
+            self._inertia()
+        if not self.report.errors and not self.file.diagnostics:
+            self._unused()
+        return self._model()
+
+    def _check(self, statement: st.Statement) -> None:
+        keyword = getattr(statement, "keyword", "")
+        if keyword in NOT_COMPILED:
+            refuse(statement, self.shared)
+        else:
+            self.checks[type(statement)](statement)
+
+    # what a model must have
+
+    def _required(self) -> None:
+        if not self.file.statements:
+            if not self.file.diagnostics:  # else there was something, but nothing could be read
+                self.report.error(
+                    "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
+                )
+            return
+        first = next(iter(self.file.statements), None)
+        broken = self.broken
+        parts = self.shared.parts
+        at = parts["name"][0].span if parts["name"] else self._first_line()
+        if not parts["name"] and "model" not in broken:
+            self.report.error("the model has no name", at, "the first statement is 'model NAME'")
+        elif parts["name"] and first is not parts["name"][0]:
+            self.report.error("'model' must be the first statement", at)
+        if "" in broken:  # a line that starts with no known word may have been any of these
+            return
+        not_compiled = {
+            s.keyword
+            for s in self.file.statements
+            if isinstance(s, (st.Define, st.Declare, st.Equation))
+        } & {"state", "rate", "rotation"}
+        if not self.names.coordinates and "coord" not in broken and not not_compiled:
+            self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
+        has_energy = parts["kinetic"] or parts["lagrangian"]
+        if not has_energy and not broken & {"kinetic", "lagrangian"} and not not_compiled:
+            self.report.error(
+                "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
+            )
+
+    def _first_line(self) -> Span:
+        places = [s.span for s in self.file.statements] + [b.span for b in self.file.broken]
+        return min(places, key=lambda s: s.start, default=Span(0, 0))
+
+    def _given_sizes(self) -> None:
+        known = [s.left.name for s in self.file.statements if isinstance(s, st.SizeOf)]
+        for name in self.given:
+            if name not in known and not self.file.diagnostics:
+                self.report.error(
+                    f"--size {name}: the model has no size '{name}'",
+                    self._first_line(),
+                    f"its sizes are: {', '.join(known)}" if known else "it has no sizes",
+                )
+
+    def _inertia(self) -> None:
+        """A light check: every coordinate's rate occurs in an energy. The exact one is derive's."""
+        energies = self.shared.energies
+        has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
+        if not has_kinetic or not all(f.known for f in energies):
+            return
+        with_rate = frozenset().union(*(f.rates for f in energies))
+        for coordinate in self.shared.parts["coord"]:
+            if coordinate.name not in with_rate:
+                self.report.error(
+                    f"the coordinate '{coordinate.name}' has no inertia: no energy contains"
+                    f" {coordinate.name}'",
+                    coordinate.span,
+                    f"add a kinetic term, or make it a parameter: param {coordinate.name} = …",
+                )
+
+    def _unused(self) -> None:
+        for entry in self.names.table.values():
+            if not entry.used and entry.kind in _UNUSED:
+                self.report.warn(f"{_UNUSED[entry.kind]} '{entry.name}' is never used", entry.span)
+
+    def _model(self) -> m.Model | None:
+        parts = self.shared.parts
+        if self.report.errors or self.file.diagnostics:
+            return None
+        head: st.ModelName = parts["name"][0]
+        return m.Model(
+            source=self.file.source,
+            name=head.name,
+            description=head.description,
+            dimensionless=self.dimensionless,
+            sizes=tuple(parts["size"]),
+            parameters=tuple(parts["param"]),
+            coordinates=tuple(parts["coord"]),
+            ends=tuple(parts["ends"]),
+            inputs=tuple(self._input(*i) for i in parts["input"]),
+            definitions=tuple(parts["definitions"]),
+            kinetic=tuple(parts["kinetic"]),
+            potential=tuple(parts["potential"]),
+            lagrangian=tuple(parts["lagrangian"]),
+            dissipation=tuple(parts["dissipation"]),
+            forces=tuple(parts["force"]),
+            observed=tuple(parts["observe"]),
+            conserved=tuple(parts["conserve"]),
+            starts=tuple(parts["start"]),
+            deferred=tuple(parts["deferred"]),
+            span=head.span,
+        )
+
+    def _input(self, item: st.Declared, unit, description: str) -> m.Input:
+        order = self.shared.inputs.get(item.name, 0)
+        dimension, texts = unit.dimension, []
+        for _ in range(order + 1):
+            texts.append(si_text(dimension, unit.angle))
+            dimension = over(dimension, self.expressions.time_dimension)
+        return m.Input(item.name, order, tuple(texts), description, item.span)
+
+
+_UNUSED = {
+    "parameter": "the parameter",
+    "constant": "the constant",
+    "size": "the size",
+    "input": "the input",
+    "definition": "the definition",
+}
+
+
+def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
+    """Every name that the statements declare, with its place."""
+    for statement in statements:
+        match statement:
+            case st.Param(left=left) | st.SizeOf(left=left) | st.Define(left=left):
+                yield left.name, left.span
+            case st.Declare(items=items):
+                yield from ((item.name, item.name_span) for item in items)
+            case st.Event(name=name, name_span=span):
+                yield name, span
+
+
+def _has_no_dimension(text: str) -> bool:
+    try:
+        return parse_unit(text).dimension == NONE
+    except UnitError:
+        return False

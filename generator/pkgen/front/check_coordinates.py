@@ -1,0 +1,189 @@
+"""`coord`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
+
+from __future__ import annotations
+
+from .. import model as m
+from ..source import Span
+from ..tree import Expr, Range
+from . import statements as st
+from . import units
+from .check_expr import Target
+from .check_names import UNKNOWN, Entry, Facts, Members
+from .check_scope import PLACES, Scope
+from .check_shared import Shared, described
+from .units import NONE, si_text
+
+
+class Coordinates:
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
+        self.parts = shared.parts
+        self.own_ends: dict[tuple[str, int | None], Span] = {}  # those given, with their place
+
+    def declare(self, statement: st.Declare) -> None:
+        keyword = statement.keyword
+        # A unit covers the names since the last unit, so they are gone through backwards.
+        given: list[units.Unit] = []
+        unit: units.Unit | None = units.ONE
+        for item in reversed(statement.items):
+            if item.unit is not None:
+                unit = self.expressions.unit(item.unit.text, item.unit.span)
+                if unit is not None and not unit.is_si:
+                    self.report.warn(
+                        f"values of '{item.name}' are in SI,"
+                        f" [{si_text(unit.dimension, unit.angle)}], not in [{item.unit.text}]",
+                        item.unit.span,
+                    )
+            given.append(unit)
+        for item, unit in zip(statement.items, reversed(given), strict=True):
+            if keyword == "coord":
+                self._coordinate(item, unit, statement.description)
+            else:
+                self._input(item, unit, statement.description)
+
+    def _coordinate(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        members, family = None, None
+        if item.lo is not None:
+            ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
+            if ends is None:
+                self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
+                return
+            members, family = Members(ends), Range("i", item.lo, item.hi, item.span)
+        dimension = None if unit is None else unit.dimension
+        facts = Facts(
+            dimension,
+            united=dimension is not None and unit is not units.ONE,
+            known=unit is not None,
+            coordinates=frozenset((item.name,)),
+        )
+        self.names.declare(Entry(item.name, "coordinate", facts, item.name_span, members))
+        time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
+        dimension = dimension or NONE
+        angle = unit.angle if unit is not None else 0
+        momentum = units.over(units.times(energy, time), dimension)
+        self.parts["coord"].append(
+            m.Coordinate(
+                item.name,
+                family,
+                si_text(dimension, angle),
+                si_text(units.over(dimension, time), angle),
+                si_text(momentum),
+                description,
+                item.span,
+            )
+        )
+
+    def _input(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        if item.lo is not None:
+            self.report.error(
+                "a family of inputs cannot be compiled yet", item.span, "declare them one by one"
+            )
+        dimension = None if unit is None else unit.dimension
+        facts = Facts(
+            dimension,
+            united=unit is not units.ONE,
+            known=unit is not None,
+            inputs={item.name: 0},
+        )
+        self.names.declare(Entry(item.name, "input", facts, item.name_span))
+        self.parts["input"].append((item, unit or units.ONE, description))
+
+    def ends(self, statement: st.Ends) -> None:
+        keyword = statement.keyword
+        for left, value in statement.items:
+            entry = self.shared.coordinate_named(left, f"'{keyword}'")
+            if entry is None:
+                if value is not None:
+                    self.expressions.check(value, Scope(PLACES["fixed"]))
+                continue
+            if entry.members is None:
+                self.report.error(
+                    f"'{left.name}' is not a family: it has no ends",
+                    left.span,
+                    "a coordinate is held fixed in a scene with 'hold'",
+                )
+                continue
+            if left.range is not None:
+                self.report.error("an end is one index, not a range", left.span)
+                continue
+            if value is not None:
+                value = self._fixed_value(value, entry)
+            self._end(keyword, left, entry, value, statement)
+
+    def _fixed_value(self, value: Expr, entry: Entry) -> Expr:
+        target = Target(
+            entry.facts.dimension, f"{entry.name} is {described(entry.facts)}", bare=True
+        )
+        checked, facts = self.expressions.wanted(value, Scope(PLACES["fixed"]), target)
+        if facts.coordinates:
+            self.report.error(
+                f"a fixed end cannot depend on the coordinate '{min(facts.coordinates)}'",
+                value.span,
+                "it may use parameters, inputs and t",
+            )
+        self.shared.use_inputs(facts)
+        return checked
+
+    def _end(
+        self, keyword: str, left: st.Left, entry: Entry, value: Expr | None, statement: st.Ends
+    ) -> None:
+        lo, hi = self.shared.range_of(left.name)
+        if keyword == "periodic":
+            if left.index is not None:
+                self.report.error(
+                    "a family is periodic as a whole", left.span, f"write 'periodic {left.name}'"
+                )
+                entry.periodic = True
+                return
+            at: list[int | None] = [None]
+            entry.periodic = True
+        elif left.index is None:
+            if keyword == "fixed":
+                self.report.error(
+                    f"'fixed' names an end: {left.name}[{lo - 1}] or {left.name}[{hi + 1}]",
+                    left.span,
+                    f"e.g. fixed {left.name}[{lo - 1}] = 0, {left.name}[{hi + 1}] = 0",
+                )
+                return
+            at = [lo - 1, hi + 1]
+        else:
+            index = self.indices.value(left.index, Scope(PLACES["size"]))
+            if index is None:
+                entry.periodic = True  # so that it causes no more errors
+                return
+            at = [index]
+        for index in at:
+            if self._end_allowed(keyword, left, index, lo, hi):
+                self.parts["ends"].append(m.End(keyword, left.name, index, value, statement.span))
+                if index is not None:
+                    entry.members.add(index, index)
+
+    def _end_allowed(
+        self, keyword: str, left: st.Left, index: int | None, lo: int, hi: int
+    ) -> bool:
+        name = left.name
+        if index is not None and lo <= index <= hi:
+            self.report.error(
+                f"{name}[{index}] is a coordinate; an end lies outside {lo}..{hi}",
+                left.span,
+                f"the ends are {name}[{lo - 1}] and {name}[{hi + 1}]",
+            )
+            return False
+        if keyword == "free" and index not in (lo - 1, hi + 1):
+            self.report.error(
+                f"a free end is next to the family: {name}[{lo - 1}] or {name}[{hi + 1}]",
+                left.span,
+            )
+            return False
+        clash = [
+            k for k in self.own_ends if k[0] == name and (k[1] == index or None in (k[1], index))
+        ]
+        if clash:
+            line = self.names.line_of(self.own_ends[clash[0]])
+            what = name if index is None else f"{name}[{index}]"
+            self.report.error(f"the end {what} is given already in line {line}", left.span)
+            return False
+        self.own_ends[name, index] = left.span
+        return True

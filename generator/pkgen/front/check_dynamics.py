@@ -1,0 +1,125 @@
+"""Energies, forces, starts; and what is understood but not compiled yet."""
+
+from __future__ import annotations
+
+from .. import model as m
+from ..source import Span
+from . import statements as st
+from . import units
+from .check_expr import Target
+from .check_names import UNKNOWN, Entry
+from .check_scope import PLACES, Scope
+from .check_shared import Shared
+from .units import NONE, si_text
+
+NOT_COMPILED = {
+    "state": "write the model with coordinates; first-order variables come later",
+    "rate": "write the model with coordinates; first-order variables come later",
+    "rotation": "use Euler angles as coordinates, e.g. coord phi, theta, psi [rad]",
+    "constraint": "choose coordinates that fulfil it by themselves",
+    "rolling": "choose coordinates that fulfil it by themselves, or add a force",
+}
+
+
+class Dynamics:
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
+        self.parts = shared.parts
+
+    def energy(self, statement: st.Energy) -> None:
+        keyword = statement.keyword
+        power = keyword == "dissipation"
+        dimension = self.expressions.power_dimension if power else self.expressions.energy_dimension
+        needs = f"{keyword} needs {'a power [W]' if power else 'an energy [J]'}"
+        if dimension == NONE:
+            needs = f"{keyword} needs a number"
+        value, facts = self.expressions.wanted(
+            statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
+        )
+        if facts.rough:
+            self.report.warn(
+                f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
+                " it bends or jumps",
+                statement.value.span,
+                "the force jumps there; steps across it are less accurate",
+            )
+        if not power:
+            self.shared.energies.append(facts)
+        self.shared.use_inputs(facts)
+        self.parts[keyword].append(value)
+
+    def force(self, statement: st.ForceAlong) -> None:
+        left = statement.left
+        entry = self.shared.coordinate_named(left, "a force")
+        scope = self.shared.member_scope(left, entry, "force")
+        if entry is None or scope is None or entry.facts.dimension is None:
+            self.expressions.check(statement.value, scope or Scope(PLACES["force"]))
+            return
+        dimension = units.over(self.expressions.energy_dimension, entry.facts.dimension)
+        needs = {
+            units.ENERGY: "a torque [N*m]",
+            units.FORCE: "a force [N]",
+            NONE: "a number",
+        }.get(dimension, f"[{si_text(dimension)}]")
+        target = Target(dimension, f"the force along {left.name} needs {needs}")
+        value, facts = self.expressions.wanted(statement.value, scope, target)
+        self.shared.use_inputs(facts)
+        self.parts["force"].append(
+            m.Force(left.name, left.index, left.range, value, statement.span)
+        )
+
+    def start(self, statement: st.StartAt) -> None:
+        for item in statement.items:
+            checked = self._start_item(item)
+            if checked is not None:
+                self.parts["start"].append(checked)
+
+    def _start_item(self, item: st.StartItem) -> m.Start | None:
+        left = item.left
+        if item.function:
+            self.report.error(
+                f"a start of {item.function}({left.name}) cannot be compiled yet", item.span
+            )
+            return None
+        entry = self.shared.coordinate_named(left, "a start")
+        scope = self.shared.member_scope(left, entry, "start")
+        if entry is None or scope is None:
+            self.expressions.check(item.value, scope or Scope(PLACES["start"]))
+            return None
+        if item.order > 1:
+            self.report.error(
+                f"a start gives {left.name} and {left.name}', not its acceleration", item.span
+            )
+            return None
+        dimension = entry.facts.dimension
+        if item.order and dimension is not None:
+            dimension = units.over(dimension, self.expressions.time_dimension)
+        shown = left.name + "'" * item.order
+        kind = "" if dimension is None else units.described(dimension)
+        target = Target(dimension, f"{shown} is {kind}", bare=True)
+        value, _ = self.expressions.wanted(item.value, scope, target)
+        return m.Start(left.name, left.index, left.range, item.order, value, item.span)
+
+    def event(self, statement: st.Event) -> None:
+        _, facts = self.expressions.check(statement.value, Scope(PLACES["output"]))
+        self.shared.use_inputs(facts)
+        self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
+        self.parts["deferred"].append(m.Deferred("event", statement.name, statement.span))
+
+    def scene(self, statement: st.Scene) -> None:
+        known = {d.name for d in self.parts["deferred"] if d.kind == "scene"}
+        if statement.name in known:
+            self.report.error(f"there is a scene '{statement.name}' already", statement.name_span)
+        self.parts["deferred"].append(m.Deferred("scene", statement.name, statement.span))
+
+
+def refuse(statement: st.Define | st.Declare | st.Equation, shared: Shared) -> None:
+    """Reports a statement that cannot be compiled; what it declares causes no more errors."""
+    word = Span(statement.span.start, statement.span.start + len(statement.keyword))
+    shared.report.error(
+        f"'{statement.keyword}' cannot be compiled yet", word, NOT_COMPILED[statement.keyword]
+    )
+    for item in getattr(statement, "items", ()):
+        shared.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))

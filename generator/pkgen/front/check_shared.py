@@ -1,0 +1,161 @@
+"""What the checks of all statements share: the tables, the parts collected, left sides."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from difflib import get_close_matches
+
+from ..indices import integer
+from ..source import Span
+from ..tree import Expr, Name, Quantity
+from . import statements as st
+from .check_expr import Expressions
+from .check_names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
+from .check_scope import PLACES, Scope
+from .units import NONE, si_text
+from .units import described as described_dimension
+
+_PART_NAMES = """
+    name size param coord ends input definitions kinetic potential lagrangian dissipation force
+    observe conserve start deferred
+"""
+_PARTS = tuple(_PART_NAMES.split())
+
+
+class Shared:
+    """One for each model; the checks of statements hold it and fill `parts`."""
+
+    def __init__(
+        self, expressions: Expressions, report: Report, names: Names, given: dict[str, int]
+    ) -> None:
+        self.expressions, self.report, self.names = expressions, report, names
+        self.indices, self.sizes = expressions.indices, expressions.sizes
+        self.given = given  # sizes set on the command line
+        self.parts: dict[str, list] = {key: [] for key in _PARTS}
+        self.energies: list[Facts] = []  # of kinetic, potential and lagrangian
+        self.inputs: dict[str, int] = {}  # the highest derivative of each that occurs
+        self.sound: set[Span] = set()  # of parameters and constants without errors
+
+    def use_inputs(self, facts: Facts) -> None:
+        for name, order in facts.inputs.items():
+            self.inputs[name] = max(order, self.inputs.get(name, 0))
+
+    def left_scope(self, left: st.Left, place: str) -> tuple[Scope, Members | None]:
+        """The scope of a definition's right side, and the members that it defines."""
+        scope = Scope(PLACES[place], name=left.name)
+        if left.range is not None:
+            inner = self.indices.enter((left.range,), scope)
+            if inner is None:
+                return scope, Members()
+            lo, hi = inner.loops[0].interval
+            return inner, Members((lo, hi)) if lo <= hi else Members()
+        if left.index is None:
+            return scope, None
+        if place == "param":
+            self._no_family(left)
+            return scope, None
+        index = self.indices.value(left.index, scope)
+        return scope, Members((index, index)) if index is not None else Members()
+
+    def _no_family(self, left: st.Left) -> None:
+        """`param m[kg] = 1` or `param m[1] = 1`."""
+        name, index = left.name, left.index
+        if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
+            self.report.error(
+                f"'{name}[{index.id}]': a bracket that touches a name is an index",
+                left.span,
+                f"a unit stands after the value: param {name} = 1 [{index.id}]",
+            )
+        else:
+            self.report.error(
+                "a family of parameters is declared with its range",
+                left.span,
+                f"e.g. param {name}[i = 1..N] = …",
+            )
+
+    def coordinate_named(self, left: st.Left, what: str) -> Entry | None:
+        entry = self.names.table.get(left.name)
+        if entry is None:
+            near = [n for n in self.names.table if self.names.table[n].kind == "coordinate"]
+            if left.name in self.names.later:
+                self.names.unknown(left.name, name_span(left))
+            elif left.name not in self.names.reported:
+                self.names.reported.add(left.name)
+                self.report.error(
+                    f"unknown coordinate '{left.name}'",
+                    name_span(left),
+                    _nearest(left.name, near),
+                )
+            return None
+        if entry.kind == "poisoned":
+            return None
+        if entry.kind != "coordinate":
+            self.report.error(
+                f"'{left.name}' is {KIND_TEXT[entry.kind]}: {what} is for coordinates",
+                name_span(left),
+                "--set gives a parameter another value" if entry.kind == "parameter" else "",
+            )
+            return None
+        return entry
+
+    def member_scope(self, left: st.Left, entry: Entry | None, place: str) -> Scope | None:
+        """The scope of `force q[i = 1..N] = …` and the like; the members must be coordinates."""
+        scope = Scope(PLACES[place])
+        if entry is None:
+            if left.range is not None:
+                return self.indices.enter((left.range,), scope)
+            return scope
+        index = left.index
+        if left.range is not None:
+            scope = self.indices.enter((left.range,), scope)
+            if scope is None:
+                return None
+            index = Name(left.range.variable, None, left.range.span)
+        named = Name(left.name, index, left.span)
+        named_scope = replace(scope, name="=")
+        family = entry
+        if entry.members is not None:
+            family = replace(entry, members=Members(self.range_of(left.name)), kind=place)
+        before = len(self.report.errors)
+        self.indices.member(named, family, named_scope)
+        return scope if len(self.report.errors) == before else None
+
+    def range_of(self, name: str) -> tuple[int, int]:
+        family = next(c.range for c in self.parts["coord"] if c.name == name)
+
+        return integer(family.lo, self.sizes), integer(family.hi, self.sizes)
+
+    def no_vector(self, left: st.Left, kind: str) -> None:
+        self.report.error(
+            f"the {kind} '{left.name}' is a vector; it must be a number",
+            left.span,
+            "'let' defines vectors; an output takes a component (.x, .y, .z)",
+        )
+
+    def shown_unit(self, written: Expr, facts: Facts) -> str:
+        """The SI unit for display, in radians where the author said so."""
+        dimension = facts.dimension or NONE
+        angle = 0
+        if isinstance(written, Quantity):
+            unit = self.expressions.parsed(written.unit)
+            angle = unit.angle if unit is not None and unit.dimension == dimension else 0
+        return si_text(dimension, angle)
+
+    def poison(self, left: st.Left) -> None:
+        self.names.declare(Entry(left.name, "poisoned", UNKNOWN, name_span(left)))
+
+
+def name_span(left: st.Left) -> Span:
+    return Span(left.span.start, left.span.start + len(left.name))
+
+
+def _nearest(name: str, known: list[str]) -> str:
+
+    near = get_close_matches(name, known, 1, 0.6)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return f"the coordinates are: {', '.join(known[:12])}" if known else ""
+
+
+def described(facts: Facts) -> str:
+    return "" if facts.dimension is None else described_dimension(facts.dimension)

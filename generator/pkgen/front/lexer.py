@@ -1,0 +1,346 @@
+"""Text to statements of typed tokens.
+
+A statement is a line, and goes on while a bracket is open; a line that starts with a statement
+word ends an unclosed bracket with an error. What a `[` means depends on what stands before it
+(see `_open_square`), so the tokens say which it is and the grammar needs no tricks. Whatever
+is wrong with a character, a number or a bracket is found here, all of it in one run.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from lark.lexer import Token
+
+from .. import limits
+from ..source import Diagnostic, Source, Span
+from .words import CLAUSE_WORDS, STATEMENT_WORDS, greek
+
+_PATTERN = re.compile(
+    r"""
+    (?P<space>[ \t]+) | (?P<newline>\n) | (?P<comment>\#[^\n]*)
+  | (?P<name>[^\W\d]\w*)
+  | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
+  | (?P<component>\.[A-Za-z_]\w*)
+  | (?P<string>"[^"\n]*")
+  | (?P<operator>\*\*|\.\.|[-+*/^()\[\],:='<>])
+  | (?P<other>.)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_UNIT = re.compile(r"\[([^\[\]\n#]*)\]")
+_OPERATORS = {
+    "+": "PLUS", "-": "MINUS", "*": "TIMES", "/": "OVER", "^": "POWER", "**": "POWER",
+    ",": "_COMMA", ":": "COLON", "=": "EQUAL", "'": "PRIME", "<": "LESS", ">": "GREATER",
+    "..": "DOTS",
+}  # fmt: skip
+_VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"])
+_CLOSERS = {"(": ")", "[": "]"}
+_AXES = {".x": 0, ".y": 1, ".z": 2}
+_DESCRIPTION_LENGTH = 200
+_TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
+
+# What people type or paste, and how it is written here.
+_INSTEAD = {
+    "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∗": "*", "÷": "/", "∕": "/",
+    "′": "'", "’": "'", "‘": "'", "`": "'", "″": "''", "²": "^2", "³": "^3",
+    "⁴": "^4", "½": "1/2", "¼": "1/4", "√": "sqrt( )", "∑": "sum( )", "∞": "inf",
+    "°": "[deg]", "…": "..", "\u00a0": "a plain space", "{": "(", "}": ")", "\\": "/",
+}  # fmt: skip
+
+
+@dataclass
+class Lexed:
+    """One statement's tokens; `comment` is the last comment that trails it."""
+
+    tokens: list[Token] = field(default_factory=list)
+    comment: str = ""
+    errors: list[Diagnostic] = field(default_factory=list)
+
+    @property
+    def keyword(self) -> str:
+        """The statement word, or an empty string."""
+        first = self.tokens[0] if self.tokens else None
+        return str(first) if first is not None and first.type.lower() in STATEMENT_WORDS else ""
+
+    @property
+    def span(self) -> Span:
+        if not self.tokens:
+            return self.errors[0].span
+        return Span(self.tokens[0].start_pos, self.tokens[-1].end_pos)
+
+
+def statements(source: Source) -> list[Lexed]:
+    """The statements of a text, empty ones dropped."""
+    lexer = _Lexer(source.text)
+    lexer.run()
+    return lexer.done
+
+
+class _Lexer:
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.done: list[Lexed] = []
+        self.now = Lexed()
+        self.open: list[tuple[str, str, int]] = []  # bracket, the type of its closer, offset
+        self.too_deep = False
+        self.at_line_start = True
+        self.tokens = 0
+
+    def run(self) -> None:
+        at, match, text = 0, _PATTERN.match, self.text
+        while at < len(text):
+            if self.tokens > _TOKENS:
+                self._error(f"the model has more than {_TOKENS} words and signs", at, at + 1)
+                self.open.clear()
+                break
+            found = match(text, at)
+            kind = found.lastgroup
+            if kind == "space":
+                at = found.end()
+            elif kind == "newline":
+                at = found.end()
+                self._newline()
+            elif kind == "comment":
+                self.now.comment = description(found.group())
+                at = found.end()
+            elif kind == "name":
+                at = self._name(found.group(), at)
+            elif kind == "number":
+                at = self._number(found.group(), at)
+            elif kind == "component":
+                at = self._component(found.group(), at)
+            elif kind == "string":
+                at = self._error(
+                    f"{found.group()[:40]}: a model holds no strings",
+                    at,
+                    found.end(),
+                    "names are written without quotes",
+                )
+            elif kind == "operator":
+                at = self._operator(found.group(), at)
+            else:
+                at = self._other(at)
+        self._end_statement("the file ends before it")
+
+    def _add(self, kind: str, value: object, start: int, end: int) -> int:
+        self.at_line_start = False
+        self.tokens += 1
+        self.now.tokens.append(Token(kind, value, start_pos=start, end_pos=end))
+        return end
+
+    def _error(self, message: str, start: int, end: int, help: str = "") -> int:
+        self.at_line_start = False
+        self.now.errors.append(Diagnostic(message, Span(start, end), help))
+        return end
+
+    def _previous(self) -> Token | None:
+        return self.now.tokens[-1] if self.now.tokens else None
+
+    def _newline(self) -> None:
+        if not self.open:
+            self._end_statement("")
+        self.at_line_start = True
+
+    def _end_statement(self, why_open: str) -> None:
+        if self.open:
+            bracket, _, at = self.open[-1]
+            closer = "')' or ']'" if self.open[-1][1] == "REND" else f"'{_CLOSERS[bracket]}'"
+            self._error(
+                f"this '{bracket}' is never closed: {why_open}", at, at + 1, f"add the {closer}"
+            )
+            self.open.clear()
+        if self.now.tokens or self.now.errors:
+            self.done.append(self.now)
+        self.now = Lexed()
+        self.too_deep = False
+
+    def _name(self, spelt: str, at: int) -> int:
+        end = at + len(spelt)
+        name = spelt if spelt.isascii() else self._spell_out(spelt, at)
+        if len(name) > limits.NAME_LENGTH:
+            self._error(
+                f"a name of {len(name)} characters; the limit is {limits.NAME_LENGTH}", at, end
+            )
+            name = name[: limits.NAME_LENGTH]
+        if name in STATEMENT_WORDS:
+            if self.at_line_start and self.open:
+                self._end_statement(f"'{name}' starts a new statement")
+            return self._add(name.upper(), name, at, end)
+        called = self._next_is_bracket(end)
+        in_method = self.now.tokens and self.now.tokens[0].type == "METHOD"
+        if name in CLAUSE_WORDS and not (name == "step" and called and not in_method):
+            return self._add(name.upper(), name, at, end)
+        if called:
+            return self._add("SUM" if name == "sum" else "FUNCTION", name, at, end)
+        return self._add("NAME", name, at, end)
+
+    def _next_is_bracket(self, at: int) -> bool:
+        text = self.text
+        while at < len(text) and text[at] in " \t":
+            at += 1
+        return text.startswith("(", at)
+
+    def _spell_out(self, spelt: str, at: int) -> str:
+        letters: list[str] = []
+        junk = False
+        for i, character in enumerate(spelt):
+            letter = character if character.isascii() else greek(character)
+            if letter is None:
+                if not junk:
+                    self._junk(character, at + i, "a name")
+                junk, letter = True, "_"
+            letters.append(letter)
+        return "".join(letters)
+
+    def _junk(self, character: str, at: int, where: str) -> None:
+        """A character that has no place here; the hint says what to write instead."""
+        name = unicodedata.name(character, "a control character")
+        instead = _INSTEAD.get(character)
+        simple = unicodedata.normalize("NFKC", character)
+        if instead is None and simple != character and re.fullmatch(r"[A-Za-z0-9]+", simple):
+            instead = simple
+        shown = f"'{character}'" if character.isprintable() else "a character"
+        if character.isascii() and character.isprintable():
+            message = f"{shown} means nothing in a model"
+        else:
+            message = f"{shown} (U+{ord(character):04X} {name}) cannot be used in {where}"
+        help = f"write {instead}" if instead else ""
+        if not help and unicodedata.category(character) in ("Lu", "Ll", "Mn"):
+            help = "names use ASCII letters, digits, '_' and Greek letters"
+        self._error(message, at, at + 1, help)
+
+    def _number(self, spelt: str, at: int) -> int:
+        end = at + len(spelt)
+        text = self.text
+        following = text[end : end + 1]
+        if following == "." and text[end : end + 2] != "..":
+            point = re.compile(r"\.[0-9]*(?:[eE][+-]?[0-9]+)?").match(text, end)
+            whole = spelt + point.group()
+            if "." in spelt or "e" in spelt.lower():
+                return self._error(f"'{whole}' is not a number", at, point.end())
+            return self._error(
+                f"a number has digits on both sides of its point: '{whole}'",
+                at,
+                point.end(),
+                f"write {spelt}.0{point.group()[1:]}",
+            )
+        if following.isalpha() or following == "_":
+            word = _PATTERN.match(text, end).group()
+            self._error(
+                f"'{spelt}{word}' is neither a number nor a name",
+                at,
+                end + len(word),
+                f"a product is written {spelt}*{word}",
+            )
+        value = _value(spelt)
+        if isinstance(value, str):
+            return self._error(value, at, end)
+        return self._add("NUMBER", value, at, end)
+
+    def _component(self, spelt: str, at: int) -> int:
+        end = at + len(spelt)
+        if spelt in _AXES:
+            return self._add("COMPONENT", _AXES[spelt], at, end)
+        return self._error(f"'{spelt}' is not a component", at, end, "a vector has .x, .y and .z")
+
+    def _operator(self, spelt: str, at: int) -> int:
+        if spelt in "([":
+            return self._open(spelt, at)
+        if spelt in ")]":
+            return self._close(spelt, at)
+        return self._add(_OPERATORS[spelt], spelt, at, at + len(spelt))
+
+    def _open(self, bracket: str, at: int) -> int:
+        previous = self._previous()
+        if previous is not None and previous.type == "IN":
+            return self._push(bracket, "LEND", "REND", at)
+        if bracket == "(":
+            return self._push(bracket, "LPAREN", "RPAREN", at)
+        return self._open_square(previous, at)
+
+    def _open_square(self, previous: Token | None, at: int) -> int:
+        """An index if it touches a name; a unit after a value; a vector where one is expected."""
+        touches = previous is not None and previous.end_pos == at
+        if previous is not None and previous.type == "NAME" and touches:
+            return self._push("[", "LINDEX", "RBRACKET", at)
+        if previous is None or previous.type not in _VALUE_ENDS:
+            return self._push("[", "LVECTOR", "RBRACKET", at)
+        unit = _UNIT.match(self.text, at)
+        if unit is None:
+            end = self.text.find("\n", at)
+            end = len(self.text) if end < 0 else end
+            self._error(
+                "this '[' opens a unit that does not end on its line",
+                at,
+                at + 1,
+                "an index touches its name: q[i]; a unit is written [m/s^2]",
+            )
+            return end
+        return self._add("UNIT", unit.group(1), at, unit.end())
+
+    def _push(self, bracket: str, kind: str, closer: str, at: int) -> int:
+        self.open.append((bracket, closer, at))
+        if len(self.open) <= limits.DEPTH:
+            return self._add(kind, bracket, at, at + 1)
+        if not self.too_deep:
+            self._error(f"brackets within brackets, more than {limits.DEPTH} deep", at, at + 1)
+        self.too_deep = True
+        return at + 1
+
+    def _close(self, bracket: str, at: int) -> int:
+        if not self.open:
+            return self._error(f"this '{bracket}' closes nothing", at, at + 1)
+        opener, kind, _ = self.open.pop()
+        if kind != "REND" and _CLOSERS[opener] != bracket:
+            self._error(
+                f"this '{bracket}' cannot close the '{opener}' before it",
+                at,
+                at + 1,
+                f"the '{opener}' needs a '{_CLOSERS[opener]}'",
+            )
+        if self.too_deep:
+            return at + 1
+        return self._add(kind, bracket, at, at + 1)
+
+    def _other(self, at: int) -> int:
+        text = self.text
+        if text[at] == "." and text[at + 1 : at + 2].isdigit():
+            digits = re.compile(r"\.[0-9]*").match(text, at).group()
+            return self._error(
+                f"a number has digits on both sides of its point: '{digits}'",
+                at,
+                at + len(digits),
+                f"write 0{digits}",
+            )
+        self._junk(text[at], at, "a model")
+        return at + 1
+
+
+def _value(spelt: str) -> Fraction | str:
+    """The exact value of a literal, or what is wrong with it; never computes a huge power."""
+    digits, _, exponent = spelt.lower().partition("e")
+    if len(digits) > limits.LITERAL_DIGITS:
+        return f"a number of {len(digits)} digits; the limit is {limits.LITERAL_DIGITS}"
+    if exponent and (len(exponent) > 6 or abs(int(exponent)) > limits.LITERAL_EXPONENT):
+        return f"an exponent beyond {limits.LITERAL_EXPONENT}: no double holds this number"
+    value = Fraction(spelt)
+    try:
+        rounded = float(value)
+    except OverflowError:
+        return "this number is too large for a double"
+    if rounded == 0 and value != 0:
+        return "this number is too small for a double: it would become zero"
+    return value
+
+
+def description(comment: str) -> str:
+    """A comment's text on one line, without control and other invisible characters."""
+    kept = (c if c.isprintable() else " " for c in comment.lstrip("#"))
+    text = " ".join("".join(kept).split())
+    if len(text) <= _DESCRIPTION_LENGTH:
+        return text
+    return text[: _DESCRIPTION_LENGTH - 1].rstrip() + "…"

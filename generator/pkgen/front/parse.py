@@ -1,0 +1,198 @@
+"""Text to statements, one at a time, so that several syntax errors show in one run.
+
+The lexer splits the text into statements of tokens; lark's LALR parser builds each. A broken
+statement leaves its place, and the names that it would have declared, to `check`.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from lark import Lark
+from lark.exceptions import UnexpectedToken
+from lark.lexer import Lexer
+
+from .. import limits
+from ..source import Diagnostic, ModelError, Source, Span
+from ..tree import Expr, children
+from . import statements as st
+from .lexer import Lexed, statements
+from .parse_build import Build
+from .parse_errors import declared_names, explain, misplaced
+from .words import MODEL_WORDS
+
+GRAMMAR = Path(__file__).with_name("grammar.lark")
+_SHARED_WORDS = frozenset(("start",))  # stand in a model and in a scene
+
+
+class _Tokens(Lexer):
+    """Lark's lexer: hands on the tokens that `lexer.py` made."""
+
+    def __init__(self, lexer_conf: object) -> None:
+        pass
+
+    def lex(self, data):
+        return iter(data)
+
+
+@cache
+def parser() -> tuple[Lark, Build]:
+    """The parser of one statement, made once, and its callbacks."""
+    build = Build()
+    grammar = GRAMMAR.read_text(encoding="utf-8")
+    return Lark(grammar, parser="lalr", lexer=_Tokens, transformer=build), build
+
+
+def parse(source: Source) -> st.File:
+    """The file's statements; raises ModelError with every syntax error."""
+    file = parse_all(source)
+    if file.diagnostics:
+        raise ModelError(source, list(file.diagnostics))
+    return file
+
+
+def parse_all(source: Source) -> st.File:
+    """The statements that parse, the broken ones' places and names, and what is wrong."""
+    if len(source.text) > limits.FILE_BYTES:
+        message = f"the model is larger than {limits.FILE_BYTES} bytes"
+        return st.File(source, (), (), (Diagnostic(message, Span(0, 1)),))
+    if not source.text.strip():
+        message = "the file is empty"
+        hint = "a model begins with a line such as 'model pendulum'"
+        return st.File(source, (), (), (Diagnostic(message, Span(0, 0), hint),))
+    reader = _Reader(source)
+    for number, lexed in enumerate(statements(source)):
+        if number == limits.STATEMENTS:
+            reader.errors.append(
+                Diagnostic(f"more than {limits.STATEMENTS} statements", lexed.span)
+            )
+            reader.broken.append(st.Broken("", (), lexed.span))
+            break
+        reader.read(lexed)
+    return reader.file()
+
+
+class _Reader:
+    """Parses statements and puts scenes together."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.errors: list[Diagnostic] = []
+        self.broken: list[st.Broken] = []
+        self.statements: list[st.Statement] = []
+        self.scene: st.SceneHead | None = None
+        self.clauses: list[st.Clause] = []
+        self.units: dict[str, None] = {}
+        self.nodes = 0
+
+    def read(self, lexed: Lexed) -> None:
+        self._place(lexed)
+        statement = self._parse(lexed)
+        if self.scene is None:
+            self.units.update((str(t), None) for t in lexed.tokens if t.type == "UNIT")
+        if statement is None:
+            self.broken.append(st.Broken(lexed.keyword, declared_names(lexed), lexed.span))
+        elif isinstance(statement, st.SceneHead):
+            self.scene = statement
+        elif isinstance(statement, st.EndOfScene):
+            self._close_scene(statement.span)
+        elif self.scene is not None:
+            self.clauses.append(statement)
+        elif lexed.keyword in MODEL_WORDS:
+            self.statements.append(statement)
+
+    def file(self) -> st.File:
+        if self.scene is not None:
+            self._unended_scene("the file ends before it")
+        return st.File(
+            self.source,
+            tuple(self.statements),
+            tuple(self.broken),
+            tuple(self.errors),
+            tuple(self.units),
+        )
+
+    def _place(self, lexed: Lexed) -> None:
+        """A scene's statement stands in a scene, a model's outside."""
+        word = lexed.keyword
+        if self.scene is not None and word in MODEL_WORDS and word not in _SHARED_WORDS:
+            self._unended_scene(f"'{word}' cannot stand in a scene")
+        elif self.scene is None and word and word not in MODEL_WORDS:
+            self.errors.append(misplaced(lexed))
+
+    def _unended_scene(self, why: str) -> None:
+        scene = self.scene
+        self.errors.append(
+            Diagnostic(
+                f"scene '{scene.name}' has no 'end': {why}",
+                scene.span,
+                "close the scene with a line that says 'end'",
+            )
+        )
+        self._close_scene(scene.span)
+
+    def _close_scene(self, span: Span) -> None:
+        if self.scene is None:
+            return
+        head = self.scene
+        self.statements.append(
+            st.Scene(
+                head.name,
+                head.name_span,
+                tuple(self.clauses),
+                head.description,
+                head.span.to(span),
+            )
+        )
+        self.scene, self.clauses = None, []
+
+    def _parse(self, lexed: Lexed) -> object | None:
+        if lexed.errors:
+            self.errors.extend(lexed.errors)
+            return None
+        lark, build = parser()
+        build.comment = lexed.comment
+        try:
+            statement = lark.parse(lexed.tokens)
+        except UnexpectedToken as error:
+            if len(self.errors) > limits.DIAGNOSTICS:  # not shown; only counted
+                self.errors.append(Diagnostic("a statement that does not parse", lexed.span))
+            else:
+                self.errors.append(explain(self.source, lexed, error))
+            return None
+        self.nodes, wrong = measure(statement, self.nodes)
+        if wrong is not None:
+            self.errors.append(wrong)
+            return None
+        return statement
+
+
+def measure(statement: object, nodes: int = 0) -> tuple[int, Diagnostic | None]:
+    """`nodes` and those of a statement together, and the limit of size or depth that it breaks.
+
+    Goes through the tree without recursion."""
+    waiting = [(e, 1) for e in _expressions(statement)]
+    while waiting:
+        expr, depth = waiting.pop()
+        nodes += 1
+        if depth > limits.DEPTH:
+            message = f"an expression more than {limits.DEPTH} deep"
+            return nodes, Diagnostic(message, expr.span, "use 'let'")
+        if nodes > limits.NODES:
+            message = f"the model has more than {limits.NODES} numbers, names and operations"
+            return nodes, Diagnostic(message, expr.span)
+        waiting.extend((e, depth + 1) for e in children(expr))
+    return nodes, None
+
+
+def _expressions(part: object):
+    """The expressions of a statement or of a part of it."""
+    if isinstance(part, Expr):
+        yield part
+    elif isinstance(part, tuple):
+        for item in part:
+            yield from _expressions(item)
+    elif hasattr(part, "__dataclass_fields__"):
+        for name in part.__dataclass_fields__:
+            yield from _expressions(getattr(part, name))

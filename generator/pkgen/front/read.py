@@ -1,0 +1,76 @@
+"""A model's file to its Source, or a clear reason why not."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+from .. import limits
+from ..source import Diagnostic, ModelError, Source, Span
+
+
+class UnreadableModel(ModelError):
+    """The file cannot be read at all: there is no line to point at."""
+
+    def text(self) -> str:
+        lines = []
+        for d in self.diagnostics:
+            lines.append(f"{self.source.path}: error: {d.message}")
+            if d.help:
+                lines.append(f"   help: {d.help}")
+        return "\n".join(lines)
+
+
+def read(path: str | os.PathLike[str]) -> Source:
+    """The text of a file: UTF-8, a byte-order mark dropped, line ends made newlines.
+
+    Raises UnreadableModel, or ModelError where a place in the text is at fault.
+    """
+    shown = os.fspath(path)
+    data = _bytes(shown)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        message = f"line {line} is not UTF-8 text (byte {error.start}, 0x{data[error.start]:02X})"
+        help = "save the file with the encoding UTF-8"
+        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            message, help = "the file is UTF-16 text", "save it with the encoding UTF-8"
+        raise _unreadable(shown, message, help) from None
+    return from_text(shown, text)
+
+
+def from_text(path: str, text: str) -> Source:
+    """The Source of a text from elsewhere than a file."""
+    source = Source(path, text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
+    nul = source.text.find("\0")
+    if nul >= 0:
+        message = "a NUL character: this is not a text file"
+        raise ModelError(source, [Diagnostic(message, Span(nul, nul + 1))])
+    return source
+
+
+def _bytes(path: str) -> bytes:
+    try:
+        # Asked before opening: a pipe would block, a device might never end.
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            what = "a directory" if os.path.isdir(path) else "not a regular file"
+            raise _unreadable(path, f"this is {what}", "give the path of a .lag file")
+        with open(path, "rb") as file:
+            data = file.read(limits.FILE_BYTES + 1)
+    except FileNotFoundError:
+        raise _unreadable(path, "there is no such file", _similar(path)) from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _unreadable(path, f"cannot read it: {reason}") from None
+    if len(data) > limits.FILE_BYTES:
+        raise _unreadable(path, f"the file is larger than {limits.FILE_BYTES:,} bytes")
+    return data
+
+
+def _similar(path: str) -> str:
+    return f"did you mean {path}.lag?" if os.path.isfile(path + ".lag") else ""
+
+
+def _unreadable(path: str, message: str, help: str = "") -> UnreadableModel:
+    return UnreadableModel(Source(path, ""), [Diagnostic(message, Span(0, 0), help)])

@@ -1,0 +1,1 @@
+"""From a Model to its Equations and facts: `derive`, `analyze`, `reduce`."""

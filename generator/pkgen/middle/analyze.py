@@ -1,0 +1,91 @@
+"""Equations -> Structure: what can be proved about a system. A false fact is one not proved.
+
+A proof is that a symbol does not occur: in an expression as it stands, or in its normal form,
+from which whatever drops out by an identity is gone (a bead's let that turns with Omega t has no
+t in its Lagrangian). Where an expression is too large for a normal form, the first must do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..equations import Equations, Structure
+from ..functions import FUNCTIONS
+from .differentiate import reachable
+from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
+from .normal import WORK, Normal
+
+RATES = BIT[Kind.RATE]
+TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
+
+
+def analyze(equations: Equations) -> Structure:
+    """The facts of enum pk_fact, and which coordinates are cyclic."""
+    seen = _Seen(equations.graph)
+    n = len(equations.coordinates)
+    triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
+    constant = not seen.mask(triangle, VARIABLE)
+    unforced = all(node == ZERO for node in equations.applied)
+    steady = not seen.mask([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
+    return Structure(
+        mass_constant=constant,
+        mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
+        quadratic=not seen.mask(triangle, RATES),
+        separable=constant and not seen.mask(equations.force, RATES),
+        autonomous=steady,
+        conservative=unforced and steady,
+        variational=unforced,
+        smooth=_smooth(equations),
+        cyclic=_cyclic(equations, seen),
+    )
+
+
+class _Seen:
+    """What expressions depend on, as far as it can be seen with a bounded amount of work."""
+
+    def __init__(self, g: Graph):
+        self.graph = g
+        self.normal = Normal(g, work=2 * WORK)
+
+    def atoms(self, node: Node) -> list[Node]:
+        """The node's atoms where it has a normal form; else the node itself."""
+        polynomial = self.normal(node)
+        if polynomial is None:
+            return [node]
+        return sorted({base for monomial in polynomial for base, _ in monomial})
+
+    def mask(self, nodes: Iterable[Node], wanted: int) -> int:
+        """Which of the kinds of symbol in `wanted` occur in any of the nodes."""
+        g = self.graph
+        result = 0
+        for node in nodes:
+            if g.depends[node] & wanted & ~result:
+                for atom in self.atoms(node):
+                    result |= g.depends[atom] & wanted
+        return result
+
+
+def _cyclic(equations: Equations, seen: _Seen) -> tuple[bool, ...]:
+    """No coordinate q_i in L up to an identity, and nothing applied along it."""
+    g = equations.graph
+    symbols = {
+        g.data[node].index
+        for node in reachable(g, seen.atoms(equations.lagrangian), BIT[Kind.COORDINATE])
+        if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
+    }
+    return tuple(
+        applied == ZERO and (slope == ZERO or i not in symbols)
+        for i, (slope, applied) in enumerate(
+            zip(equations.gradient, equations.applied, strict=True)
+        )
+    )
+
+
+def _smooth(equations: Equations) -> bool:
+    """No abs, min, max or step anywhere in the motion, nor what they turn into."""
+    g = equations.graph
+    outputs = [equations.lagrangian, *equations.pdot, *equations.force]
+    outputs += [entry for row in equations.mass for entry in row]
+    return all(
+        FUNCTIONS[g.data[node]].smooth for node in reachable(g, outputs) if g.op[node] is Op.CALL
+    )

@@ -1,0 +1,229 @@
+"""Model -> Equations: Lagrange's equations on the expression graph.
+
+One reverse sweep over L gives p = dL/dv and dL/dq; one sparse forward sweep a rate gives a column
+of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyond L and M O(N^2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .. import limits
+from ..equations import Equations, Matrix, ParameterSlot, Quantity, Row
+from ..model import Model, Parameter
+from ..source import Diagnostic, ModelError
+from .expand import Expander, NeedsDerivative
+from .graph import ZERO, Node
+from .motion import Energies, Motion, Wanted, energy_of, jacobians_of, motion_of, shorter, shortest
+from .quantities import (
+    error,
+    families,
+    indexed,
+    input_quantities,
+    quantities,
+)
+
+
+def derive(model: Model, kernels: frozenset[str] | None = None) -> Equations:
+    """The equations of motion; of the kernels not in `kernels` (None: all) the costly are skipped.
+
+    An input grows a derivative whenever the equations turn out to need one.
+    """
+    _check_size(model)
+    orders = [item.order for item in model.inputs]
+    while True:
+        try:
+            return _derive(model, kernels, tuple(orders))
+        except NeedsDerivative as needed:
+            item = model.inputs[needed.position]
+            orders[needed.position] += 1
+            if orders[needed.position] > limits.DEPTH:
+                raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+
+
+def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...]) -> Equations:
+    x = Expander(model, orders)
+    energies = _energies(x)
+    with x.statement(model.span):
+        wanted = Wanted(kernels)
+        raw = motion_of(x, energies)
+        _check_inertia(x, raw)
+        motion, solution = shortest(x, raw, wanted)
+        _check_inertia(x, motion)
+        jacobians: tuple[Matrix | None, ...] = (None, None, None)
+        if wanted("jacobian"):
+            jacobians = jacobians_of(x.graph, motion)
+        energy = energy_of(x.graph, energies, motion, wanted)
+        energies = shorter(x.graph, energies, wanted)
+    outputs = _outputs(x, energies, motion, energy)
+    parameters = _parameters(x)
+    start_q, start_v = _starts(x)
+    names = x.coordinates
+    declared = model.coordinates
+    return Equations(
+        model=model,
+        graph=x.graph,
+        parameters=parameters,
+        coordinates=quantities(declared, names, "{}", "unit"),
+        rates=quantities(declared, names, "{}'", "rate_unit"),
+        momenta_names=quantities(declared, names, "p_{}", "momentum_unit"),
+        inputs=input_quantities(model, orders),
+        observed_names=outputs.observed_names,
+        conserved_names=outputs.conserved_names,
+        lagrangian=energies.lagrangian,
+        kinetic=energies.kinetic,
+        potential=energies.potential,
+        energy=energy,
+        momenta=motion.momenta,
+        gradient=motion.gradient,
+        applied=motion.applied,
+        pdot=motion.pdot,
+        mass=motion.mass,
+        force=motion.force,
+        acceleration=solution[0] if solution else None,
+        pivots=solution[1] if solution else None,
+        p_q=jacobians[0],
+        pdot_q=jacobians[1],
+        pdot_v=jacobians[2],
+        observed=outputs.observed,
+        conserved=outputs.conserved,
+        start_q=start_q,
+        start_v=start_v,
+    )
+
+
+# -- the statements ------------------------------------------------------------------------------
+
+
+def _energies(x: Expander) -> Energies:
+    model, g = x.model, x.graph
+    for item in model.definitions:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                x.define(item.name, index, x.value(item.value, loop))
+    totals: dict[str, Node] = {}
+    for kind in ("kinetic", "potential", "lagrangian", "dissipation"):
+        totals[kind] = ZERO
+        for expr in getattr(model, kind):
+            with x.statement(expr.span):
+                totals[kind] = g.add(totals[kind], x.scalar(expr))
+    kinetic, potential = totals["kinetic"], totals["potential"]
+    with x.statement(model.span):
+        whole = g.add(g.subtract(kinetic, potential), totals["lagrangian"])
+    stated = bool(model.lagrangian)
+    return Energies(
+        lagrangian=whole,
+        kinetic=None if stated else kinetic,
+        potential=None if stated else potential,
+        dissipation=totals["dissipation"],
+    )
+
+
+def _parameters(x: Expander) -> tuple[ParameterSlot, ...]:
+    return tuple(slot for item in x.model.parameters for slot in _slots(x, item))
+
+
+def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
+    family = x.parameters[item.name]
+    slots = []
+    with x.statement(item.span):
+        for position, index in enumerate(family.members):
+            loop = dict(x.sizes)
+            if index is not None:
+                loop[item.range.variable] = index
+            lo, hi = item.bounds.lo, item.bounds.hi
+            slots.append(
+                ParameterSlot(
+                    quantity=Quantity(indexed(item.name, index), item.unit, item.description),
+                    family=item.name,
+                    position=position,
+                    length=0 if index is None else len(family.members),
+                    default=x.scalar(item.default, loop),
+                    follows=item.follows,
+                    lo=None if lo is None else x.scalar(lo, loop),
+                    hi=None if hi is None else x.scalar(hi, loop),
+                    lo_open=item.bounds.lo_open,
+                    hi_open=item.bounds.hi_open,
+                )
+            )
+    return slots
+
+
+def _starts(x: Expander) -> tuple[Row, Row]:
+    count = x.count
+    values = ([ZERO] * count, [ZERO] * count)
+    for item in x.model.starts:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                family = x.coordinates[item.name]
+                if not family.has(index):
+                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
+                value = x.scalar(item.value, loop)
+                if not x.graph.is_constant(value):
+                    message = "an initial value may use parameters and numbers only"
+                    raise error(x.model, message, item.value.span)
+                values[item.order][family.flat(index)] = value
+    return tuple(values[0]), tuple(values[1])
+
+
+def _check_size(model: Model) -> None:
+    found = families(model, model.coordinates)
+    count = sum(len(family.members) for family in found.values())
+    if count**2 > limits.UNROLLED and found:
+        largest = max(found.values(), key=lambda family: len(family.members))
+        message = f"{count:,} coordinates: M alone has more than {limits.UNROLLED:,} entries"
+        raise error(model, message, largest.span, "make its families smaller")
+
+
+def _check_inertia(x: Expander, motion: Motion) -> None:
+    findings = []
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members:
+            row = motion.mass[family.flat(index)]
+            if all(entry == ZERO for entry in row):
+                name = indexed(item.name, index)
+                message = f"'{name}' has no inertia: L does not contain the square of {name}'"
+                help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
+                findings.append(Diagnostic(message, item.span, help))
+                break
+    if findings:
+        raise ModelError(x.model.source, findings)
+
+
+# -- outputs -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Outputs:
+    observed_names: tuple[Quantity, ...]
+    conserved_names: tuple[Quantity, ...]
+    observed: Row
+    conserved: Row
+
+
+def _outputs(x: Expander, energies: Energies, motion: Motion, energy: Node) -> _Outputs:
+    built_in = {"T": energies.kinetic, "V": energies.potential}
+    built_in |= {"L": energies.lagrangian, "energy": energy}
+    for name, node in built_in.items():
+        if node is not None and name not in x.defined:
+            x.define(name, None, node)
+    for family in x.coordinates.values():
+        for index in family.members:
+            x.define("p_" + family.name, index, motion.momenta[family.flat(index)])
+    found: dict[str, tuple[list[Quantity], list[Node]]] = {}
+    for kind in ("observed", "conserved"):
+        names, nodes = found[kind] = [], []
+        for item in getattr(x.model, kind):
+            with x.statement(item.span):
+                for index, loop in x.unrolled(item.index, item.range):
+                    node = x.scalar(item.value, loop)
+                    x.define(item.name, index, node)
+                    names.append(Quantity(indexed(item.name, index), item.unit, item.description))
+                    nodes.append(node)
+    return _Outputs(
+        observed_names=tuple(found["observed"][0]),
+        conserved_names=tuple(found["conserved"][0]),
+        observed=tuple(found["observed"][1]),
+        conserved=tuple(found["conserved"][1]),
+    )

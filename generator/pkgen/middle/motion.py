@@ -1,0 +1,219 @@
+"""The equations of motion from L, D and Q, each kernel in the form of fewest operations.
+
+See `equations.py` for what they are and `collect.py` for how a form is found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..equations import Matrix, Row
+from .collect import THOROUGH, fewest, forms, settled
+from .count import operations
+from .differentiate import Columns, Forward, gradient, reachable
+from .expand import Expander
+from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
+from .quantities import error, indexed, symbols
+from .solve import Solution, solve
+
+RATES = BIT[Kind.RATE]
+STATE = BIT[Kind.COORDINATE] | RATES
+
+
+class Wanted:
+    """Whether any of some kernels is asked for."""
+
+    def __init__(self, kernels: frozenset[str] | None):
+        self.kernels = kernels
+
+    def __call__(self, *names: str) -> bool:
+        return self.kernels is None or not self.kernels.isdisjoint(names)
+
+
+@dataclass(frozen=True)
+class Energies:
+    lagrangian: Node
+    kinetic: Node | None
+    potential: Node | None
+    dissipation: Node
+
+
+@dataclass(frozen=True)
+class Motion:
+    momenta: Row
+    gradient: Row
+    applied: Row
+    pdot: Row
+    mass: Matrix
+    force: Row
+
+
+def motion_of(x: Expander, energies: Energies) -> Motion:
+    g = x.graph
+    count = x.count
+    q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
+    by = gradient(g, energies.lagrangian, STATE)
+    momenta = tuple(by.get(rate, ZERO) for rate in v)
+    slope = tuple(by.get(coordinate, ZERO) for coordinate in q)
+    drag = gradient(g, energies.dissipation, RATES)
+    forces = _generalized_forces(x, count)
+    applied = tuple(g.subtract(f, drag.get(rate, ZERO)) for f, rate in zip(forces, v, strict=True))
+    pdot = tuple(map(g.add, slope, applied))
+    mass = _mass(g, momenta, v)
+    coasting = Forward(g, VARIABLE, lambda node: _coast(x, node))
+    force = tuple(g.subtract(there, coasting(p)) for there, p in zip(pdot, momenta, strict=True))
+    return Motion(momenta, slope, applied, pdot, mass, force)
+
+
+def _coast(x: Expander, node: Node) -> Node:
+    """The time derivative of a symbol where nothing accelerates."""
+    if x.graph.data[node].kind is Kind.RATE:
+        return ZERO
+    return x.derivative(node)
+
+
+def _mass(g: Graph, momenta: Row, v: Row) -> Matrix:
+    """M is symmetric: the triangle i >= j is derived and mirrored."""
+    n = len(v)
+    rows: list[list[Node]] = [[ZERO] * n for _ in range(n)]
+    columns = Columns(g, momenta, RATES)
+    for j, rate in enumerate(v):
+        column = columns.column(rate, from_output=j)
+        for i in range(j, n):
+            rows[i][j] = rows[j][i] = column.get(momenta[i], ZERO)
+    return tuple(map(tuple, rows))
+
+
+def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solution | None]:
+    """The same in the form of fewest operations, with M a = f solved if that is wanted."""
+    g = x.graph
+    n = len(motion.force)
+    triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
+    outputs = [*triangle, *motion.force]
+    canonical = [*motion.momenta, *motion.pdot]
+    thorough = len(reachable(g, outputs + canonical)) <= THOROUGH
+    slope = list(motion.gradient)
+    outputs = settled(g, outputs[:-n]) + (settled(g, outputs[-n:]) if thorough else outputs[-n:])
+    if thorough:
+        if wanted("canonical", "momenta", "jacobian"):
+            canonical = fewest(g, settled(g, canonical))
+        if wanted("gradient"):
+            slope = fewest(g, settled(g, slope))
+    found = []
+    for form in forms(g, outputs, thorough):
+        mass, force = _symmetric(form, n), tuple(form[-n:])
+        solution = solve(g, mass, force) if wanted("acceleration") else None
+        cost = operations(g, [*form, *(solution[0] if solution else ())])
+        found.append((cost, len(found), mass, force, solution))
+    _, _, mass, force, solution = min(found)
+    if solution is not None and thorough:
+        shorter = fewest(g, [*solution[0], *solution[1]], thorough=False)
+        solution = tuple(shorter[:n]), tuple(shorter[n:])
+    return Motion(
+        momenta=tuple(canonical[:n]),
+        gradient=tuple(slope),
+        applied=motion.applied,
+        pdot=tuple(canonical[n:]),
+        mass=mass,
+        force=force,
+    ), solution
+
+
+def _symmetric(triangle: list[Node], n: int) -> Matrix:
+    rows = [[ZERO] * n for _ in range(n)]
+    entries = iter(triangle)
+    for i in range(n):
+        for j in range(i, n):
+            rows[i][j] = rows[j][i] = next(entries)
+    return tuple(map(tuple, rows))
+
+
+def jacobians_of(g: Graph, motion: Motion) -> tuple[Matrix, Matrix, Matrix]:
+    n = len(motion.momenta)
+    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
+    p_q = _matrix(g, motion.momenta, q, BIT[Kind.COORDINATE])
+    pdot_q = _matrix(g, motion.pdot, q, BIT[Kind.COORDINATE])
+    pdot_v = _matrix(g, motion.pdot, v, RATES)
+    entries = [entry for matrix in (p_q, pdot_q, pdot_v) for row in matrix for entry in row]
+    if len(reachable(g, entries)) > THOROUGH:
+        return p_q, pdot_q, pdot_v
+    found = fewest(g, settled(g, entries))
+    rows = [tuple(found[i : i + n]) for i in range(0, len(found), n)]
+    return tuple(rows[:n]), tuple(rows[n : 2 * n]), tuple(rows[2 * n :])
+
+
+def _matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
+    columns = Columns(g, rows, mask)
+    found = [columns.column(symbol) for symbol in by]
+    return tuple(tuple(column.get(row, ZERO) for column in found) for row in rows)
+
+
+def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> Node:
+    """v.p - L, in the cheapest form found; T + V where T is homogeneous of degree 2."""
+    kinetic, potential = energies.kinetic, energies.potential
+    candidates = []
+    if kinetic is not None and degree(g, kinetic) == 2 and not g.depends[potential] & RATES:
+        candidates.append(g.add(kinetic, potential))
+    v = symbols(g, Kind.RATE, len(motion.momenta))
+    work = g.sum(map(g.multiply, v, motion.momenta))
+    candidates.append(g.subtract(work, energies.lagrangian))
+    if wanted("energy") and len(reachable(g, candidates)) <= THOROUGH:
+        candidates += [form for node in candidates for (form,) in forms(g, [node])]
+    return min(candidates, key=lambda node: operations(g, [node]))
+
+
+def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
+    """The energies themselves in few operations, each by itself as its kernel has it."""
+    found: dict[str, Node | None] = {}
+    for name in ("lagrangian", "kinetic", "potential"):
+        node = found[name] = getattr(energies, name)
+        if node is not None and wanted(name) and len(reachable(g, [node])) <= THOROUGH:
+            (found[name],) = fewest(g, [node])
+    return replace(energies, **found)
+
+
+def degree(g: Graph, output: Node) -> int | None:
+    """The degree in the rates of a homogeneous expression; None where it is not seen to be."""
+    found: dict[Node, int | None] = {}
+    stack = [output]
+    while stack:
+        node = stack[-1]
+        missing = [a for a in g.args[node] if a not in found and g.depends[a] & RATES]
+        if missing:
+            stack.extend(missing)
+            continue
+        stack.pop()
+        if node not in found:
+            found[node] = _degree_of(g, node, [found.get(a, 0) for a in g.args[node]])
+    return found[output]
+
+
+def _degree_of(g: Graph, node: Node, below: list[int | None]) -> int | None:
+    if not g.depends[node] & RATES:
+        return 0
+    if None in below:
+        return None
+    name = g.op[node].name
+    if name == "SYMBOL":
+        return 1
+    if name == "ADD":
+        return below[0] if below[0] == below[1] else None
+    if name == "MULTIPLY":
+        return below[0] + below[1]
+    if name == "POWER":
+        power = g.data[node] * below[0]
+        return int(power) if power.denominator == 1 and power >= 0 else None
+    return None
+
+
+def _generalized_forces(x: Expander, count: int) -> list[Node]:
+    forces = [ZERO] * count
+    for item in x.model.forces:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                family = x.coordinates[item.name]
+                if not family.has(index):
+                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
+                i = family.flat(index)
+                forces[i] = x.graph.add(forces[i], x.scalar(item.value, loop))
+    return forces

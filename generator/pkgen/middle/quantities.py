@@ -1,0 +1,126 @@
+"""What a model's names stand for once its families are unrolled: flat, in declaration order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..equations import Quantity
+from ..indices import integer
+from ..model import Coordinate, Input, Model, Parameter
+from ..source import Diagnostic, ModelError, Span
+from ..tree import Range
+from .graph import Graph, Kind, Node, Symbol
+
+
+@dataclass(frozen=True)
+class Family:
+    """A declared name: one scalar, or NAME[lo..hi]; `first` is the flat index of the first."""
+
+    name: str
+    first: int
+    lo: int | None
+    hi: int | None
+    span: Span
+
+    @property
+    def members(self) -> tuple[int | None, ...]:
+        return (None,) if self.lo is None else tuple(range(self.lo, self.hi + 1))
+
+    def flat(self, index: int | None) -> int:
+        return self.first if self.lo is None else self.first + index - self.lo
+
+    def has(self, index: int | None) -> bool:
+        if self.lo is None or index is None:
+            return self.lo is None and index is None
+        return self.lo <= index <= self.hi
+
+
+def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
+    return ModelError(model.source, [Diagnostic(message, span, help)])
+
+
+def sizes(model: Model) -> dict[str, int]:
+    return {size.name: size.value for size in model.sizes}
+
+
+def families(model: Model, declarations: tuple[Parameter | Coordinate, ...]) -> dict[str, Family]:
+    result: dict[str, Family] = {}
+    first = 0
+    for item in declarations:
+        lo, hi = ends(model, item.range)
+        result[item.name] = Family(item.name, first, lo, hi, item.span)
+        first += len(result[item.name].members)
+    return result
+
+
+def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
+    if range_ is None:
+        return None, None
+    known = sizes(model)
+    return integer(range_.lo, known), integer(range_.hi, known)
+
+
+def indexed(name: str, index: int | None) -> str:
+    return name if index is None else f"{name}[{index}]"
+
+
+def quantities(
+    declarations: tuple[Coordinate, ...], found: dict[str, Family], form: str, unit: str
+) -> tuple[Quantity, ...]:
+    """A quantity a coordinate; `form` makes its name, `unit` is the field with its unit."""
+    return tuple(
+        Quantity(form.format(indexed(c.name, i)), getattr(c, unit), c.description)
+        for c in declarations
+        for i in found[c.name].members
+    )
+
+
+def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, ...]:
+    """Each input, then as many of its derivatives as occur."""
+    result: list[Quantity] = []
+    for item, order in zip(model.inputs, orders, strict=True):
+        for k in range(order + 1):
+            result.append(Quantity(item.name + "'" * k, _unit(model, item, k), item.description))
+    return tuple(result)
+
+
+def input_index(orders: tuple[int, ...], position: int, order: int) -> int:
+    """The flat index of a derivative of the input declared at `position`."""
+    return sum(o + 1 for o in orders[:position]) + order
+
+
+def _unit(model: Model, item: Input, order: int) -> str:
+    if order < len(item.units):
+        return item.units[order]
+    if model.dimensionless:
+        return ""
+    return per_second(_unit(model, item, order - 1))
+
+
+def per_second(unit: str) -> str:
+    """An SI unit divided by a second: "kg*m/s^2" -> "kg*m/s^3"."""
+    above, *below = (unit or "1").split("/")
+    for i, part in enumerate(below):
+        name, _, power = part.partition("^")
+        if name == "s":
+            below[i] = f"s^{int(power or 1) + 1}"
+            break
+    else:
+        factors = above.split("*")
+        for i, part in enumerate(factors):
+            name, _, power = part.partition("^")
+            if name == "s":
+                left = int(power or 1) - 1
+                factors[i : i + 1] = ["s" if left == 1 else f"s^{left}"] if left else []
+                above = "*".join(factors)
+                if not above and not below:
+                    return ""
+                above = above or "1"
+                break
+        else:
+            below.append("s")
+    return "/".join([above, *below])
+
+
+def symbols(g: Graph, kind: Kind, count: int) -> tuple[Node, ...]:
+    return tuple(g.symbol(Symbol(kind, i)) for i in range(count))

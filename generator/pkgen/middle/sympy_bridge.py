@@ -1,0 +1,106 @@
+"""Graph -> SymPy, object by object: no text is ever parsed on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from ..equations import Equations
+from .differentiate import reachable
+from .graph import Graph, Kind, Node, Op, Symbol
+
+if TYPE_CHECKING:
+    import sympy
+
+COMBINED = 80  # operations, up to which products of sines become sines of sums
+
+
+def text(equations: Equations, node: Node, limit: int) -> str:
+    """The expression in the model's names; of one with more operations than `limit`, its size."""
+    import sympy as sp
+    from sympy.simplify.fu import TR10i
+
+    size = written_size(equations.graph, node)
+    if size > limit:
+        return f"({size} operations)"
+    names = {
+        Kind.PARAMETER: [slot.quantity.name for slot in equations.parameters],
+        Kind.COORDINATE: [quantity.name for quantity in equations.coordinates],
+        Kind.RATE: [quantity.name for quantity in equations.rates],
+        Kind.INPUT: [quantity.name for quantity in equations.inputs],
+        Kind.TIME: ["t"],
+    }
+    (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))
+    if size <= COMBINED:
+        expr = TR10i(expr)
+    return sp.sstr(expr).replace("**", "^")
+
+
+def written_size(g: Graph, node: Node) -> int:
+    """Operations of an expression written out, what is shared counted each time."""
+    sizes: dict[Node, int] = {}
+    for n in reachable(g, [node]):
+        sizes[n] = sum(sizes[a] for a in g.args[n]) + (len(g.args[n]) > 0)
+    return sizes[node]
+
+
+def to_sympy(
+    g: Graph, nodes: Iterable[Node], symbol: Callable[[Symbol], sympy.Expr]
+) -> list[sympy.Expr]:
+    """The nodes as SymPy expressions, `symbol` giving those of the symbols.
+
+    `reciprocal` becomes 1/x: what it says at 0 is lost.
+    """
+    import sympy as sp
+
+    nodes = list(nodes)
+    functions: dict[str, Callable[..., sp.Expr]] = {
+        name: getattr(sp, name)
+        for name in [
+            "sin",
+            "cos",
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "atan2",
+            "sinh",
+            "cosh",
+            "tanh",
+            "exp",
+            "log",
+            "sqrt",
+            "sign",
+        ]
+    } | {
+        "abs": sp.Abs,
+        "min": sp.Min,
+        "max": sp.Max,
+        "step": lambda x: sp.Heaviside(x, 1),
+        "pow": sp.Pow,
+        "reciprocal": lambda x: 1 / x,
+    }
+
+    def made(node: Node) -> sp.Expr:
+        op, data = g.op[node], g.data[node]
+        args = [known[a] for a in g.args[node]]
+        if op is Op.NUMBER:
+            return _rational(data)
+        if op is Op.SYMBOL:
+            return sp.pi if data.kind is Kind.PI else symbol(data)
+        if op is Op.ADD:
+            return sp.Add(*args)
+        if op is Op.MULTIPLY:
+            return sp.Mul(*args)
+        if op is Op.POWER:
+            return sp.Pow(args[0], _rational(data))
+        return functions[data](*args)
+
+    def _rational(value: Fraction) -> sp.Rational:
+        return sp.Rational(value.numerator, value.denominator)
+
+    known: dict[Node, sp.Expr] = {}
+    for node in reachable(g, nodes):
+        known[node] = made(node)
+    return [known[node] for node in nodes]
