@@ -37,11 +37,12 @@ def main() -> int:
     print(f"C sources and trajectories in {OUTPUT.relative_to(ROOT)}/\n")
     for heading in HEADINGS:
         print(COLUMNS.format(*heading))
-    failures = 0
+    failures, refusals = 0, []
     for name, reference in REFERENCES.items():
         pkgen(str(model(name)), "-o", str(OUTPUT))
         for method in METHODS:
-            failures += not show(name, method, reference)
+            failures += not show(name, method, reference, refusals)
+    print("", *refusals, sep="\n")
     if failures:
         print(f"\n{failures} run(s) failed", file=sys.stderr)
     return 1 if failures else 0
@@ -51,14 +52,15 @@ def model(name: str) -> Path:
     return ROOT / "models" / f"{name}.lag"
 
 
-def show(name: str, method: str, reference: dict) -> bool:
+def show(name: str, method: str, reference: dict, refusals: list[str]) -> bool:
     """Run one model by one method and print its line; whether that went as it should."""
     done = pkgen("run", str(model(name)), *options(name, method, reference), check=False)
     result = json.loads(done.stdout)
     report = result.get("report", {})
     status = report.get("status")
     if status == "PK_REFUSED":
-        print(COLUMNS.format(name, method, "-", "-", "-", "-", "-", "-"), "", report["reason"])
+        refusals.append(report["reason"])
+        print(COLUMNS.format(name, method, "-", "-", "-", "-", "-", "refused"))
         return True
     if status != "PK_DONE":
         print(name, method, "failed:", done.stdout, done.stderr, file=sys.stderr)
@@ -82,7 +84,7 @@ def show(name: str, method: str, reference: dict) -> bool:
 
 def options(name: str, method: str, reference: dict) -> list[str]:
     said = ["--json", "--method", method, *METHODS[method], "--until", reference["t_end"]]
-    said += ["--every", "0.05", "-o", str(OUTPUT / f"{name}-{method}.csv")]
+    said += ["-o", str(OUTPUT / f"{name}-{method}.csv")]
     for parameter, value in reference["params"].items():
         said += ["--set", f"{parameter}={value}"]
     coordinates = reference["coords"]
