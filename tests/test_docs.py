@@ -59,6 +59,12 @@ def test_the_embedding_example_runs(tmp_path: Path) -> None:
     assert [float(x) for x in said] == pytest.approx([*exact[1:3], exact[-1]], abs=5e-6)
 
 
+def test_the_readme_shows_the_c_that_its_model_becomes(tmp_path: Path) -> None:
+    (tmp_path / "pendulum.lag").write_text(blocks(ROOT / "README.md", "lag")[0])
+    assert run_pkgen(tmp_path / "pendulum.lag", "-o", tmp_path).returncode == 0
+    assert blocks(ROOT / "README.md", "c")[0] in (tmp_path / "pendulum.c").read_text()
+
+
 def test_the_readme_shows_the_embedding_example_as_it_is() -> None:
     assert (ROOT / "docs/embed.c").read_text() in (ROOT / "README.md").read_text()
 
