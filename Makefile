@@ -4,11 +4,13 @@
 VENV   := .venv
 PYTHON := $(VENV)/bin/python
 PREFIX ?= /usr/local
-CC     ?= gcc
+ifeq ($(origin CC),default)
+CC := gcc
+endif
 # Compiled runtimes and models are kept here, not in the home directory.
 export PKGEN_CACHE := $(CURDIR)/build/cache
 
-.PHONY: setup demo test test-long test-python lint format golden install clean
+.PHONY: help setup demo test test-long test-licence test-python lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
@@ -28,7 +30,10 @@ include tests/runtime/runtime.mk
 demo: $(STAMP)
 	$(PYTHON) tools/demo.py
 
-test: $(STAMP) test-runtime test-python
+test: $(STAMP) test-runtime test-licence test-python
+
+test-licence: runtime
+	@sh tools/check_licence.sh
 
 test-python: $(STAMP)
 	$(PYTHON) -m pytest -q -n 2 -m 'not long' tests
@@ -40,14 +45,17 @@ golden: $(STAMP)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py
 	@git --no-pager diff --stat -- tests
 
-lint: $(STAMP)
-	$(PYTHON) -m ruff check generator tests tools
-	$(PYTHON) -m ruff format --check generator tests tools
+# ruff is not among Debian's packages: where pkgen was installed from those, lint needs a registry.
+PYTHON_CODE := generator tests tools bench
+lint: $(STAMP) runtime
+	@$(PYTHON) -m ruff --version || { echo 'lint: no ruff here; pip install ruff'; exit 1; }
+	$(PYTHON) -m ruff check $(PYTHON_CODE)
+	$(PYTHON) -m ruff format --check $(PYTHON_CODE)
 	@sh tools/check_licence.sh
 
 format: $(STAMP)
-	$(PYTHON) -m ruff format generator tests tools
-	$(PYTHON) -m ruff check --fix generator tests tools
+	$(PYTHON) -m ruff format $(PYTHON_CODE)
+	$(PYTHON) -m ruff check --fix $(PYTHON_CODE)
 
 asan: $(STAMP) asan-runtime
 

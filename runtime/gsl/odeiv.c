@@ -103,7 +103,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     }
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
         h = h > 0 ? it->options.h_max : -it->options.h_max;
-    const double least = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
+    const double round = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
+    const double least = it->options.h_min > round ? it->options.h_min : round;
 
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     const unsigned long rejected = f->driver->e->failed_steps;

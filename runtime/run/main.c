@@ -6,8 +6,9 @@
  * lands on rows, or answers by its dense output where that is as accurate as its steps: dopri5's
  * and dop853's lose digits at tight tolerances (measured in tests/runtime), so they land there.
  *
- * Exit: 0 done; 2 wrong settings or output that cannot be written; 4 the numerics failed; 130
- * interrupted. Rows up to the last valid time are always written first.
+ * Exit: 0 done; 2 wrong settings or output that cannot be written; 4 the numerics failed, or an
+ * energy or observed value was no finite number in some row; 130 interrupted. Rows up to the last
+ * valid time are always written first.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -55,10 +56,12 @@ static void progress(const struct run *run, int force)
 }
 
 /* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
- * as whole. */
+ * as whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
 static pk_real intervals(pk_real whole, pk_real part)
 {
-    const pk_real count = PK_F(ceil)(whole / part * (1 - PK_C(1e-12)));
+    const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
+    const pk_real slack = ratio < PK_C(1e9) && round < PK_C(1e-12) ? PK_C(1e-12) : round;
+    const pk_real count = PK_F(ceil)(ratio * (1 - slack));
     return count < 1 ? 1 : count;
 }
 
@@ -91,8 +94,10 @@ static void integrate_landing(struct run *run, pk_real count)
     for (pk_real k = 1; k <= count; k += 1) {
         const pk_real t = row_time(run, k, count);
         if (fixed && k >= count && count > 1) {
-            const pk_real tail = t - it->t;
-            pk_integrator_set_step(it, tail / intervals(tail, run->settings.options.h));
+            /* A tail that is a whole interval but for the round-off of t keeps its step. */
+            const pk_real tail = t - it->t, rounding = 4 * PK_EPSILON * t;
+            if (tail < run->settings.every - rounding)
+                pk_integrator_set_step(it, tail / intervals(tail, run->settings.options.h));
         }
         while (it->t < t)
             if (!step(run, t))
@@ -141,6 +146,12 @@ static int choose(struct run *run, pk_real *count)
         return 2;
     }
     const pk_real interval = s->every > 0 ? s->every : s->until;
+    if (!(interval > 10 * PK_EPSILON * s->until) ||
+        (fixed && s->options.h > 0 && !(s->options.h > 10 * PK_EPSILON * s->until))) {
+        fprintf(stderr, "run: every and step must be above the round-off of until, %.3g\n",
+                (double)(10 * PK_EPSILON * s->until));
+        return 2;
+    }
     *count = s->every > 0 ? intervals(s->until, s->every) : 0;
     if (fixed && !(s->options.h > 0)) {
         fprintf(stderr, "run: method %s has a fixed step: give it by --step\n", s->method->name);
@@ -179,17 +190,21 @@ static int start(struct run *run)
     return 0;
 }
 
-static int finish(struct run *run)
+static int finish(struct run *run, int code)
 {
     char reason[512];
-    int code = 0;
     errno = 0;
     if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
         run->write_failed = errno ? errno : EIO;
     if (run->it.status < 0) {
         pk_integrator_reason(&run->it, reason, sizeof reason);
         fprintf(stderr, "run: %s: %s\n", run->settings.method->name, reason);
-        code = 4;
+        code = run->it.status == PK_BAD_ARGUMENT ? 2 : 4;
+    }
+    if (run->not_finite) {
+        fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
+                run->not_finite, run->bad_rows, run->rows, run->bad_t);
+        code = code ? code : 4;
     }
     if (run->write_failed) {
         fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
@@ -242,7 +257,7 @@ int main(int argc, char **argv)
     }
     run.seconds = now() - began;
     progress(&run, 1);
-    code = finish(&run);
+    code = finish(&run, code);
     pk_integrator_free(&run.it);
     settings_free(&run.settings);
     free(run.block);

@@ -35,6 +35,22 @@ void output_header(struct run *run, FILE *file)
     fputs(",energy\n", file);
 }
 
+/* The motion may be valid where what is computed from it is not: the rows go on, the run says so. */
+static void check_row(struct run *run, pk_real t, const pk_real *out, pk_real energy)
+{
+    const struct pk_system *system = run->problem.system;
+    const char *name = energy - energy == PK_C(0.0) ? NULL : "energy";
+    for (size_t i = system->n_observed; i-- > 0;)
+        if (!(out[i] - out[i] == PK_C(0.0)))
+            name = system->observed[i].name;
+    if (!name)
+        return;
+    if (run->bad_rows++ == 0) {
+        run->not_finite = name;
+        run->bad_t = (double)t;
+    }
+}
+
 void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v)
 {
     const struct pk_system *system = run->problem.system;
@@ -51,8 +67,10 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         for (size_t i = 0; i < system->n_observed; i++)
             fprintf(file, ",%.17g", (double)out[i]);
     }
-    fprintf(file, ",%.17g\n", (double)system->energy(run->settings.params, t, q, v, u));
+    const pk_real energy = system->energy(run->settings.params, t, q, v, u);
+    fprintf(file, ",%.17g\n", (double)energy);
     run->rows++;
+    check_row(run, t, out, energy);
     if (ferror(file))
         run->write_failed = errno ? errno : EIO;
 }
@@ -157,6 +175,11 @@ static void json_run(struct run *run, FILE *file)
         fputs("null", file);
     else
         json_real(file, run->settings.options.h);
+    fputs(",\n  \"not_finite\": ", file);
+    if (run->not_finite)
+        json_text(file, run->not_finite);
+    else
+        fputs("null", file);
     fputs(",\n  \"step_min\": ", file);
     json_real(file, run->h_min);
     fputs(",\n  \"step_max\": ", file);

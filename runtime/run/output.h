@@ -17,6 +17,9 @@ struct run {
     pk_real h_min, h_max; /* steps made */
     int interrupted;
     int write_failed;
+    const char *not_finite; /* the first energy or observed value that was not, or NULL */
+    double bad_t;           /* and in which row, and how many rows there were */
+    unsigned long bad_rows;
     double seconds;
 };
 

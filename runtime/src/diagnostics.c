@@ -19,9 +19,11 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
         drift->first = x;
     const pk_real d = x - drift->first;
     drift->samples++;
-    drift->scale = pk_max(drift->scale, pk_abs(scale));
-    /* A value that is not finite must show, so the comparison is written to let it through. */
-    if (!(pk_abs(d) <= drift->max))
+    /* A value that is not a number must show, and go on to show: the first comparison lets it
+     * through, the second (false for a NaN that is held) keeps it. */
+    if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
+        drift->scale = pk_abs(scale);
+    if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
         drift->max = pk_abs(d);
     drift->final = d;
 
@@ -41,8 +43,8 @@ void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x)
 static pk_real scaled(const struct pk_drift *drift, pk_real x)
 {
     if (!(x > 0) && !(x < 0) && pk_finite(x))
-        return 0; /* also where X is 0 all along */
-    return x / drift->scale;
+        return drift->scale - drift->scale; /* 0, where X is 0 all along; NaN without a scale */
+    return x / drift->scale + (drift->scale - drift->scale);
 }
 
 pk_real pk_drift_max(const struct pk_drift *drift) { return scaled(drift, drift->max); }
@@ -70,7 +72,8 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
                                void *block, size_t block_size)
 {
     const struct pk_system *system = problem->system;
-    if (block_size < pk_monitor_size(problem) || (size_t)block % sizeof(pk_real))
+    if (!block || block_size < pk_monitor_size(problem) ||
+        (size_t)block % _Alignof(struct pk_drift))
         return PK_BLOCK_TOO_SMALL;
     memset(block, 0, pk_monitor_size(problem));
     monitor->problem = *problem;

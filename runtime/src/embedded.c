@@ -77,6 +77,8 @@ static pk_real first_step(struct pk_integrator *it, const struct parts *w, pk_re
     }
     pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.01) * PK_F(sqrt)(d0 / d1)
                                                      : PK_C(1e-6) * span;
+    if (!(h > 0) || !pk_finite(h)) /* atol = 0 at a start from rest: y'/scale is infinite */
+        h = PK_C(1e-6) * span;
     h = pk_min(h, span);
     for (size_t i = 0; i < w->m; i++)
         w->y[i] = y0[i] + (pk_real)it->direction * h * w->k[i];
@@ -146,8 +148,8 @@ static enum pk_status attempt(struct pk_integrator *it, const struct parts *w, p
             return status;
     }
     it->error = error_norm(it, w, h);
-    if (!pk_finite(it->error))
-        return PK_NOT_FINITE;
+    if (!pk_finite(it->error)) /* the state is finite: its tolerance is all but zero */
+        it->error = PK_C(1e30);
     if (table->e3 && it->error <= PK_C(1.0)) {
         status = slope(it, it->next_t, it->next, w->last);
         if (status < 0)
@@ -197,9 +199,10 @@ enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
     for (;;) {
         if (it->options.h_max > 0)
             planned = pk_min(planned, it->options.h_max);
-        if (!(planned > least) && left > least)
-            return pk_underflow(it, planned); /* also a step that shrank while being accepted ends here */
-        const int lands = planned * PK_C(1.01) >= left;
+        if (!(planned > least) && (left > least || rejected))
+            return pk_underflow(it, planned); /* also a step that shrank while being accepted */
+        /* What is left below round-off is one step: a smaller one would not move t. */
+        const int lands = planned * PK_C(1.01) >= left || !(left > least);
         const pk_real h = lands ? left : planned;
         it->next_t = lands ? limit : it->t + sign * h;
         status = attempt(it, &w, sign * h);
@@ -280,5 +283,5 @@ enum pk_status pk_embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q
             y = w.dense[(size_t)j * w.m + i] + (j % 2 ? PK_C(1.0) - s : s) * y;
         (i < it->n ? q : v)[i < it->n ? i : i - it->n] = y;
     }
-    return PK_DONE;
+    return pk_all_finite(q, it->n) && pk_all_finite(v, it->n) ? PK_DONE : PK_NOT_FINITE;
 }

@@ -108,12 +108,12 @@ static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
 static void predict(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    if (!(it->flags & PK_HAVE_STEP)) {
+    const pk_real ratio = it->flags & PK_HAVE_STEP ? it->h / *w->last_h : 0;
+    if (!(pk_abs(ratio) > 0) || !(pk_abs(ratio) <= PK_GAUSS_REACH)) {
         for (size_t i = 0; i < s; i++)
             memcpy(w->V + i * n, it->v, n * sizeof *w->V);
         return;
     }
-    const pk_real ratio = it->h / *w->last_h;
     if (ratio > *w->ratio || ratio < *w->ratio)
         set_predictor(w, ratio);
     for (size_t i = 0; i < s; i++)
@@ -190,7 +190,7 @@ enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
         pk_real dq = 0, dp = 0;
         for (size_t i = 0; i < s; i++) {
             dq += w.hb[i] * w.V[i * n + k];
-            dp += w.hb[i] * w.F[i * n + k];
+            dp += w.F[i * n + k];
         }
         q[k] = pk_sum(q[k], dq, &low_q[k]);
         p[k] = pk_sum(p[k], dp, &low_p[k]);

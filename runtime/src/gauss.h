@@ -7,11 +7,15 @@
 
 /* Corrections below this, relative, that no longer shrink are round-off, not divergence. */
 #define PK_GAUSS_ROUND (PK_C(16384.0) * PK_EPS)
+/* What an iteration may leave undone: the error of 1e8 steps is then still of round-off. */
+#define PK_GAUSS_BIAS (PK_EPS / PK_C(8192.0))
+/* A step so much longer than the last one is not predicted from it. */
+#define PK_GAUSS_REACH PK_C(64.0)
 
 struct pk_gauss_work {
     const struct pk_gauss *table;
     size_t s;
-    pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, pdot, residual */
+    pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, h b pdot, residual */
     pk_real *last_V;            /* of the last step made, for the predictor */
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
     pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;

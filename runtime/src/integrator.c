@@ -78,28 +78,16 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
 {
     if (!problem || !problem->system || !method)
         return 0;
-    const size_t n = problem->system->n;
-    return (2 * PK_PARTS * n + problem->system->n_inputs + method->size(method, n)) *
-           sizeof(pk_real);
+    const struct pk_system *system = problem->system;
+    const size_t n = system->n, work = system->n_inputs + method->size(method, n);
+    const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
+    return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
 }
 
 static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size_t where)
 {
     it->where = where;
     return it->status = status;
-}
-
-static enum pk_status check_options(struct pk_integrator *it)
-{
-    const struct pk_options *o = &it->options;
-    const int adaptive = (it->method->traits & PK_ADAPTIVE) != 0;
-    if (!pk_finite(o->h) || o->h < 0 || (!adaptive && !(o->h > 0)))
-        return fail(it, PK_BAD_ARGUMENT, BAD_STEP);
-    if (!(o->h_min >= 0) || !(o->h_max >= 0) || !(o->newton_tol >= 0))
-        return fail(it, PK_BAD_ARGUMENT, BAD_STEP);
-    if (adaptive && (!(o->rtol >= 0) || !(o->atol >= 0) || !(o->rtol + o->atol > 0)))
-        return fail(it, PK_BAD_ARGUMENT, BAD_TOLERANCE);
-    return PK_DONE;
 }
 
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
@@ -109,7 +97,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
                                   size_t block_size)
 {
     memset(it, 0, sizeof *it);
-    if (!problem || !problem->system || !method || !options || !q0 || !v0 || !block)
+    if (!problem || !problem->system || !method || !options || !q0 || !v0 || !block ||
+        (problem->system->params_size && !problem->params))
         return fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
     const struct pk_system *system = problem->system;
     it->problem = *problem;
@@ -121,9 +110,9 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
     if (method->needs & ~system->facts)
         return fail(it, PK_REFUSED, 0);
-    if (check_options(it) < 0)
-        return it->status;
-    if (block_size < pk_integrator_size(problem, method) || (size_t)block % sizeof(pk_real))
+    if (pk_check_options(it) < 0)
+        return it->status = PK_BAD_ARGUMENT;
+    if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))
         return fail(it, PK_BLOCK_TOO_SMALL, 0);
 
     memset(block, 0, pk_integrator_size(problem, method));
@@ -140,6 +129,11 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
                                    const pk_real *v)
 {
     const size_t n = it->n;
+    it->ready = 0;
+    if (!it->state)
+        return it->status;
+    if (!q || !v)
+        return fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
     if (!pk_finite(t))
         return fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
@@ -147,16 +141,23 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     memmove(pk_part(it->state, n, PK_Q), q, n * sizeof *q);
     memmove(pk_part(it->state, n, PK_V), v, n * sizeof *v);
     memset(pk_part(it->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
+    it->status = pk_check_params(it, it->next); /* all behind the state is free here */
+    if (it->status < 0)
+        return it->status;
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
     it->trouble = PK_DONE;
     it->flags = 0;
     it->h = 0;
-    return it->status = it->method->init(it);
+    it->status = it->method->init(it);
+    it->ready = it->status >= 0;
+    return it->status;
 }
 
 enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
 {
+    if (!it->ready)
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
     if (!(h > 0) || !pk_finite(h))
         return fail(it, PK_BAD_ARGUMENT, BAD_STEP);
     it->options.h = h;
@@ -204,8 +205,8 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = it->n;
-    if (!it->state)
-        return it->status; /* never initialised: its refusal stands */
+    if (!it->ready)
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the refusal of its start stands */
     if (!pk_finite(limit))
         return fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     const pk_real left = limit - it->t;
@@ -257,7 +258,9 @@ enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end)
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
-    if (!it->state || !it->method->dense || !(it->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
+    if (!it->ready)
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
+    if (!it->method->dense || !(it->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
         return fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     return it->status = it->method->dense(it, t, q, v);
 }

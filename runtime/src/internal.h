@@ -55,7 +55,22 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
 }
 
 /* it->where of PK_BAD_ARGUMENT. */
-enum { BAD_POINTER = 1, BAD_SYSTEM, BAD_STEP, BAD_TOLERANCE, BAD_STATE, BAD_TIME, BAD_DENSE };
+enum {
+    BAD_POINTER = 1,
+    BAD_SYSTEM,
+    BAD_STEP,
+    BAD_TOLERANCE,
+    BAD_STATE,
+    BAD_TIME,
+    BAD_DENSE,
+    BAD_ITERATION,
+    BAD_PARAMS
+};
+
+/* Checks before the first step; scratch holds pk_params_reals() numbers. */
+size_t pk_params_reals(const struct pk_system *system);
+enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
+enum pk_status pk_check_options(struct pk_integrator *it);
 
 /* The status of an adaptive method whose step h became too small, with its cause if known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
@@ -70,7 +85,8 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
-/* A = L D L^T in place, A symmetric. 0, or 1 + i where pivot i is not positive. */
+/* A = L D L^T in place, A symmetric. 0, or 1 + i where pivot i is not positive, or so small
+ * beside A_ii that it is rounding (PK_PIVOT_MIN, as in generated accelerations). */
 size_t pk_ldl_factor(pk_real *A, size_t n);
 void pk_ldl_solve(const pk_real *A, size_t n, pk_real *x);
 

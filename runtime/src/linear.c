@@ -52,10 +52,11 @@ void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x)
 size_t pk_ldl_factor(pk_real *A, size_t n)
 {
     for (size_t j = 0; j < n; j++) {
+        const pk_real least = PK_PIVOT_MIN * A[j * n + j]; /* below, d is rounding */
         pk_real d = A[j * n + j];
         for (size_t k = 0; k < j; k++)
             d -= A[j * n + k] * A[j * n + k] * A[k * n + k];
-        if (!(d > PK_C(0.0)) || !pk_finite(d))
+        if (!(d > least) || !(d > PK_C(0.0)) || !pk_finite(d))
             return 1 + j;
         A[j * n + j] = d;
         for (size_t i = j + 1; i < n; i++) {

@@ -7,11 +7,13 @@ static const char *const bad_argument[] = {
     "",
     "a pointer is null",
     "the system is of another version of the interface, or has no coordinates",
-    "the step must be positive and finite",
-    "the tolerances must not be negative, one must be positive",
+    "the step must be positive and finite, and h_min not above h_max",
+    "the tolerances must be finite and not negative, and one positive",
     "the start is not finite",
     "the time is not finite",
     "the time is outside the last step, or the method has no dense output",
+    "newton_tol must be in [0, 1), max_iterations not negative, iteration one of its enum",
+    "a parameter was changed without prepare() after it",
 };
 
 static const struct {
@@ -43,6 +45,10 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
         return snprintf(text, size, "%s: %s", it->method->name, what);
+    case PK_OUT_OF_BOUNDS:
+        if (it->where < system->n_parameters)
+            return snprintf(text, size, "%s: %s", what, system->parameters[it->where].what.name);
+        return snprintf(text, size, "%s: what follows from the parameters is not finite", what);
     case PK_SINGULAR_MASS:
         return snprintf(text, size,
                         "%s: pivot of coordinate %s is not positive at t = %.17g; "

@@ -1,0 +1,48 @@
+/* What is refused before the first step, so that no number comes of it: options out of range,
+ * and parameters that are out of bounds or that prepare() has not seen. The last is found by
+ * preparing a copy: it must come out as what it was made from, to the bit.
+ */
+#include <limits.h>
+#include <string.h>
+
+#include "internal.h"
+
+size_t pk_params_reals(const struct pk_system *system)
+{
+    return (system->params_size + sizeof(pk_real) - 1) / sizeof(pk_real);
+}
+
+enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
+{
+    const struct pk_system *system = it->problem.system;
+    if (!system->prepare || !system->params_size)
+        return PK_DONE;
+    memcpy(scratch, it->problem.params, system->params_size);
+    const int outside = system->prepare(scratch);
+    it->where = outside > 0 ? (size_t)outside - 1 : 0;
+    if (outside)
+        return PK_OUT_OF_BOUNDS;
+    it->where = BAD_PARAMS;
+    return memcmp(scratch, it->problem.params, system->params_size) ? PK_BAD_ARGUMENT : PK_DONE;
+}
+
+enum pk_status pk_check_options(struct pk_integrator *it)
+{
+    const struct pk_options *o = &it->options;
+    const int adaptive = (it->method->traits & PK_ADAPTIVE) != 0;
+    it->where = BAD_STEP;
+    if (!pk_finite(o->h) || o->h < 0 || (!adaptive && !(o->h > 0)))
+        return PK_BAD_ARGUMENT;
+    if (!(o->h_min >= 0) || !(o->h_max >= 0) || (o->h_max > 0 && !(o->h_min <= o->h_max)))
+        return PK_BAD_ARGUMENT;
+    it->where = BAD_TOLERANCE;
+    if (adaptive && (!(o->rtol >= 0) || !(o->atol >= 0) || !(o->rtol + o->atol > 0) ||
+                     !pk_finite(o->rtol + o->atol)))
+        return PK_BAD_ARGUMENT;
+    it->where = BAD_ITERATION; /* a correction of 1 is no convergence at all */
+    if (!(o->newton_tol >= 0 && o->newton_tol < 1) || o->max_iterations < 0 ||
+        o->max_iterations == INT_MAX ||
+        (o->iteration != PK_NEWTON && o->iteration != PK_FIXED_POINT))
+        return PK_BAD_ARGUMENT;
+    return PK_DONE;
+}
