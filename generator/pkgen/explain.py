@@ -112,9 +112,11 @@ def _lagrangian(equations: Equations) -> str:
 
 
 def _equations(equations: Equations, structure: Structure) -> str:
-    arguments = "q, t" if structure.quadratic else "q, q', t"
-    mass = "M" if structure.mass_constant else f"M({arguments})"
-    lines = [f"Equations of motion   {mass} q'' = f(q, q', t)"]
+    time = "" if structure.autonomous else ", t"
+    mass = "M" if structure.mass_constant else "M(q" if structure.quadratic else "M(q, q'"
+    mass += "" if structure.mass_constant else f"{time})"
+    force = "f(q" if structure.separable else "f(q, q'"
+    lines = [f"Equations of motion   {mass} q'' = {force}{time})"]
     names = [q.name for q in equations.coordinates]
     zero = equations.graph.number(0)
     for i, row in enumerate(equations.mass):

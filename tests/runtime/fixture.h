@@ -37,6 +37,8 @@ void add_tables(void);
 void add_order(void);
 void add_geometry(void);
 void add_status(void);
+void add_silence(void);
+void add_control(void);
 void add_limits(void);
 void add_diagnostics(void);
 

@@ -72,6 +72,8 @@ int main(void)
     add_order();
     add_geometry();
     add_status();
+    add_silence();
+    add_control();
     add_limits();
     add_diagnostics();
     CU_basic_set_mode(CU_BRM_VERBOSE);

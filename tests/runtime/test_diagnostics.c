@@ -19,6 +19,12 @@ static void definitions(void)
     CU_ASSERT(pk_drift_max(&d) == 0.125 && pk_drift_final(&d) == -0.125);
     pk_drift_update(&d, 2, (double)NAN); /* must show */
     CU_ASSERT(!(pk_drift_max(&d) <= 1));
+    pk_drift_update(&d, 3, 2.0); /* and go on to show */
+    CU_ASSERT(!(pk_drift_max(&d) <= 1));
+    pk_drift_init(&d); /* nor may an infinite scale divide a drift to nothing */
+    pk_drift_update_scaled(&d, 0, 1.0, (double)INFINITY);
+    pk_drift_update_scaled(&d, 1, 2.0, 1);
+    CU_ASSERT(!(pk_drift_max(&d) <= 1));
 }
 
 static void monitor(void)

@@ -1,0 +1,221 @@
+/* Never silent, continued: numbers that must not come out of a start, an option or a parameter
+ * that was refused; limits of round-off; and step control, which no final state shows.
+ */
+#include <limits.h>
+
+#include "fixture.h"
+
+#include "internal.h"
+
+static const char *reason(const struct fixture *f)
+{
+    static char text[400];
+    CU_ASSERT(pk_integrator_reason(&f->it, text, sizeof text) > 0);
+    return text;
+}
+
+/* A refusal stands, although the caller did not look at it. */
+static void refused_start(void)
+{
+    static struct fixture f;
+    double q, v;
+    fixture_set(&f, &pendulum_system);
+    f.options.h = 0.1;
+    f.q0[0] = (double)NAN;
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_BAD_ARGUMENT && f.it.t == 0);
+    CU_ASSERT(strstr(reason(&f), "start") != NULL);
+    CU_ASSERT(pk_integrator_set_step(&f.it, 0.1) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_integrator_dense(&f.it, 0, &q, &v) == PK_BAD_ARGUMENT);
+    f.q0[0] = 2.385;
+    CU_ASSERT(pk_integrator_reset(&f.it, 0, f.q0, f.v0) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE && f.it.t == 1);
+    CU_ASSERT(pk_integrator_reset(&f.it, (double)INFINITY, f.q0, f.v0) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_BAD_ARGUMENT && f.it.t == 1);
+    CU_ASSERT(pk_integrator_reset(&f.it, 0, NULL, f.v0) == PK_BAD_ARGUMENT);
+}
+
+static void refused_options(void)
+{
+    static struct fixture f;
+    static const double nan = (double)NAN, inf = (double)INFINITY;
+    struct {
+        const char *method;
+        struct pk_options o;
+        enum pk_status status;
+    } row[24];
+    int count = 0;
+    fixture_set(&f, &pendulum_system);
+    f.options.h = 0.1;
+#define ROW(name, field, value, want)   \
+    row[count].method = name;           \
+    row[count].o = f.options;           \
+    row[count].o.field = value;         \
+    row[count++].status = want
+    ROW("rk4", h, -0.1, PK_BAD_ARGUMENT);
+    ROW("rk4", h, inf, PK_BAD_ARGUMENT);
+    ROW("rk4", h, 1e3, PK_DONE); /* longer than the span: one step that ends there */
+    ROW("dop853", h, nan, PK_BAD_ARGUMENT);
+    ROW("dop853", h, 1e3, PK_DONE);
+    ROW("dop853", rtol, nan, PK_BAD_ARGUMENT);
+    ROW("dop853", rtol, inf, PK_BAD_ARGUMENT);
+    ROW("dopri5", atol, inf, PK_BAD_ARGUMENT);
+    ROW("dopri5", atol, -1, PK_BAD_ARGUMENT);
+    ROW("dopri5", h_min, nan, PK_BAD_ARGUMENT);
+    ROW("dopri5", h_max, nan, PK_BAD_ARGUMENT);
+    ROW("dopri5", h_max, -1, PK_BAD_ARGUMENT);
+    ROW("dopri5", h_max, inf, PK_DONE);
+    ROW("gauss2", newton_tol, inf, PK_BAD_ARGUMENT);
+    ROW("gauss2", newton_tol, nan, PK_BAD_ARGUMENT);
+    ROW("gauss2", newton_tol, 1e-9, PK_DONE);
+    ROW("gauss2", max_iterations, -5, PK_BAD_ARGUMENT);
+    ROW("gauss2", max_iterations, INT_MAX, PK_BAD_ARGUMENT);
+    ROW("gauss2", iteration, (enum pk_iteration)7, PK_BAD_ARGUMENT);
+    ROW("gsl_rk8pd", rtol, inf, PK_BAD_ARGUMENT);
+#undef ROW
+    for (int i = 0; i < count; i++) {
+        f.options = row[i].o;
+        CU_ASSERT(fixture_init(&f, row[i].method) == row[i].status);
+        CU_ASSERT(pk_integrator_to(&f.it, 1) == row[i].status);
+        CU_ASSERT(row[i].status < 0 ? strlen(reason(&f)) > 20 : f.it.t == 1);
+        pk_integrator_free(&f.it);
+    }
+    fixture_set(&f, &pendulum_system); /* GSL's steppers know h_min too */
+    f.options.h_min = 0.9;
+    f.options.rtol = f.options.atol = 1e-12;
+    CU_ASSERT(fixture_init(&f, "gsl_rk8pd") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 20) == PK_STEP_UNDERFLOW);
+    pk_integrator_free(&f.it);
+}
+
+/* A model whose prepare() hoists: limit = 2 g. */
+static int hoisting(void *params)
+{
+    struct test_params *p = (struct test_params *)params;
+    p->limit = 2 * p->g;
+    return p->g > 0 ? (p->g < 1e300 ? 0 : 3) : 1;
+}
+
+static void parameters(void)
+{
+    static struct fixture f;
+    struct pk_system system = pendulum_system;
+    system.prepare = hoisting;
+    fixture_set(&f, &system);
+    f.options.h = 0.1;
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_BAD_ARGUMENT); /* never prepared */
+    CU_ASSERT(strstr(reason(&f), "prepare()") != NULL);
+    CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_BAD_ARGUMENT);
+    system.prepare(&f.params);
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_DONE && pk_integrator_to(&f.it, 1) == PK_DONE);
+    f.params.g = 3; /* changed without prepare(): seen by a reset */
+    CU_ASSERT(pk_integrator_reset(&f.it, 0, f.q0, f.v0) == PK_BAD_ARGUMENT);
+    f.params.g = -3;
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_OUT_OF_BOUNDS);
+    CU_ASSERT(strstr(reason(&f), "bounds: g") != NULL);
+    f.params.g = 1e301;
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_OUT_OF_BOUNDS);
+    CU_ASSERT(strstr(reason(&f), "follows") != NULL);
+    f.problem.params = NULL;
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_BAD_ARGUMENT);
+}
+
+/* A start from rest without absolute tolerance; a coordinate that is all but nothing. */
+static void no_atol(void)
+{
+    static struct fixture f;
+    static const char *const names[] = {"dopri5", "dop853"};
+    for (int i = 0; i < 2; i++) {
+        fixture_set(&f, &pendulum_system);
+        f.v0[0] = 0;
+        f.options.atol = 0;
+        CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE && f.it.count.steps < 60);
+    }
+}
+
+static void round_off_of_time(void)
+{
+    static struct fixture f;
+    static const char *const names[] = {"dopri5", "dop853"};
+    for (int i = 0; i < 2; i++) {
+        fixture_set(&f, &broken_system); /* no number past 1, and the end 2 ulp past it */
+        f.params.limit = 1;
+        CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 1 - 1e-15) == PK_DONE);
+        f.it.h = 1e-16; /* as many rejections would leave it */
+        CU_ASSERT(pk_integrator_to(&f.it, 1 + 4e-16) < 0 && f.it.t <= 1);
+        fixture_set(&f, &pendulum_system);
+        CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 5e-324) == PK_DONE && f.it.count.steps == 1);
+    }
+}
+
+/* The interpolant asks the kernels once more; what is no number must not pass. */
+static void dense_not_finite(void)
+{
+    static struct fixture f;
+    double q, v;
+    fixture_set(&f, &broken_system);
+    CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
+    CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_DONE);
+    f.params.limit = -1;
+    CU_ASSERT(pk_integrator_dense(&f.it, f.it.t / 2, &q, &v) == PK_NOT_FINITE);
+}
+
+/* A pivot that is rounding is no pivot: .1 * .9 - .3 * .3 is 1e-17, not 0. */
+static void lost_pivot(void)
+{
+    double A[] = {0.1, 0.3, 0.3, 0.9 + 1e-16}, B[] = {2, 1, 1, 1};
+    CU_ASSERT(A[3] - A[1] * A[1] / A[0] < 16 * DBL_EPSILON);
+    CU_ASSERT(pk_ldl_factor(A, 2) == 2);
+    CU_ASSERT(pk_ldl_factor(B, 2) == 0 && B[3] == 0.5);
+}
+
+/* After a sliver of a step the next one is not predicted from it. */
+static void after_a_sliver(void)
+{
+    static struct fixture f;
+    fixture_set(&f, &double_pendulum_system);
+    f.options.h = 0.02;
+    CU_ASSERT(fixture_init(&f, "gauss4") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 0.2) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 0.2 + 2e-7) == PK_DONE);
+    const unsigned long before = f.it.count.evaluations;
+    CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_DONE);
+    CU_ASSERT(f.it.count.evaluations - before <= 25); /* 29 when extrapolated 1e5 steps far */
+}
+
+/* Backward as forward: adaptive and fixed methods return to their start. */
+static void backward(void)
+{
+    static const char *const names[] = {"dopri5", "dop853", "gsl_rk8pd", "gsl_msadams", "rk4"};
+    static struct fixture f;
+    for (int i = 0; i < 5; i++) {
+        fixture_set(&f, &kepler_system);
+        f.options.h = i == 4 ? 1e-3 : 0;
+        f.options.rtol = f.options.atol = 1e-11;
+        CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE);
+        CU_ASSERT(fixture_distance(&f, f.q0, f.v0) > 0.1);
+        CU_ASSERT(pk_integrator_to(&f.it, -0.7) == PK_DONE && f.it.t == -0.7);
+        CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE);
+        const double d = fixture_distance(&f, f.q0, f.v0);
+        CU_ASSERT(d > 0 && d < 1e-7);
+        pk_integrator_free(&f.it);
+    }
+}
+
+void add_silence(void)
+{
+    CU_pSuite suite = CU_add_suite("never silent, continued", NULL, NULL);
+    CU_add_test(suite, "a refused start", refused_start);
+    CU_add_test(suite, "options out of range", refused_options);
+    CU_add_test(suite, "parameters", parameters);
+    CU_add_test(suite, "no absolute tolerance", no_atol);
+    CU_add_test(suite, "round-off of time", round_off_of_time);
+    CU_add_test(suite, "dense output", dense_not_finite);
+    CU_add_test(suite, "a pivot lost in rounding", lost_pivot);
+    CU_add_test(suite, "after a sliver of a step", after_a_sliver);
+    CU_add_test(suite, "backward", backward);
+}
