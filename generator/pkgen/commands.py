@@ -43,7 +43,6 @@ def _warn(source: Source, warnings: tuple[Diagnostic, ...]) -> None:
 def compile_to_c(options: argparse.Namespace) -> int:
     """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
     source = read(options.model)
-    parsing.refuse_scene(options.scene)
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
         with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
@@ -53,6 +52,7 @@ def compile_to_c(options: argparse.Namespace) -> int:
     compilation = compile_within_limits(
         options, source, kernels=kernels, self_test=options.self_test
     )
+    parsing.refuse_scene(compilation.model, options.scene)
     directory = Path(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
     for name, text in compilation.files.items():

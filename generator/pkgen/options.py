@@ -12,7 +12,7 @@ from .compiler import Compilation
 from .equations import Quantity
 from .front import options_text
 from .front.options_text import OptionError
-from .model import Model
+from .model import Deferred, Model
 from .simulate import Settings
 
 UNTIL = 10.0
@@ -46,23 +46,32 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
     return frozenset(wanted)
 
 
-def refuse_scene(scene: str | None) -> None:
-    if scene is not None:
-        raise UsageError(
-            f"--scene {scene}: scenes cannot be compiled or run yet; "
-            "give their settings by --set, --start, --until, --method and --every"
-        )
+def refuse_scene(model: Model, name: str | None) -> None:
+    """Scenes are understood, but nothing is made of them yet."""
+    if name is None:
+        return
+    scenes = {s.name: s for s in model.deferred if s.kind == "scene"}
+    if name not in scenes:
+        raise UsageError(_unknown("--scene", name, list(scenes), "scene"))
+    raise UsageError(
+        f"{_place(model, scenes[name])}: scene '{name}' cannot be compiled or run yet; "
+        "give its settings by --set, --start, --until, --method and --every"
+    )
 
 
 def refuse_deferred(model: Model) -> None:
     """A run must not leave out what would change it."""
     for statement in model.deferred:
         if statement.kind == "event":
-            line, _ = model.source.position(statement.span.start)
             raise UsageError(
-                f"{model.source.path}:{line}: event '{statement.name}' cannot be located yet, so "
+                f"{_place(model, statement)}: event '{statement.name}' cannot be located yet, so "
                 "the model cannot be run; remove it, or embed the C (pkgen MODEL.lag)"
             )
+
+
+def _place(model: Model, statement: Deferred) -> str:
+    line, column = model.source.position(statement.span.start)
+    return f"{model.source.path}:{line}:{column}"
 
 
 def output(path: str | None) -> Path | None:

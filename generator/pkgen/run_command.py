@@ -26,9 +26,9 @@ DONE, USAGE, NUMERICS_FAILED = 0, 2, 4
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
-    parsing.refuse_scene(options.scene)
     output = parsing.output(options.output)
     compilation = compile_within_limits(options)
+    parsing.refuse_scene(compilation.model, options.scene)
     parsing.refuse_deferred(compilation.model)
     settings = parsing.settings(options, compilation)
     if output is None and not options.json:
@@ -100,7 +100,8 @@ def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
     report = outcome.report
     print(
         f"{report['method']}: t = {report['t']:g} after {report['steps']} steps, "
-        f"{report['evaluations']} evaluations, {1000 * report['seconds']:.3g} ms",
+        f"{report['rejections']} rejected, {report['evaluations']} evaluations, "
+        f"{1000 * report['seconds']:.3g} ms",
         file=sys.stderr,
     )
     for drift in report["drifts"]:

@@ -75,6 +75,13 @@ def test_explain_names_what_is_constant(pkgen) -> None:
     assert [c.strip(" ,") for c in constants.split()[1:]] == ["energy", "p_phi", "p_psi"]
 
 
+def test_explain_combines_products_of_sines(pkgen) -> None:
+    text = pkgen("explain", DOUBLE).stdout
+    assert "M[theta2, theta1] = l1*l2*m2*cos(theta1 - theta2)\n" in text
+    force = "-g*l2*m2*sin(theta2) + l1*l2*m2*theta1'^2*sin(theta1 - theta2)"
+    assert f"f[theta2] = {force}\n" in text
+
+
 def test_explain_as_json(pkgen) -> None:
     facts = json.loads(pkgen("explain", HOOP, "--json").stdout)["structure"]
     assert facts["mass_constant"] and facts["separable"] and facts["autonomous"]
@@ -150,7 +157,7 @@ USAGE = {
     "outside its bounds": (["--set", "m1=-1"], "m1"),
     "unknown file type": (["-o", "rows.xls"], "rows.xls"),
     "not a size": (["--size", "N=3.5"], "--size"),
-    "scene": (["--scene", "butterfly"], "scene"),
+    "scene": (["--scene", "butterfly"], "no such scene"),
 }
 
 
@@ -161,6 +168,17 @@ def test_usage_errors(pkgen, case: str) -> None:
     assert done.returncode == 2, done.stderr
     assert mentioned in done.stderr and "Traceback" not in done.stderr
     assert done.stdout == ""
+
+
+def test_a_scene_is_refused_with_its_place(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "scenes.lag"
+    model.write_text(DOUBLE.read_text() + "\nscene butterfly\n  until 5 [s]\nend\n")
+    line = len(model.read_text().splitlines()) - 2
+    for command in (["run", model], [model, "-o", tmp_path]):
+        done = pkgen(*command, "--scene", "butterfly")
+        assert done.returncode == 2 and f"scenes.lag:{line}:" in done.stderr
+    assert not (tmp_path / "double_pendulum.c").exists()
+    assert pkgen("check", model).returncode == 0
 
 
 def test_a_method_that_does_not_apply_is_refused(pkgen) -> None:

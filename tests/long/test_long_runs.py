@@ -20,8 +20,8 @@ STEPS, STEP = 1_000_000, 0.005
 PAGE = ROOT / "docs" / "long-runs.md"
 INTRODUCTION = f"""# A million steps
 
-Drift of each model's constants over {STEPS:,} steps of {STEP} s, from its own start: the largest, and in
-brackets what a straight line through it gains over the run. Written by `make test-long`
+Drift of each model's constants over {STEPS:,} steps of {STEP} s, from its own start: the largest,
+and in brackets what a straight line through it gains over the run. Written by `make test-long`
 (`PKGEN_UPDATE=1 make test-long`), which demands that gauss4 stays below 1e-12, that the energy
 error of gauss2 does not grow by more than a twentieth of its size, and that rk4 fails both.
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import sympy
 
 COMBINED = 80  # operations, up to which products of sines become sines of sums
+COMBINED_COORDINATES = 8  # n^2 entries of M would take minutes
 
 
 def text(equations: Equations, node: Node, limit: int) -> str:
@@ -32,8 +33,8 @@ def text(equations: Equations, node: Node, limit: int) -> str:
         Kind.TIME: ["t"],
     }
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))
-    if size <= COMBINED:
-        expr = TR10i(expr)
+    if size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES:
+        expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
     return sp.sstr(expr).replace("**", "^")
 
 
