@@ -35,7 +35,7 @@ void output_header(struct run *run, FILE *file)
     fputs(",energy\n", file);
 }
 
-/* The motion may be valid where what is computed from it is not: the rows go on, the run says so. */
+/* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
 static void check_row(struct run *run, pk_real t, const pk_real *out, pk_real energy)
 {
     const struct pk_system *system = run->problem.system;

@@ -223,7 +223,8 @@ enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
                     next = pk_max(next, planned); /* a step cut short says nothing of the next */
                 *w.err_old = pk_max(it->error, PK_C(1e-4));
                 *w.h_made = sign * h;
-                it->h = sign * next;
+                /* After a step below round-off, the next is guessed like a first one. */
+                it->h = planned > least || left > least ? sign * next : 0;
                 break;
             }
             planned = h / pk_min(PK_C(1.0) / table->shrink, raw);

@@ -207,7 +207,9 @@ static int rising(pk_real size, int count, pk_real *window)
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh,
                             pk_real count)
 {
-    if (fresh) {
+    if (!(it->flags & PK_HAVE_STEP)) {
+        it->flags |= PK_REFRESH; /* a first step has no prediction: its count says nothing */
+    } else if (fresh) {
         *w->best = count;
         *w->wait -= *w->wait > 0 ? PK_C(1.0) : PK_C(0.0);
     } else if (count > *w->best + (small(it, w) ? PK_C(0.0) : PK_C(1.0))) {

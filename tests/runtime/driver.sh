@@ -53,6 +53,28 @@ for bad in "method nosuch\n" "method rk4\nuntil x\n" "param 9 1\n" "start q 7 1\
 done
 run run_pendulum "method rk4\nuntil 1\nstep .1\nparam 0 -1\n"
 check "parameter out of bounds: exit 2" [ $code -eq 2 ]
+run run_pendulum "method dop853\nuntil 1\nrtol 0\natol 0\n"
+check "no tolerance: exit 2" [ $code -eq 2 ]
+
+# Intervals: no drift of the count by round-off of t, none below it.
+run run_pendulum "method verlet\nuntil 12345.6\nevery 0.1\nstep 0.1\nreport $tmp/r.json\n"
+check "rows of a step each" grep -q '"steps": 123456,' "$tmp/r.json"
+check "and 0 and header" [ "$(wc -l <"$tmp/out.csv")" -eq 123458 ]
+run run_pendulum "method verlet\nuntil 1\nevery 5\nstep 7\n"
+check "every and step beyond until: two rows" [ "$(cut -d, -f1 "$tmp/out.csv" | tr '\n' ' ')" = "t 0 1 " ]
+for tiny in "method dop853\nuntil 1\nevery 1e-300\n" "method rk4\nuntil 1\nstep 1e-300\n" \
+    "method rk4\nuntil 1e9\nevery 1\nstep 1e-9\n"; do
+    run run_pendulum "$tiny"
+    check "below round-off: exit 2 for $tiny" [ $code -eq 2 ]
+    check "and no row" [ "$(wc -l <"$tmp/out.csv")" -eq 0 ]
+done
+
+# The motion is finite, its energy not: rows, a word, exit 4.
+run run_pendulum "method verlet\nuntil 1\nstep 0.1\nevery 0.5\nstart v 0 1e200\nreport $tmp/r.json\n"
+check "energy not finite: exit 4" [ $code -eq 4 ]
+check "rows all the same" [ "$(wc -l <"$tmp/out.csv")" -eq 4 ]
+check "said with its time" grep -q 'energy is not finite in 3 of 3 rows, first at t = 0' "$tmp/err"
+check "and in the report" grep -q '"not_finite": "energy"' "$tmp/r.json"
 
 printf 'method rk4\nuntil 10\nstep 1e-3\nevery 0\n' | "$dir/run_pendulum" >/dev/full 2>"$tmp/err"
 check "disk full: exit 2" [ $? -eq 2 ]

@@ -28,6 +28,9 @@ extern const struct pk_system broken_system;
 /* q'' = -g q + cos(3 t), exact: see driven_exact(). Separable, not autonomous. */
 extern const struct pk_system driven_system;
 void driven_exact(pk_real t, pk_real *q, pk_real *v);
+/* L = exp(t/2) (1 + q^2) v^2/2 - g cos(t) q^2/2, D = .3 (2 + cos t) v^2/2,
+ * Q = .2 sin(3 t) - v^3/9: explicit time everywhere, M(q), forces without a Lagrangian. */
+extern const struct pk_system forced_system;
 /* q'' = u: an input. */
 extern const struct pk_system pushed_system;
 

@@ -21,6 +21,11 @@ static void definitions(void)
     CU_ASSERT(!(pk_drift_max(&d) <= 1));
     pk_drift_update(&d, 3, 2.0); /* and go on to show */
     CU_ASSERT(!(pk_drift_max(&d) <= 1));
+    pk_drift_init(&d); /* whatever its scale */
+    pk_drift_update_scaled(&d, 0, 1.0, 8);
+    pk_drift_update_scaled(&d, 1, (double)NAN, 8);
+    pk_drift_update_scaled(&d, 2, 2.0, 8);
+    CU_ASSERT(!(pk_drift_max(&d) <= 1));
     pk_drift_init(&d); /* nor may an infinite scale divide a drift to nothing */
     pk_drift_update_scaled(&d, 0, 1.0, (double)INFINITY);
     pk_drift_update_scaled(&d, 1, 2.0, 1);

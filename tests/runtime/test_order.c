@@ -67,9 +67,9 @@ static void order_with_time(void)
 static void order_general_mass(void)
 {
     static const struct pk_system *const systems[] = {&double_pendulum_system,
-                                                      &relativistic_system};
+                                                      &relativistic_system, &forced_system};
     static const char *const names[] = {"rk4", "gauss1", "gauss2", "gauss3"};
-    for (size_t s = 0; s < 2; s++)
+    for (size_t s = 0; s < 3; s++)
         for (size_t i = 0; i < 4; i++) {
             const double p = measured_order(systems[s], names[i], 1);
             printf("\n    %s, %-7s measured %.3f", systems[s]->name, names[i], p);

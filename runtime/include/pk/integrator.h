@@ -7,6 +7,10 @@
  *     pk_integrator_init(&it, &problem, method, &options, t0, q0, v0, block, size);
  *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
  *
+ * t, q, v, p are in SI units, or in the model's own if it has none; q0, v0, it.q, it.v, it.p
+ * hold n numbers each, in the order of system->coordinates. it.q, it.v, it.p point into the block
+ * and change with each step.
+ *
  * No function allocates, prints or exits (a method of pk/gsl.h allocates in init, and
  * pk_integrator_free() gives that back). A step that fails leaves t, q, v and p as they were.
  * One integrator is used by one thread at a time; different ones are independent.
@@ -22,8 +26,11 @@
 extern "C" {
 #endif
 
-/* What is integrated. `params` is the model's own struct, already prepared. `input` fills
- * u at time t; without it inputs are zero. */
+/* What is integrated. All of it must outlive the integrator. `params` is the model's own struct,
+ * already prepared: init and reset refuse one that is out of bounds or was changed without
+ * prepare(). `input` fills the n_inputs numbers u at time t, in the order and units of
+ * system->inputs; it must be a function of t, since methods ask for any t of a step in any order.
+ * Without it inputs are zero. */
 struct pk_problem {
     const struct pk_system *system;
     const void *params;
@@ -34,14 +41,17 @@ struct pk_problem {
 enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
 
 struct pk_options {
-    pk_real h;    /* fixed step, or an adaptive method's first one (0: it chooses). Positive. */
-    pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| a step, root mean square */
+    pk_real h;    /* fixed step, or an adaptive method's first one (0: it chooses). Positive,
+                     finite, whatever the direction. */
+    pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| a step, root mean square over
+                     q and v; finite, not both 0. Below some 10 PK_EPSILON it buys nothing. */
     pk_real atol;
     pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
-    pk_real h_max; /* adaptive; 0: none */
+    pk_real h_max; /* adaptive; 0: none. A last step may be 1% longer. */
     unsigned long max_steps; /* 0: no bound */
     enum pk_iteration iteration;
-    pk_real newton_tol; /* relative correction that ends an iteration; 0: down to round-off */
+    pk_real newton_tol; /* relative correction that ends an iteration, < 1; 0: the next one is
+                           foreseen to be far below round-off, the choice for long runs */
     int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point */
 };
 
@@ -81,15 +91,21 @@ struct pk_integrator {
 
 struct pk_options pk_options_default(void);
 
-/* Bytes of the block that pk_integrator_init() wants; it is to be aligned for pk_real. */
+/* Bytes of the block that pk_integrator_init() wants, 0 if an argument is null; it is to be
+ * aligned for pk_real, as malloc's are, and stays in use until the integrator is. */
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method);
 
+/* Copies q0 and v0. PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_REFUSED (the method), PK_OUT_OF_BOUNDS
+ * (a parameter), PK_NOT_FINITE, PK_NO_MEMORY (GSL): then no later call makes a step, and each
+ * returns the same status. An integrator of GSL's is to be freed before it is initialised again. */
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
                                   const struct pk_method *method,
                                   const struct pk_options *options, pk_real t0,
                                   const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
-/* A new state at t for the same integrator; counters go on. */
+/* A new state at t for the same integrator; counters go on. q and v may be it->q and it->v: so it
+ * is to be called after a change of parameters or a jump of an input, of which methods keep
+ * derivatives. Where it is refused, nothing steps until one is accepted. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
 /* Another fixed step, or for an adaptive method another first step, from here on. */
@@ -99,7 +115,8 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
 /* Steps until t == t_end exactly, forward or backward. */
 enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
-/* The motion at t inside the last step, by the method's own interpolant. */
+/* The motion at t inside the last step, by the method's own interpolant, into n numbers each.
+ * PK_BAD_ARGUMENT for another t or method; a failure leaves the state as it is. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* The last status in words, with the last valid time and names. Returns its length as
  * snprintf() does. */

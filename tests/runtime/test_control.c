@@ -1,0 +1,141 @@
+/* Step control of the embedded methods: the formula step by step, and whole runs against the
+ * counts of the published codes. Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
+ * Differential Equations I, II.0 (0.1)-(0.2) for the orbit, II.4 and II.5 for the control.
+ */
+#include <stdlib.h>
+
+#include "fixture.h"
+
+/* Restricted three bodies in the rotating frame, mu = .012277471; a closed orbit. */
+static int arenstorf_acceleration(const void *params, double t, const double *q, const double *v,
+                                  const double *u, double *a)
+{
+    const double mu = 0.012277471, nu = 1 - mu;
+    const double d1 = pow((q[0] + mu) * (q[0] + mu) + q[1] * q[1], 1.5);
+    const double d2 = pow((q[0] - nu) * (q[0] - nu) + q[1] * q[1], 1.5);
+    (void)params, (void)t, (void)u;
+    a[0] = q[0] + 2 * v[1] - nu * (q[0] + mu) / d1 - mu * (q[0] - nu) / d2;
+    a[1] = q[1] - 2 * v[0] - nu * q[1] / d1 - mu * q[1] / d2;
+    return 0;
+}
+
+static void arenstorf(struct fixture *f, struct pk_system *system)
+{
+    *system = kepler_system;
+    system->acceleration = arenstorf_acceleration;
+    fixture_set(f, system);
+    f->q0[0] = 0.994, f->q0[1] = 0;
+    f->v0[0] = 0, f->v0[1] = -2.00158510637908252240537862224;
+}
+
+static const double period = 17.0652165601579625588917206249;
+
+/* h_new = h / clamp(err^alpha / err_old^beta / safety), rejected steps by err alone. */
+static void formula(void)
+{
+    static const struct {
+        const char *name;
+        double k, beta, shrink, grow;
+    } row[] = {{"dopri5", 5, 0.04, 0.2, 10}, {"dop853", 8, 0, 0.333, 6}};
+    static struct fixture f;
+    struct pk_system system;
+    for (int i = 0; i < 2; i++) {
+        const double alpha = 1 / row[i].k - 0.75 * row[i].beta;
+        double old = 1e-4, sizes[4000];
+        int checked = 0, rejected = 0;
+        arenstorf(&f, &system);
+        f.options.rtol = f.options.atol = 1e-7;
+        CU_ASSERT_FATAL(fixture_init(&f, row[i].name) == PK_DONE);
+        for (int count = 0; f.it.t < period; count++) {
+            const unsigned long before = f.it.count.rejections;
+            const double planned = f.it.h;
+            CU_ASSERT_FATAL(count < 4000 && pk_integrator_step(&f.it, period) == PK_DONE);
+            const double h = f.it.t - f.it.last_t, err = f.it.error;
+            CU_ASSERT(err <= 1);
+            double fac = pow(err, alpha) / pow(old, row[i].beta) / 0.9;
+            fac = fmin(1 / row[i].shrink, fmax(1 / row[i].grow, fac));
+            const int again = f.it.count.rejections > before;
+            const double next = again ? fmin(h / fac, h) : h / fac;
+            if (f.it.t < period && count) {
+                CU_ASSERT(fabs(f.it.h / next - 1) < 1e-9);
+                CU_ASSERT(again ? h < planned : fabs(h / planned - 1) < 1e-9);
+                checked++;
+                rejected += again;
+            }
+            old = fmax(err, 1e-4);
+            sizes[count] = h;
+        }
+        CU_ASSERT(checked > 30 && rejected > 3 && sizes[0] > 0);
+    }
+}
+
+/* DR_DOPRI5's own output: fcn 1442, step 240, accepted 216, rejected 22 after the first step. */
+static void published(void)
+{
+    static struct fixture f;
+    struct pk_system system;
+    arenstorf(&f, &system);
+    f.options.rtol = f.options.atol = 1e-7;
+    CU_ASSERT(fixture_init(&f, "dopri5") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);
+    printf("\n    Arenstorf, dopri5 at 1e-7: %lu steps, %lu rejected, %lu evaluations, end %.1e",
+           f.it.count.steps, f.it.count.rejections, f.it.count.evaluations,
+           fixture_distance(&f, f.q0, f.v0));
+    CU_ASSERT(f.it.count.steps + f.it.count.rejections == 240);
+    CU_ASSERT(f.it.count.evaluations == 1442);
+    arenstorf(&f, &system); /* scipy's DOP853, the same formulas: 84 accepted, 36 rejected */
+    f.options.rtol = f.options.atol = 1e-7;
+    CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);
+    printf(", dop853 at 1e-7: %lu + %lu", f.it.count.steps, f.it.count.rejections);
+    CU_ASSERT(labs((long)f.it.count.steps - 84) <= 3);
+    arenstorf(&f, &system);
+    f.options.rtol = f.options.atol = 1e-13;
+    CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);
+    const double end = fixture_distance(&f, f.q0, f.v0);
+    printf(", dop853 at 1e-13: %lu steps, end %.1e", f.it.count.steps, end);
+    CU_ASSERT(end > 1e-13 && end < 1e-8);
+}
+
+/* A row just ahead cuts a step short; the next one is as long as if it had not. */
+static void cut_short(void)
+{
+    static struct fixture f;
+    static const char *const names[] = {"dopri5", "dop853"};
+    for (int i = 0; i < 2; i++) {
+        fixture_set(&f, &pendulum_system);
+        CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
+        for (int k = 0; k < 10; k++)
+            CU_ASSERT(pk_integrator_step(&f.it, 1e3) == PK_DONE);
+        const double planned = f.it.h;
+        CU_ASSERT(pk_integrator_to(&f.it, f.it.t + planned / 1000) == PK_DONE);
+        CU_ASSERT(f.it.h >= planned);
+    }
+}
+
+/* HNW II.4: h0 = .01 |y|/|y'|, then h1 with h1^k max(|y'|, |y''|) = .01, in the tolerance's norm. */
+static void first_step(void)
+{
+    static struct fixture f;
+    const double tol = 1e-5, q = 2.385, v = 0.13, a = -sin(q);
+    const double sq = tol + tol * q, sv = tol + tol * v;
+    const double d0 = hypot(q / sq, v / sv) / sqrt(2.0), d1 = hypot(v / sq, a / sv) / sqrt(2.0);
+    const double h0 = 0.01 * d0 / d1;
+    const double d2 = hypot(h0 * a / sq, (-sin(q + h0 * v) - a) / sv) / sqrt(2.0) / h0;
+    const double h1 = fmin(100 * h0, pow(0.01 / fmax(d1, d2), 0.2));
+    fixture_set(&f, &pendulum_system);
+    f.options.rtol = f.options.atol = tol;
+    CU_ASSERT(fixture_init(&f, "dopri5") == PK_DONE);
+    CU_ASSERT(pk_integrator_step(&f.it, 1e3) == PK_DONE && f.it.count.rejections == 0);
+    CU_ASSERT(fabs(f.it.t / h1 - 1) < 1e-9 && fabs(h0 / h1 - 1) > 0.1);
+}
+
+void add_control(void)
+{
+    CU_pSuite suite = CU_add_suite("step control", NULL, NULL);
+    CU_add_test(suite, "the formula, step by step", formula);
+    CU_add_test(suite, "a published run", published);
+    CU_add_test(suite, "a step cut short", cut_short);
+    CU_add_test(suite, "the first step", first_step);
+}
