@@ -75,6 +75,8 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
 }
 ARGUMENTS = {"compile": _compile_arguments, "run": _run_arguments}
 
+LATER = frozenset(("chart", "stability", "export", "sweep", "fmt"))
+
 OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c (default: here)
        pkgen check MODEL.lag        errors and warnings only
        pkgen explain MODEL.lag      equations, structure
@@ -93,6 +95,9 @@ def main(arguments: list[str] | None = None) -> int:
     if arguments[0] == "--version":
         print(f"pkgen {__version__}")
         return DONE
+    if arguments[0] in LATER and not os.path.exists(arguments[0]):
+        print(f"pkgen: '{arguments[0]}' is not there yet\n\n{OVERVIEW}", file=sys.stderr)
+        return USAGE
     command = arguments[0] if arguments[0] in COMMANDS else "compile"
     options = _parser(command).parse_args(arguments[1:] if command == arguments[0] else arguments)
     try:

@@ -17,6 +17,7 @@ from .simulate import Settings
 
 UNTIL = 10.0
 RTOL = 1e-10
+ROUND_OFF = 2.0**-52
 ROWS = 1000
 
 
@@ -95,6 +96,11 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         "parameter": {q.name: (i, q) for i, q in enumerate(parameters)},
         "input": {q.name: (i, q) for i, q in enumerate(equations.inputs)},
     }
+    if rtol is not None and rtol < ROUND_OFF and options.atol is None:
+        # No step is short enough: it would be halved for ever.
+        raise UsageError(
+            f"--rtol {options.rtol}: no double is that exact; the smallest is {ROUND_OFF:.1e}"
+        )
     until = values.positive("--until", options.until, values.time) or UNTIL
     every = values.positive("--every", options.every, values.time)
     return Settings(
@@ -138,7 +144,8 @@ class _Values:
                 name=name,
             )
         except OptionError as error:
-            raise UsageError(f"{option} {text}: {error.text()}") from None
+            given = text if option == f"--{name}" else f"{name}={text}"
+            raise UsageError(f"{option} {given}: {error.text()}") from None
         if not math.isfinite(found):
             raise UsageError(f"{option} {text}: {name} must be finite")
         return float(found)
@@ -206,7 +213,7 @@ def _flat(name: str, index: int | None) -> str:
 
 def _assignment(option: str, text: str) -> tuple[str, str]:
     left, equal, right = text.partition("=")
-    if not equal:
+    if not (equal and left.strip()):
         raise UsageError(f"{option} {text}: give a name and a value, e.g. {option} g=9.81")
     return left.strip(), right.strip()
 

@@ -155,6 +155,9 @@ USAGE = {
     "not finite": (["--until", "inf"], "until"),
     "zero step": (["--method", "rk4", "--step", "0"], "step"),
     "outside its bounds": (["--set", "m1=-1"], "m1"),
+    "not of this world": (["--rtol", "1e-40"], "--rtol 1e-40: no double"),
+    "no name": (["--set", "=1"], "give a name and a value"),
+    "whose value": (["--set", "l1=nan"], "--set l1=nan: unknown name"),
     "unknown file type": (["-o", "rows.xls"], "rows.xls"),
     "not a size": (["--size", "N=3.5"], "--size"),
     "scene": (["--scene", "butterfly"], "no such scene"),
@@ -168,6 +171,11 @@ def test_usage_errors(pkgen, case: str) -> None:
     assert done.returncode == 2, done.stderr
     assert mentioned in done.stderr and "Traceback" not in done.stderr
     assert done.stdout == ""
+
+
+def test_commands_to_come_are_no_models(pkgen) -> None:
+    done = pkgen("chart", DOUBLE)
+    assert done.returncode == 2 and "'chart' is not there yet" in done.stderr
 
 
 def test_a_scene_is_refused_with_its_place(pkgen, tmp_path: Path) -> None:

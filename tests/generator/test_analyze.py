@@ -52,6 +52,17 @@ def test_cyclic_needs_no_force_along_it():
     assert facts(**FREE, dissipation="D(y)**2").cyclic == (True, False)
 
 
+@pytest.mark.parametrize(
+    ("jump", "cyclic"),
+    [("step(y)*x", (False, False)), ("step(y)", (True, False)), ("step(t)*x", (False, True))],
+)
+def test_where_the_lagrangian_jumps_nothing_is_constant(jump, cyclic):
+    """A step has derivative 0: the force that does its work is not there."""
+    found = facts(**FREE, potential=jump)
+    assert not found.conservative
+    assert found.cyclic == cyclic
+
+
 def test_by_identity():
     """t and phi drop out of a Cartesian L; theta does not."""
     found = facts(

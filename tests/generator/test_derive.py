@@ -219,6 +219,16 @@ OK = dict(coords=("x",), kinetic="D(x)**2")
         (OK | dict(potential="x*log(0)"), "the logarithm of a number that is not positive"),
         (OK | dict(potential="x*(-8)**(1/3)"), "a negative number has no real power"),
         (OK | dict(potential="x**9999"), "an exponent beyond 1,000"),
+        # Constants that only unrolling, or a product, makes too large; the C would have an inf.
+        (OK | dict(potential="S('i', 1, 3, 9**(9**i)*x)"), "too large for a double at i = 3"),
+        (OK | dict(potential="S('i', 1, 3, exp(i*400)*x)"), "too large for a double at i = 2"),
+        (OK | dict(potential="1e200*1e200*x"), "this constant is too large for a double"),
+        (OK | dict(potential="m*1e200*1e200*x", params={"m": 1}), "too large for a double"),
+        (OK | dict(potential="x*(1e308 + 1e308)"), "this constant is too large for a double"),
+        (OK | dict(potential="1e-200*1e-200*x"), "too small for a double"),
+        (OK | dict(potential="S('i', 1, 2, log(exp(i) - 5)*x)"), "has no real value at i = 1"),
+        (OK | dict(potential="(-2)**x"), "a negative number to a power that varies"),
+        (OK | dict(potential="0**x"), "zero to a power that varies"),
         (OK | dict(potential="D(D(x))"), "an acceleration cannot be used here"),
         (OK | dict(potential="[x, 1, 2]"), "a vector where a single value is needed"),
         (OK | dict(potential="dot([x, 1], [1, 2, 3])"), "dot takes vectors"),
@@ -245,6 +255,11 @@ def test_refused_with_its_place(given, message):
     assert caught.value.text().startswith("test.lag:1:1: error: ")
 
 
+def test_constants_that_are_zero_or_large_stay():
+    """Nothing is lost in cos(pi) + 1, nor in 1e300."""
+    derive(model(coords=("x",), kinetic="D(x)**2", potential="(cos(pi) + 1)*x + 1e300*x**2"))
+
+
 def test_every_coordinate_without_inertia_is_named():
     with pytest.raises(ModelError) as caught:
         derive(model(coords=("x", "y", "z"), kinetic="D(y)**2", potential="x*z"))
@@ -261,7 +276,8 @@ def test_the_limit_on_nodes(monkeypatch):
 def test_a_huge_tower_ends_at_once():
     """((9^9)^99)^99 is never computed."""
     start = time.perf_counter()
-    derive(model(**(OK | dict(potential="x*((9**9)**99)**99"))), MASS_AND_FORCE)
+    with pytest.raises(ModelError):
+        derive(model(**(OK | dict(potential="x*((9**9)**99)**99"))), MASS_AND_FORCE)
     assert time.perf_counter() - start < 1
 
 

@@ -28,6 +28,9 @@ from pkgen.front.units import NONE, UnitError, described, dimension, parse_unit,
         ("min", 60, 0, units.TIME),
         ("h", 3600, 0, units.TIME),
         ("inch", Fraction(127, 5000), 0, units.LENGTH),
+        ("THz", 10**12, 0, dimension(0, 0, -1)),  # T is tera before it is tesla
+        ("TW", 10**12, 0, units.POWER),
+        ("mT*m", Fraction(1, 1000), 0, dimension(1, 1, -2, -1)),
         ("eV", Fraction(801088317, 5 * 10**27), 0, units.ENERGY),
     ],
 )

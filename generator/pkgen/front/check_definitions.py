@@ -14,7 +14,7 @@ from .check_names import UNKNOWN, Entry, Facts, Members, Names, joined
 from .check_scope import PLACES, Scope
 from .check_shared import Shared, described, name_span
 from .units import NONE
-from .words import reserved
+from .words import C_HEADERS, reserved
 
 _UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
 
@@ -35,6 +35,12 @@ class Definitions:
         if why:
             self.report.error(
                 f"'{statement.name}' {why} and cannot name a model", statement.name_span
+            )
+        elif statement.name in C_HEADERS:
+            self.report.error(
+                f"'{statement.name}.h' is a header of C; a model's would hide it",
+                statement.name_span,
+                f"choose another name, e.g. {statement.name}_model",
             )
 
     def size(self, statement: st.SizeOf) -> None:

@@ -70,7 +70,8 @@ _SIMPLE = {  # name: (factor, dimension, exponent of the angle)
     "rad": (1, NONE, 1),
 }
 
-_JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K", "T")  # no prefixes of other units
+# Units that are no prefixes: Nm is a slip for N*m. (T is one: THz, TJ, TW.)
+_JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
 
 KINDS = {
     NONE: "a pure number",

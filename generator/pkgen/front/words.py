@@ -22,6 +22,12 @@ _C = """
     volatile wchar_t while xor xor_eq
     NULL NAN INFINITY HUGE_VAL EOF errno assert main size_t
 """
+# C90 to C23's headers. A model's own NAME.h would hide the compiler's: cc finds -I. first.
+_HEADERS = """
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal
+    stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn
+    string tgmath threads time uchar wchar wctype
+"""
 
 MODEL_WORDS = tuple(_MODEL.split())
 SCENE_WORDS = tuple(_SCENE.split())
@@ -29,6 +35,7 @@ STATEMENT_WORDS = frozenset(MODEL_WORDS) | frozenset(SCENE_WORDS)
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
 CONSTANTS = frozenset(("t", "pi", "inf", "energy"))
 C_WORDS = frozenset(_C.split())
+C_HEADERS = frozenset(_HEADERS.split())
 
 _LOOK_ALIKES = {
     "\u00b5": "mu",  # micro sign

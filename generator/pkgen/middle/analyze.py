@@ -27,16 +27,17 @@ def analyze(equations: Equations) -> Structure:
     constant = not seen.mask(triangle, VARIABLE)
     unforced = all(node == ZERO for node in equations.applied)
     steady = not seen.mask([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
+    jumping = _jumping(equations)
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
         quadratic=not seen.mask(triangle, RATES),
         separable=constant and not seen.mask(equations.force, RATES),
         autonomous=steady,
-        conservative=unforced and steady,
+        conservative=unforced and steady and not jumping,
         variational=unforced,
         smooth=_smooth(equations),
-        cyclic=_cyclic(equations, seen),
+        cyclic=_cyclic(equations, seen, jumping),
     )
 
 
@@ -65,7 +66,26 @@ class _Seen:
         return result
 
 
-def _cyclic(equations: Equations, seen: _Seen) -> tuple[bool, ...]:
+def _jumping(equations: Equations) -> frozenset[int]:
+    """The coordinates inside a step of the Lagrangian (a sign: from the rate of an abs).
+
+    The derivative of a step is taken as 0, so the force that does work where L jumps is not
+    there: the energy is no constant of this motion, nor is the momentum one of the model.
+    """
+    g = equations.graph
+    jumps = [
+        node
+        for node in reachable(g, [equations.lagrangian], VARIABLE)
+        if g.op[node] is Op.CALL and g.data[node] in ("step", "sign")
+    ]
+    return frozenset(
+        g.data[node].index
+        for node in reachable(g, jumps, VARIABLE)
+        if g.op[node] is Op.SYMBOL and g.data[node].kind in (Kind.COORDINATE, Kind.RATE)
+    )
+
+
+def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple[bool, ...]:
     """No coordinate q_i in L up to an identity, and nothing applied along it."""
     g = equations.graph
     symbols = {
@@ -74,7 +94,7 @@ def _cyclic(equations: Equations, seen: _Seen) -> tuple[bool, ...]:
         if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
     }
     return tuple(
-        applied == ZERO and (slope == ZERO or i not in symbols)
+        applied == ZERO and i not in jumping and (slope == ZERO or i not in symbols)
         for i, (slope, applied) in enumerate(
             zip(equations.gradient, equations.applied, strict=True)
         )

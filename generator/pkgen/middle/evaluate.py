@@ -45,11 +45,12 @@ def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) ->
     nodes = list(nodes)
     known: dict[Node, float] = {}
     for node in reachable(g, nodes):
-        known[node] = _float(g, node, [known[a] for a in g.args[node]], values)
+        known[node] = value_of(g, node, [known[a] for a in g.args[node]], values)
     return [known[node] for node in nodes]
 
 
-def _float(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:
+def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:
+    """One node from the values of its arguments."""
     op, data = g.op[node], g.data[node]
     try:
         if op is Op.NUMBER:

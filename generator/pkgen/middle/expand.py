@@ -16,6 +16,7 @@ from ..source import Span
 from ..tree import Expr, Name, Range
 from .differentiate import Forward
 from .graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
+from .magnitudes import Magnitudes
 from .quantities import Family, error, families, indexed, input_index, sizes
 from .terms import EXPAND, Loop, Value
 
@@ -49,6 +50,7 @@ class Expander:
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self._ends = _ends(model, self.coordinates)
         self._visits = 0
+        self._magnitudes = Magnitudes(self.graph)
 
     @property
     def count(self) -> int:
@@ -102,7 +104,13 @@ class Expander:
         self._visits += 1
         if self._visits > VISITS:
             raise TooLarge
-        return EXPAND[type(expr)](self, expr, loop)
+        value = EXPAND[type(expr)](self, expr, loop)
+        for node in value if isinstance(value, tuple) else (value,):
+            wrong = self._magnitudes.wrong(node)
+            if wrong:
+                at = ", ".join(f"{k} = {v}" for k, v in loop.items() if k not in self.sizes)
+                raise error(self.model, f"{wrong} at {at}" if at else wrong, expr.span)
+        return value
 
     # -- names --------------------------------------------------------------------------------
 

@@ -103,13 +103,17 @@ def _power(x: Expander, expr: Power, loop: Loop) -> Value:
     g = x.graph
     base, exponent = x.scalar(expr.base, loop), x.scalar(expr.exponent, loop)
     constant = g.value(exponent)
+    number = g.value(base)
     if constant is None:
+        # Such a power has no derivative: ln of the base is in it.
+        if number is not None and (number < 0 or (number == 0 and not g.is_constant(exponent))):
+            what = "zero" if number == 0 else "a negative number"
+            raise error(x.model, f"{what} to a power that varies is not differentiable", expr.span)
         return g.call("pow", base, exponent)
     if abs(constant) > limits.EXPONENT:
         raise error(
             x.model, f"an exponent beyond {limits.EXPONENT:,} in magnitude", expr.exponent.span
         )
-    number = g.value(base)
     if number == 0 and constant < 0:
         raise error(x.model, "division by zero", expr.span)
     if number is not None and number < 0 and constant.denominator != 1:

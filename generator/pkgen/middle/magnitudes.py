@@ -1,0 +1,69 @@
+"""Constants that no double can hold, found as the expressions are entered into the graph.
+
+The checker has seen the constants that stand in the text; what a sum or a family makes of its
+loop variable, and a product of constants that each are fine, exist only now.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .evaluate import value_of
+from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
+
+_PARAMETER = BIT[Kind.PARAMETER]
+LARGE = "this constant is too large for a double"
+SMALL = "this constant is too small for a double: it would become zero"
+NO_VALUE = "this constant has no real value"
+
+
+class Magnitudes:
+    """Remembers the floating-point value of each constant, which C will compute as well."""
+
+    def __init__(self, g: Graph):
+        self.graph = g
+        self._values: dict[Node, float] = {}
+        self._wrong: dict[Node, str] = {ONE: ""}
+
+    def wrong(self, node: Node) -> str:
+        """What is wrong with the constant in front of a node (its scale), or ""."""
+        scale, _ = self.graph.split(node)
+        found = self._wrong.get(scale)
+        if found is None:
+            found = self._wrong[scale] = self._of_scale(scale)
+        return found
+
+    def _of_scale(self, scale: Node) -> str:
+        g = self.graph
+        if not g.depends[scale] & _PARAMETER:
+            return self._of(scale)
+        # a * 1e200 * 1e200: a parameter does not hide what it is multiplied by.
+        product = 1.0
+        for base, exponent in g.factors(scale):
+            if not g.depends[base] & _PARAMETER:
+                wrong = self._of(base)
+                if wrong:
+                    return wrong
+                product *= math.pow(self._values[base], float(exponent))
+        return "" if math.isfinite(product) else LARGE
+
+    def _of(self, constant: Node) -> str:
+        """A constant that depends on nothing, its parts first."""
+        g, values = self.graph, self._values
+        stack = [constant]
+        while stack:
+            node = stack[-1]
+            missing = [a for a in g.args[node] if a not in values]
+            if node in values or not missing:
+                stack.pop()
+                values[node] = value_of(g, node, [values[a] for a in g.args[node]], {})
+            else:
+                stack.extend(missing)
+        value = values[constant]
+        if math.isnan(value):
+            return NO_VALUE
+        if math.isinf(value):
+            return LARGE
+        # A sum or a sine may be zero without anything lost; numbers and products may not.
+        lost = value == 0 and constant != ZERO and g.op[constant] not in (Op.ADD, Op.CALL)
+        return SMALL if lost and all(values[a] != 0 for a in g.args[constant]) else ""
