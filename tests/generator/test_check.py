@@ -72,6 +72,16 @@ def test_units_become_factors():
     assert not any(isinstance(e, Quantity) for e in nodes(model))
 
 
+def test_a_unit_belongs_to_the_whole_pure_number_before_it():
+    text = "let a = 0.3*sin(theta) [cm]\npotential (1 [N])*a\nobserve o = theta [deg]\n"
+    model = model_of(HEAD + text)
+    (a,) = model.definitions
+    assert a.value.factors[0].value == Fraction(1, 100)
+    # An angle is in radians already; [deg] only checks that it is one.
+    (o,) = model.observed
+    assert o.value == Name("theta", None, o.value.span)
+
+
 def test_units_for_display():
     model = model_of(HEAD + "input F [N]\nforce x = F\nobserve E = m*g*x\nobserve o = theta'\n")
     x, theta = model.coordinates

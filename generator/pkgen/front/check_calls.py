@@ -135,7 +135,10 @@ class Calls:
         unit = self.x.unit(expr.unit, expr.unit_span)
         if unit is None:
             return of, replace(facts, dimension=None, value=None)
-        if facts.dimension is None or (facts.dimension == NONE and not facts.united):
+        # A pure number becomes a quantity, 0.3*sin(theta) [m] as much as 0.3 [m]; but an angle
+        # that is declared in radians is not turned into degrees by saying so.
+        pure = facts.dimension == NONE and (unit.dimension != NONE or not facts.united)
+        if facts.dimension is None or pure:
             value = facts.value
             if value is not None and not unit.is_si:
                 factor = unit.factor if not unit.pi else float(unit.factor) * math.pi**unit.pi
