@@ -10,6 +10,7 @@ DEPTH = 100  # of brackets, calls, powers, signs and primes within each other
 NODES = 100_000  # of all expressions as written
 NAME_LENGTH = 63  # C99 promises 63 significant characters
 FAMILY = 10_000  # members of a family, terms of a sum in one range
+VISITS = 300_000  # of expressions while sums unroll, each time through one counted
 UNROLLED = 1_000_000  # nodes of the expression graph after unrolling and differentiation
 LITERAL_DIGITS = 400
 LITERAL_EXPONENT = 400

@@ -212,6 +212,12 @@ OK = dict(coords=("x",), kinetic="D(x)**2")
             ),
             "'y' has no inertia",
         ),
+        # Only a sum of them has inertia; a product of rates has, though M is indefinite.
+        (dict(coords=("x", "y"), kinetic="(D(x) + D(y))**2"), "'y' has no inertia of its own"),
+        (
+            dict(coords=("x", "y", "z"), kinetic="(D(x) + D(y) + D(z))**2"),
+            "'y' has no inertia of its own",
+        ),
         (OK | dict(potential="x/0"), "division by zero"),
         (OK | dict(potential="x/(1 - 1)"), "division by zero"),
         (OK | dict(potential="0**(-2)*x"), "division by zero"),

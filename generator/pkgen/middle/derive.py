@@ -22,6 +22,7 @@ from .quantities import (
     input_quantities,
     quantities,
 )
+from .solve import SingularMass
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None) -> Equations:
@@ -48,7 +49,10 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         wanted = Wanted(kernels)
         raw = motion_of(x, energies)
         _check_inertia(x, raw)
-        motion, solution = shortest(x, raw, wanted)
+        try:
+            motion, solution = shortest(x, raw, wanted)
+        except SingularMass as singular:
+            raise _singular(x, singular.coordinate) from None
         _check_inertia(x, motion)
         jacobians: tuple[Matrix | None, ...] = (None, None, None)
         if wanted("jacobian"):
@@ -189,6 +193,19 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
                 break
     if findings:
         raise ModelError(x.model.source, findings)
+
+
+def _singular(x: Expander, coordinate: int) -> ModelError:
+    """Only a combination of the coordinates has inertia: (x' + y')^2."""
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members:
+            if family.flat(index) == coordinate:
+                name = indexed(item.name, index)
+                message = f"'{name}' has no inertia of its own: the mass matrix is singular"
+                help = "the coordinates can move together without kinetic energy: leave one out"
+                return ModelError(x.model.source, [Diagnostic(message, item.span, help)])
+    raise AssertionError(coordinate)
 
 
 # -- outputs -------------------------------------------------------------------------------------

@@ -20,8 +20,6 @@ from .magnitudes import Magnitudes
 from .quantities import Family, error, families, indexed, input_index, sizes
 from .terms import EXPAND, Loop, Value
 
-VISITS = 300_000  # of expressions, each time a sum goes through one counted
-
 
 class NeedsDerivative(Exception):
     """A derivative of an input occurs that has no symbol yet."""
@@ -102,7 +100,7 @@ class Expander:
 
     def value(self, expr: Expr, loop: Loop) -> Value:
         self._visits += 1
-        if self._visits > VISITS:
+        if self._visits > limits.VISITS:
             raise TooLarge
         value = EXPAND[type(expr)](self, expr, loop)
         for node in value if isinstance(value, tuple) else (value,):

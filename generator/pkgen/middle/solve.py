@@ -18,6 +18,14 @@ UNROLLED_COORDINATES = 20  # beyond, a loop in C is as fast
 UNROLLED_NODES = 30_000  # added by the solution
 
 
+class SingularMass(Exception):
+    """M is singular at every state; `coordinate` is one that adds no inertia of its own."""
+
+    def __init__(self, coordinate: int):
+        super().__init__(coordinate)
+        self.coordinate = coordinate
+
+
 def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
     """The accelerations and the pivots; None if too large to unroll."""
     n = len(force)
@@ -39,6 +47,10 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
                 scaled[i][j] = entry
                 lower[i][j] = g.multiply(entry, inverses[j])
             elif entry == ZERO:
+                # With nothing beside it either, M is singular wherever one looks; else it is
+                # indefinite, and a pivot fails at run time.
+                if all(rest == ZERO for rest in _below(g, mass, order, lower, i)):
+                    raise SingularMass(order[i])
                 return None
             else:
                 pivots[order[i]] = entry
@@ -58,6 +70,26 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
             entry = g.subtract(entry, g.multiply(lower[k][i], result[order[k]]))
         result[order[i]] = entry
     return tuple(result), tuple(pivots)
+
+
+def _below(
+    g: Graph,
+    mass: tuple[Row, ...],
+    order: list[int],
+    lower: list[list[Node]],
+    column: int,
+) -> list[Node]:
+    """What is left of a column below its diagonal once the earlier ones are eliminated."""
+    found = []
+    for row in range(column + 1, len(order)):
+        left: list[Node] = []
+        for j in range(column + 1):
+            entry = mass[order[row]][order[j]]
+            for k in range(j):
+                entry = g.subtract(entry, g.multiply(left[k], lower[j][k]))
+            left.append(entry)
+        found.append(left[column])
+    return found
 
 
 def elimination_order(g: Graph, mass: tuple[Row, ...]) -> list[int]:
