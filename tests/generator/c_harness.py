@@ -1,4 +1,4 @@
-"""Compiles emitted C and calls its kernels through ctypes."""
+"""Compiles emitted C and calls its kernels through ctypes; the models that its tests share."""
 
 from __future__ import annotations
 
@@ -27,6 +27,35 @@ STRICT = [
 ]
 COMPILERS = ("gcc", "clang")
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
+
+# Every helper, every kind of power, an input, dissipation, families, names that are macros.
+ODD = """\
+model odd    # ends with */ and ??/
+size N = 3
+param I = 2 in (0, inf)
+param M_PI = 0.3
+param k[i = 1..N] = 2 + i in [0, inf)
+param linux = 1/3
+param c = 2*I*M_PI in (0.1, 100]
+param y1 = -0.7
+coord q[1..N]
+coord p, gamma
+input push
+fixed q[0] = 0.1*sin(linux*t), q[N+1] = 0
+kinetic I/2*p'^2 + I/2*gamma'^2*(2 + sin(p))^(3/2) + I*p'*gamma'/5 + sum(I/2*q[i]'^2, i = 1..N)
+potential sum(k[1]/2*(q[i+1] - q[i])^2, i = 0..N) + k[2]*abs(p) + k[3]*max(gamma, y1)*pi^(1/3)
+potential sqrt(1 + p^2 + gamma^4) + (2 + cos(p))^(-5/3) + exp(-q[1]^2)/(1 + q[2]^2)^3
+dissipation c/2*p'^2 + c*min(gamma', 0.5)^2*step(p)
+force gamma = push*cos(p)
+observe far = q[2] + p
+observe near = atan2(p, 2 + gamma)
+conserve nothing = I*p'
+start q[1] = 0.2, p = 0.3, gamma' = pi/2
+"""
+
+
+def texts():
+    return [*((path.stem, path.read_text(encoding="utf-8")) for path in MODELS), ("odd", ODD)]
 
 
 def read_model(path: Path) -> tuple[Equations, Program]:

@@ -12,6 +12,8 @@ RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime
 RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
 RT_TEST_C = $(sort $(wildcard tests/runtime/*.c))
 RT_TEST_O = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_TEST_C))
+RT_SYSTEMS_C = $(sort $(wildcard tests/runtime/systems_*.c))
+RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 
 .PHONY: runtime test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
 
@@ -32,26 +34,26 @@ $(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_EXTRA) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
 # The driver around a hand-written system, for its own tests.
-$(RT_TESTS)/run_%: $(RT_TESTS)/systems.o $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
+$(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
                    $(wildcard runtime/run/*.c) $(RT_HEADERS)
-	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DPK_SYSTEM=$*_system runtime/run/*.c $(RT_TESTS)/systems.o \
+	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DPK_SYSTEM=$*_system runtime/run/*.c $(RT_SYSTEMS) \
 	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
-$(RT_TESTS)/example: runtime/README.md $(RT_TESTS)/systems.o $(RT_DIR)/libpk.a
+$(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
 	@mkdir -p $(RT_TESTS)/example.d
 	sed -n '/^```c/,/^```$$/p' $< | sed '/^```/d' >$(RT_TESTS)/example.d/example.c
 	printf '#include "systems.h"\n#define double_pendulum_params test_params\n' \
 	    >$(RT_TESTS)/example.d/double_pendulum.h
 	$(CC) $(RT_CFLAGS) -Itests/runtime -I$(RT_TESTS)/example.d $(RT_TESTS)/example.d/example.c \
-	    $(RT_TESTS)/systems.o $(RT_DIR)/libpk.a -lm -o $@
+	    $(RT_SYSTEMS) $(RT_DIR)/libpk.a -lm -o $@
 
 # Order of the methods of order 6 and more in __float128, where round-off is far away.
 $(RT_TESTS)/quad: $(wildcard runtime/src/*.c) $(RT_HEADERS) tests/runtime/quad/order.c \
-                  tests/runtime/systems.c
+                  $(RT_SYSTEMS_C)
 	@mkdir -p $(@D)
 	gcc -std=gnu11 -O2 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
-	    -Itests/runtime $(RT_EXTRA) runtime/src/*.c tests/runtime/systems.c \
+	    -Itests/runtime $(RT_EXTRA) runtime/src/*.c $(RT_SYSTEMS_C) \
 	    tests/runtime/quad/order.c -lquadmath -lm -o $@
 
 test-runtime: $(RT_TESTS)/example $(RT_TESTS)/quad $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \

@@ -9,14 +9,14 @@ is wrong with a character, a number or a bracket is found here, all of it in one
 from __future__ import annotations
 
 import re
-import unicodedata
-from dataclasses import dataclass, field
-from fractions import Fraction
 
 from lark.lexer import Token
 
 from .. import limits
 from ..source import Diagnostic, Source, Span
+from .lexed import Lexed, description
+from .literals import literal_value
+from .stray_characters import stray_character
 from .words import CLAUSE_WORDS, STATEMENT_WORDS, greek
 
 _PATTERN = re.compile(
@@ -40,37 +40,7 @@ _OPERATORS = {
 _VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"])
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {".x": 0, ".y": 1, ".z": 2}
-_DESCRIPTION_LENGTH = 200
 _TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
-
-# What people type or paste, and how it is written here.
-_INSTEAD = {
-    "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∗": "*", "÷": "/", "∕": "/",
-    "′": "'", "’": "'", "‘": "'", "`": "'", "″": "''", "²": "^2", "³": "^3",
-    "⁴": "^4", "½": "1/2", "¼": "1/4", "√": "sqrt( )", "∑": "sum( )", "∞": "inf",
-    "°": "[deg]", "…": "..", "\u00a0": "a plain space", "{": "(", "}": ")", "\\": "/",
-}  # fmt: skip
-
-
-@dataclass
-class Lexed:
-    """One statement's tokens; `comment` is the last comment that trails it."""
-
-    tokens: list[Token] = field(default_factory=list)
-    comment: str = ""
-    errors: list[Diagnostic] = field(default_factory=list)
-
-    @property
-    def keyword(self) -> str:
-        """The statement word, or an empty string."""
-        first = self.tokens[0] if self.tokens else None
-        return str(first) if first is not None and first.type.lower() in STATEMENT_WORDS else ""
-
-    @property
-    def span(self) -> Span:
-        if not self.tokens:
-            return self.errors[0].span
-        return Span(self.tokens[0].start_pos, self.tokens[-1].end_pos)
 
 
 def statements(source: Source) -> list[Lexed]:
@@ -191,26 +161,13 @@ class _Lexer:
             letter = character if character.isascii() else greek(character)
             if letter is None:
                 if not junk:
-                    self._junk(character, at + i, "a name")
+                    self._stray(character, at + i, "a name")
                 junk, letter = True, "_"
             letters.append(letter)
         return "".join(letters)
 
-    def _junk(self, character: str, at: int, where: str) -> None:
-        """A character that has no place here; the hint says what to write instead."""
-        name = unicodedata.name(character, "a control character")
-        instead = _INSTEAD.get(character)
-        simple = unicodedata.normalize("NFKC", character)
-        if instead is None and simple != character and re.fullmatch(r"[A-Za-z0-9]+", simple):
-            instead = simple
-        shown = f"'{character}'" if character.isprintable() else "a character"
-        if character.isascii() and character.isprintable():
-            message = f"{shown} means nothing in a model"
-        else:
-            message = f"{shown} (U+{ord(character):04X} {name}) cannot be used in {where}"
-        help = f"write {instead}" if instead else ""
-        if not help and unicodedata.category(character) in ("Lu", "Ll", "Mn"):
-            help = "names use ASCII letters, digits, '_' and Greek letters"
+    def _stray(self, character: str, at: int, where: str) -> None:
+        message, help = stray_character(character, where)
         self._error(message, at, at + 1, help)
 
     def _number(self, spelt: str, at: int) -> int:
@@ -236,7 +193,7 @@ class _Lexer:
                 end + len(word),
                 f"a product is written {spelt}*{word}",
             )
-        value = _value(spelt)
+        value = literal_value(spelt)
         if isinstance(value, str):
             return self._error(value, at, end)
         return self._add("NUMBER", value, at, end)
@@ -316,31 +273,5 @@ class _Lexer:
                 at + len(digits),
                 f"write 0{digits}",
             )
-        self._junk(text[at], at, "a model")
+        self._stray(text[at], at, "a model")
         return at + 1
-
-
-def _value(spelt: str) -> Fraction | str:
-    """The exact value of a literal, or what is wrong with it; never computes a huge power."""
-    digits, _, exponent = spelt.lower().partition("e")
-    if len(digits) > limits.LITERAL_DIGITS:
-        return f"a number of {len(digits)} digits; the limit is {limits.LITERAL_DIGITS}"
-    if exponent and (len(exponent) > 6 or abs(int(exponent)) > limits.LITERAL_EXPONENT):
-        return f"an exponent beyond {limits.LITERAL_EXPONENT}: no double holds this number"
-    value = Fraction(spelt)
-    try:
-        rounded = float(value)
-    except OverflowError:
-        return "this number is too large for a double"
-    if rounded == 0 and value != 0:
-        return "this number is too small for a double: it would become zero"
-    return value
-
-
-def description(comment: str) -> str:
-    """A comment's text on one line, without control and other invisible characters."""
-    kept = (c if c.isprintable() else " " for c in comment.lstrip("#"))
-    text = " ".join("".join(kept).split())
-    if len(text) <= _DESCRIPTION_LENGTH:
-        return text
-    return text[: _DESCRIPTION_LENGTH - 1].rstrip() + "…"

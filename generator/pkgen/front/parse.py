@@ -17,7 +17,8 @@ from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 from ..tree import Expr, children
 from . import statements as st
-from .lexer import Lexed, statements
+from .lexed import Lexed
+from .lexer import statements
 from .parse_build import Build
 from .parse_errors import declared_names, explain, misplaced
 from .words import MODEL_WORDS

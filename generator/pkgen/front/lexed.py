@@ -1,0 +1,42 @@
+"""What the lexer hands on: a statement's tokens, and the comment that trails it as plain text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lark.lexer import Token
+
+from ..source import Diagnostic, Span
+from .words import STATEMENT_WORDS
+
+_DESCRIPTION_LENGTH = 200
+
+
+@dataclass
+class Lexed:
+    """One statement's tokens; `comment` is the last comment that trails it."""
+
+    tokens: list[Token] = field(default_factory=list)
+    comment: str = ""
+    errors: list[Diagnostic] = field(default_factory=list)
+
+    @property
+    def keyword(self) -> str:
+        """The statement word, or an empty string."""
+        first = self.tokens[0] if self.tokens else None
+        return str(first) if first is not None and first.type.lower() in STATEMENT_WORDS else ""
+
+    @property
+    def span(self) -> Span:
+        if not self.tokens:
+            return self.errors[0].span
+        return Span(self.tokens[0].start_pos, self.tokens[-1].end_pos)
+
+
+def description(comment: str) -> str:
+    """A comment's text on one line, without control and other invisible characters."""
+    kept = (c if c.isprintable() else " " for c in comment.lstrip("#"))
+    text = " ".join("".join(kept).split())
+    if len(text) <= _DESCRIPTION_LENGTH:
+        return text
+    return text[: _DESCRIPTION_LENGTH - 1].rstrip() + "…"

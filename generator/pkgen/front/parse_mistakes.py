@@ -1,0 +1,278 @@
+"""The mistakes that people make in a statement, a rule for each: what to say, with a hint.
+
+A rule looks at the spot where the parser gave up and answers None, or the message, the hint and,
+if the mistake is elsewhere, its span. They are tried in the order of RULES.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from lark.lexer import Token
+
+from ..source import Source, Span
+from .lexed import Lexed
+from .parse_forms import FORMS, WHAT
+from .words import CLAUSE_WORDS, STATEMENT_WORDS
+
+_VALUE_STARTS = frozenset(("NAME", "NUMBER", "FUNCTION", "SUM", "LPAREN", "LVECTOR"))
+_VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"))
+BINARY = frozenset(("PLUS", "MINUS", "TIMES", "OVER", "POWER"))
+_LISTS = frozenset(
+    [
+        "coord",
+        "input",
+        "state",
+        "rotation",
+        "start",
+        "fixed",
+        "free",
+        "periodic",
+        "set",
+        "hold",
+        "record",
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Where the parser gave up."""
+
+    source: Source
+    lexed: Lexed
+    token: Token  # that it could not take; of type $END where the statement stops too early
+    before: Token  # the last that it took
+    after: Token | None
+    expected: frozenset[str]
+
+    @property
+    def span(self) -> Span:
+        if self.token.type == "$END":
+            return Span(self.before.end_pos, self.before.end_pos)
+        return Span(self.token.start_pos, self.token.end_pos)
+
+    @property
+    def word(self) -> str:
+        return self.lexed.keyword
+
+    def text(self, token: Token) -> str:
+        return self.source.text[token.start_pos : token.end_pos]
+
+    def wants_value(self) -> bool:
+        return "NUMBER" in self.expected
+
+
+def _decimal_comma(spot: Spot):
+    text = spot.source.text
+    comma = spot.token if spot.token.type == "_COMMA" else spot.before
+    number = re.compile(r"[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?(?![\w.])")
+    if comma.type != "_COMMA":
+        return None
+    left = re.search(r"(?<![\w.])[0-9]+$", text[max(0, comma.start_pos - 50) : comma.start_pos])
+    right = number.match(text, comma.end_pos)
+    if not left or not right:
+        return None
+    return (
+        f"'{left.group()},{right.group()}': a decimal is written with a point",
+        f"write {left.group()}.{right.group()}",
+        Span(comma.start_pos - len(left.group()), right.end()),
+    )
+
+
+def _model_name(spot: Spot):
+    if spot.word != "model" or spot.token.type in ("$END", spot.token.upper()):
+        return None
+    return (
+        "a model's name is one word of letters, digits and '_'",
+        "it names the C files and begins every C symbol; -o gives the directory",
+    )
+
+
+def _sum_form(spot: Spot):
+    """Directly within the brackets of a sum: its ranges are wrong, or missing."""
+    opened, before = [], ""
+    for token in spot.lexed.tokens:
+        if token is spot.token:
+            break
+        if token.type in ("LPAREN", "LINDEX", "LVECTOR", "LEND"):
+            opened.append(before)
+        elif token.type in ("RPAREN", "RBRACKET", "REND") and opened:
+            opened.pop()
+        before = token.type
+    if not opened or opened[-1] != "SUM" or spot.wants_value():
+        return None
+    if spot.token.type not in ("EQUAL", "NUMBER", "RPAREN"):
+        return None
+    return "a sum says what runs over which range", "the form is: sum(m/2*q[i]'^2, i = 1..N)"
+
+
+def _family_left(spot: Spot):
+    if spot.token.type != "DOTS" or not any(t.type == "LINDEX" for t in spot.lexed.tokens):
+        return None
+    low = spot.text(spot.before)
+    return (
+        "a range needs the name of its variable",
+        f"write [i = {low}..{spot.text(spot.after) if spot.after else ''}]",
+    )
+
+
+def _nothing_after_keyword(spot: Spot):
+    if spot.token.type != "$END" or spot.before is not spot.lexed.tokens[0]:
+        return None
+    needs = "an expression" if spot.wants_value() else "a name"
+    return f"'{spot.word}' needs {needs} after it", f"e.g. {FORMS[spot.word]}"
+
+
+def _reserved_word(spot: Spot):
+    word = str(spot.token)
+    if word not in STATEMENT_WORDS | CLAUSE_WORDS or spot.token.type != word.upper():
+        return None
+    if (
+        "NAME" in spot.expected
+        and spot.after is not None
+        and not (word == "in" and spot.after.type == "LEND")
+    ):
+        return f"'{word}' is a word of the language and cannot be a name", "choose another name"
+    if word in STATEMENT_WORDS and spot.before.type in _VALUE_ENDS:
+        return f"'{word}' starts a statement of its own", "put it on a new line"
+    if word in STATEMENT_WORDS:
+        return f"'{word}' is a word of the language and cannot be a name", "choose another name"
+    return None
+
+
+def _index_without_space(spot: Spot):
+    """`coord theta[rad]`: the bracket touches the name, so it is an index."""
+    tokens = spot.lexed.tokens
+    if spot.word not in ("coord", "input", "state") or "DOTS" not in spot.expected:
+        return None
+    opening = max((i for i, t in enumerate(tokens) if t.type == "LINDEX"), default=None)
+    if opening is None:
+        return None
+    name = str(tokens[opening - 1])
+    inside = spot.source.text[tokens[opening].start_pos :].split("]")[0] + "]"
+    span = Span(tokens[opening].start_pos, tokens[opening].start_pos + len(inside))
+    if re.fullmatch(r"\[[0-9]+\]", inside):
+        return (
+            f"a family is declared with its range, not '{name}{inside}'",
+            f"write {name}[1..{inside[1:-1]}]",
+            span,
+        )
+    return (
+        f"'{name}{inside}': a bracket that touches a name is an index",
+        f"put a space before a unit: {name} {inside}",
+        span,
+    )
+
+
+def _unit_in_the_middle(spot: Spot):
+    if spot.before.type != "UNIT" or spot.token.type not in BINARY | _VALUE_STARTS | {"UNIT"}:
+        return None
+    unit = spot.text(spot.before)
+    return (
+        f"the unit {unit} ends the value before it; nothing can follow but the next item",
+        f"put the quantity in brackets, e.g. (2 {unit})*x",
+    )
+
+
+def _one_name_a_line(spot: Spot):
+    if spot.token.type != "_COMMA" or spot.word in _LISTS or "RPAREN" in spot.expected:
+        return None
+    if spot.word not in FORMS or spot.before.type not in _VALUE_ENDS:
+        return None
+    return f"'{spot.word}' takes one item", f"start a new line with '{spot.word}' for the next"
+
+
+def _missing_operator(spot: Spot):
+    if spot.token.type == "LPAREN" and spot.before.type == "PRIME":
+        return "a prime stands after the brackets of a function", "e.g. sin(x)'"
+    if spot.token.type not in _VALUE_STARTS or "TIMES" not in spot.expected:
+        return None
+    left, right = spot.text(spot.before), spot.text(spot.token)
+    if "[" in left:
+        left = "…"
+    return (
+        f"an operator is missing between '{left}' and '{right}'",
+        f"a product is written {'(…)' if left == ')' else left}*{right}"
+        + ("…)" if right == "(" else ""),
+    )
+
+
+def _no_name_wanted(spot: Spot):
+    """`kinetic T = …`."""
+    if spot.token.type != "EQUAL" or "EQUAL" in spot.expected:
+        return None
+    if spot.before.type == "EQUAL":
+        return "'==' is not an operator", "one '=' defines a name"
+    if spot.word in ("kinetic", "potential", "lagrangian", "dissipation"):
+        return (
+            f"'{spot.word}' takes an expression, not a definition",
+            f"e.g. {FORMS[spot.word]}; a name is defined with 'let'",
+        )
+    return "this '=' has no place here", f"the form is: {FORMS.get(spot.word, '')}"
+
+
+def _prime_misplaced(spot: Spot):
+    if spot.token.type != "PRIME":
+        return None
+    if spot.before.type == "NUMBER":
+        return f"{spot.text(spot.before)} is a number and has no rate", ""
+    if "EQUAL" in spot.expected:
+        return "this side of the definition has no prime", f"the form is: {FORMS[spot.word]}"
+    return (
+        "a prime stands after a name, an index, a call or a bracket",
+        "the rate of x is x'; of a whole expression (a*b)'",
+    )
+
+
+def _comparison(spot: Spot):
+    if spot.token.type not in ("LESS", "GREATER"):
+        return None
+    return f"'{spot.token}' is not an operator here", "step(x) is 0 below 0 and 1 from 0 on"
+
+
+def _value_missing(spot: Spot):
+    if not spot.wants_value():
+        return None
+    if spot.before.type in BINARY or spot.token.type == "$END":
+        side = f"after '{spot.text(spot.before)}'"
+    else:
+        side = f"before '{spot.text(spot.token)}'"
+    return f"a value is missing {side}", ""
+
+
+def _something_missing(spot: Spot):
+    """What could have come, if that is one thing or two; else what should not have."""
+    wanted = [WHAT[t] for t in WHAT if t in spot.expected]
+    if "EQUAL" in spot.expected and spot.word not in ("expect",):
+        wanted = ["'='"]
+    shown = "the end of the statement"
+    if spot.token.type != "$END":
+        shown = f"'{spot.text(spot.token)}'"
+    help = f"the form is: {FORMS[spot.word]}" if spot.word in FORMS else ""
+    if wanted and len(wanted) <= 2:
+        return f"{' or '.join(wanted)} is missing before {shown}", help
+    if spot.token.type == "$END":
+        return "the statement is not complete", help
+    return f"{shown} has no place here", help
+
+
+RULES: tuple[Callable[[Spot], tuple[str, str] | None], ...] = (
+    _decimal_comma,
+    _model_name,
+    _sum_form,
+    _index_without_space,
+    _family_left,
+    _unit_in_the_middle,
+    _nothing_after_keyword,
+    _reserved_word,
+    _prime_misplaced,
+    _missing_operator,
+    _no_name_wanted,
+    _comparison,
+    _one_name_a_line,
+    _value_missing,
+    _something_missing,
+)

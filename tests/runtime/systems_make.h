@@ -1,0 +1,126 @@
+/* What the hand-written systems are made of. Kernels are written out for each; facts and tables
+ * come from one macro, SYSTEM, and all kernels of a point mass from another, POINT_MASS.
+ */
+#ifndef TEST_SYSTEMS_MAKE_H
+#define TEST_SYSTEMS_MAKE_H
+
+#include <stddef.h>
+#include <string.h>
+
+#include "systems.h"
+
+#define G(params) (((const struct test_params *)(params))->g)
+#define LIMIT(params) (((const struct test_params *)(params))->limit)
+#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
+#define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
+
+static void derive(void *params, const unsigned char *given) { (void)params, (void)given; }
+static int prepare(void *params)
+{
+    return G(params) - G(params) == 0 && G(params) > 0 ? 0 : 1;
+}
+static void bounds(const void *params, pk_real *lo, pk_real *hi)
+{
+    (void)params;
+    lo[0] = 0, lo[1] = -(pk_real)INFINITY;
+    hi[0] = hi[1] = (pk_real)INFINITY;
+}
+
+static const struct pk_parameter parameters[] = {
+    {{"g", "", ""}, offsetof(struct test_params, g), 0, 1, 0},
+    {{"limit", "", ""}, offsetof(struct test_params, limit), 0, 0, 0}};
+static const struct pk_quantity coordinates[] = {{"x", "", ""}, {"y,1", "", ""}};
+static const struct pk_quantity rates[] = {{"x'", "", ""}, {"y,1'", "", ""}};
+static const struct pk_quantity momenta[] = {{"p_x", "", ""}, {"p_y", "", ""}};
+static const unsigned char none_cyclic[] = {0, 0};
+
+#define SYSTEM(NAME, N, FACTS, GRAVITY, LIMIT0, CYCLIC, START_Q, START_V, ...)               \
+    static void NAME##_defaults(void *params)                                               \
+    {                                                                                       \
+        struct test_params *p = (struct test_params *)params;                               \
+        p->g = GRAVITY;                                                                     \
+        p->limit = LIMIT0;                                                                  \
+    }                                                                                       \
+    static void NAME##_start(const void *params, pk_real *q, pk_real *v)                    \
+    {                                                                                       \
+        static const pk_real q0[] = START_Q, v0[] = START_V;                                \
+        (void)params;                                                                       \
+        memcpy(q, q0, sizeof q0);                                                           \
+        memcpy(v, v0, sizeof v0);                                                           \
+    }                                                                                       \
+    const struct pk_system NAME##_system = {.abi = PK_ABI,                                  \
+                                            .name = #NAME,                                  \
+                                            .source_hash = "by hand",                       \
+                                            .facts = FACTS,                                 \
+                                            .n = N,                                         \
+                                            .n_parameters = 2,                              \
+                                            .params_size = sizeof(struct test_params),      \
+                                            .coordinates = coordinates,                     \
+                                            .rates = rates,                                 \
+                                            .momenta = momenta,                             \
+                                            .parameters = parameters,                       \
+                                            .cyclic = CYCLIC,                               \
+                                            .defaults = NAME##_defaults,                    \
+                                            .derive = derive,                               \
+                                            .prepare = prepare,                             \
+                                            .bounds = bounds,                               \
+                                            .start = NAME##_start,                          \
+                                            .acceleration = NAME##_acceleration,            \
+                                            .mass = NAME##_mass,                            \
+                                            .force = NAME##_force,                          \
+                                            .canonical = NAME##_canonical,                  \
+                                            .gradient = NAME##_gradient,                    \
+                                            .jacobian = NAME##_jacobian,                    \
+                                            .energy = NAME##_energy,                        \
+                                            __VA_ARGS__}
+
+#define LIST(...) {__VA_ARGS__}
+#define NATURAL \
+    (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS | \
+     PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH)
+#define GENERAL (NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_SEPARABLE))
+#define DRIVEN (NATURAL & ~(unsigned)(PK_AUTONOMOUS | PK_CONSERVATIVE))
+
+/* One degree of freedom and M = 1: all kernels from V(q, t), its derivatives, and nothing else. */
+#define POINT_MASS(NAME, V, FORCE, DFORCE)                                                   \
+    static int NAME##_acceleration(ARGS, pk_real *a)                                        \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        a[0] = FORCE;                                                                       \
+        return 0;                                                                           \
+    }                                                                                       \
+    static void NAME##_mass(ARGS, pk_real *M)                                               \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        M[0] = 1;                                                                           \
+    }                                                                                       \
+    static void NAME##_force(ARGS, pk_real *f)                                              \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        f[0] = FORCE;                                                                       \
+    }                                                                                       \
+    static void NAME##_canonical(ARGS, pk_real *p, pk_real *pdot)                           \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        p[0] = v[0];                                                                        \
+        pdot[0] = FORCE;                                                                    \
+    }                                                                                       \
+    static void NAME##_gradient(ARGS, pk_real *d)                                           \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        d[0] = FORCE;                                                                       \
+    }                                                                                       \
+    static void NAME##_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)       \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        p_q[0] = 0;                                                                         \
+        pdot_q[0] = DFORCE;                                                                 \
+        pdot_v[0] = 0;                                                                      \
+    }                                                                                       \
+    static pk_real NAME##_energy(ARGS)                                                      \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        return v[0] * v[0] / 2 + (V);                                                       \
+    }
+
+#endif

@@ -1,0 +1,29 @@
+/* Systems of systems.h with one degree of freedom and M = 1: free, driven in time, or pushed by
+ * an input.
+ */
+#include "systems_make.h"
+
+static const struct pk_quantity inputs[] = {{"u", "", ""}};
+
+POINT_MASS(pendulum, -G(params) * PK_F(cos)(q[0]), -G(params) * PK_F(sin)(q[0]),
+           -G(params) * PK_F(cos)(q[0]))
+SYSTEM(pendulum, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(2.385)), LIST(PK_C(0.13)), );
+
+POINT_MASS(oscillator, G(params) * q[0] * q[0] / 2, -G(params) * q[0], -G(params))
+SYSTEM(oscillator, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)), );
+
+POINT_MASS(driven, G(params) * q[0] * q[0] / 2 - q[0] * PK_F(cos)(3 * t),
+           -G(params) * q[0] + PK_F(cos)(3 * t), -G(params))
+SYSTEM(driven, 1, DRIVEN, PK_C(2.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)), );
+
+void driven_exact(pk_real t, pk_real *q, pk_real *v)
+{
+    const pk_real w = PK_F(sqrt)(PK_C(2.0)), A = 1 / (PK_C(2.0) - 9);
+    const pk_real a = PK_C(0.7) - A, b = PK_C(0.2) / w;
+    *q = A * PK_F(cos)(3 * t) + a * PK_F(cos)(w * t) + b * PK_F(sin)(w * t);
+    *v = -3 * A * PK_F(sin)(3 * t) - a * w * PK_F(sin)(w * t) + b * w * PK_F(cos)(w * t);
+}
+
+POINT_MASS(pushed, 0, u[0], 0)
+SYSTEM(pushed, 1, DRIVEN, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
+       .n_inputs = 1, .inputs = inputs);
