@@ -107,6 +107,6 @@ def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
     for drift in report["drifts"]:
         print(
             f"drift({drift['name']}) max {drift['max']:.2e}, final {drift['final']:.2e}, "
-            f"slope {drift['slope']:.1e} per unit of time",
+            f"slope {drift['slope']:.1e} per unit of time, relative to {drift['scale']:.2g}",
             file=sys.stderr,
         )

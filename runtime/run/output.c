@@ -118,6 +118,9 @@ static void json_drift(FILE *file, const char *name, const struct pk_drift *drif
     json_real(file, pk_drift_final(drift));
     fputs(", \"slope\": ", file);
     json_real(file, pk_drift_slope(drift));
+    /* What the three are relative to: where it is round-off, so is the drift. */
+    fputs(", \"scale\": ", file);
+    json_real(file, drift->scale);
     fputs("}", file);
 }
 

@@ -189,6 +189,15 @@ def test_a_scene_is_refused_with_its_place(pkgen, tmp_path: Path) -> None:
     assert pkgen("check", model).returncode == 0
 
 
+def test_the_drift_of_a_constant_that_is_zero_says_so(pkgen) -> None:
+    # The cart starts at rest: its momentum is 0 but for error, and so is what it is relative to.
+    model = ROOT / "tests/models/written/spherical_pendulum_cart.lag"
+    rest = ["--start", "X'=0", "--start", "phi'=0", "--until", "1", "--json"]
+    drifts = json.loads(pkgen("run", model, *rest).stdout)["report"]["drifts"]
+    scales = {d["name"]: d["scale"] for d in drifts}
+    assert scales["energy"] > 1 and 0 < scales["px"] < 1e-9
+
+
 def test_a_method_that_does_not_apply_is_refused(pkgen) -> None:
     done = pkgen("run", DOUBLE, "--method", "verlet", "--step", "0.01")
     assert done.returncode == 4
