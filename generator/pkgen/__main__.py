@@ -14,11 +14,11 @@ from collections.abc import Callable
 
 from . import __version__, commands, run_command
 from .build import BuildError
+from .compiler import STAGES
+from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE
 from .options import UsageError
 from .resources import ResourcesExceeded
 from .source import ModelError
-
-DONE, MODEL_WRONG, USAGE, COMPILER_FAILED, NUMERICS_FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
 def _parser(command: str) -> argparse.ArgumentParser:
@@ -46,7 +46,7 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
     parser.add_argument(
-        "--dump", choices=commands.STAGES, metavar="STAGE", help="show a stage's result as text"
+        "--dump", choices=STAGES, metavar="STAGE", help="show a stage's result as text"
     )
 
 

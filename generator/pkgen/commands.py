@@ -8,18 +8,17 @@ import os
 import sys
 from pathlib import Path
 
-from . import dump, limits
 from . import explain as explanation
+from . import limits
 from . import options as parsing
 from .back.kernels import KERNELS
 from .build import driver_methods
 from .compiler import Compilation, compile_model
+from .dump import dump
+from .exits import DONE
 from .front.read import read
 from .resources import bounded
 from .source import Diagnostic, Source
-
-STAGES = tuple(dump.STAGES)
-DONE = 0
 
 
 def compile_within_limits(
@@ -46,7 +45,7 @@ def compile_to_c(options: argparse.Namespace) -> int:
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
         with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
-            text = dump.STAGES[options.dump](source, parsing.sizes(options.size), kernels)
+            text = dump(options.dump, source, parsing.sizes(options.size), kernels)
         print(text)
         return DONE
     compilation = compile_within_limits(

@@ -13,16 +13,18 @@ Each stage imports only what is above it, changes nothing that it is given, and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from .back import lower, render
-from .back.lower import Program
+from .back.program import Program
 from .equations import Equations, Structure
-from .front import check
+from .front import check, parse
 from .middle import analyze, derive, reduce
 from .model import Model
 from .source import Diagnostic, Source
+
+STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,31 @@ class Compilation:
     files: dict[str, str]
 
 
+def stages(
+    source: Source,
+    sizes: Mapping[str, int],
+    kernels: frozenset[str] | None = None,
+    self_test: bool = False,
+) -> Iterator[object]:
+    """What each of STAGES makes, in order; a caller that wants no more need not go on.
+
+    `check` and `reduce` give pairs: with the warnings, and with the report.
+    """
+    file = parse.parse_all(source)
+    yield file
+    model, warnings = check.check(file, sizes)
+    yield model, warnings
+    equations = derive.derive(model, kernels)
+    yield equations
+    structure = analyze.analyze(equations)
+    yield structure
+    equations, report = reduce.reduce(equations, structure)
+    yield equations, report
+    program = lower.lower(equations, structure, kernels)
+    yield program
+    yield render.render(program, self_test=self_test)
+
+
 def compile_model(
     source: Source,
     *,
@@ -51,10 +78,6 @@ def compile_model(
     `self_test` adds a program that checks the kernels against each other.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    model, warnings = check.check_text(source, sizes or {})
-    equations = derive.derive(model, kernels)
-    structure = analyze.analyze(equations)
-    equations, report = reduce.reduce(equations, structure)
-    program = lower.lower(equations, structure, kernels)
-    files = render.render(program, self_test=self_test)
+    made = stages(source, sizes or {}, kernels, self_test)
+    _, (model, warnings), _, structure, (equations, report), program, files = made
     return Compilation(model, warnings, equations, structure, report, program, files)

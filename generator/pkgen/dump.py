@@ -2,71 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
+from itertools import islice
 
-from .back import lower, render
+from .back.program import Program
+from .compiler import STAGES, stages
 from .equations import Equations
-from .front import check, parse
-from .middle import analyze, derive, reduce
 from .middle.graph import Graph, Op
-from .source import Source, Span
-
-Kernels = frozenset[str] | None
+from .source import Diagnostic, Source, Span
 
 
-def _parse(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    return as_text(parse.parse(source), source)
-
-
-def _check(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    return as_text(check.check_text(source, sizes)[0], source)
-
-
-def _equations(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> Equations:
-    return derive.derive(check.check_text(source, sizes)[0], kernels)
-
-
-def _derive(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    return equations_text(_equations(source, sizes, kernels))
-
-
-def _analyze(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    return as_text(analyze.analyze(_equations(source, sizes, kernels)), source)
-
-
-def _reduce(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    equations = _equations(source, sizes, kernels)
-    reduced, report = reduce.reduce(equations, analyze.analyze(equations))
-    return as_text(report, source) + "\n" + equations_text(reduced)
-
-
-def _program(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> lower.Program:
-    equations = _equations(source, sizes, kernels)
-    structure = analyze.analyze(equations)
-    equations, _ = reduce.reduce(equations, structure)
-    return lower.lower(equations, structure, kernels)
-
-
-def _lower(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    return str(_program(source, sizes, kernels))
-
-
-def _render(source: Source, sizes: Mapping[str, int], kernels: Kernels) -> str:
-    files = render.render(_program(source, sizes, kernels))
-    return "\n".join(f"==> {name} <==\n{text}" for name, text in files.items())
-
-
-STAGES: dict[str, Callable[[Source, Mapping[str, int], Kernels], str]] = {
-    "parse": _parse,
-    "check": _check,
-    "derive": _derive,
-    "analyze": _analyze,
-    "reduce": _reduce,
-    "lower": _lower,
-    "render": _render,
-}
+def dump(
+    stage: str, source: Source, sizes: Mapping[str, int], kernels: frozenset[str] | None
+) -> str:
+    """What a stage makes of a model, as text; the later stages are not run."""
+    made = next(islice(stages(source, sizes, kernels), STAGES.index(stage), None))
+    return as_text(made, source)
 
 
 def equations_text(equations: Equations) -> str:
@@ -100,6 +53,12 @@ def as_text(value: object, source: Source, indent: int = 0) -> str:
     match value:
         case Source():
             return value.path
+        case Equations():
+            return equations_text(value)
+        case Program():
+            return str(value)
+        case Diagnostic():
+            return value.text(source)
         case Span():
             line, column = source.position(value.start)
             return f"{line}:{column}"

@@ -12,6 +12,7 @@ from .compiler import Compilation
 from .equations import Quantity
 from .front import options_text
 from .front.options_text import OptionError
+from .middle.quantities import indexed
 from .model import Deferred, Model
 from .simulate import Settings
 
@@ -185,7 +186,7 @@ class _Values:
         found = []
         for left, text in assignments:
             side = self.left("--start", left)
-            name = _flat(side.name, side.index)
+            name = indexed(side.name, side.index)
             if name not in names:
                 raise UsageError(_unknown("--start", name, names, "coordinate"))
             if side.order > 1:
@@ -204,11 +205,7 @@ class _Values:
 
     def flat_name(self, option: str, text: str) -> str:
         side = self.left(option, text)
-        return _flat(side.name, side.index) + "'" * side.order
-
-
-def _flat(name: str, index: int | None) -> str:
-    return name if index is None else f"{name}[{index}]"
+        return indexed(side.name, side.index) + "'" * side.order
 
 
 def _assignment(option: str, text: str) -> tuple[str, str]:

@@ -19,9 +19,8 @@ from typing import IO
 from . import options as parsing
 from .commands import compile_within_limits
 from .compiler import Compilation
+from .exits import DONE
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
-
-DONE, USAGE, NUMERICS_FAILED = 0, 2, 4
 
 
 def run(options: argparse.Namespace) -> int:

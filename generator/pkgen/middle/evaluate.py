@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
+from ..functions import FUNCTIONS
 from .constants import folded
 from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
@@ -13,25 +14,8 @@ from .graph import Graph, Kind, Node, Op, Symbol
 BITS = 100_000  # of an exact power
 
 _MATH: dict[str, Callable[..., float]] = {
-    name: getattr(math, name)
-    for name in [
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "atan2",
-        "sinh",
-        "cosh",
-        "tanh",
-        "exp",
-        "log",
-        "sqrt",
-        "pow",
-    ]
+    name: getattr(math, row.c) for name, row in FUNCTIONS.items() if not row.c.startswith(":")
 } | {
-    "abs": abs,
     "min": min,
     "max": max,
     "step": lambda x: float(x >= 0),

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..equations import Equations
+from ..functions import FUNCTIONS
 from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
 
@@ -57,23 +58,7 @@ def to_sympy(
 
     nodes = list(nodes)
     functions: dict[str, Callable[..., sp.Expr]] = {
-        name: getattr(sp, name)
-        for name in [
-            "sin",
-            "cos",
-            "tan",
-            "asin",
-            "acos",
-            "atan",
-            "atan2",
-            "sinh",
-            "cosh",
-            "tanh",
-            "exp",
-            "log",
-            "sqrt",
-            "sign",
-        ]
+        name: getattr(sp, name) for name in FUNCTIONS if hasattr(sp, name)
     } | {
         "abs": sp.Abs,
         "min": sp.Min,

@@ -1,0 +1,8 @@
+"""The exit codes of every command."""
+
+DONE = 0
+MODEL_WRONG = 1
+USAGE = 2
+COMPILER_FAILED = 3
+NUMERICS_FAILED = 4  # the C driver ends with it
+INTERRUPTED = 130
