@@ -1,0 +1,76 @@
+"""What keeps a run from harm: limits of time and memory, readers that go away, a bounded cache."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from pkgen import build
+from pkgen.resources import ResourcesExceeded, bounded
+
+DOUBLE = ROOT / "models/double_pendulum.lag"
+
+
+def test_time_is_bounded(pkgen) -> None:
+    done = pkgen("check", DOUBLE, "--max-seconds", "0.001")
+    assert done.returncode == 1
+    assert "CPU time" in done.stderr and "--max-seconds" in done.stderr
+
+
+def test_memory_is_bounded() -> None:
+    with pytest.raises(ResourcesExceeded, match="64 MiB"), bounded(60, 64 << 20):
+        bytearray(512 << 20)
+    assert len(bytearray(512 << 20)) == 512 << 20  # and the bound is gone afterwards
+
+
+@pytest.mark.parametrize("arguments", ["--dump=render", "--dump=derive"])
+def test_a_reader_of_python_s_own_output_goes_away(arguments: str) -> None:
+    command = f"{sys.executable} -m pkgen {DOUBLE} {arguments} | true"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    assert done.stderr == ""
+
+
+def test_an_event_is_refused_with_its_place(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "drop.lag"
+    model.write_text(
+        "model drop\ncoord y\nkinetic y'^2/2\npotential y\nevent floor: y falling stop\n"
+    )
+    done = pkgen("run", model)
+    assert done.returncode == 2 and "drop.lag:5:" in done.stderr and done.stdout == ""
+    assert pkgen(model, "-o", tmp_path).returncode == 0
+
+
+def test_a_fixed_step_is_kept_unless_rows_are_asked_for(pkgen) -> None:
+    arguments = ["run", DOUBLE, "--method", "rk4", "--step", "0.01", "--until", "1", "--json"]
+    result = json.loads(pkgen(*arguments).stdout)
+    assert result["report"]["step"] == 0.01 and len(result["rows"]) == 101
+    result = json.loads(pkgen(*arguments, "--every", "0.025").stdout)
+    assert result["report"]["step"] == 0.025 / 3 and len(result["rows"]) == 41
+
+
+def test_stages_are_told_apart(pkgen) -> None:
+    first = {"parse": "File", "analyze": "Structure", "derive": "%0", "lower": "program"}
+    for stage, begins in first.items():
+        assert pkgen(DOUBLE, f"--dump={stage}").stdout.startswith(begins)
+
+
+def test_the_cache_keeps_the_newest(tmp_path: Path) -> None:
+    for age in range(build.KEPT_PROGRAMS + 3):
+        entry = tmp_path / f"model-{age}"
+        entry.mkdir()
+        os.utime(entry, (1e9 - age, 1e9 - age))
+    build._prune(tmp_path)
+    left = {p.name for p in tmp_path.iterdir()}
+    assert left == {f"model-{age}" for age in range(build.KEPT_PROGRAMS)}
+
+
+def test_a_new_cache_is_filled_and_used(pkgen, tmp_path: Path) -> None:
+    env = {**os.environ, "PKGEN_CACHE": str(tmp_path / "cache")}
+    for _ in range(2):
+        assert pkgen("run", DOUBLE, "--until", "0.1", env=env).returncode == 0
+        assert len(list((tmp_path / "cache" / "programs").iterdir())) == 1
