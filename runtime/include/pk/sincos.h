@@ -102,29 +102,27 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 /* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
-    const pk_real size = PK_F(fabs)(x);
-    const pk_real rounded =
-        PK_SINCOS_FMA(size, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND); /* 2/pi */
-    const pk_real k = rounded - PK_SINCOS_ROUND;
-    pk_bits j, sign, s_bits, c_bits, differ;
-    pk_real r, z, s, c, lost; /* the last: what r lacks */
+    const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
+    const pk_real k = rounded - PK_SINCOS_ROUND; /* x over pi/2, to the nearest integer */
+    pk_bits j, s_bits, c_bits, differ;
+    pk_real z, s, c;
 
+    /* x - k pi/2 is r and what r lacks of it, `lost`. The cosine can do without that: at most 0.4
+     * of its units. Signs of zeros are chosen so that the sine of -0 is -0. */
 #ifdef PK_SINCOS_HAS_FMA
-    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, size);
-    const pk_real r2 = PK_F(fma)(-k, PK_SINCOS_P2, r1);
-    r = PK_F(fma)(-k, PK_SINCOS_P3, r2);
-    lost = PK_F(fma)(-k, PK_SINCOS_P3, r2 - r);
+    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
+    const pk_real r = PK_F(fma)(-k, PK_SINCOS_P2, r1);
+    const pk_real lost = -k * PK_SINCOS_P3;
     z = r * r;
-    s = r + PK_F(fma)(r * z, pk_sincos_s(z), lost);
-    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1); /* 0.4 units from `lost` */
+    s = r + PK_F(fma)(PK_F(fma)(r, z, 0), pk_sincos_s(z), lost);
+    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1);
 #else
-    const pk_real r1 = size - k * PK_SINCOS_P1;
+    const pk_real r1 = x - k * PK_SINCOS_P1;
     const pk_real r2 = r1 - k * PK_SINCOS_P2;
-    const pk_real r3 = r2 - k * PK_SINCOS_P3;
+    const pk_real r = r2 - k * PK_SINCOS_P3;
+    const pk_real lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r) - k * PK_SINCOS_P3)
+        - k * PK_SINCOS_P4;
     pk_real half, high;
-    lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r3) - k * PK_SINCOS_P3) - k * PK_SINCOS_P4;
-    r = r3 + lost;
-    lost += r3 - r;
     z = r * r;
     s = r + (lost + r * z * pk_sincos_s(z));
     half = PK_C(0.5) * z;
@@ -132,13 +130,12 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
 #endif
 
+    /* j mod 4 is k mod 4. Where it is odd, sine and cosine change places. */
     memcpy(&j, &rounded, sizeof j);
-    memcpy(&sign, &x, sizeof sign);
     memcpy(&s_bits, &s, sizeof s_bits);
     memcpy(&c_bits, &c, sizeof c_bits);
-    sign = ((sign >> PK_SINCOS_SIGN) ^ (j >> 1)) << PK_SINCOS_SIGN;
     differ = (s_bits ^ c_bits) & (0 - (j & 1));
-    s_bits ^= differ ^ sign;
+    s_bits ^= differ ^ (j >> 1 << PK_SINCOS_SIGN);
     c_bits ^= differ ^ ((j + 1) >> 1 << PK_SINCOS_SIGN);
     if (sine)
         memcpy(sine, &s_bits, sizeof s_bits);
