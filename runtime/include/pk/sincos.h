@@ -6,10 +6,11 @@
  *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
  *
  * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
- * Functions" (1980): pi/2 in parts, k times each of them subtracted exactly while that matters.
- * With fma() that is so of parts of full length, three of which do. Without it, k times
- * a part must fit the significand: 33 bits a part and k < 2^20; in float 14 bits and 2^10. What
- * the later subtractions lose is kept and added to sin r. Beyond PK_SINCOS_MAX libm takes over.
+ * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
+ * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
+ * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2: no double below
+ * 2^21 is nearer to one than about 2^-55. Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -37,32 +38,31 @@
 #define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
 #endif
 
-/* Adding PK_SINCOS_ROUND rounds to an integer, which then is in the last bits. */
+/* pi/2 = P1 + P2 + P3 (+ P4). Adding PK_SINCOS_ROUND rounds to an integer, which then is in the
+ * last bits. */
 #ifdef PK_FLOAT
+#define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_ROUND PK_C(0x1.8p23)
 #define PK_SINCOS_SIGN 31
 #ifdef PK_SINCOS_HAS_FMA
-#define PK_SINCOS_MAX PK_C(0x1p15)
 #define PK_SINCOS_P1 PK_C(0x1.921fb4p0)
-#define PK_SINCOS_P2 PK_C(0x1.4442dp-24)
-#define PK_SINCOS_P3 PK_C(0x1.84698ap-48)
+#define PK_SINCOS_P2 PK_C(0x1.444p-24)
+#define PK_SINCOS_P3 PK_C(0x1.68c234p-39)
 #else
-#define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_P1 PK_C(0x1.9218p0)
 #define PK_SINCOS_P2 PK_C(0x1.ed5p-14)
 #define PK_SINCOS_P3 PK_C(0x1.10bp-30)
 #define PK_SINCOS_P4 PK_C(0x1.184698p-44)
 #endif
 #else
+#define PK_SINCOS_MAX PK_C(0x1.8p20)
 #define PK_SINCOS_ROUND PK_C(0x1.8p52)
 #define PK_SINCOS_SIGN 63
 #ifdef PK_SINCOS_HAS_FMA
-#define PK_SINCOS_MAX PK_C(0x1p30)
 #define PK_SINCOS_P1 PK_C(0x1.921fb54442d18p0)
-#define PK_SINCOS_P2 PK_C(0x1.1a62633145c06p-54)
-#define PK_SINCOS_P3 PK_C(0x1.c1cd129024e09p-107)
+#define PK_SINCOS_P2 PK_C(0x1.1a626331p-54)
+#define PK_SINCOS_P3 PK_C(0x1.1701b839a2520p-88)
 #else
-#define PK_SINCOS_MAX PK_C(0x1.8p20)
 #define PK_SINCOS_P1 PK_C(0x1.921fb544p0)
 #define PK_SINCOS_P2 PK_C(0x1.0b4611a6p-34)
 #define PK_SINCOS_P3 PK_C(0x1.3198a2ep-69)
@@ -111,8 +111,8 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
      * of its units. Signs of zeros are chosen so that the sine of -0 is -0. */
 #ifdef PK_SINCOS_HAS_FMA
     const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
-    const pk_real r = PK_F(fma)(-k, PK_SINCOS_P2, r1);
-    const pk_real lost = -k * PK_SINCOS_P3;
+    const pk_real r = r1 - k * PK_SINCOS_P2;
+    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, (r1 - r) - k * PK_SINCOS_P2);
     z = r * r;
     s = r + PK_F(fma)(PK_F(fma)(r, z, 0), pk_sincos_s(z), lost);
     c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1);
