@@ -9,8 +9,8 @@
  * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
- * parts do, not four. The last one counts where |x| is next to a multiple of pi/2: no double below
- * 2^21 is nearer to one than about 2^-55. Beyond PK_SINCOS_MAX libm takes over.
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a double of
+ * that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -107,12 +107,13 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     pk_bits j, s_bits, c_bits, differ;
     pk_real z, s, c;
 
-    /* x - k pi/2 is r and what r lacks of it, `lost`. The cosine can do without that: at most 0.4
-     * of its units. Signs of zeros are chosen so that the sine of -0 is -0. */
+    /* x - k pi/2 is r and what r lacks of it, `lost`. With fma() the cosine does without: that is
+     * 0.4 of its units. So that the sine of -0 is -0, `lost` is -0 then, and r z, by adding 0, is
+     * not. */
 #ifdef PK_SINCOS_HAS_FMA
     const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
     const pk_real r = r1 - k * PK_SINCOS_P2;
-    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, (r1 - r) - k * PK_SINCOS_P2);
+    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, -((r - r1) + k * PK_SINCOS_P2));
     z = r * r;
     s = r + PK_F(fma)(PK_F(fma)(r, z, 0), pk_sincos_s(z), lost);
     c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1);
@@ -120,11 +121,11 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     const pk_real r1 = x - k * PK_SINCOS_P1;
     const pk_real r2 = r1 - k * PK_SINCOS_P2;
     const pk_real r = r2 - k * PK_SINCOS_P3;
-    const pk_real lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r) - k * PK_SINCOS_P3)
-        - k * PK_SINCOS_P4;
+    const pk_real lost = -(((r2 - r1) + k * PK_SINCOS_P2) + ((r - r2) + k * PK_SINCOS_P3)
+                           + k * PK_SINCOS_P4);
     pk_real half, high;
     z = r * r;
-    s = r + (lost + r * z * pk_sincos_s(z));
+    s = r + ((r * z + 0) * pk_sincos_s(z) + lost);
     half = PK_C(0.5) * z;
     high = 1 - half;
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
@@ -146,7 +147,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
 /* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
-    return !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+    return PK_F(fabs)(x) <= PK_SINCOS_MAX ? 0u : 1u;
 }
 
 #endif
