@@ -12,6 +12,7 @@ from . import policies
 from .count import operations
 from .graph import BIT, MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
+from .residues import Varying
 
 Term = tuple[Node, Monomial]  # a scale and a monomial of what varies
 
@@ -35,9 +36,11 @@ def forms(g: Graph, outputs: list[Node], thorough: bool = True) -> list[list[Nod
 def settled(g: Graph, outputs: list[Node]) -> list[Node]:
     """What is constant (or zero) by an identity, as the constant that it is."""
     normal = Normal(g)
+    seen = Varying(g)
     result = []
     for output in outputs:
-        polynomial = normal(output) if g.depends[output] & VARIABLE else None
+        maybe = g.depends[output] & VARIABLE and not seen(output, VARIABLE)
+        polynomial = normal(output) if maybe else None
         if polynomial is not None and not varies(g, polynomial):
             output = normal.plain(polynomial)
         result.append(output)
