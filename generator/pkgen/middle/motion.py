@@ -100,7 +100,7 @@ def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solut
         if wanted("gradient"):
             slope = fewest(g, settled(g, slope))
     found = []
-    for form in forms(g, outputs, thorough):
+    for form in forms(g, outputs, thorough, short_kept=not thorough):
         mass, force = _symmetric(form, n), tuple(form[-n:])
         solution = solve(g, mass, force) if wanted("acceleration") else None
         cost = operations(g, [*form, *(solution[0] if solution else ())])

@@ -125,6 +125,10 @@ class Nodes:
         """The monomial of a node whose scale is 1."""
         return self._factors[rest]
 
+    def terms(self, rest: Node) -> Terms | None:
+        """A node whose scale is 1 as a sum of a few (scale, rest); None if there are too many."""
+        return self._terms[rest]
+
     # -- a node as terms and as scale times rest ------------------------------------------------
 
     def _split(self, node: Node, domain: int) -> tuple[Node, Node]:
