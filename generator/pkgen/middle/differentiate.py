@@ -139,10 +139,14 @@ class Forward:
 
 def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
     """The derivative of a node given those of its arguments."""
+    op = g.op[node]
+    if op is Op.ADD:
+        return g.add(*of_arguments)
+    if op is Op.MULTIPLY:
+        (a, b), (of_a, of_b) = g.args[node], of_arguments
+        return g.add(g.multiply(b, of_a), g.multiply(a, of_b))
     if all(d == ZERO for d in of_arguments):
         return ZERO
-    if g.op[node] is Op.ADD:
-        return g.add(*of_arguments)
     terms = zip(partials(g, node), of_arguments, strict=True)
     return g.sum(g.multiply(p, d) for p, d in terms if d != ZERO)
 
