@@ -15,11 +15,9 @@ Found = dict[Factors, tuple[Node, Node]]  # scale and rest by the monomial of th
 
 def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
     """Like terms added, where that leaves no more terms than the longer sum has."""
-    terms = {g._factors[r]: (p, r) for p, r in left}
-    if not any(g._factors[r] in terms or _squared(g, r) for _, r in right) and not any(
-        _squared(g, r) for _, r in left
-    ):
+    if not _may_merge(g, left, right):
         return None
+    terms = {g._factors[r]: (p, r) for p, r in left}
     bound = max(len(left), len(right))
     for p, r in right:
         key = g._factors[r]
@@ -36,8 +34,20 @@ def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None
     return list(terms.values()) if len(terms) <= bound else None
 
 
+def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
+    """Whether the sums have a monomial in common, or one of them a square to merge."""
+    known = [g._factors[r] for _, r in left]
+    for _, r in right:
+        if g._factors[r] in known or _squared(g, r):
+            return True
+    return any(_squared(g, r) for _, r in left)
+
+
 def _squared(g: Graph, rest: Node) -> bool:
-    return any(exponent >= 2 and base in g._partner for base, exponent in g._factors[rest])
+    for base, exponent in g._factors[rest]:
+        if exponent >= 2 and base in g._partner:
+            return True
+    return False
 
 
 def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:

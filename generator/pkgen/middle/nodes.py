@@ -69,8 +69,7 @@ class Nodes:
         self.data: list[object] = []
         self.depends: list[int] = []  # a mask of BIT
         self.limit = limit
-        self._known: dict[tuple[object, ...], Node] = {}
-        self._numbers: dict[tuple[int, int], Node] = {}
+        self._known: tuple[dict[object, Node], ...] = tuple({} for _ in Op)
         self._domain: list[int] = []
         self._scale: list[Node] = []
         self._rest: list[Node] = []
@@ -88,11 +87,10 @@ class Nodes:
     # -- leaves -------------------------------------------------------------------------------
 
     def number(self, value: Fraction | int) -> Node:
+        # Looked up by two integers, since to hash a fraction is slow.
         key = value.numerator, value.denominator
-        known = self._numbers.get(key)
-        if known is None:
-            known = self._numbers[key] = self._node(Op.NUMBER, (), Fraction(value))
-        return known
+        known = self._known[Op.NUMBER].get(key)
+        return self._new(Op.NUMBER, (), Fraction(value), key) if known is None else known
 
     def symbol(self, symbol: Symbol) -> Node:
         return self._node(Op.SYMBOL, (), symbol)
@@ -147,6 +145,8 @@ class Nodes:
             scale, rest = self._scale[node], self._rest[node]
             terms = self._terms[rest]
             if terms is not None and scale != ONE:
+                if len(terms) == 1 and terms[0][0] == ONE:
+                    return ((scale, terms[0][1]),)
                 return tuple((self.multiply(scale, p), r) for p, r in terms)
         return terms
 
@@ -161,23 +161,32 @@ class Nodes:
         self, op: Op, args: tuple[Node, ...], data: object, factors: Factors | None = None
     ) -> Node:
         """`factors` is the monomial of a product, where the caller has it already."""
-        key = (op._value_, args, data)
-        node = self._known.get(key)
-        if node is None:
-            node = len(self.op)
-            if self.limit is not None and node >= self.limit:
-                raise TooLarge
-            self._known[key] = node
-            self.op.append(op)
-            self.args.append(args)
-            self.data.append(data)
-            depends = BIT[data.kind] if op is Op.SYMBOL else 0
-            for a in args:
-                depends |= self.depends[a]
-            self.depends.append(depends)
-            domain = 0 if op is Op.NUMBER else 2 if depends & VARIABLE else 1
-            self._domain.append(domain)
-            self._enter(node, op, args, data, domain, factors)
+        key = args if data is None else (args, data)
+        node = self._known[op].get(key)
+        return self._new(op, args, data, key, factors) if node is None else node
+
+    def _new(
+        self,
+        op: Op,
+        args: tuple[Node, ...],
+        data: object,
+        key: object,
+        factors: Factors | None = None,
+    ) -> Node:
+        node = len(self.op)
+        if self.limit is not None and node >= self.limit:
+            raise TooLarge
+        self._known[op][key] = node
+        self.op.append(op)
+        self.args.append(args)
+        self.data.append(data)
+        depends = BIT[data.kind] if op is Op.SYMBOL else 0
+        for a in args:
+            depends |= self.depends[a]
+        self.depends.append(depends)
+        domain = 0 if op is Op.NUMBER else 2 if depends & VARIABLE else 1
+        self._domain.append(domain)
+        self._enter(node, op, args, data, domain, factors)
         return node
 
     def _enter(
@@ -232,7 +241,7 @@ class Nodes:
     ) -> Factors:
         """The monomial of a call; what belongs to it is remembered."""
         if function in SQUARES:
-            partner = self._known.get((Op.CALL._value_, args, SQUARES[function]))
+            partner = self._known[Op.CALL].get((args, SQUARES[function]))
             if partner is not None:
                 self._partner[node], self._partner[partner] = partner, node
         elif function == "sqrt":
