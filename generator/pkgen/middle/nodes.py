@@ -84,6 +84,11 @@ class Nodes:
     def __len__(self) -> int:
         return len(self.op)
 
+    def tables(self) -> tuple[dict[object, Node], ...]:
+        """A copy of the nodes by op: a number by (numerator, denominator), what has data by
+        (args, data), the rest by args."""
+        return tuple(map(dict, self._known))
+
     # -- leaves -------------------------------------------------------------------------------
 
     def number(self, value: Fraction | int) -> Node:
