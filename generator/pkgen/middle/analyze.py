@@ -89,17 +89,17 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     """No coordinate q_i in L up to an identity, and nothing applied along it."""
     g = equations.graph
     n = len(equations.coordinates)
-    cyclic = [equations.applied[i] == ZERO and i not in jumping for i in range(n)]
-    open_ = [i for i in range(n) if cyclic[i] and equations.gradient[i] != ZERO]
-    for i in open_:
-        cyclic[i] = not seen.varying.is_nonzero(equations.gradient[i])
-    if any(cyclic[i] for i in open_):
+    free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
+    open_ = {i for i in free if equations.gradient[i] != ZERO}
+    acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
+    if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)
-        for node in reachable(g, atoms, BIT[Kind.COORDINATE]):
-            if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE:
-                if g.data[node].index in open_:
-                    cyclic[g.data[node].index] = False
-    return tuple(cyclic)
+        acting |= {
+            g.data[node].index
+            for node in reachable(g, atoms, BIT[Kind.COORDINATE])
+            if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
+        } & open_
+    return tuple(i in free and i not in acting for i in range(n))
 
 
 def _smooth(equations: Equations) -> bool:

@@ -22,7 +22,6 @@ from .like_terms import merge
 from .nodes import (
     BIT,
     CONSTANT,
-    FACTORS,
     MINUS_ONE,
     NUMBER_BITS,
     ONE,
@@ -170,8 +169,7 @@ class Graph(Nodes):
         if self._reciprocals:
             factors = self._without_reciprocals(factors)
         if len(factors) == len(left) + len(right):
-            whole = factors if len(factors) <= FACTORS else None
-            return self._node(Op.MULTIPLY, (a, b) if a < b else (b, a), None, whole)
+            return self._node(Op.MULTIPLY, (a, b) if a < b else (b, a), None, factors)
         return self._product_of(factors)
 
     def _product_of(self, factors: Factors) -> Node:

@@ -44,10 +44,7 @@ def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
 
 
 def _squared(g: Graph, rest: Node) -> bool:
-    for base, exponent in g._factors[rest]:
-        if exponent >= 2 and base in g._partner:
-            return True
-    return False
+    return any(exponent >= 2 and base in g._partner for base, exponent in g._factors[rest])
 
 
 def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:

@@ -206,15 +206,15 @@ class Nodes:
         """The node as scale, rest and monomial; as a sum, its terms."""
         scale, rest = ONE, node
         terms: Terms | None = ((ONE, node),)
-        factors = factors or ((node, 1),)
+        product, factors = factors, ((node, 1),)
         if domain == 0:
             scale, rest, factors = node, ONE, ()
         elif op is Op.MULTIPLY:
             left, right = self._domain[args[0]], self._domain[args[1]]
             if left < domain == right:
                 (scale, rest), terms, factors = args, None, ()
-            elif left == right == domain and len(factors) == 1:
-                product = merged(self._factors[args[0]], self._factors[args[1]])
+            elif left == right == domain:
+                product = product or merged(self._factors[args[0]], self._factors[args[1]])
                 if len(product) <= FACTORS:
                     factors = product
         elif op is Op.ADD:
