@@ -332,7 +332,7 @@ void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk
     dLdq[2] = t1 - p->c_[3] * q3;
 }
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv. 3 operations: 3 neg. */
+/* dp/dq, d(pdot)/dq, d(pdot)/dv. 2 operations: 2 neg. */
 void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
                                   pk_real *restrict p_q, pk_real *restrict pdot_q,
@@ -345,17 +345,17 @@ void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk
 
     for (size_t k = 0; k < 9; k++)
         p_q[k] = 0;
-    pdot_q[0] = -p->c_[3];
-    pdot_q[1] = p->kc;
-    pdot_q[2] = 0;
-    pdot_q[3] = p->kc;
-    pdot_q[4] = -p->c_[4];
-    pdot_q[5] = p->kc;
-    pdot_q[6] = 0;
-    pdot_q[7] = p->kc;
-    pdot_q[8] = -p->c_[3];
     for (size_t k = 0; k < 9; k++)
         pdot_v[k] = 0;
+    pdot_q[0] = -p->c_[3];
+    pdot_q[8] = pdot_q[0];
+    pdot_q[1] = p->kc;
+    pdot_q[3] = pdot_q[1];
+    pdot_q[5] = pdot_q[1];
+    pdot_q[7] = pdot_q[1];
+    pdot_q[2] = 0;
+    pdot_q[6] = 0;
+    pdot_q[4] = -p->c_[4];
 }
 
 /* h = v.p - L. 18 operations: 6 +, 2 -, 10 *. */

@@ -33,7 +33,7 @@
  *   canonical     12 operations: 1 +, 4 -, 7 *
  *   momenta       3 operations: 3 *
  *   gradient      9 operations: 1 +, 4 -, 4 *
- *   jacobian      3 operations: 3 neg
+ *   jacobian      2 operations: 2 neg
  *   energy        18 operations: 6 +, 2 -, 10 *
  *   lagrangian    18 operations: 5 +, 3 -, 10 *
  *   kinetic       6 operations: 2 +, 4 *
@@ -262,7 +262,7 @@ void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk
  *   p_q[3*3]: p_q[i*3 + j] = dp_i/dq_j
  *   pdot_q[3*3]: pdot_q[i*3 + j] = d(pdot_i)/dq_j
  *   pdot_v[3*3]: pdot_v[i*3 + j] = d(pdot_i)/dv_j
- * 3 operations: 3 neg. */
+ * 2 operations: 2 neg. */
 void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
                                   pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);

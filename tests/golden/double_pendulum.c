@@ -563,7 +563,7 @@ void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t,
     dLdq[1] = t1 - p->c_[5] * sin_theta2;
 }
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv. 27 operations: 1 +, 3 -, 13 *, 6 neg, 2 cos, 2 sin. */
+/* dp/dq, d(pdot)/dq, d(pdot)/dv. 25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin. */
 void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *restrict p_q,
                               pk_real *restrict pdot_q, pk_real *restrict pdot_v)
@@ -583,20 +583,20 @@ void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t,
     const pk_real t1 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
     const pk_real t2 = p->c_[6] * theta2_dot * t1;
     p_q[0] = -t2;
+    pdot_v[0] = p_q[0];
     p_q[1] = t2;
+    pdot_v[2] = p_q[1];
     const pk_real t3 = p->c_[6] * theta1_dot * t1;
     p_q[2] = -t3;
+    pdot_v[1] = p_q[2];
     p_q[3] = t3;
+    pdot_v[3] = p_q[3];
     const pk_real t4 = p->c_[6] * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2) * theta1_dot
         * theta2_dot;
     pdot_q[0] = -p->c_[4] * cos_theta1 - t4;
     pdot_q[1] = t4;
-    pdot_q[2] = t4;
+    pdot_q[2] = pdot_q[1];
     pdot_q[3] = -t4 - p->c_[5] * cos_theta2;
-    pdot_v[0] = -t2;
-    pdot_v[1] = -t3;
-    pdot_v[2] = t2;
-    pdot_v[3] = t3;
 }
 
 /* h = v.p - L. 19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin. */

@@ -32,7 +32,7 @@
  *   canonical     26 operations: 3 +, 3 -, 15 *, 1 neg, 2 cos, 2 sin
  *   momenta       15 operations: 3 +, 8 *, 2 cos, 2 sin
  *   gradient      15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin
- *   jacobian      27 operations: 1 +, 3 -, 13 *, 6 neg, 2 cos, 2 sin
+ *   jacobian      25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin
  *   energy        19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin
  *   lagrangian    19 operations: 5 +, 10 *, 2 cos, 2 sin
  *   kinetic       15 operations: 3 +, 8 *, 2 cos, 2 sin
@@ -261,7 +261,7 @@ void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t,
  *   p_q[2*2]: p_q[i*2 + j] = dp_i/dq_j
  *   pdot_q[2*2]: pdot_q[i*2 + j] = d(pdot_i)/dq_j
  *   pdot_v[2*2]: pdot_v[i*2 + j] = d(pdot_i)/dv_j
- * 27 operations: 1 +, 3 -, 13 *, 6 neg, 2 cos, 2 sin. */
+ * 25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin. */
 void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                               pk_real *pdot_v);

@@ -559,7 +559,7 @@ void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_re
     dLdq[2] = 0;
 }
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv. 22 operations: 2 +, 2 -, 14 *, 2 neg, 1 cos, 1 sin. */
+/* dp/dq, d(pdot)/dq, d(pdot)/dv. 21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *restrict p_q,
                         pk_real *restrict pdot_q, pk_real *restrict pdot_v)
@@ -572,25 +572,16 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
     const pk_real psi_dot = v[2];
 
     p_q[0] = 0;
-    pk_real sin_theta, cos_theta;
-    pk_sincos(theta, &sin_theta, &cos_theta);
-    const pk_real t1 = p->I3 * psi_dot;
-    const pk_real t2 = sin_theta * (p->c_[10] * phi_dot * cos_theta - t1);
-    p_q[1] = t2;
     p_q[2] = 0;
     p_q[3] = 0;
     p_q[4] = 0;
     p_q[5] = 0;
     p_q[6] = 0;
-    const pk_real t3 = p->I3 * phi_dot * sin_theta;
-    p_q[7] = -t3;
     p_q[8] = 0;
     pdot_q[0] = 0;
     pdot_q[1] = 0;
     pdot_q[2] = 0;
     pdot_q[3] = 0;
-    const pk_real t4 = p->c_[4] * sin_theta * sin_theta + p->c_[3] * cos_theta * cos_theta;
-    pdot_q[4] = p->c_[2] * cos_theta + phi_dot * (phi_dot * t4 - t1 * cos_theta);
     pdot_q[5] = 0;
     pdot_q[6] = 0;
     pdot_q[7] = 0;
@@ -598,12 +589,19 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
     pdot_v[0] = 0;
     pdot_v[1] = 0;
     pdot_v[2] = 0;
-    pdot_v[3] = t2;
     pdot_v[4] = 0;
-    pdot_v[5] = -t3;
     pdot_v[6] = 0;
     pdot_v[7] = 0;
     pdot_v[8] = 0;
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
+    const pk_real t1 = p->I3 * psi_dot;
+    p_q[1] = sin_theta * (p->c_[10] * phi_dot * cos_theta - t1);
+    pdot_v[3] = p_q[1];
+    p_q[7] = -p->I3 * phi_dot * sin_theta;
+    pdot_v[5] = p_q[7];
+    const pk_real t2 = p->c_[4] * sin_theta * sin_theta + p->c_[3] * cos_theta * cos_theta;
+    pdot_q[4] = p->c_[2] * cos_theta + phi_dot * (phi_dot * t2 - t1 * cos_theta);
 }
 
 /* h = v.p - L. 15 operations: 4 +, 9 *, 1 cos, 1 sin. */

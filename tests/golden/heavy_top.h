@@ -32,7 +32,7 @@
  *   canonical     18 operations: 3 +, 1 -, 12 *, 1 cos, 1 sin
  *   momenta       12 operations: 2 +, 8 *, 1 cos, 1 sin
  *   gradient      9 operations: 1 +, 1 -, 5 *, 1 cos, 1 sin
- *   jacobian      22 operations: 2 +, 2 -, 14 *, 2 neg, 1 cos, 1 sin
+ *   jacobian      21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin
  *   energy        15 operations: 4 +, 9 *, 1 cos, 1 sin
  *   lagrangian    15 operations: 3 +, 1 -, 9 *, 1 cos, 1 sin
  *   kinetic       13 operations: 3 +, 8 *, 1 cos, 1 sin
@@ -267,7 +267,7 @@ void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_re
  *   p_q[3*3]: p_q[i*3 + j] = dp_i/dq_j
  *   pdot_q[3*3]: pdot_q[i*3 + j] = d(pdot_i)/dq_j
  *   pdot_v[3*3]: pdot_v[i*3 + j] = d(pdot_i)/dv_j
- * 22 operations: 2 +, 2 -, 14 *, 2 neg, 1 cos, 1 sin. */
+ * 21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                         pk_real *pdot_v);

@@ -103,7 +103,7 @@ def count_operations(expression: str, prefix: str) -> Counter[str]:
 
 
 _RATIO = re.compile(r"\(PK_C\([^()]*\) / PK_C\([^()]*\)\)")
-_OPERATION = re.compile(r" ([-+*/]) |PK_F\((\w+)\)|(\w+)\(|(?:^|(?<=[( ]))(-)(?=\S)")
+_OPERATION = re.compile(r" ([-+*/]) |PK_F\((\w+)\)|\b(\w+)\(|(?:^|(?<=[( ]))(-)(?=\S)")
 
 
 def _fraction(above: tuple[str, ...], below: tuple[str, ...]) -> str:

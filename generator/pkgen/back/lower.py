@@ -69,6 +69,7 @@ class _Lowering:
         self.work = Workspace(equations.graph)
         self.fields, self.parameter_names = _fields(equations)
         self.symbols = _local_names(equations)
+        self.leaves: dict[Node, str] = {}
         self.hoisted: dict[Node, int] = {}
         self.helpers: set[str] = set()
 
@@ -158,10 +159,15 @@ class _Lowering:
         return self._symbol(node)
 
     def _symbol(self, node: Node) -> str | None:
+        if not self.work.is_leaf(node):
+            return None
+        if node not in self.leaves:
+            self.leaves[node] = self._leaf_text(node)
+        return self.leaves[node]
+
+    def _leaf_text(self, node: Node) -> str:
         if self.work.op[node] is Op.NUMBER:
             return number_text(self.work.data[node])
-        if self.work.op[node] is not Op.SYMBOL:
-            return None
         symbol = self.work.data[node]
         assert isinstance(symbol, Symbol)
         if symbol.kind is Kind.PARAMETER:

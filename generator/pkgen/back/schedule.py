@@ -189,6 +189,8 @@ class Schedule:
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
+        if sum(self._forms[a].length for a in args) <= longest:
+            return
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)
