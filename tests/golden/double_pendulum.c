@@ -16,8 +16,8 @@
  * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
- * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a double of
- * that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -154,7 +154,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
 /* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
-    return PK_F(fabs)(x) <= PK_SINCOS_MAX ? 0u : 1u;
+    return (pk_bits)!(PK_F(fabs)(x) <= PK_SINCOS_MAX);
 }
 
 #endif
@@ -290,7 +290,7 @@ static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    bad |= p->c_[2] > 0 ? 0u : 1u;
+    bad |= (pk_bits)!(p->c_[2] > 0);
     if (pass != PK_IN_LANE && bad)
         return 1;
 
@@ -301,7 +301,7 @@ static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     const pk_real D_1 = p->c_[3] - p->c_[8] * t1 * t1;
 
-    bad |= D_1 > PK_PIVOT_MIN * p->c_[3] ? 0u : 1u;
+    bad |= (pk_bits)!(D_1 > PK_PIVOT_MIN * p->c_[3]);
     if (pass != PK_IN_LANE && bad)
         return 2;
 

@@ -9,8 +9,8 @@
  * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
- * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a double of
- * that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -147,7 +147,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
 /* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
-    return PK_F(fabs)(x) <= PK_SINCOS_MAX ? 0u : 1u;
+    return (pk_bits)!(PK_F(fabs)(x) <= PK_SINCOS_MAX);
 }
 
 #endif
