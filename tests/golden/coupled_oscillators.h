@@ -4,7 +4,8 @@
  * SHA-256 of the model's text:
  *   ec83e96b5a656eda634fd87b96bd09a7dc30809262a8819ffa0e67b501a3cff9
  *
- * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno -c coupled_oscillators.c
+ * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno
+ *              -c coupled_oscillators.c
  * in double (link with -lm); with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double, with
  * -DPK_FLOAT128 in gcc's __float128 (link with -lquadmath). With -DPK_RUNTIME and pkgen's runtime
  * there is also `coupled_oscillators_system`, for its integrators.

@@ -4,7 +4,8 @@
  * SHA-256 of the model's text:
  *   ab778cec1c57192c6d4cc856006abdd5a95df5be9e348cb8214f8945308f134c
  *
- * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno -c double_pendulum.c
+ * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno
+ *              -c double_pendulum.c
  * in double (link with -lm); with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double, with
  * -DPK_FLOAT128 in gcc's __float128 (link with -lquadmath). With -DPK_RUNTIME and pkgen's runtime
  * there is also `double_pendulum_system`, for its integrators.

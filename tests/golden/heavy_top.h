@@ -4,7 +4,8 @@
  * SHA-256 of the model's text:
  *   f004ff1ca3d41a7eb04ebd2ea9f4759de6aa41e7241807db3e7cc4547fc2c933
  *
- * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno -c heavy_top.c
+ * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno
+ *              -c heavy_top.c
  * in double (link with -lm); with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double, with
  * -DPK_FLOAT128 in gcc's __float128 (link with -lquadmath). With -DPK_RUNTIME and pkgen's runtime
  * there is also `heavy_top_system`, for its integrators.

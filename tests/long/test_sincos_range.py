@@ -6,6 +6,7 @@ thousand against mpmath, in each variant.
 
 from __future__ import annotations
 
+import re
 import sys
 from functools import cache
 from pathlib import Path
@@ -15,7 +16,8 @@ import pytest
 from conftest import ROOT
 from page import write_section
 
-sys.path.append(str(ROOT / "tests" / "generator"))
+sys.path += [str(ROOT / "tests" / "generator"), str(ROOT / "tools")]
+import minimax
 from sincos_harness import VARIANTS, Exact, arguments, build
 
 pytestmark = pytest.mark.long
@@ -46,6 +48,17 @@ def page():
 def doubles(limit: float) -> tuple[numpy.ndarray, Exact]:
     x = arguments("double", limit, COUNT, seed=9871)
     return x, Exact(x, "double")
+
+
+@pytest.mark.parametrize("scalar", minimax.DEGREES)
+def test_coefficients_are_those_of_the_exchange_algorithm(scalar: str) -> None:
+    text = (ROOT / "runtime" / "include" / "pk" / "sincos.h").read_text()
+    there = {float.fromhex(x) for x in re.findall(r"PK_C\((0x[^)]*)\)", text)}
+    bits, *degrees = minimax.DEGREES[scalar]
+    for target, degree in zip(minimax.TARGETS, degrees, strict=True):
+        coefficients, before, after = minimax.polynomial(target, bits, degree)
+        assert {abs(c) for c in coefficients} <= there
+        assert 0 < before <= after < 0.1
 
 
 @pytest.mark.parametrize("variant", VARIANTS, ids="-".join)

@@ -79,8 +79,8 @@ PK_INLINE static pk_real pk_sincos_s(pk_real z)
 #else
     const pk_real z2 = z * z;
     const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.111111110f750p-7), z, -PK_C(0x1.5555555555548p-3));
-    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558f2372p-19), z, -PK_C(0x1.a01a019bed585p-13));
-    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3d70e473fp-33), z, -PK_C(0x1.ae5e4e8f2f8a1p-26));
+    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558eb5ddp-19), z, -PK_C(0x1.a01a019bed4e5p-13));
+    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3c5be351dp-33), z, -PK_C(0x1.ae5e4e8ac796ap-26));
     return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, s4, s2), s0);
 #endif
 }
@@ -89,12 +89,12 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 {
 #ifdef PK_FLOAT
     const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c0c26p-10), z, PK_C(0x1.55554ap-5));
-    return PK_SINCOS_FMA(PK_C(0x1.99e71ep-16), z * z, c0);
+    return PK_SINCOS_FMA(PK_C(0x1.99e684p-16), z * z, c0);
 #else
     const pk_real z2 = z * z;
-    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14f00p-10), z, PK_C(0x1.555555555554ap-5));
-    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7dffaf17p-22), z, PK_C(0x1.a01a019c75bd2p-16));
-    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8fa0a19b00cc8p-37), z, PK_C(0x1.1ee9d033e2655p-29));
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14e00p-10), z, PK_C(0x1.555555555554ap-5));
+    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7cd25aefp-22), z, PK_C(0x1.a01a019c5c32cp-16));
+    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8f99c237a1f64p-37), z, PK_C(0x1.1ee9c32a6292ep-29));
     return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, c4, c2), c0);
 #endif
 }
