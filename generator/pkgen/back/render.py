@@ -202,11 +202,14 @@ def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
             groups.append([])
         last = part
         groups[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
+    outputs = [o.name for o in kernel.outputs if o.name in block.uses]
     return {
         "groups": groups,
         "checks": int(block.checks),
-        "arguments": [a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses],
-        "outputs": [o.name for o in kernel.outputs if o.name in block.uses],
+        "arguments": [
+            a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses and a not in outputs
+        ],
+        "outputs": outputs,
     }
 
 
