@@ -87,7 +87,7 @@ static pk_bits coupled_oscillators_acceleration_pass(enum pk_pass pass,
     const pk_real q2 = q[1];
     const pk_real q3 = q[2];
 
-    bad |= !(p->m > 0);
+    bad |= (pk_bits)!(p->m > 0);
     if (pass != PK_IN_LANE && bad)
         return 1;
 
