@@ -7,7 +7,6 @@ the parameter struct. The rest of the work is in `rewrite.py` (powers, products)
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -144,9 +143,8 @@ class _Lowering:
         solves: bool = False,
     ) -> Kernel:
         parts, work = blocks(schedule.statements, loads, [o.name for o in outputs])
-        operations: Counter[str] = Counter()
+        operations = count_operations((s.text for s in schedule.statements), self.prefix)
         for statement in schedule.statements:
-            operations += count_operations(statement.text, self.prefix)
             if statement.kind == TRIG:
                 pair = zip(("sin", "cos"), statement.target.split(), strict=True)
                 operations.update(function for function, name in pair if name != "NULL")

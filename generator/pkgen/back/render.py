@@ -8,9 +8,8 @@ import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 import pkgen_runtime
 
 from .. import __version__
@@ -20,6 +19,9 @@ from .describe import entries, families, field_says, operations_rows
 from .kernels import KERNELS
 from .names import family_of
 from .program import Block, Kernel, Program, Statement, operations_text
+
+if TYPE_CHECKING:
+    import jinja2
 
 # Which field of Structure proves which of enum pk_fact, in the order of that enum.
 FACTS = [
@@ -85,6 +87,8 @@ def _refuse_parts(program: Program) -> None:
 
 @cache
 def _environment() -> jinja2.Environment:
+    import jinja2  # only where there is C to write: it takes longer to load than a model to check
+
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
         undefined=jinja2.StrictUndefined,
@@ -202,11 +206,14 @@ def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
             groups.append([])
         last = part
         groups[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
+    outputs = [o.name for o in kernel.outputs if o.name in block.uses]
     return {
         "groups": groups,
         "checks": int(block.checks),
-        "arguments": [a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses],
-        "outputs": [o.name for o in kernel.outputs if o.name in block.uses],
+        "arguments": [
+            a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses and a not in outputs
+        ],
+        "outputs": outputs,
     }
 
 
