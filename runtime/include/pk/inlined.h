@@ -18,7 +18,7 @@
 
 #undef PK_INLINE_STEPPERS
 #ifndef PK_STEPPER
-#define PK_STEPPER(x) PK_MODEL(sys_##x)
+#define PK_STEPPER(x) PK_MODEL(step_##x)
 #ifdef PK_MODEL_N
 #define PK_STEPPER_N(it) PK_MODEL_N(it)
 #else

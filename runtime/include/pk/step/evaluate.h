@@ -1,6 +1,5 @@
-/* The acceleration within a step: inputs filled, the call counted, a failure named. Over
- * the macros of
- * pk/inlined.h, and ahead of every text that evaluates.
+/* The acceleration within a step: inputs filled, the call counted, a failure named. Over the
+ * macros of pk/inlined.h; to be included once, ahead of every text that evaluates.
  */
 static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, pk_real t,
                                                       const pk_real *q, const pk_real *v,
