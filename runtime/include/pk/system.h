@@ -124,7 +124,8 @@ struct pk_system {
     unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
                                   const pk_real *v, const pk_real *u, pk_real *a);
 
-    const struct pk_stepper *steppers; /* NULL: none compiled in */
+    /* NULL: none compiled in. To be NULL in a copy of a system whose kernels are replaced. */
+    const struct pk_stepper *steppers;
     size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
                                             is chosen at run time; NULL: n */
 };
