@@ -81,6 +81,7 @@ struct pk_integrator {
     pk_real h;                /* signed step, made or to be made */
     pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
     pk_real error;            /* adaptive: of the last accepted step, in units of the tolerance */
+    int off_grid;             /* fixed steps: the one being made is shorter, and ends the grid */
     int ready;                /* a start was accepted; without it nothing steps */
     int direction;            /* +1, -1, 0 before the first step */
     int flags;                /* the method's own */
