@@ -553,6 +553,11 @@ static unsigned long long coupled_oscillators_sys_lanes(const void *p, const pk_
 
 static const unsigned char coupled_oscillators_sys_cyclic[3] = {0, 0, 0};
 
+/* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
+#undef PK_MODEL
+#define PK_MODEL(x) coupled_oscillators_##x
+#include <pk/inlined.h>
+
 const struct pk_system coupled_oscillators_system = {
     .abi = PK_ABI,
     .name = "coupled_oscillators",
@@ -590,6 +595,7 @@ const struct pk_system coupled_oscillators_system = {
     .kinetic = coupled_oscillators_sys_kinetic,
     .potential = coupled_oscillators_sys_potential,
     .observe = NULL,
-    .conserve = NULL
+    .conserve = NULL,
+    .steppers = PK_INLINE_STEPPERS
 };
 #endif

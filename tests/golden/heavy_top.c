@@ -823,6 +823,11 @@ static unsigned long long heavy_top_sys_lanes(const void *p, const pk_real *t, c
 
 static const unsigned char heavy_top_sys_cyclic[3] = {1, 0, 1};
 
+/* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
+#undef PK_MODEL
+#define PK_MODEL(x) heavy_top_##x
+#include <pk/inlined.h>
+
 const struct pk_system heavy_top_system = {
     .abi = PK_ABI,
     .name = "heavy_top",
@@ -859,6 +864,7 @@ const struct pk_system heavy_top_system = {
     .kinetic = heavy_top_sys_kinetic,
     .potential = heavy_top_sys_potential,
     .observe = NULL,
-    .conserve = heavy_top_sys_conserve
+    .conserve = heavy_top_sys_conserve,
+    .steppers = PK_INLINE_STEPPERS
 };
 #endif

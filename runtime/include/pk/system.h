@@ -17,6 +17,7 @@
 #include <stddef.h>
 
 #include <pk/real.h>
+#include <pk/status.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -51,12 +52,27 @@ struct pk_parameter {
     int lo_open, hi_open;
 };
 
+/* A method's step with the kernels of one system compiled into it; see pk/inlined.h. */
+struct pk_integrator;
+struct pk_stepper {
+    const char *method; /* NULL ends the list */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
+};
+
+/* The same for many members of an ensemble side by side; see pk/ensemble.h. */
+struct pk_block;
+struct pk_block_stepper {
+    const char *method; /* NULL ends the list */
+    size_t lanes;       /* members a block, at most 64 */
+    unsigned long long (*step)(struct pk_block *block);
+};
+
 struct pk_system {
     unsigned abi; /* PK_ABI */
     const char *name;
     const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
     unsigned facts;          /* of enum pk_fact */
-    size_t n;                /* degrees of freedom */
+    size_t n;                /* degrees of freedom; see count */
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
 
@@ -81,14 +97,6 @@ struct pk_system {
      * positive (or not a number): M is singular or indefinite there, and a is not written. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
-    /* The same for PK_LANES states side by side: q[i*PK_LANES + l] is coordinate i of lane l. Bit l
-     * of what is returned is set where acceleration() fails; a of that lane is not to be used. For
-     * members(), each lane has its own parameters, P[k*PK_LANES + l]: the struct NAME_params of
-     * lane l as an array of pk_real. NULL: none. */
-    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
-                                const pk_real *v, const pk_real *u, pk_real *a);
-    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
-                                  const pk_real *v, const pk_real *u, pk_real *a);
     void (*mass)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                  const pk_real *u, pk_real *M);
     void (*force)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
@@ -114,7 +122,28 @@ struct pk_system {
                     const pk_real *u, pk_real *out);
     void (*conserve)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *out);
+
+    /* The acceleration of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Bit l of
+     * the result: lane l failed as acceleration() does, and a is not to be used there. With the
+     * same parameters in each lane; or with P[k * PK_LANES + l] number k of the params of lane l,
+     * which are an array of pk_real. NULL: there is none. */
+    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
+                                const pk_real *v, const pk_real *u, pk_real *a);
+    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
+                                  const pk_real *v, const pk_real *u, pk_real *a);
+
+    /* NULL: none compiled in. To be NULL in a copy of a system whose kernels are replaced. */
+    const struct pk_stepper *steppers;
+    const struct pk_block_stepper *block_steppers;
+    size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
+                                            is chosen at run time; NULL: n */
 };
+
+/* Degrees of freedom. */
+static inline size_t pk_system_count(const struct pk_system *system, const void *params)
+{
+    return system->count ? system->count(params) : system->n;
+}
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,43 @@
+/* Explicit Runge-Kutta methods at a fixed step, on y = (q, v) with y' = (v, a(q, v, t)):
+ *
+ *     k_i = f(t0 + c_i h, y0 + h sum_j<i a_ij k_j),   y1 = y0 + h sum b_i k_i
+ *
+ * with a compensated sum for y1. Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving
+ * Ordinary Differential Equations I, II.1. Written over the macros of pk/inlined.h.
+ */
+#include <pk/step/tables.h>
+
+/* Stage i > 0: its argument into it->next, its slope into k. */
+static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
+                                                            const struct pk_tableau *table, int i)
+{
+    const size_t m = 2 * PK_STEPPER_N(it);
+    pk_real *k = it->work;
+    pk_erk_combine(it->next, it->state, it->h, table->a + i * (i - 1) / 2, i, k, m);
+    return PK_STEPPER(slope)(it, it->t + table->c[i] * it->h, it->next, k + (size_t)i * m);
+}
+
+static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
+                                                      const struct pk_tableau *table)
+{
+    const size_t n = PK_STEPPER_N(it), m = 2 * n;
+    const pk_real h = it->h, *y0 = it->state, *low0 = pk_part(it->state, n, PK_LOW_Q);
+    pk_real *k = it->work, *y = it->next, *low = pk_part(it->next, n, PK_LOW_Q);
+
+    enum pk_status status = PK_STEPPER(slope)(it, it->t, y0, k);
+    if (status < 0)
+        return status;
+#define PK_ERK_STAGE(i)                               \
+    if ((i) < table->stages) {                        \
+        status = PK_STEPPER(erk_stage)(it, table, i); \
+        if (status < 0)                               \
+            return status;                            \
+    }
+    PK_EACH_STAGE(PK_ERK_STAGE)
+#undef PK_ERK_STAGE
+    for (size_t i = 0; i < m; i++) { /* the compensations of q and of v are neighbours */
+        low[i] = low0[i];
+        y[i] = pk_sum(y0[i], h * pk_row_sum(table->b, table->stages, k, m, i), &low[i]);
+    }
+    return PK_DONE;
+}

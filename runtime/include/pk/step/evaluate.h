@@ -1,0 +1,22 @@
+/* The acceleration within a step: inputs filled, the call counted, a failure named. Over the
+ * macros of pk/inlined.h; to be included once, ahead of every text that evaluates.
+ */
+static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, pk_real t,
+                                                      const pk_real *q, const pk_real *v,
+                                                      pk_real *a)
+{
+    const pk_real *u = PK_STEPPER_INPUT(it, t);
+    const int failed = PK_STEPPER_ACCELERATION(it, t, q, v, u, a);
+    it->count.evaluations++;
+    return failed ? pk_eval_failed(it, t, q, v, failed) : PK_DONE;
+}
+
+/* k = (v, a) at y. */
+static PK_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
+                                                        const pk_real *y, pk_real *k)
+{
+    const size_t n = PK_STEPPER_N(it);
+    for (size_t i = 0; i < n; i++)
+        k[i] = y[n + i];
+    return PK_STEPPER(acceleration)(it, t, y, y + n, k + n);
+}

@@ -1,0 +1,46 @@
+/* Splitting methods for separable systems, M constant and a = a(q, t): compositions of
+ *
+ *     kick   v += kappa h a(q, t)          drift   q += delta h v,  t += delta h
+ *
+ * Time moves with the drift, as a coordinate of its own would, so a kick sees the time that
+ * belongs to its q and the order holds for driven systems too. The last acceleration of a step
+ * is the first of the next. Sums are compensated. Written over the macros of pk/inlined.h.
+ *
+ * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. ("GNI"),
+ * I.1, II.4; L. Verlet, Phys. Rev. 159 (1967) 98; H. Yoshida, Phys. Lett. A 150 (1990) 262.
+ */
+#include <pk/step/tables.h>
+
+static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
+                                                            const struct pk_splitting *table)
+{
+    const size_t n = PK_STEPPER_N(it);
+    const pk_real h = it->h, *from = it->state, *a = from + PK_A * n;
+    pk_real *to = it->next, *a1 = to + PK_A * n;
+    pk_real done = 0; /* fraction of the step drifted so far */
+    const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
+    enum pk_status status;
+
+    PK_UNROLL
+    for (int i = 0; i < s; i++) {
+        if (i > 0 || !(it->flags & PK_HAVE_A)) {
+            status = PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1);
+            if (status < 0)
+                return status;
+            a = a1;
+        }
+        pk_kick_drift(n, table->kick[i] * h, a, table->drift[i] * h, from, to);
+        done += table->drift[i];
+        from = to;
+    }
+    if (ends) {
+        status = PK_STEPPER(acceleration)(it, it->next_t, to, to + n, a1);
+        if (status < 0)
+            return status;
+        pk_kick(n, table->kick[s] * h, a1, to);
+    }
+    /* The last acceleration travels with the state, so a failure here cannot spoil it. */
+    if (pk_all_finite(to, 2 * n))
+        it->flags = ends ? it->flags | PK_HAVE_A : it->flags & ~PK_HAVE_A;
+    return PK_DONE;
+}

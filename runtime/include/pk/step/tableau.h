@@ -1,0 +1,126 @@
+/* Coefficients as data, and the sums of stages over them. Reference for all names: E. Hairer,
+ * S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., II.1 and II.4-6
+ * ("HNW").
+ */
+#ifndef PK_STEP_TABLEAU_H
+#define PK_STEP_TABLEAU_H
+
+#include <pk/step/state.h>
+
+/* An explicit Runge-Kutta method of s stages; the derivative at the new point counts as number s
+ * where `e` or `d` uses it. Of a step: y1 = y0 + h sum b_i k_i. */
+struct pk_tableau {
+    int stages;
+    const pk_real *c; /* s, and then those of the extra stages after the derivative at y1 */
+    const pk_real *a; /* strictly lower triangle row by row, without the empty first row */
+    const pk_real *b;
+
+    /* Adaptive: the error is h sum e_i k_i (s + 1 of them); with e3, a second estimate of lower
+     * order is blended in, HNW II.10 (10.17). Control as in HNW II.4 and IV.2. */
+    const pk_real *e, *e3;
+    int error_order; /* the error is O(h^error_order); 1/exponent of control */
+    pk_real beta, shrink, grow;
+
+    /* Dense output: extra stages, and rows of d over all stages; HNW II.6 (6.12)-(6.14). */
+    int extra;
+    const pk_real *extra_a; /* rows of s + 1 + i numbers */
+    int rows;
+    const pk_real *d; /* rows of s + 1 + extra numbers */
+};
+
+/* A splitting method: kick[0], drift[0], kick[1], ..., kick[s] of the step each. */
+struct pk_splitting {
+    int stages;
+    const pk_real *kick;  /* s + 1 */
+    const pk_real *drift; /* s */
+};
+
+/* PK_EACH_STAGE(X): X(i) for every stage that a table may have but the first. A text that is
+ * compiled for one table is to be unrolled whole, so that rows become straight-line code and
+ * zeros vanish; compilers do that of themselves only where little is in the loop. */
+#if defined PK_ANY_TABLE
+#define PK_EACH_STAGE(X)        \
+    for (int i = 1; i < 16; i++) \
+        X(i)
+#define PK_UNROLL
+#else
+#define PK_EACH_STAGE(X) \
+    X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15)
+#if defined __clang__
+#define PK_UNROLL _Pragma("clang loop unroll(full)")
+#elif defined __GNUC__
+#define PK_UNROLL _Pragma("GCC unroll 16")
+#else
+#define PK_UNROLL
+#endif
+#endif
+
+/* sum a_j k_j over rows of m numbers, without the zeros of a sparse table. */
+static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
+                                          size_t i)
+{
+    pk_real sum = 0;
+    int any = 0;
+    PK_UNROLL
+    for (int j = 0; j < count; j++)
+        if (a[j] > 0 || a[j] < 0) {
+            const pk_real x = a[j] * k[(size_t)j * m + i];
+            sum = any ? sum + x : x;
+            any = 1;
+        }
+    return sum;
+}
+
+/* y = y0 + h sum a_j k_j. */
+static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h,
+                                           const pk_real *a, int count, const pk_real *k, size_t m)
+{
+    size_t i = 0;
+    for (; i + 4 <= m; i += 4) { /* four sums at once hide their latency */
+        pk_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+        int any = 0;
+        PK_UNROLL
+        for (int j = 0; j < count; j++) {
+            const pk_real *kj = k + (size_t)j * m + i;
+            if (!(a[j] > 0) && !(a[j] < 0))
+                continue;
+            s0 = any ? s0 + a[j] * kj[0] : a[j] * kj[0];
+            s1 = any ? s1 + a[j] * kj[1] : a[j] * kj[1];
+            s2 = any ? s2 + a[j] * kj[2] : a[j] * kj[2];
+            s3 = any ? s3 + a[j] * kj[3] : a[j] * kj[3];
+            any = 1;
+        }
+        y[i] = y0[i] + h * s0;
+        y[i + 1] = y0[i + 1] + h * s1;
+        y[i + 2] = y0[i + 2] + h * s2;
+        y[i + 3] = y0[i + 3] + h * s3;
+    }
+    for (; i < m; i++)
+        y[i] = y0[i] + h * pk_row_sum(a, count, k, m, i);
+}
+
+/* v += kappa a and then q += delta v, from one place to another, each number once: sums wait for
+ * one another less than passes would. */
+static PK_INLINE void pk_kick_drift(size_t n, pk_real kappa, const pk_real *a, pk_real delta,
+                                    const pk_real *from, pk_real *to)
+{
+    PK_LANE_LOOP
+    for (size_t k = 0; k < n; k++) {
+        pk_real low_v = from[PK_LOW_X * n + k], low_q = from[PK_LOW_Q * n + k];
+        const pk_real v = pk_sum(from[PK_V * n + k], kappa * a[k], &low_v);
+        to[PK_Q * n + k] = pk_sum(from[PK_Q * n + k], delta * v, &low_q);
+        to[PK_V * n + k] = v;
+        to[PK_LOW_X * n + k] = low_v;
+        to[PK_LOW_Q * n + k] = low_q;
+    }
+}
+
+/* v += kappa a alone: the end of a step. */
+static PK_INLINE void pk_kick(size_t n, pk_real kappa, const pk_real *a, pk_real *to)
+{
+    PK_LANE_LOOP
+    for (size_t k = 0; k < n; k++)
+        to[PK_V * n + k] = pk_sum(to[PK_V * n + k], kappa * a[k], &to[PK_LOW_X * n + k]);
+}
+
+#endif
