@@ -596,6 +596,7 @@ const struct pk_system coupled_oscillators_system = {
     .potential = coupled_oscillators_sys_potential,
     .observe = NULL,
     .conserve = NULL,
-    .steppers = PK_INLINE_STEPPERS
+    .steppers = PK_INLINE_STEPPERS,
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };
 #endif

@@ -841,6 +841,7 @@ const struct pk_system double_pendulum_system = {
     .potential = double_pendulum_sys_potential,
     .observe = NULL,
     .conserve = NULL,
-    .steppers = PK_INLINE_STEPPERS
+    .steppers = PK_INLINE_STEPPERS,
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };
 #endif

@@ -865,6 +865,7 @@ const struct pk_system heavy_top_system = {
     .potential = heavy_top_sys_potential,
     .observe = NULL,
     .conserve = heavy_top_sys_conserve,
-    .steppers = PK_INLINE_STEPPERS
+    .steppers = PK_INLINE_STEPPERS,
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };
 #endif
