@@ -12,14 +12,14 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import MODELS, ROOT
+from conftest import MODELS
+from page import write_section
 
 pytestmark = pytest.mark.long
 
 STEPS, STEP = 1_000_000, 0.005
-PAGE = ROOT / "docs" / "long-runs.md"
-INTRODUCTION = f"""# A million steps
-
+TITLE = "A million steps"
+INTRODUCTION = f"""\
 Drift of each model's constants over {STEPS:,} steps of {STEP} s, from its own start: the largest,
 and in brackets what a straight line through it gains over the run. Written by `make test-long`
 (`PKGEN_UPDATE=1 make test-long`), which demands that gauss4 stays below 1e-12, that the energy
@@ -47,8 +47,7 @@ def drifts(pkgen, model: Path, method: str, out: Path) -> dict[str, tuple[float,
 def page():
     lines: list[str] = []
     yield lines
-    if os.environ.get("PKGEN_UPDATE"):
-        PAGE.write_text(INTRODUCTION + "\n".join(sorted(lines)) + "\n")
+    write_section(TITLE, INTRODUCTION + "\n".join(sorted(lines)))
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.stem)

@@ -84,11 +84,13 @@ class Schedule:
         stack: list[Node] = []
 
         def use(node: Node) -> None:
-            while (core := self.work.negated(node)) is not None and self.leaf(node) is None:
+            while node not in uses and self.leaf(node) is None:
+                core = self.work.negated(node)
+                if core is None:
+                    stack.append(node)
+                    break
                 node = core
             uses[node] = uses.get(node, 0) + 1
-            if uses[node] == 1 and self.leaf(node) is None:
-                stack.append(node)
 
         for target in targets:
             for node in target.nodes:
@@ -98,7 +100,7 @@ class Schedule:
                 use(a)
         local = {node for node, count in uses.items() if count > 1}
         local |= self.kept & uses.keys()
-        for node in list(uses):
+        for node in uses:
             if self._partner(node) in uses or self._is_trig(node):
                 local.add(node)
         if self.known_after:  # an output can be read back: it needs no local
@@ -133,6 +135,9 @@ class Schedule:
                 stack.extend(reversed(missing))
                 continue
             stack.pop()
+            if self.work.op[node] is not Op.CALL:
+                self._finish(node)
+                continue
             pair = [node]
             partner = self._partner(node)
             if partner is not None and partner in self._local and partner not in self._forms:
@@ -189,6 +194,8 @@ class Schedule:
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
+        if sum(self._forms[a].length for a in args) <= longest:
+            return
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)
