@@ -16,7 +16,7 @@
 void scalar_rk4(pk_real *y, size_t members, size_t steps, pk_real h);
 void vector_rk4(pk_real *y, size_t members, size_t steps, pk_real h);
 
-enum { ROUNDS = 9, WAYS = 4, STEPS = 20 };
+enum { ROUNDS = 9, WAYS = 4, STEPS = 100 };
 static const char *const names[WAYS] = {"pkgen", "pkgen, threads", "scalar libm", "libmvec"};
 
 static double now(void)

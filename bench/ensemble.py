@@ -25,7 +25,7 @@ FLAGS += ["-fno-math-errno", "-fno-trapping-math"]
 # The peers may fuse, and libmvec is only called with fast-math.
 SCALAR = ["-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"]
 VECTOR = ["-O3", "-march=native", "-ffast-math", "-fno-builtin-sincos", "-DVECTOR"]
-GRAVITY, STEP, STEPS = 9.81, 0.01, 20
+GRAVITY, STEP, STEPS = 9.81, 0.01, 100
 
 
 def build(folder: Path, scalar: list[str], compiler: str = "gcc") -> Path:
