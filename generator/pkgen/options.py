@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .compiler import Compilation
 from .equations import Quantity
+from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
@@ -20,10 +21,6 @@ UNTIL = 10.0
 RTOL = 1e-10
 ROUND_OFF = 2.0**-52
 ROWS = 1000
-
-
-class UsageError(Exception):
-    """The command line asks for what there is not."""
 
 
 def sizes(assignments: Iterable[str]) -> dict[str, int]:
@@ -104,10 +101,12 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         )
     until = values.positive("--until", options.until, values.time) or UNTIL
     every = values.positive("--every", options.every, values.time)
+    if every is None and options.ensemble is None:
+        every = _interval(until, step)
     return Settings(
         method=options.method,
         until=until,
-        every=_interval(until, step) if every is None else every,
+        every=every,
         step=step,
         rtol=rtol or RTOL,
         atol=values.positive("--atol", options.atol, "") or rtol or RTOL,
@@ -118,6 +117,15 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         start_q=values.started(starts, equations.coordinates, 0),
         start_v=values.started(starts, equations.coordinates, 1),
     )
+
+
+def threads(options: argparse.Namespace) -> int | None:
+    """How many threads an ensemble is to use; None: all there are."""
+    if options.threads is None:
+        return None
+    if options.ensemble is None:
+        raise UsageError("--threads is for --ensemble: one trajectory has one thread")
+    return _count("--threads", options.threads)
 
 
 def _interval(until: float, step: float | None) -> float:

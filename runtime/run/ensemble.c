@@ -182,7 +182,9 @@ static void allocate(struct batch *b, struct run *run, size_t rows)
     e->done = (size_t *)memory(b->size, sizeof *e->done);
     e->last_t = (pk_real *)memory(b->size, sizeof *e->last_t);
     e->status = (enum pk_status *)memory(b->size, sizeof *e->status);
-    b->threads = s->threads ? s->threads : pk_ensemble_threads();
+    b->threads = pk_ensemble_threads();
+    if (s->threads && b->threads > 1)
+        b->threads = s->threads;
     b->block_size = b->threads * pk_ensemble_size(e);
     b->block = memory(b->block_size, 1);
     run->row = (pk_real *)memory(2 * b->n + b->system->n_observed + 1, sizeof *run->row);
