@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from c_harness import MODELS, read_model
+from c_harness import MODELS, read_model, read_text
 from hand_made import World, make, structure
 from pkgen.back.lower import lower
 from pkgen.back.program import LOCAL, TRIG
@@ -45,6 +45,14 @@ def test_two_angles_known_from_the_start_share_a_call_others_wait():
         (["cos_x", "y"], ["sin_cos_x", "NULL", "sin_y", "NULL"]),
     ]
     assert (kernel.operations["sin"], kernel.operations["cos"]) == (3, 2)
+
+
+def test_what_is_not_needed_is_not_counted():
+    _, program = read_text("model one\ncoord x\nkinetic x'^2/2\npotential cos(x)\n")
+    force, potential = program.kernel("force"), program.kernel("potential")
+    assert force is not None and potential is not None
+    assert "cos" not in force.operations and force.operations["sin"] == 1
+    assert "sin" not in potential.operations and potential.operations["cos"] == 1
 
 
 def test_with_libm_sine_and_cosine_are_its_functions_next_to_each_other():

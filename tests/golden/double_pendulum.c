@@ -673,7 +673,7 @@ pk_real double_pendulum_kinetic(const struct double_pendulum_params *p, pk_real 
     return theta1_dot * t1 + p->c_[11] * theta2_dot * theta2_dot;
 }
 
-/* V. 6 operations: 1 -, 2 *, 1 neg, 2 cos, 0 sin. */
+/* V. 6 operations: 1 -, 2 *, 1 neg, 2 cos. */
 pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u)
 {

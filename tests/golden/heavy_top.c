@@ -689,7 +689,7 @@ pk_real heavy_top_kinetic(const struct heavy_top_params *p, pk_real t, const pk_
     return p->c_[0] * t1 + p->c_[1] * t2 * t2;
 }
 
-/* V. 2 operations: 1 *, 1 cos, 0 sin. */
+/* V. 2 operations: 1 *, 1 cos. */
 pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u)
 {
@@ -704,7 +704,7 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
     return p->c_[2] * cos_theta;
 }
 
-/* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos, 0 sin. */
+/* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos. */
 void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *restrict out)
 {

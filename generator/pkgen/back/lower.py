@@ -146,9 +146,8 @@ class _Lowering:
         operations = count_operations((s.text for s in schedule.statements), self.prefix)
         for statement in schedule.statements:
             if statement.kind == TRIG:
-                names = statement.target.split()
-                operations["sin"] += sum(name != "NULL" for name in names[::2])
-                operations["cos"] += sum(name != "NULL" for name in names[1::2])
+                named = enumerate(statement.target.split())
+                operations.update(("sin", "cos")[i % 2] for i, name in named if name != "NULL")
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
     def _leaf(self, node: Node) -> str | None:
