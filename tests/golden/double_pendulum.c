@@ -159,24 +159,10 @@ PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 
 #endif
 
-PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
-{
-#ifdef PK_SINCOS_INLINE
-    if (!pk_sincos_far(x)) {
-        pk_sincos_bounded(x, sine, cosine);
-        return;
-    }
-#endif
-    if (sine)
-        *sine = PK_F(sin)(x);
-    if (cosine)
-        *cosine = PK_F(cos)(x);
-}
-
 /* Without a branch, unless carefully: then what is returned is not 0 where the results must not
  * be used. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
-                                               pk_real *cosine)
+                                        pk_real *cosine)
 {
 #ifdef PK_SINCOS_INLINE
     if (pass != PK_CAREFULLY) {
@@ -186,8 +172,50 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
-    pk_sincos(x, sine, cosine);
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
     return 0;
+}
+
+/* The same of two angles. Outside of lanes they are packed into one vector: a short loop. */
+PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
+                                          pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass == PK_ONCE) {
+        const pk_real angle[2] = {x, y};
+        pk_real s[2], c[2];
+        int i;
+
+        for (i = 0; i < 2; i++)
+            pk_sincos_bounded(angle[i], &s[i], &c[i]);
+        if (sin_x)
+            *sin_x = s[0];
+        if (cos_x)
+            *cos_x = c[0];
+        if (sin_y)
+            *sin_y = s[1];
+        if (cos_y)
+            *cos_y = c[1];
+        return pk_sincos_far(x) | pk_sincos_far(y);
+    }
+#endif
+    return pk_sincos_pass(pass, x, sin_x, cos_x) | pk_sincos_pass(pass, y, sin_y, cos_y);
+}
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    if (pk_sincos_pass(PK_ONCE, x, sine, cosine))
+        (void)pk_sincos_pass(PK_CAREFULLY, x, sine, cosine);
+}
+
+PK_INLINE static void pk_sincos_2(pk_real x, pk_real y, pk_real *sin_x, pk_real *cos_x,
+                                  pk_real *sin_y, pk_real *cos_y)
+{
+    if (pk_sincos_pass_2(PK_ONCE, x, y, sin_x, cos_x, sin_y, cos_y))
+        (void)pk_sincos_pass_2(PK_CAREFULLY, x, y, sin_x, cos_x, sin_y, cos_y);
 }
 
 #endif
@@ -294,10 +322,9 @@ static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
     if (pass != PK_IN_LANE && bad)
         return 1;
 
-    pk_real sin_theta1, cos_theta1;
-    bad |= pk_sincos_pass(pass, theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    bad |= pk_sincos_pass(pass, theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    bad |= pk_sincos_pass_2(pass, theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2,
+        &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     const pk_real D_1 = p->c_[3] - p->c_[8] * t1 * t1;
 
@@ -464,10 +491,8 @@ void double_pendulum_mass(const struct double_pendulum_params *p, pk_real t, con
     const pk_real theta2 = q[1];
 
     M[0] = p->c_[2];
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     M[1] = p->c_[6] * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2);
     M[2] = M[1];
     M[3] = p->c_[3];
@@ -485,10 +510,8 @@ void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, co
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
     f[0] = -p->c_[4] * sin_theta1 - p->c_[6] * theta2_dot * theta2_dot * t1;
     f[1] = p->c_[6] * theta1_dot * theta1_dot * t1 - p->c_[5] * sin_theta2;
@@ -507,10 +530,8 @@ void double_pendulum_canonical(const struct double_pendulum_params *p, pk_real t
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     momenta[0] = p->c_[6] * theta2_dot * t1 + p->c_[2] * theta1_dot;
     momenta[1] = p->c_[6] * theta1_dot * t1 + p->c_[3] * theta2_dot;
@@ -532,10 +553,8 @@ void double_pendulum_momenta(const struct double_pendulum_params *p, pk_real t, 
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     momenta[0] = p->c_[6] * theta2_dot * t1 + p->c_[2] * theta1_dot;
     momenta[1] = p->c_[6] * theta1_dot * t1 + p->c_[3] * theta2_dot;
@@ -553,10 +572,8 @@ void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t,
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = p->c_[6] * (sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2) * theta1_dot
         * theta2_dot;
     dLdq[0] = -p->c_[4] * sin_theta1 - t1;
@@ -576,10 +593,8 @@ void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t,
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
     const pk_real t2 = p->c_[6] * theta2_dot * t1;
     p_q[0] = -t2;
@@ -611,10 +626,8 @@ pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2, sin_theta1, cos_theta1;
+    pk_sincos_2(theta2, theta1, &sin_theta2, &cos_theta2, &sin_theta1, &cos_theta1);
     const pk_real t1 = p->c_[6] * theta2_dot * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2)
         + p->c_[10] * theta1_dot;
     return theta1_dot * t1 - p->c_[5] * cos_theta2 - p->c_[4] * cos_theta1
@@ -633,10 +646,8 @@ pk_real double_pendulum_lagrangian(const struct double_pendulum_params *p, pk_re
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = p->c_[6] * theta2_dot * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2)
         + p->c_[10] * theta1_dot;
     return p->c_[11] * theta2_dot * theta2_dot + theta1_dot * t1 + p->c_[4] * cos_theta1
@@ -655,16 +666,14 @@ pk_real double_pendulum_kinetic(const struct double_pendulum_params *p, pk_real 
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    pk_real sin_theta1, cos_theta1;
-    pk_sincos(theta1, &sin_theta1, &cos_theta1);
-    pk_real sin_theta2, cos_theta2;
-    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    pk_sincos_2(theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2, &cos_theta2);
     const pk_real t1 = p->c_[6] * theta2_dot * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2)
         + p->c_[10] * theta1_dot;
     return theta1_dot * t1 + p->c_[11] * theta2_dot * theta2_dot;
 }
 
-/* V. 6 operations: 1 -, 2 *, 1 neg, 2 cos. */
+/* V. 6 operations: 1 -, 2 *, 1 neg, 2 cos, 0 sin. */
 pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u)
 {
@@ -675,10 +684,8 @@ pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_rea
     const pk_real theta1 = q[0];
     const pk_real theta2 = q[1];
 
-    pk_real cos_theta1;
-    pk_sincos(theta1, NULL, &cos_theta1);
-    pk_real cos_theta2;
-    pk_sincos(theta2, NULL, &cos_theta2);
+    pk_real cos_theta1, cos_theta2;
+    pk_sincos_2(theta1, theta2, NULL, &cos_theta1, NULL, &cos_theta2);
     return -p->c_[1] * cos_theta1 - p->c_[0] * cos_theta2;
 }
 

@@ -42,7 +42,7 @@
  *   energy        19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin
  *   lagrangian    19 operations: 5 +, 10 *, 2 cos, 2 sin
  *   kinetic       15 operations: 3 +, 8 *, 2 cos, 2 sin
- *   potential     6 operations: 1 -, 2 *, 1 neg, 2 cos
+ *   potential     6 operations: 1 -, 2 *, 1 neg, 2 cos, 0 sin
  *   prepare       28 operations: 3 +, 24 *, 1 /
  *
  * MIT No Attribution (MIT-0)
@@ -292,7 +292,7 @@ pk_real double_pendulum_kinetic(const struct double_pendulum_params *p, pk_real 
 
 /* V
  *   returned in J
- * 6 operations: 1 -, 2 *, 1 neg, 2 cos. */
+ * 6 operations: 1 -, 2 *, 1 neg, 2 cos, 0 sin. */
 pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u);
 

@@ -42,8 +42,8 @@
  *   energy        15 operations: 4 +, 9 *, 1 cos, 1 sin
  *   lagrangian    15 operations: 3 +, 1 -, 9 *, 1 cos, 1 sin
  *   kinetic       13 operations: 3 +, 8 *, 1 cos, 1 sin
- *   potential     2 operations: 1 *, 1 cos
- *   conserve      4 operations: 1 +, 2 *, 1 cos
+ *   potential     2 operations: 1 *, 1 cos, 0 sin
+ *   conserve      4 operations: 1 +, 2 *, 1 cos, 0 sin
  *   prepare       16 operations: 5 -, 10 *, 1 /
  *
  * MIT No Attribution (MIT-0)
@@ -298,13 +298,13 @@ pk_real heavy_top_kinetic(const struct heavy_top_params *p, pk_real t, const pk_
 
 /* V
  *   returned in J
- * 2 operations: 1 *, 1 cos. */
+ * 2 operations: 1 *, 1 cos, 0 sin. */
 pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u);
 
 /* quantities claimed to be constant
  *   out[1]: p_axis [kg*m^2/s]
- * 4 operations: 1 +, 2 *, 1 cos. */
+ * 4 operations: 1 +, 2 *, 1 cos, 0 sin. */
 void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *out);
 

@@ -27,9 +27,9 @@ COUNT = 100_000
 TITLE = "The inline sine and cosine"
 INTRODUCTION = f"""\
 Largest error of `pk/sincos.h` in units in the last place of the result, and where. In float every
-argument from 2^-40 to the limit of the reduction, against libm in double. In double some
-{5 * COUNT:,} arguments against mpmath: of all sizes, beyond the limit too, and next to multiples
-of pi/2 and of pi/4, with those to which doubles come nearest. `make test-long` demands at most
+argument from 2^-40 to the limit of the reduction, against libm in double. In double, against
+mpmath, arguments of all sizes, beyond the limit too, and next to multiples of pi/2 and of pi/4,
+with those to which doubles come nearest. `make test-long` demands at most
 {BOUND}, of both compilers, without and with fused multiply-add, contraction off and on.
 
 | variant | arguments | sine | at | cosine | at |

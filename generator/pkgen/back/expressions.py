@@ -9,13 +9,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 PLUS, MINUS = 1, -1
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(NamedTuple):
     """A sum of (sign, text) terms if there is not exactly one term of `terms`; otherwise a
     product sign * above / below. An atom is a product of one factor."""
 

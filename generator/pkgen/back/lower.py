@@ -146,8 +146,9 @@ class _Lowering:
         operations = count_operations((s.text for s in schedule.statements), self.prefix)
         for statement in schedule.statements:
             if statement.kind == TRIG:
-                pair = zip(("sin", "cos"), statement.target.split(), strict=True)
-                operations.update(function for function, name in pair if name != "NULL")
+                names = statement.target.split()
+                operations["sin"] += sum(name != "NULL" for name in names[::2])
+                operations["cos"] += sum(name != "NULL" for name in names[1::2])
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
     def _leaf(self, node: Node) -> str | None:

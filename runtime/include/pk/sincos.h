@@ -152,24 +152,10 @@ PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 
 #endif
 
-PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
-{
-#ifdef PK_SINCOS_INLINE
-    if (!pk_sincos_far(x)) {
-        pk_sincos_bounded(x, sine, cosine);
-        return;
-    }
-#endif
-    if (sine)
-        *sine = PK_F(sin)(x);
-    if (cosine)
-        *cosine = PK_F(cos)(x);
-}
-
 /* Without a branch, unless carefully: then what is returned is not 0 where the results must not
  * be used. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
-                                               pk_real *cosine)
+                                        pk_real *cosine)
 {
 #ifdef PK_SINCOS_INLINE
     if (pass != PK_CAREFULLY) {
@@ -179,8 +165,50 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
-    pk_sincos(x, sine, cosine);
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
     return 0;
+}
+
+/* The same of two angles. Outside of lanes they are packed into one vector: a short loop. */
+PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
+                                          pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass == PK_ONCE) {
+        const pk_real angle[2] = {x, y};
+        pk_real s[2], c[2];
+        int i;
+
+        for (i = 0; i < 2; i++)
+            pk_sincos_bounded(angle[i], &s[i], &c[i]);
+        if (sin_x)
+            *sin_x = s[0];
+        if (cos_x)
+            *cos_x = c[0];
+        if (sin_y)
+            *sin_y = s[1];
+        if (cos_y)
+            *cos_y = c[1];
+        return pk_sincos_far(x) | pk_sincos_far(y);
+    }
+#endif
+    return pk_sincos_pass(pass, x, sin_x, cos_x) | pk_sincos_pass(pass, y, sin_y, cos_y);
+}
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    if (pk_sincos_pass(PK_ONCE, x, sine, cosine))
+        (void)pk_sincos_pass(PK_CAREFULLY, x, sine, cosine);
+}
+
+PK_INLINE static void pk_sincos_2(pk_real x, pk_real y, pk_real *sin_x, pk_real *cos_x,
+                                  pk_real *sin_y, pk_real *cos_y)
+{
+    if (pk_sincos_pass_2(PK_ONCE, x, y, sin_x, cos_x, sin_y, cos_y))
+        (void)pk_sincos_pass_2(PK_CAREFULLY, x, y, sin_x, cos_x, sin_y, cos_y);
 }
 
 #endif
