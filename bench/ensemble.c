@@ -1,7 +1,7 @@
 /* Times RK4 on many double pendulums: pkgen's lanes with one thread and with all, and the peers of
- * bench/ensemble_peers.c, interleaved. Prints a line a way: name, ns a trajectory-step of each round,
- * and last the largest difference of the final angles from the scalar peer's. Built and read by
- * bench/ensemble.py.
+ * bench/ensemble_peers.c, interleaved. Prints a line a way: name, ns a trajectory-step of each
+ * round, and last the largest difference of the final angles from the scalar peer's. Built and
+ * read by bench/ensemble.py.
  */
 #define _POSIX_C_SOURCE 200809L
 

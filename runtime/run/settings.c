@@ -141,7 +141,9 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
     if (strcmp(word[0], "input") == 0) {
         if (!settings_index(word[1], system->n_inputs, &index))
             return settings_usage(line, "no such input", word[1]);
-        return parse_real(word[2], &s->u[index]) ? 0 : settings_usage(line, "not a number", word[2]);
+        return parse_real(word[2], &s->u[index])
+                   ? 0
+                   : settings_usage(line, "not a number", word[2]);
     }
     if (!word[1])
         return settings_usage(line, "a value is missing", word[0]);
@@ -197,7 +199,9 @@ static int set_line(struct settings *s, const struct pk_system *system, size_t l
         word[count++] = w;
     if (count == 0)
         return 0;
-    return count == 5 ? settings_usage(line, "too many words", word[4]) : set(s, system, line, word);
+    if (count == 5)
+        return settings_usage(line, "too many words", word[4]);
+    return set(s, system, line, word);
 }
 
 static int finish(struct settings *s, const struct pk_system *system)

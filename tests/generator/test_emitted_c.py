@@ -23,6 +23,8 @@ from pkgen.back.lower import lower
 from test_render import nasty_model
 
 RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
+FAMILIES = ("ERK", "EMBEDDED", "SPLITTING", "ENSEMBLE")
+INLINED = [*RUNTIME, *(f"-DPK_INLINE_{family}" for family in FAMILIES)]
 
 
 @pytest.fixture(scope="module", params=texts(), ids=lambda p: p[0])
@@ -39,6 +41,7 @@ def test_no_warnings(model, compiler, scalar, tmp_path):
     flags = [*STRICT, "-O2", *TYPES[scalar], "-c", "-o", "x.o"]
     run(compiler, *flags, f"{name}.c", cwd=tmp_path)
     run(compiler, *flags, *RUNTIME, f"{name}.c", cwd=tmp_path)
+    run(compiler, *flags, *INLINED, f"{name}.c", cwd=tmp_path)
     run(compiler, *flags, f"{name}_selftest.c", cwd=tmp_path)
 
 
