@@ -62,9 +62,10 @@ asan: $(STAMP) asan-runtime
 # PREFIX/bin/pkgen with a Python environment of its own, the runtime's headers and libraries.
 install: runtime
 	PKGEN_PREFIX=$(abspath $(PREFIX)) sh tools/setup.sh
-	install -d $(PREFIX)/bin $(PREFIX)/lib/pkgconfig $(PREFIX)/include/pk
+	install -d $(PREFIX)/bin $(PREFIX)/lib/pkgconfig $(PREFIX)/include/pk/step
 	ln -sf ../lib/pkgen/bin/pkgen $(PREFIX)/bin/pkgen
 	install -m 644 runtime/include/pk/*.h $(PREFIX)/include/pk/
+	install -m 644 runtime/include/pk/step/*.h $(PREFIX)/include/pk/step/
 	install -m 644 build/runtime/*.a $(PREFIX)/lib/
 	sed 's|@PREFIX@|$(abspath $(PREFIX))|' tools/pk.pc.in > $(PREFIX)/lib/pkgconfig/pk.pc
 

@@ -90,8 +90,7 @@ def cache_directory() -> Path:
 
 def runtime_library(tools: Toolchain) -> Path:
     """The directory with the driver's objects and libpk.a for this compiler, made if missing."""
-    folders = ("src", "gsl", "run", "include/pk")
-    sources = sorted(path for folder in folders for path in (RUNTIME / folder).iterdir())
+    sources = sorted(path for path in RUNTIME.rglob("*.[ch]"))
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
     for path in sources:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

@@ -63,7 +63,8 @@ static size_t drift_reals(size_t count)
 size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
-    return (drift_reals(system->n + system->n_conserved) + 2 * system->n +
+    const size_t n = pk_system_count(system, problem->params);
+    return (drift_reals(n + system->n_conserved) + 2 * n +
             system->n_inputs + system->n_conserved) *
            sizeof(pk_real);
 }
@@ -72,6 +73,7 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
                                void *block, size_t block_size)
 {
     const struct pk_system *system = problem->system;
+    const size_t n = pk_system_count(system, problem->params);
     if (!block || block_size < pk_monitor_size(problem) ||
         (size_t)block % _Alignof(struct pk_drift))
         return PK_BLOCK_TOO_SMALL;
@@ -80,8 +82,8 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
     monitor->has_energy = (system->facts & PK_CONSERVATIVE) != 0;
     pk_drift_init(&monitor->energy);
     monitor->momenta = (struct pk_drift *)block;
-    monitor->conserved = monitor->momenta + system->n;
-    monitor->work = (pk_real *)block + drift_reals(system->n + system->n_conserved);
+    monitor->conserved = monitor->momenta + n;
+    monitor->work = (pk_real *)block + drift_reals(n + system->n_conserved);
     return PK_DONE;
 }
 
@@ -90,7 +92,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
 {
     const struct pk_problem *problem = &monitor->problem;
     const struct pk_system *system = problem->system;
-    const size_t n = system->n;
+    const size_t n = pk_system_count(system, problem->params);
     pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
 
     if (system->n_inputs && problem->input)

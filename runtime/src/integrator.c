@@ -5,7 +5,7 @@
  */
 #include <string.h>
 
-#include "internal.h"
+#include "generic.h"
 
 int pk_all_finite(const pk_real *x, size_t count)
 {
@@ -25,17 +25,42 @@ const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, pk_real *a)
 {
-    const pk_real *u = pk_eval_input(it, t);
-    const int failed = it->problem.system->acceleration(it->problem.params, t, q, v, u, a);
-    it->count.evaluations++;
-    if (!failed)
-        return PK_DONE;
+    return generic_acceleration(it, t, q, v, a);
+}
+
+enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, int failed)
+{
     /* A state that has run away makes M no number: that is the cause to name. */
     if (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
     it->where = (size_t)failed - 1;
     it->detail = t;
     return PK_SINGULAR_MASS;
+}
+
+unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
+                                 const pk_real *v, const pk_real *u, pk_real *a)
+{
+    const struct pk_system *system = it->problem.system;
+    if (system->lanes)
+        return system->lanes(it->problem.params, t, q, v, u, a);
+    const size_t n = it->n, m = system->n_inputs;
+    pk_real *q1 = it->lane, *v1 = q1 + n, *a1 = v1 + n, *u1 = a1 + n;
+    unsigned long long failed = 0;
+    for (size_t l = 0; l < PK_LANES; l++) {
+        for (size_t i = 0; i < n; i++) {
+            q1[i] = q[i * PK_LANES + l];
+            v1[i] = v[i * PK_LANES + l];
+        }
+        for (size_t i = 0; i < m; i++)
+            u1[i] = u[i * PK_LANES + l];
+        if (system->acceleration(it->problem.params, t[l], q1, v1, u1, a1))
+            failed |= 1ull << l;
+        for (size_t i = 0; i < n; i++)
+            a[i * PK_LANES + l] = a1[i];
+    }
+    return failed;
 }
 
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
@@ -76,10 +101,12 @@ struct pk_options pk_options_default(void)
 
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method)
 {
-    if (!problem || !problem->system || !method)
+    if (!problem || !problem->system || !method || problem->system->abi != PK_ABI)
         return 0;
     const struct pk_system *system = problem->system;
-    const size_t n = system->n, work = system->n_inputs + method->size(method, n);
+    const size_t n = pk_system_count(system, problem->params);
+    const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
+    const size_t work = system->n_inputs + lane + method->size(method, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
 }
@@ -88,6 +115,16 @@ static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size
 {
     it->where = where;
     return it->status = status;
+}
+
+/* The system's own for this method, its kernels compiled in, or the method's for any system. */
+static enum pk_status (*stepper(const struct pk_system *system, const struct pk_method *method))(
+    struct pk_integrator *, pk_real)
+{
+    for (const struct pk_stepper *s = system->steppers; s && s->method; s++)
+        if (strcmp(s->method, method->name) == 0)
+            return s->step;
+    return method->step;
 }
 
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
@@ -104,9 +141,9 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->problem = *problem;
     it->method = method;
     it->options = *options;
-    it->n = system->n;
     it->t = t0;
-    if (system->abi != PK_ABI || system->n == 0)
+    it->n = system->abi == PK_ABI ? pk_system_count(system, problem->params) : 0;
+    if (it->n == 0)
         return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
     if (method->needs & ~system->facts)
         return fail(it, PK_REFUSED, 0);
@@ -115,11 +152,13 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))
         return fail(it, PK_BLOCK_TOO_SMALL, 0);
 
+    it->step = stepper(system, method);
     memset(block, 0, pk_integrator_size(problem, method));
     it->state = (pk_real *)block;
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;
-    it->work = it->u + system->n_inputs;
+    it->lane = it->u + system->n_inputs;
+    it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
     return pk_integrator_reset(it, t0, q0, v0);
@@ -144,6 +183,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_check_params(it, it->next); /* all behind the state is free here */
     if (it->status < 0)
         return it->status;
+    /* What a method does not carry stays 0, and inputs that nobody fills. */
+    memset(it->next, 0, (PK_PARTS * n + it->problem.system->n_inputs) * sizeof *q);
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
     it->trouble = PK_DONE;
@@ -226,13 +267,19 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     const int off_grid = fixed && choose_fixed(it, limit);
 
-    status = it->method->step(it, limit);
+    status = it->step(it, limit);
     if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
         status = PK_NOT_FINITE;
     if (status < 0)
         return it->status = status;
 
-    memcpy(it->state, it->next, PK_PARTS * n * sizeof(pk_real));
+    pk_real *left_behind = it->state;
+    it->state = it->next;
+    it->next = left_behind;
+    it->q = pk_part(it->state, n, PK_Q);
+    it->v = pk_part(it->state, n, PK_V);
+    if (it->p)
+        it->p = pk_part(it->state, n, PK_P);
     it->last_t = it->t;
     it->t = it->next_t;
     it->count.steps++;

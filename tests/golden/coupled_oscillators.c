@@ -411,6 +411,11 @@ static pk_real coupled_oscillators_sys_potential(const void *p, pk_real t, const
 
 static const unsigned char coupled_oscillators_sys_cyclic[3] = {0, 0, 0};
 
+/* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
+#undef PK_MODEL
+#define PK_MODEL(x) coupled_oscillators_##x
+#include <pk/inlined.h>
+
 const struct pk_system coupled_oscillators_system = {
     .abi = PK_ABI,
     .name = "coupled_oscillators",
@@ -446,6 +451,7 @@ const struct pk_system coupled_oscillators_system = {
     .kinetic = coupled_oscillators_sys_kinetic,
     .potential = coupled_oscillators_sys_potential,
     .observe = NULL,
-    .conserve = NULL
+    .conserve = NULL,
+    .steppers = PK_INLINE_STEPPERS
 };
 #endif

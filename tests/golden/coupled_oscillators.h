@@ -103,6 +103,9 @@ typedef double pk_real;
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
 /* A pivot of M smaller than this, relative to its diagonal entry, is lost in rounding. */
 #define PK_PIVOT_MIN (16 * PK_EPSILON)
+/* Lane kernels take so many states side by side, as a structure of arrays: q[i * PK_LANES + l] is
+ * coordinate i of lane l. Eight doubles are one register of AVX-512, two of AVX2, four of NEON. */
+#define PK_LANES 8
 
 #endif
 

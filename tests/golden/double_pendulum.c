@@ -460,6 +460,11 @@ static pk_real double_pendulum_sys_potential(const void *p, pk_real t, const pk_
 
 static const unsigned char double_pendulum_sys_cyclic[2] = {0, 0};
 
+/* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
+#undef PK_MODEL
+#define PK_MODEL(x) double_pendulum_##x
+#include <pk/inlined.h>
+
 const struct pk_system double_pendulum_system = {
     .abi = PK_ABI,
     .name = "double_pendulum",
@@ -494,6 +499,7 @@ const struct pk_system double_pendulum_system = {
     .kinetic = double_pendulum_sys_kinetic,
     .potential = double_pendulum_sys_potential,
     .observe = NULL,
-    .conserve = NULL
+    .conserve = NULL,
+    .steppers = PK_INLINE_STEPPERS
 };
 #endif

@@ -483,6 +483,11 @@ static void heavy_top_sys_conserve(const void *p, pk_real t, const pk_real *q, c
 
 static const unsigned char heavy_top_sys_cyclic[3] = {1, 0, 1};
 
+/* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
+#undef PK_MODEL
+#define PK_MODEL(x) heavy_top_##x
+#include <pk/inlined.h>
+
 const struct pk_system heavy_top_system = {
     .abi = PK_ABI,
     .name = "heavy_top",
@@ -517,6 +522,7 @@ const struct pk_system heavy_top_system = {
     .kinetic = heavy_top_sys_kinetic,
     .potential = heavy_top_sys_potential,
     .observe = NULL,
-    .conserve = heavy_top_sys_conserve
+    .conserve = heavy_top_sys_conserve,
+    .steppers = PK_INLINE_STEPPERS
 };
 #endif

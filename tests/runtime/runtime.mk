@@ -7,7 +7,8 @@ RT_CFLAGS = -std=c11 -O2 -ffp-contract=off $(RT_WARN) -Iruntime/include $(RT_EXT
 RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
 RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
 
-RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/src/*.h runtime/run/*.h tests/runtime/*.h)
+RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/include/pk/step/*.h \
+             runtime/src/*.h runtime/run/*.h tests/runtime/*.h)
 RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c)))
 RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
 RT_TEST_C = $(sort $(wildcard tests/runtime/*.c))

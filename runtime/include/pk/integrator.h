@@ -8,8 +8,8 @@
  *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
  *
  * t, q, v, p are in SI units, or in the model's own if it has none; q0, v0, it.q, it.v, it.p
- * hold n numbers each, in the order of system->coordinates. it.q, it.v, it.p point into the block
- * and change with each step.
+ * hold n numbers each, in the order of system->coordinates. it.q, it.v, it.p point into the block;
+ * a step moves them elsewhere in it, so read them from `it` after each.
  *
  * No function allocates, prints or exits (a method of pk/gsl.h allocates in init, and
  * pk_integrator_free() gives that back). A step that fails leaves t, q, v and p as they were.
@@ -72,9 +72,11 @@ struct pk_integrator {
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
     size_t n;
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
     pk_real *u, *work;
+    pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
     pk_real next_t, last_t;   /* end of the step being made; start of the last one made */
     pk_real h;                /* signed step, made or to be made */
     pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
@@ -91,8 +93,9 @@ struct pk_integrator {
 
 struct pk_options pk_options_default(void);
 
-/* Bytes of the block that pk_integrator_init() wants, 0 if an argument is null; it is to be
- * aligned for pk_real, as malloc's are, and stays in use until the integrator is. */
+/* Bytes of the block that pk_integrator_init() wants, 0 if an argument is null or the system of
+ * another PK_ABI; it is to be aligned for pk_real, as malloc's are, and stays in use until the
+ * integrator is. */
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method);
 
 /* Copies q0 and v0. PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_REFUSED (the method), PK_OUT_OF_BOUNDS

@@ -17,12 +17,13 @@
 #include <stddef.h>
 
 #include <pk/real.h>
+#include <pk/status.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define PK_ABI 1u
+#define PK_ABI 2u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -51,12 +52,19 @@ struct pk_parameter {
     int lo_open, hi_open;
 };
 
+/* A method's step with the kernels of one system compiled into it; see pk/inlined.h. */
+struct pk_integrator;
+struct pk_stepper {
+    const char *method; /* NULL ends the list */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
+};
+
 struct pk_system {
     unsigned abi; /* PK_ABI */
     const char *name;
     const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
     unsigned facts;          /* of enum pk_fact */
-    size_t n;                /* degrees of freedom */
+    size_t n;                /* degrees of freedom; see count */
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
 
@@ -106,7 +114,26 @@ struct pk_system {
                     const pk_real *u, pk_real *out);
     void (*conserve)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *out);
+
+    /* The acceleration of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Bit l of
+     * the result: lane l failed as acceleration() does, and a is not to be used there. With the
+     * same parameters in each lane; or with P[k * PK_LANES + l] number k of the params of lane l,
+     * which are an array of pk_real. NULL: there is none. */
+    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
+                                const pk_real *v, const pk_real *u, pk_real *a);
+    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
+                                  const pk_real *v, const pk_real *u, pk_real *a);
+
+    const struct pk_stepper *steppers; /* NULL: none compiled in */
+    size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
+                                            is chosen at run time; NULL: n */
 };
+
+/* Degrees of freedom. */
+static inline size_t pk_system_count(const struct pk_system *system, const void *params)
+{
+    return system->count ? system->count(params) : system->n;
+}
 
 #ifdef __cplusplus
 }

@@ -3,10 +3,13 @@
  * Solving Ordinary Differential Equations I, II.5 and II.10 (30 digits; tests/runtime checks
  * them against the order conditions). Zeros stay in the tables: the loop skips them.
  */
-#include "tableau.h"
+#ifndef PK_STEP_DOP853_H
+#define PK_STEP_DOP853_H
+
+#include <pk/step/tableau.h>
 
 /* Twelve stages, then the three of the dense output. */
-static const pk_real c[] = {
+static const pk_real pk_dop853_c[] = {
     PK_C(0.0), PK_C(0.526001519587677318785587544488e-01),
     PK_C(0.789002279381515978178381316732e-01), PK_C(0.118350341907227396726757197510),
     PK_C(0.281649658092772603273242802490), PK_C(0.333333333333333333333333333333), PK_C(0.25),
@@ -14,7 +17,7 @@ static const pk_real c[] = {
     PK_C(0.857142857142857142857142857142), PK_C(1.0), PK_C(0.1), PK_C(0.2),
     PK_C(0.777777777777777777777777777778),
 };
-static const pk_real a[] = {
+static const pk_real pk_dop853_a[] = {
     PK_C(5.26001519587677318785587544488e-2),
     PK_C(1.97250569845378994544595329183e-2), PK_C(5.91751709536136983633785987549e-2),
     PK_C(2.95875854768068491816892993775e-2), PK_C(0.0), PK_C(8.87627564304205475450678981324e-2),
@@ -46,14 +49,14 @@ static const pk_real a[] = {
     PK_C(-2.85899827713502369474065508674), PK_C(-8.87285693353062954433549289258),
     PK_C(1.23605671757943030647266201528e1), PK_C(6.43392746015763530355970484046e-1),
 };
-static const pk_real b[] = {
+static const pk_real pk_dop853_b[] = {
     PK_C(5.42937341165687622380535766363e-2), PK_C(0.0), PK_C(0.0), PK_C(0.0), PK_C(0.0),
     PK_C(4.45031289275240888144113950566), PK_C(1.89151789931450038304281599044),
     PK_C(-5.8012039600105847814672114227), PK_C(3.1116436695781989440891606237e-1),
     PK_C(-1.52160949662516078556178806805e-1), PK_C(2.01365400804030348374776537501e-1),
     PK_C(4.47106157277725905176885569043e-2),
 };
-static const pk_real e[] = {
+static const pk_real pk_dop853_e[] = {
     PK_C(0.1312004499419488073250102996e-1), PK_C(0.0), PK_C(0.0), PK_C(0.0), PK_C(0.0),
     PK_C(-0.1225156446376204440720569753e1), PK_C(-0.4957589496572501915214079952),
     PK_C(0.1664377182454986536961530415e1), PK_C(-0.3503288487499736816886487290),
@@ -61,14 +64,14 @@ static const pk_real e[] = {
     PK_C(-0.2235530786388629525884427845e-1), PK_C(0.0),
 };
 /* e3 = b minus the weights of the embedded formula of order 3. */
-static const pk_real e3[] = {
+static const pk_real pk_dop853_e3[] = {
     PK_C(-0.1898007540724076157147023288757), PK_C(0.0), PK_C(0.0), PK_C(0.0), PK_C(0.0),
     PK_C(4.45031289275240888144113950566), PK_C(1.89151789931450038304281599044),
     PK_C(-5.8012039600105847814672114227), PK_C(-0.422682321323791962932445679177),
     PK_C(-0.152160949662516078556178806805), PK_C(0.201365400804030348374776537501),
     PK_C(0.0226517921983608258118062039631), PK_C(0.0),
 };
-static const pk_real extra_a[] = {
+static const pk_real pk_dop853_extra_a[] = {
     PK_C(5.61675022830479523392909219681e-2), PK_C(0.0), PK_C(0.0), PK_C(0.0), PK_C(0.0),
     PK_C(0.0), PK_C(2.53500210216624811088794765333e-1),
     PK_C(-2.46239037470802489917441475441e-1), PK_C(-1.24191423263816360469010140626e-1),
@@ -85,7 +88,7 @@ static const pk_real extra_a[] = {
     PK_C(0.0), PK_C(0.0), PK_C(-1.39902416515901462129418009734e-3),
     PK_C(2.9475147891527723389556272149), PK_C(-9.15095847217987001081870187138),
 };
-static const pk_real d[] = {
+static const pk_real pk_dop853_d[] = {
     PK_C(-0.84289382761090128651353491142e1), PK_C(0.0), PK_C(0.0), PK_C(0.0), PK_C(0.0),
     PK_C(0.56671495351937776962531783590), PK_C(-0.30689499459498916912797304727e1),
     PK_C(0.23846676565120698287728149680e1), PK_C(0.21170345824450282767155149946e1),
@@ -116,30 +119,19 @@ static const pk_real d[] = {
     PK_C(-0.14972683625798562581422125276e3),
 };
 
-static const struct pk_tableau table = {.stages = 12,
-                                        .c = c,
-                                        .a = a,
-                                        .b = b,
-                                        .e = e,
-                                        .e3 = e3,
-                                        .error_order = 8,
-                                        .beta = PK_C(0.0),
-                                        .shrink = PK_C(0.333),
-                                        .grow = PK_C(6.0),
-                                        .extra = 3,
-                                        .extra_a = extra_a,
-                                        .rows = 4,
-                                        .d = d};
+static const struct pk_tableau pk_dop853_table = {.stages = 12,
+                                                  .c = pk_dop853_c,
+                                                  .a = pk_dop853_a,
+                                                  .b = pk_dop853_b,
+                                                  .e = pk_dop853_e,
+                                                  .e3 = pk_dop853_e3,
+                                                  .error_order = 8,
+                                                  .beta = PK_C(0.0),
+                                                  .shrink = PK_C(0.333),
+                                                  .grow = PK_C(6.0),
+                                                  .extra = 3,
+                                                  .extra_a = pk_dop853_extra_a,
+                                                  .rows = 4,
+                                                  .d = pk_dop853_d};
 
-const struct pk_method pk_dop853 = {
-    .name = "dop853",
-    .doc = "Dormand-Prince 8(5,3); Hairer, Norsett, Wanner, HNW II.5 and II.10",
-    .order = 8,
-    .stages = 12,
-    .dense_order = 7,
-    .traits = PK_ADAPTIVE | PK_DENSE,
-    .table = &table,
-    .size = pk_embedded_size,
-    .init = pk_embedded_init,
-    .step = pk_embedded_step,
-    .dense = pk_embedded_dense};
+#endif

@@ -1,0 +1,76 @@
+/* Steps compiled together with the kernels of one model: included by the C that pkgen generates,
+ * ahead of its struct pk_system, once for each model in a file. The text of a step,
+ * pk/step/FAMILY.h, is the same that the library compiles over function pointers; here the number
+ * of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
+ * _SPLITTING ask for a family; without any of them nothing is compiled, and the library's steps
+ * are used.
+ *
+ * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
+ * number of coordinates is not the constant PK_MODEL(N). Steps are written over
+ *
+ *     PK_STEPPER(x)                   x with a name of its own in this file
+ *     PK_STEPPER_N(it)                degrees of freedom
+ *     PK_STEPPER_INPUT(it, t)         the inputs at t
+ *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or 1 + the coordinate that failed
+ *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
+ */
+#include <pk/step/state.h>
+
+#undef PK_INLINE_STEPPERS
+#ifndef PK_STEPPER
+#define PK_STEPPER(x) PK_MODEL(step_##x)
+#ifdef PK_MODEL_N
+#define PK_STEPPER_N(it) PK_MODEL_N(it)
+#else
+#define PK_STEPPER_N(it) ((void)(it), (size_t)PK_MODEL(N))
+#endif
+#define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->u)
+#define PK_STEPPER_ACCELERATION(it, t, q, v, u, a)                                              \
+    PK_MODEL(acceleration)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, a)
+#define PK_STEPPER_LANES(it, t, q, v, u, a) pk_eval_lanes(it, t, q, v, u, a)
+
+#define PK_INLINED_STEP(method, call)                                                           \
+    static enum pk_status PK_STEPPER(method)(struct pk_integrator * it, pk_real limit)          \
+    {                                                                                           \
+        (void)limit;                                                                            \
+        return call;                                                                            \
+    }
+#define PK_INLINED_ERK(method) PK_INLINED_STEP(method, PK_STEPPER(erk)(it, &pk_##method##_table))
+#define PK_INLINED_EMBEDDED(method) \
+    PK_INLINED_STEP(method, PK_STEPPER(embedded)(it, &pk_##method##_table, limit))
+#define PK_INLINED_SPLITTING(method) \
+    PK_INLINED_STEP(method, PK_STEPPER(splitting)(it, &pk_##method##_table))
+#define PK_INLINED_ENTRY(method) {#method, PK_STEPPER(method)},
+#endif
+
+#if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING
+#define PK_INLINE_STEPPERS PK_STEPPER(steppers)
+#include <pk/step/evaluate.h>
+
+#ifdef PK_INLINE_ERK
+#include <pk/step/erk.h>
+PK_ERK_METHODS(PK_INLINED_ERK)
+#endif
+#ifdef PK_INLINE_EMBEDDED
+#include <pk/step/embedded.h>
+PK_EMBEDDED_METHODS(PK_INLINED_EMBEDDED)
+#endif
+#ifdef PK_INLINE_SPLITTING
+#include <pk/step/splitting.h>
+PK_SPLITTING_METHODS(PK_INLINED_SPLITTING)
+#endif
+
+static const struct pk_stepper PK_STEPPER(steppers)[] = {
+#ifdef PK_INLINE_ERK
+    PK_ERK_METHODS(PK_INLINED_ENTRY)
+#endif
+#ifdef PK_INLINE_EMBEDDED
+    PK_EMBEDDED_METHODS(PK_INLINED_ENTRY)
+#endif
+#ifdef PK_INLINE_SPLITTING
+    PK_SPLITTING_METHODS(PK_INLINED_ENTRY)
+#endif
+    {NULL, NULL}};
+#else
+#define PK_INLINE_STEPPERS NULL
+#endif

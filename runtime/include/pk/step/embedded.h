@@ -1,0 +1,190 @@
+/* Adaptive explicit Runge-Kutta methods on y = (q, v): error by an embedded formula, PI control
+ *
+ *     h_new = h * clamp(safety * err^(-alpha) * err_old^beta),  alpha = 1/k - 3/4 beta
+ *
+ * What a step does each time is here, over the macros of pk/inlined.h; the first step and dense
+ * output, which are rare, are in the library for all systems.
+ *
+ * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I,
+ * II.4 (4.13)-(4.14), II.5, II.10; E. Hairer, G. Wanner, ... II, IV.2; K. Gustafsson,
+ * ACM TOMS 17 (1991) 533.
+ */
+#ifndef PK_STEP_EMBEDDED_H
+#define PK_STEP_EMBEDDED_H
+
+#include <pk/step/dop853.h>
+#include <pk/step/dopri5.h>
+
+#define PK_EMBEDDED_METHODS(X) X(dopri5) X(dop853)
+
+/* The work: stages, derivatives at the end and of the extra stages, an argument, the interpolant,
+ * and two numbers. The step's start is what it->next holds after the step. */
+struct pk_embedded_work {
+    size_t m;
+    pk_real *k, *last, *y, *dense, *err_old, *h_made;
+};
+
+static inline int pk_embedded_dense_rows(const struct pk_tableau *table)
+{
+    return 4 + table->rows;
+}
+
+static PK_FORCE_INLINE struct pk_embedded_work
+pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n)
+{
+    struct pk_embedded_work w;
+    w.m = 2 * n;
+    w.k = it->work;
+    w.last = w.k + (size_t)table->stages * w.m;
+    w.y = w.last + (size_t)(1 + table->extra) * w.m;
+    w.dense = w.y + w.m;
+    w.err_old = w.dense + (size_t)pk_embedded_dense_rows(table) * w.m;
+    w.h_made = w.err_old + 1;
+    return w;
+}
+
+static inline pk_real pk_embedded_tolerance(const struct pk_integrator *it, pk_real a, pk_real b)
+{
+    return it->options.atol + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
+}
+
+/* Makes the derivative at the step's start, where the last step left none, and guesses the first
+ * step: what begins a run, or goes on after a failure. */
+enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
+
+/* The error of the step in units of the tolerance, root mean square. */
+static PK_FORCE_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
+                                                 const struct pk_tableau *table,
+                                                 const struct pk_embedded_work *w, pk_real h)
+{
+    const pk_real *y0 = it->state, *y1 = it->next;
+    const int count = table->stages + (table->e3 ? 0 : 1);
+    pk_real e = 0, e3 = 0;
+    for (size_t i = 0; i < w->m; i++) {
+        const pk_real scale = pk_embedded_tolerance(it, y0[i], y1[i]);
+        const pk_real x = pk_row_sum(table->e, count, w->k, w->m, i) / scale;
+        e += x * x;
+        if (table->e3) {
+            const pk_real x3 = pk_row_sum(table->e3, count, w->k, w->m, i) / scale;
+            e3 += x3 * x3;
+        }
+    }
+    if (!table->e3)
+        return pk_abs(h) * PK_F(sqrt)(e / (pk_real)w->m);
+    const pk_real blend = e + PK_C(0.01) * e3;
+    return blend > 0 || !pk_finite(blend)
+               ? pk_abs(h) * e / PK_F(sqrt)(blend * (pk_real)w->m)
+               : 0;
+}
+#endif
+
+/* k = (v, a) at y. */
+static PK_FORCE_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
+                                                        const pk_real *y, pk_real *k)
+{
+    const size_t n = PK_STEPPER_N(it);
+    for (size_t i = 0; i < n; i++)
+        k[i] = y[n + i];
+    return PK_STEPPER(acceleration)(it, t, y, y + n, k + n);
+}
+
+/* One trial of size h to it->next_t: the new state, its derivative, its error. */
+static PK_FORCE_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
+                                                          const struct pk_tableau *table,
+                                                          const struct pk_embedded_work *w,
+                                                          pk_real h)
+{
+    enum pk_status status;
+    pk_real *y = it->next;
+    PK_UNROLL
+    for (int i = 1; i < table->stages; i++) {
+        pk_erk_combine(y, it->state, h, table->a + i * (i - 1) / 2, i, w->k, w->m);
+        status = PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)i * w->m);
+        if (status < 0)
+            return status;
+    }
+    pk_erk_combine(y, it->state, h, table->b, table->stages, w->k, w->m);
+    if (!pk_all_finite(y, w->m))
+        return PK_NOT_FINITE;
+    if (!table->e3) {
+        status = PK_STEPPER(slope)(it, it->next_t, y, w->last);
+        if (status < 0)
+            return status;
+    }
+    it->error = pk_embedded_error(it, table, w, h);
+    if (!pk_finite(it->error)) /* the state is finite: its tolerance is all but zero */
+        it->error = PK_C(1e30);
+    if (table->e3 && it->error <= PK_C(1.0)) {
+        status = PK_STEPPER(slope)(it, it->next_t, y, w->last);
+        if (status < 0)
+            return status;
+        if (!pk_all_finite(w->last, w->m))
+            return PK_NOT_FINITE;
+    }
+    return PK_DONE;
+}
+
+static PK_FORCE_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
+                                                           const struct pk_tableau *table,
+                                                           pk_real limit)
+{
+    const struct pk_embedded_work w = pk_embedded_parts(it, table, PK_STEPPER_N(it));
+    const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
+    const pk_real least =
+        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real alpha =
+        PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
+    const pk_real safety = PK_C(0.9);
+    enum pk_status status = PK_DONE;
+    if (it->flags & PK_HAVE_STEP)
+        for (size_t i = 0; i < w.m; i++) /* the derivative at the last step's end */
+            w.k[i] = w.last[i];
+    if (!(it->flags & (PK_HAVE_STEP | PK_HAVE_A)) || !(pk_abs(it->h) > 0))
+        status = pk_embedded_begin(it, limit);
+    if (status < 0)
+        return status;
+    it->flags = PK_HAVE_A; /* and the last step's stages are gone, its dense output too */
+
+    pk_real planned = pk_abs(it->h);
+    int rejected = 0;
+    for (;;) {
+        if (it->options.h_max > 0)
+            planned = pk_min(planned, it->options.h_max);
+        if (!(planned > least) && (left > least || rejected))
+            return pk_underflow(it, planned); /* also a step that shrank while being accepted */
+        /* What is left below round-off is one step: a smaller one would not move t. */
+        const int lands = planned * PK_C(1.01) >= left || !(left > least);
+        const pk_real h = lands ? left : planned;
+        it->next_t = lands ? limit : it->t + sign * h;
+        status = PK_STEPPER(attempt)(it, table, &w, sign * h);
+        if (status < 0) {
+            it->trouble = status;
+            it->trouble_t = it->next_t;
+            planned = h * PK_C(0.2);
+        } else {
+            const pk_real raw = PK_F(pow)(it->error, alpha) / safety;
+            if (it->error <= PK_C(1.0)) {
+                const pk_real fac = raw / PK_F(pow)(*w.err_old, table->beta);
+                const int at_most = fac <= PK_C(1.0) / table->grow;
+                pk_real next = h / pk_min(PK_C(1.0) / table->shrink,
+                                          pk_max(PK_C(1.0) / table->grow, fac));
+                if (rejected)
+                    next = pk_min(next, h);
+                else if (lands && at_most)
+                    next = pk_max(next, planned); /* a step cut short says nothing of the next */
+                *w.err_old = pk_max(it->error, PK_C(1e-4));
+                *w.h_made = sign * h;
+                /* After a step below round-off, the next is guessed like a first one. */
+                it->h = planned > least || left > least ? sign * next : 0;
+                it->flags = PK_HAVE_STEP;
+                return PK_DONE;
+            }
+            planned = h / pk_min(PK_C(1.0) / table->shrink, raw);
+        }
+        rejected = 1;
+        it->count.rejections++;
+        if (!(planned < h)) /* whatever happens, a rejected step shrinks */
+            planned = h * PK_C(0.5);
+        it->h = sign * planned;
+    }
+}

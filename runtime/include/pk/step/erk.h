@@ -1,0 +1,54 @@
+/* Explicit Runge-Kutta methods at a fixed step, on y = (q, v) with y' = (v, a(q, v, t)):
+ *
+ *     k_i = f(t0 + c_i h, y0 + h sum_j<i a_ij k_j),   y1 = y0 + h sum b_i k_i
+ *
+ * with a compensated sum for y1. Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving
+ * Ordinary Differential Equations I, II.1. Written over the macros of pk/inlined.h.
+ */
+#ifndef PK_STEP_ERK_H
+#define PK_STEP_ERK_H
+
+#include <pk/step/tableau.h>
+
+static const pk_real pk_euler_c[] = {PK_C(0.0)};
+static const pk_real pk_euler_b[] = {PK_C(1.0)};
+static const struct pk_tableau pk_euler_table = {
+    .stages = 1, .c = pk_euler_c, .a = NULL, .b = pk_euler_b};
+
+static const pk_real pk_rk4_c[] = {PK_C(0.0), PK_C(0.5), PK_C(0.5), PK_C(1.0)};
+static const pk_real pk_rk4_a[] = {PK_C(0.5), PK_C(0.0), PK_C(0.5),
+                                   PK_C(0.0), PK_C(0.0), PK_C(1.0)};
+static const pk_real pk_rk4_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(1.0) / PK_C(3.0),
+                                   PK_C(1.0) / PK_C(3.0), PK_C(1.0) / PK_C(6.0)};
+static const struct pk_tableau pk_rk4_table = {
+    .stages = 4, .c = pk_rk4_c, .a = pk_rk4_a, .b = pk_rk4_b};
+
+#define PK_ERK_METHODS(X) X(euler) X(rk4)
+#endif
+
+static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
+                                                      const struct pk_tableau *table)
+{
+    const size_t n = PK_STEPPER_N(it), m = 2 * n;
+    const pk_real h = it->h, *y0 = it->state, *low0 = pk_part(it->state, n, PK_LOW_Q);
+    pk_real *k = it->work, *y = it->next, *low = pk_part(it->next, n, PK_LOW_Q);
+
+    PK_UNROLL
+    for (int i = 0; i < table->stages; i++) {
+        pk_real *ki = k + (size_t)i * m;
+        if (i > 0)
+            pk_erk_combine(y, y0, h, table->a + i * (i - 1) / 2, i, k, m);
+        const pk_real *at = i > 0 ? y : y0;
+        for (size_t j = 0; j < n; j++)
+            ki[j] = at[n + j];
+        const enum pk_status status =
+            PK_STEPPER(acceleration)(it, it->t + table->c[i] * h, at, at + n, ki + n);
+        if (status < 0)
+            return status;
+    }
+    for (size_t i = 0; i < m; i++) { /* the compensations of q and of v are neighbours */
+        low[i] = low0[i];
+        y[i] = pk_sum(y0[i], h * pk_row_sum(table->b, table->stages, k, m, i), &low[i]);
+    }
+    return PK_DONE;
+}

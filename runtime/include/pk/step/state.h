@@ -1,0 +1,81 @@
+/* What every step is made of, in the core and where pkgen compiles a step together with a model's
+ * kernels: round-off, the layout of a state, the compensated sum, failures by their names.
+ * Not for programs that only integrate.
+ */
+#ifndef PK_STEP_STATE_H
+#define PK_STEP_STATE_H
+
+#include <float.h>
+
+#include <pk/integrator.h>
+
+#if defined __GNUC__
+#define PK_FORCE_INLINE inline __attribute__((always_inline))
+#else
+#define PK_FORCE_INLINE inline
+#endif
+/* Before a loop over a table that the compiler knows: it is to unroll all of it. */
+#if defined PK_UNROLL
+#elif defined __clang__
+#define PK_UNROLL _Pragma("clang loop unroll(full)")
+#elif defined __GNUC__
+#define PK_UNROLL _Pragma("GCC unroll 16")
+#else
+#define PK_UNROLL
+#endif
+
+#define PK_EPS PK_EPSILON
+#if defined PK_FLOAT
+#define PK_TINY FLT_MIN
+#elif defined PK_LONG_DOUBLE
+#define PK_TINY LDBL_MIN
+#elif defined PK_FLOAT128
+#define PK_TINY FLT128_MIN
+#else
+#define PK_TINY DBL_MIN
+#endif
+
+/* Parts of it->state and of it->next, n numbers each: q, v, p, the compensations (low parts) of
+ * q and of v or p, and an acceleration that belongs to this state and may be reused. */
+enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
+
+/* it->flags */
+enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
+
+static inline pk_real *pk_part(pk_real *state, size_t n, int part)
+{
+    return state + (size_t)part * n;
+}
+
+static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
+static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
+static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
+
+/* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
+static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
+
+int pk_all_finite(const pk_real *x, size_t count);
+
+/* x + low + d, rounded once, and its new low part: Knuth's two-sum, exact also where |d| > |x|.
+ * Compensated summation after Kahan (1965), Babuska, Neumaier (1974). */
+static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
+{
+    const pk_real y = d + *low;
+    const pk_real sum = x + y;
+    const pk_real back = sum - x;
+    *low = (x - (sum - back)) + (y - back);
+    return sum;
+}
+
+/* The inputs at t, in it->u. */
+const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
+/* The status of an acceleration that returned `failed`, with the coordinate and the time. */
+enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, int failed);
+/* system->lanes(), or lane by lane where the system has none. */
+unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
+                                 const pk_real *v, const pk_real *u, pk_real *a);
+/* The status of an adaptive method whose step h became too small, with its cause if known. */
+enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
+
+#endif

@@ -1,0 +1,63 @@
+/* Coefficients as data, and the sums of stages over them. Reference for all names: E. Hairer,
+ * S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., II.1 and II.4-6
+ * ("HNW").
+ */
+#ifndef PK_STEP_TABLEAU_H
+#define PK_STEP_TABLEAU_H
+
+#include <pk/step/state.h>
+
+/* An explicit Runge-Kutta method of s stages; the derivative at the new point counts as number s
+ * where `e` or `d` uses it. Of a step: y1 = y0 + h sum b_i k_i. */
+struct pk_tableau {
+    int stages;
+    const pk_real *c; /* s, and then those of the extra stages after the derivative at y1 */
+    const pk_real *a; /* strictly lower triangle row by row, without the empty first row */
+    const pk_real *b;
+
+    /* Adaptive: the error is h sum e_i k_i (s + 1 of them); with e3, a second estimate of lower
+     * order is blended in, HNW II.10 (10.17). Control as in HNW II.4 and IV.2. */
+    const pk_real *e, *e3;
+    int error_order; /* the error is O(h^error_order); 1/exponent of control */
+    pk_real beta, shrink, grow;
+
+    /* Dense output: extra stages, and rows of d over all stages; HNW II.6 (6.12)-(6.14). */
+    int extra;
+    const pk_real *extra_a; /* rows of s + 1 + i numbers */
+    int rows;
+    const pk_real *d; /* rows of s + 1 + extra numbers */
+};
+
+/* A splitting method: kick[0], drift[0], kick[1], ..., kick[s] of the step each. */
+struct pk_splitting {
+    int stages;
+    const pk_real *kick;  /* s + 1 */
+    const pk_real *drift; /* s */
+};
+
+/* sum a_j k_j over rows of m numbers. Zeros of a sparse tableau are skipped; where the tableau is
+ * known to the compiler they vanish. */
+static PK_FORCE_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
+                                          size_t i)
+{
+    pk_real sum = 0;
+    int any = 0;
+    PK_UNROLL
+    for (int j = 0; j < count; j++)
+        if (a[j] > 0 || a[j] < 0) {
+            const pk_real x = a[j] * k[(size_t)j * m + i];
+            sum = any ? sum + x : x;
+            any = 1;
+        }
+    return sum;
+}
+
+/* y = y0 + h sum a_j k_j. */
+static PK_FORCE_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h,
+                                           const pk_real *a, int count, const pk_real *k, size_t m)
+{
+    for (size_t i = 0; i < m; i++)
+        y[i] = y0[i] + h * pk_row_sum(a, count, k, m, i);
+}
+
+#endif

@@ -1,0 +1,20 @@
+/* The texts of pk/step/ for any system: through the function pointers of struct pk_system, n known
+ * at run time. For one system, with its kernels inlined: pk/inlined.h.
+ */
+#ifndef PK_GENERIC_H
+#define PK_GENERIC_H
+
+#define PK_UNROLL /* counts are those of a table that the compiler does not know */
+
+#include "internal.h"
+
+#define PK_STEPPER(x) generic_##x
+#define PK_STEPPER_N(it) ((it)->n)
+#define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
+    (it)->problem.system->acceleration((it)->problem.params, t, q, v, u, a)
+#define PK_STEPPER_INPUT(it, t) pk_eval_input(it, t)
+#define PK_STEPPER_LANES(it, t, q, v, u, a) pk_eval_lanes(it, t, q, v, u, a)
+
+#include <pk/step/evaluate.h>
+
+#endif
