@@ -102,11 +102,8 @@ class Lowering:
         array = {"q": "q", "v": "v", "w": "v", "d": "v"}[slot.kind]
         if near:
             return self.cell(array, slot.name, slot.at)
-        reader = f"{self.prefix}{slot.kind}_{self._plain(slot.name)}"
+        reader = f"{self.prefix}{slot.kind}_{slot.name}"
         return f"{reader}(p, t, {array}, u, {self.index(slot.at)})"
-
-    def _plain(self, name: str) -> str:
-        return name
 
     def _local(self, slot: Slot) -> str:
         if slot not in self._names:

@@ -1,0 +1,258 @@
+"""Rows and totals as sets of blocks: a body for the interior, guarded parts for the ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ..middle.affine import LOOPS, ROW, Affine, variable
+from ..middle.collect import fewest
+from ..middle.graph import ZERO, Node, Op
+from ..middle.loops import Group, LoopEquations, PairForce, PairPart, Part, Row, Total, Unrolled
+from .loops import EDGE, INNER, PAIR, Block, Lowering
+from .program import STORE
+from .schedule import Target
+
+M = variable(ROW)
+
+
+@dataclass
+class Guarded:
+    """Parts of a row that share a guard: r[k] += ... where lo <= m <= hi."""
+
+    lo: Affine
+    hi: Affine
+    block: Block
+
+
+@dataclass
+class RowSet:
+    """Some quantities of one family's cells, or terms of totals (group is None).
+
+    Over [first, last] the interior is where m >= each of `lows` and <= each of `highs`.
+    """
+
+    name: str
+    group: Group | None
+    outputs: int
+    inner: Block | None
+    guarded: list[Guarded]
+    first: Affine
+    last: Affine
+    lows: list[Affine]
+    highs: list[Affine]
+    ghosts: bool = False  # rows of ghosts are added to those of the cells they stand for
+    plain: bool = False  # r[1], a mass, is a positive number: no test
+    below: int = 0  # ghosts on each side
+    above: int = 0
+
+
+class Sets:
+    """Makes row sets; the graph may still grow, so before the Workspace of Lowering is used."""
+
+    def __init__(self, e: LoopEquations):
+        self.e = e
+        self.g = e.graph
+
+    def interior(
+        self, rows: Sequence[Row], group: Group | None, least: Affine | None = None
+    ) -> tuple[list[Node], list[Affine], list[Affine]]:
+        """The sums of the parts of each row where every guard holds, and where that is."""
+        lows: list[Affine] = [] if group is None else [group.lo]
+        highs: list[Affine] = [] if group is None else [group.hi]
+        nodes = []
+        for row in rows:
+            bulk = []
+            for part in row.parts:
+                if group is not None and part.is_point:
+                    self._exclude(part, group, lows, highs)
+                    continue
+                bulk.append(part.inner)
+                lows.append(part.lo)
+                highs.append(part.hi)
+            nodes.append(self.g.sum(bulk))
+        for node in nodes:
+            for slot in self._slots(node):
+                if slot.kind in ("q", "v", "d", "w") and slot.at is not None:
+                    other, shift = self.e.group(slot.name), slot.at.without(ROW)
+                    if slot.at.factor(ROW):
+                        lows.append(other.lo - shift)
+                        highs.append(other.hi - shift)
+        if group is not None:
+            beyond = self.e.wraps.get(group.name, 0)
+            beyond = max(beyond, int(any(end.kind == "free" for _, end in group.ends)))
+            if beyond:
+                lows.append(group.lo + beyond)
+                highs.append(group.hi - beyond)
+        return nodes, _pruned(lows, 1), _pruned(highs, -1)
+
+    def _exclude(self, part: Part, group: Group, lows: list[Affine], highs: list[Affine]) -> None:
+        below, above = part.hi - group.lo, group.hi - part.lo
+        if below.is_constant:
+            lows.append(part.hi + 1)
+        elif above.is_constant:
+            highs.append(part.lo - 1)
+        else:
+            raise Unrolled(f"a term is about {group.name}[{part.lo.text()}], far from the ends")
+
+    def _slots(self, node: Node):
+        from ..middle.differentiate import reachable
+
+        for n in reachable(self.g, [node]):
+            data = self.g.data[n]
+            if self.g.op[n] is Op.SYMBOL and data.kind.name not in ("PI", "TIME"):
+                yield self.e.slots[data.index]
+
+    def shortest(self, nodes: list[Node]) -> list[Node]:
+        """The same with fewer operations, where that is found quickly."""
+        return fewest(self.g, nodes) if nodes else nodes
+
+
+def _pruned(found: list[Affine], sign: int) -> list[Affine]:
+    """Of lower bounds (sign 1) or upper ones, those that no other implies."""
+    kept: list[Affine] = []
+    for at in dict.fromkeys(found):
+        if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):
+            continue
+        kept = [
+            k for k in kept if not ((at - k).is_constant and (at - k).constant * sign >= 0)
+        ]
+        kept.append(at)
+    return kept
+
+
+@dataclass
+class TotalSet:
+    """A total as a function: a constant block, loops, pair loops."""
+
+    name: str
+    constant: Block
+    rows: RowSet | None
+    pairs: list[tuple[PairPart, Block]] = field(default_factory=list)
+
+
+@dataclass
+class PairSet:
+    """The double loop of a pair force: blocks that add to the accumulators of both ends."""
+
+    force: PairForce
+    block: Block
+
+
+class Builder:
+    """From vectors and totals to sets, once nodes are final: registers blocks."""
+
+    def __init__(self, e: LoopEquations):
+        self.e = e
+        self.sets = Sets(e)
+        self._planned: list = []
+        self.lowering: Lowering | None = None
+
+    # Two passes: `plan` grows the graph, `begin` freezes it, the rest registers blocks.
+
+    def plan_rows(self, name: str, group: Group, rows: list[Row], quotient: bool = False) -> dict:
+        nodes, lows, highs = self.sets.interior(rows, group)
+        mass = nodes[1] if quotient else ZERO
+        if mass != ZERO:
+            nodes[0] = self.sets.g.divide(nodes[0], mass)
+        number = self.sets.g.value(mass)
+        return {
+            "name": name,
+            "group": group,
+            "rows": rows,
+            "nodes": self.sets.shortest(nodes),
+            "lows": lows,
+            "highs": highs,
+            "plain": number is not None and number > 0,
+        }
+
+    def plan_total(self, name: str, total: Total) -> dict:
+        parts = [Row(total.parts)]
+        nodes, lows, highs = self.sets.interior(parts, None)
+        return {
+            "name": name,
+            "total": total,
+            "rows": parts,
+            "nodes": self.sets.shortest(nodes),
+            "lows": lows,
+            "highs": highs,
+        }
+
+    def begin(self) -> None:
+        self.lowering = Lowering(self.e)
+
+    def rows(self, plan: dict, ghosts: bool = True) -> RowSet:
+        group = plan["group"]
+        e = self.e
+        below = above = e.wraps.get(group.name, 0)
+        for at, _ in group.ends:
+            low, high = group.lo - at, at - group.hi
+            if low.is_constant and low.constant > 0:
+                below = max(below, low.constant)
+            elif high.is_constant:
+                above = max(above, high.constant)
+        mapped = group.periodic or any(end.kind == "free" for _, end in group.ends)
+        return RowSet(
+            name=plan["name"],
+            group=group,
+            outputs=len(plan["rows"]),
+            inner=self._inner(plan["nodes"]),
+            guarded=self._guarded(plan["rows"]),
+            first=group.lo,
+            last=group.hi,
+            lows=plan["lows"],
+            highs=plan["highs"],
+            ghosts=ghosts and mapped and bool(below or above),
+            below=below,
+            above=above,
+            plain=plan["plain"],
+        )
+
+    def total(self, plan: dict) -> TotalSet:
+        total: Total = plan["total"]
+        rows = None
+        if total.parts:
+            rows = RowSet(
+                name=plan["name"],
+                group=None,
+                outputs=1,
+                inner=self._inner(plan["nodes"]),
+                guarded=self._guarded(plan["rows"]),
+                first=Affine(),
+                last=Affine(),
+                lows=plan["lows"],
+                highs=plan["highs"],
+            )
+        pairs = [
+            (pair, self._block([Target(STORE, "r[0]", (pair.node,))], PAIR))
+            for pair in total.pairs
+        ]
+        constant = self._block([Target(STORE, "total", (total.constant,))], INNER)
+        return TotalSet(plan["name"], constant, rows, pairs)
+
+    def pair(self, force: PairForce) -> PairSet:
+        sides = [*force.by_row, *force.by_other, *force.by_scalar]
+        targets = [Target(STORE, f"r[{k}]", (node,)) for k, (_, node) in enumerate(sides)]
+        return PairSet(force, self._block(targets, PAIR))
+
+    def _block(self, targets: list[Target], where: str) -> Block:
+        assert self.lowering is not None
+        return self.lowering.block(targets, where)
+
+    def _inner(self, nodes: list[Node]) -> Block:
+        return self._block(
+            [Target(STORE, f"r[{k}]", (node,)) for k, node in enumerate(nodes)], INNER
+        )
+
+    def _guarded(self, rows: list[Row]) -> list[Guarded]:
+        guards: dict[tuple[Affine, Affine], list[Target]] = {}
+        for k, row in enumerate(rows):
+            for part in row.parts:
+                targets = guards.setdefault((part.lo, part.hi), [])
+                targets.append(Target("add", f"r[{k}]", (part.node,)))
+        return [
+            Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in guards.items()
+        ]
+
+
+__all__ = ["LOOPS", "Builder", "PairSet", "RowSet", "Sets", "TotalSet"]
