@@ -120,7 +120,7 @@ param G = 1.1
 param m[i = 1..N] = 1/i in (0, inf)
 coord x[1..N], y[1..N]
 kinetic sum(m[i]/2*(x[i]'^2 + y[i]'^2), i = 1..N)
-potential sum(-G*m[i]*m[j]/norm([x[j] - x[i], y[j] - y[i]]), i = 1..N-1, j = i+1..N)
+potential sum(-G*m[i]*m[j]/norm([x[j] - x[i], y[j] - y[i], 0]), i = 1..N-1, j = i+1..N)
 start x[i = 1..N] = cos(i), y[i = 1..N] = sin(2*i)
 """
 
