@@ -4,7 +4,7 @@
 #ifndef PK_GENERIC_H
 #define PK_GENERIC_H
 
-#define PK_UNROLL /* counts are those of a table that the compiler does not know */
+#define PK_ANY_TABLE /* known at run time; see pk/step/tableau.h */
 
 #include "internal.h"
 

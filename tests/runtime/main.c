@@ -64,10 +64,29 @@ double fit_slope(const double *x, const double *y, int count)
     return xy / xx;
 }
 
-int main(void)
+/* Which of the two instances of each step this program tests. */
+static const char *instance = "";
+
+static void right_instance(void)
 {
+    const int inlined = strcmp(instance, "inlined") == 0;
+    struct fixture f;
+    for (size_t i = 0; pk_method_at(i); i++) {
+        const struct pk_method *method = pk_method_at(i);
+        fixture_set(&f, &pendulum_system);
+        f.options.h = 0.1;
+        CU_ASSERT(fixture_init(&f, method->name) == PK_DONE);
+        CU_ASSERT((f.it.step != method->step) == (inlined && !(method->traits & PK_IMPLICIT)));
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1)
+        instance = argv[1];
     if (CU_initialize_registry() != CUE_SUCCESS)
         return EXIT_FAILURE;
+    CU_add_test(CU_add_suite("instance", NULL, NULL), "generic or inlined", right_instance);
     add_tables();
     add_order();
     add_geometry();

@@ -14,6 +14,8 @@ RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/
 RT_TEST_C = $(sort $(wildcard tests/runtime/*.c))
 RT_TEST_O = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_TEST_C))
 RT_SYSTEMS_C = $(sort $(wildcard tests/runtime/systems_*.c))
+RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING
+RT_SYSTEMS_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/inlined/%.o,$(RT_SYSTEMS_C))
 RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 
 .PHONY: runtime test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
@@ -34,10 +36,21 @@ $(RT_TESTS)/%.o: tests/runtime/%.c $(RT_HEADERS)
 $(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_EXTRA) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
+# The same tests over steps that are compiled together with their systems.
+$(RT_TESTS)/inlined/%.o: tests/runtime/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_CFLAGS) $(RT_INLINE) -c $< -o $@
+$(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTEMS_INLINED) \
+                             $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+	$(CC) $(RT_EXTRA) $^ -lcunit -lgsl -lgslcblas -lm -o $@
+
 # The driver around a hand-written system, for its own tests.
 $(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
                    $(wildcard runtime/run/*.c) $(RT_HEADERS)
-	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DPK_SYSTEM=$*_system runtime/run/*.c $(RT_SYSTEMS) \
+	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
+	    'const struct pk_system *const run_system = &$*_system;' >$@.c
+	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -Iruntime/run -Itests/runtime runtime/run/*.c $@.c \
+	    $(RT_SYSTEMS) \
 	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
@@ -50,17 +63,22 @@ $(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
 	    $(RT_SYSTEMS) $(RT_DIR)/libpk.a -lm -o $@
 
 # Order of the methods of order 6 and more in __float128, where round-off is far away.
-$(RT_TESTS)/quad: $(wildcard runtime/src/*.c) $(RT_HEADERS) tests/runtime/quad/order.c \
+$(RT_TESTS)/quad_inlined: RT_INSTANCE = $(RT_INLINE)
+$(RT_TESTS)/quad $(RT_TESTS)/quad_inlined: $(wildcard runtime/src/*.c) $(RT_HEADERS) tests/runtime/quad/order.c \
                   $(RT_SYSTEMS_C)
 	@mkdir -p $(@D)
 	gcc -std=gnu11 -O2 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
-	    -Itests/runtime $(RT_EXTRA) runtime/src/*.c $(RT_SYSTEMS_C) \
+	    -Itests/runtime $(RT_EXTRA) $(RT_INSTANCE) runtime/src/*.c $(RT_SYSTEMS_C) \
 	    tests/runtime/quad/order.c -lquadmath -lm -o $@
 
-test-runtime: $(RT_TESTS)/example $(RT_TESTS)/quad $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \
+test-runtime: $(RT_TESTS)/example $(RT_TESTS)/quad $(RT_TESTS)/quad_inlined \
+              $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined \
+              $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \
               check-runtime-symbols test-runtime-scalars
 	$(RT_TESTS)/runtime
+	$(RT_TESTS)/runtime_inlined inlined
 	$(RT_TESTS)/quad
+	$(RT_TESTS)/quad_inlined
 	$(RT_TESTS)/example | grep -q '^t = 10: 1.018731427'
 	sh tests/runtime/driver.sh $(RT_TESTS)
 
@@ -69,8 +87,10 @@ asan-runtime:
 	    RT_EXTRA="-g -fsanitize=address,undefined -fno-sanitize-recover=all" \
 	    BUILD=$(BUILD) run-asan-runtime
 .PHONY: run-asan-runtime
-run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken
+run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_TESTS)/run_pendulum \
+                  $(RT_TESTS)/run_broken
 	$(RT_TESTS)/runtime
+	$(RT_TESTS)/runtime_inlined inlined
 	sh tests/runtime/driver.sh $(RT_TESTS)
 
 # Every symbol that the core exports is pk_*; it neither allocates nor knows GSL, prints or exits.

@@ -19,6 +19,9 @@ extern const struct pk_system oscillator_system;
 extern const struct pk_system double_pendulum_system;
 /* Planar Kepler, Cartesian. */
 extern const struct pk_system kepler_system;
+/* Restricted three bodies in the rotating frame, a closed orbit; HNW II.0 (0.1)-(0.2). For explicit
+ * methods alone: only its acceleration is its own. */
+extern const struct pk_system arenstorf_system;
 /* L = -sqrt(1 - v^2) - g q^2/2: M(v) = (1 - v^2)^(-3/2). */
 extern const struct pk_system relativistic_system;
 /* M = limit - q, L = M v^2/2: singular where q reaches limit; q moves on if not seen. */

@@ -2,6 +2,10 @@
 #include "systems_make.h"
 
 POINT_MASS(broken, 0, PK_F(sqrt)(LIMIT(params) - t), 0)
+SIZES(broken, 1, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) broken_##x
+#include <pk/inlined.h>
 SYSTEM(broken, 1, DRIVEN, PK_C(1.0), PK_C(1.25), none_cyclic, LIST(PK_C(0.7)),
        LIST(PK_C(0.2)), );
 
@@ -48,5 +52,9 @@ static pk_real folded_energy(ARGS)
     UNUSED;
     return (LIMIT(params) - q[0]) * v[0] * v[0] / 2;
 }
+SIZES(folded, 1, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) folded_##x
+#include <pk/inlined.h>
 SYSTEM(folded, 1, GENERAL, PK_C(1.0), PK_C(1.25), none_cyclic, LIST(PK_C(0.7)),
        LIST(PK_C(0.2)), );

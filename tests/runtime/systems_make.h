@@ -1,5 +1,6 @@
 /* What the hand-written systems are made of. Kernels are written out for each; facts and tables
- * come from one macro, SYSTEM, and all kernels of a point mass from another, POINT_MASS.
+ * come from one macro, SYSTEM, and all kernels of a point mass from another, POINT_MASS. Compiled
+ * with -DPK_INLINE_ERK and so on, they bring their own steps as generated C does.
  */
 #ifndef TEST_SYSTEMS_MAKE_H
 #define TEST_SYSTEMS_MAKE_H
@@ -33,6 +34,9 @@ static const struct pk_quantity coordinates[] = {{"x", "", ""}, {"y,1", "", ""}}
 static const struct pk_quantity rates[] = {{"x'", "", ""}, {"y,1'", "", ""}};
 static const struct pk_quantity momenta[] = {{"p_x", "", ""}, {"p_y", "", ""}};
 static const unsigned char none_cyclic[] = {0, 0};
+
+/* Constants that pk/inlined.h wants. */
+#define SIZES(NAME, N, INPUTS) enum { NAME##_N = N, NAME##_INPUTS = INPUTS }
 
 #define SYSTEM(NAME, N, FACTS, GRAVITY, LIMIT0, CYCLIC, START_Q, START_V, ...)               \
     static void NAME##_defaults(void *params)                                               \
@@ -72,6 +76,7 @@ static const unsigned char none_cyclic[] = {0, 0};
                                             .gradient = NAME##_gradient,                    \
                                             .jacobian = NAME##_jacobian,                    \
                                             .energy = NAME##_energy,                        \
+                                            .steppers = PK_INLINE_STEPPERS,                 \
                                             __VA_ARGS__}
 
 #define LIST(...) {__VA_ARGS__}

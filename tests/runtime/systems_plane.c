@@ -64,6 +64,10 @@ static pk_real double_pendulum_energy(ARGS)
     return v[0] * v[0] + v[1] * v[1] / 2 + PK_F(cos)(q[0] - q[1]) * v[0] * v[1] -
            G(params) * (2 * PK_F(cos)(q[0]) + PK_F(cos)(q[1]));
 }
+SIZES(double_pendulum, 2, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) double_pendulum_##x
+#include <pk/inlined.h>
 SYSTEM(double_pendulum, 2, GENERAL, PK_C(9.81), 0, none_cyclic, LIST(PK_C(1.3), PK_C(-0.9)),
        LIST(PK_C(0.2), PK_C(0.4)), );
 
@@ -112,6 +116,35 @@ static void kepler_conserve(ARGS, pk_real *out)
     UNUSED;
     out[0] = q[0] * v[1] - q[1] * v[0];
 }
+SIZES(kepler, 2, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) kepler_##x
+#include <pk/inlined.h>
 SYSTEM(kepler, 2, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.4), PK_C(0.0)),
        LIST(PK_C(0.0), PK_C(2.0)), .n_conserved = 1, .conserved = angular,
        .conserve = kepler_conserve);
+
+/* Restricted three bodies, mu = .012277471. */
+static int arenstorf_acceleration(ARGS, pk_real *a)
+{
+    const pk_real mu = PK_C(0.012277471), nu = 1 - mu;
+    const pk_real d1 = PK_F(pow)((q[0] + mu) * (q[0] + mu) + q[1] * q[1], PK_C(1.5));
+    const pk_real d2 = PK_F(pow)((q[0] - nu) * (q[0] - nu) + q[1] * q[1], PK_C(1.5));
+    UNUSED;
+    a[0] = q[0] + 2 * v[1] - nu * (q[0] + mu) / d1 - mu * (q[0] - nu) / d2;
+    a[1] = q[1] - 2 * v[0] - nu * q[1] / d1 - mu * q[1] / d2;
+    return 0;
+}
+#define arenstorf_mass kepler_mass
+#define arenstorf_force kepler_force
+#define arenstorf_canonical kepler_canonical
+#define arenstorf_gradient kepler_gradient
+#define arenstorf_jacobian kepler_jacobian
+#define arenstorf_energy kepler_energy
+SIZES(arenstorf, 2, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) arenstorf_##x
+#include <pk/inlined.h>
+SYSTEM(arenstorf, 2, PK_QUADRATIC | PK_SMOOTH, PK_C(1.0), 0, none_cyclic,
+       LIST(PK_C(0.994), PK_C(0.0)),
+       LIST(PK_C(0.0), PK_C(-2.00158510637908252240537862224)), );

@@ -41,6 +41,10 @@ static pk_real relativistic_energy(ARGS)
     UNUSED;
     return lorentz(v) + G(params) * q[0] * q[0] / 2;
 }
+SIZES(relativistic, 1, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) relativistic_##x
+#include <pk/inlined.h>
 SYSTEM(relativistic, 1,
        NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_QUADRATIC | PK_SEPARABLE), PK_C(1.0), 0,
        none_cyclic, LIST(PK_C(1.7)), LIST(PK_C(0.2)), );
@@ -89,5 +93,9 @@ static pk_real forced_energy(ARGS)
     return E_OF_T * (1 + q[0] * q[0]) * v[0] * v[0] / 2 +
            G(params) * PK_F(cos)(t) * q[0] * q[0] / 2;
 }
+SIZES(forced, 1, 0);
+#undef PK_MODEL
+#define PK_MODEL(x) forced_##x
+#include <pk/inlined.h>
 SYSTEM(forced, 1, PK_QUADRATIC | PK_SMOOTH, PK_C(1.7), 0, none_cyclic, LIST(PK_C(0.7)),
        LIST(PK_C(0.9)), );

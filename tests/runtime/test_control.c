@@ -6,28 +6,6 @@
 
 #include "fixture.h"
 
-/* Restricted three bodies in the rotating frame, mu = .012277471; a closed orbit. */
-static int arenstorf_acceleration(const void *params, double t, const double *q, const double *v,
-                                  const double *u, double *a)
-{
-    const double mu = 0.012277471, nu = 1 - mu;
-    const double d1 = pow((q[0] + mu) * (q[0] + mu) + q[1] * q[1], 1.5);
-    const double d2 = pow((q[0] - nu) * (q[0] - nu) + q[1] * q[1], 1.5);
-    (void)params, (void)t, (void)u;
-    a[0] = q[0] + 2 * v[1] - nu * (q[0] + mu) / d1 - mu * (q[0] - nu) / d2;
-    a[1] = q[1] - 2 * v[0] - nu * q[1] / d1 - mu * q[1] / d2;
-    return 0;
-}
-
-static void arenstorf(struct fixture *f, struct pk_system *system)
-{
-    *system = kepler_system;
-    system->acceleration = arenstorf_acceleration;
-    fixture_set(f, system);
-    f->q0[0] = 0.994, f->q0[1] = 0;
-    f->v0[0] = 0, f->v0[1] = -2.00158510637908252240537862224;
-}
-
 static const double period = 17.0652165601579625588917206249;
 
 /* h_new = h / clamp(err^alpha / err_old^beta / safety), rejected steps by err alone. */
@@ -38,12 +16,11 @@ static void formula(void)
         double k, beta, shrink, grow;
     } row[] = {{"dopri5", 5, 0.04, 0.2, 10}, {"dop853", 8, 0, 0.333, 6}};
     static struct fixture f;
-    struct pk_system system;
     for (int i = 0; i < 2; i++) {
         const double alpha = 1 / row[i].k - 0.75 * row[i].beta;
         double old = 1e-4, sizes[4000];
         int checked = 0, rejected = 0;
-        arenstorf(&f, &system);
+        fixture_set(&f, &arenstorf_system);
         f.options.rtol = f.options.atol = 1e-7;
         CU_ASSERT_FATAL(fixture_init(&f, row[i].name) == PK_DONE);
         for (int count = 0; f.it.t < period; count++) {
@@ -73,8 +50,7 @@ static void formula(void)
 static void published(void)
 {
     static struct fixture f;
-    struct pk_system system;
-    arenstorf(&f, &system);
+    fixture_set(&f, &arenstorf_system);
     f.options.rtol = f.options.atol = 1e-7;
     CU_ASSERT(fixture_init(&f, "dopri5") == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);
@@ -83,13 +59,13 @@ static void published(void)
            fixture_distance(&f, f.q0, f.v0));
     CU_ASSERT(f.it.count.steps + f.it.count.rejections == 240);
     CU_ASSERT(f.it.count.evaluations == 1442);
-    arenstorf(&f, &system); /* scipy's DOP853, the same formulas: 84 accepted, 36 rejected */
+    fixture_set(&f, &arenstorf_system); /* scipy's DOP853, the same formulas: 84 accepted, 36 rejected */
     f.options.rtol = f.options.atol = 1e-7;
     CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);
     printf(", dop853 at 1e-7: %lu + %lu", f.it.count.steps, f.it.count.rejections);
     CU_ASSERT(labs((long)f.it.count.steps - 84) <= 3);
-    arenstorf(&f, &system);
+    fixture_set(&f, &arenstorf_system);
     f.options.rtol = f.options.atol = 1e-13;
     CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);

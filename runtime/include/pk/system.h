@@ -89,6 +89,14 @@ struct pk_system {
      * positive (or not a number): M is singular or indefinite there, and a is not written. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
+    /* The same for PK_LANES states side by side: q[i*PK_LANES + l] is coordinate i of lane l. Bit l
+     * of what is returned is set where acceleration() fails; a of that lane is not to be used. For
+     * members(), each lane has its own parameters, P[k*PK_LANES + l]: the struct NAME_params of
+     * lane l as an array of pk_real. NULL: none. */
+    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
+                                const pk_real *v, const pk_real *u, pk_real *a);
+    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
+                                  const pk_real *v, const pk_real *u, pk_real *a);
     void (*mass)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                  const pk_real *u, pk_real *M);
     void (*force)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
@@ -124,7 +132,8 @@ struct pk_system {
     unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
                                   const pk_real *v, const pk_real *u, pk_real *a);
 
-    const struct pk_stepper *steppers; /* NULL: none compiled in */
+    /* NULL: none compiled in. To be NULL in a copy of a system whose kernels are replaced. */
+    const struct pk_stepper *steppers;
     size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
                                             is chosen at run time; NULL: n */
 };

@@ -78,16 +78,6 @@ static PK_FORCE_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
 }
 #endif
 
-/* k = (v, a) at y. */
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
-                                                        const pk_real *y, pk_real *k)
-{
-    const size_t n = PK_STEPPER_N(it);
-    for (size_t i = 0; i < n; i++)
-        k[i] = y[n + i];
-    return PK_STEPPER(acceleration)(it, t, y, y + n, k + n);
-}
-
 /* One trial of size h to it->next_t: the new state, its derivative, its error. */
 static PK_FORCE_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
                                                           const struct pk_tableau *table,
@@ -96,13 +86,16 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *
 {
     enum pk_status status;
     pk_real *y = it->next;
-    PK_UNROLL
-    for (int i = 1; i < table->stages; i++) {
-        pk_erk_combine(y, it->state, h, table->a + i * (i - 1) / 2, i, w->k, w->m);
-        status = PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)i * w->m);
-        if (status < 0)
-            return status;
+#define PK_EMBEDDED_STAGE(i)                                                                 \
+    if ((i) < table->stages) {                                                              \
+        pk_erk_combine(y, it->state, h, table->a + (i) * ((i)-1) / 2, i, w->k, w->m);       \
+        status =                                                                            \
+            PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)(i) * w->m);   \
+        if (status < 0)                                                                     \
+            return status;                                                                  \
     }
+    PK_EACH_STAGE(PK_EMBEDDED_STAGE)
+#undef PK_EMBEDDED_STAGE
     pk_erk_combine(y, it->state, h, table->b, table->stages, w->k, w->m);
     if (!pk_all_finite(y, w->m))
         return PK_NOT_FINITE;

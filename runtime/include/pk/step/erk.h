@@ -26,6 +26,16 @@ static const struct pk_tableau pk_rk4_table = {
 #define PK_ERK_METHODS(X) X(euler) X(rk4)
 #endif
 
+/* Stage i > 0: its argument into it->next, its slope into k. */
+static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
+                                                            const struct pk_tableau *table, int i)
+{
+    const size_t m = 2 * PK_STEPPER_N(it);
+    pk_real *k = it->work;
+    pk_erk_combine(it->next, it->state, it->h, table->a + i * (i - 1) / 2, i, k, m);
+    return PK_STEPPER(slope)(it, it->t + table->c[i] * it->h, it->next, k + (size_t)i * m);
+}
+
 static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
                                                       const struct pk_tableau *table)
 {
@@ -33,19 +43,17 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
     const pk_real h = it->h, *y0 = it->state, *low0 = pk_part(it->state, n, PK_LOW_Q);
     pk_real *k = it->work, *y = it->next, *low = pk_part(it->next, n, PK_LOW_Q);
 
-    PK_UNROLL
-    for (int i = 0; i < table->stages; i++) {
-        pk_real *ki = k + (size_t)i * m;
-        if (i > 0)
-            pk_erk_combine(y, y0, h, table->a + i * (i - 1) / 2, i, k, m);
-        const pk_real *at = i > 0 ? y : y0;
-        for (size_t j = 0; j < n; j++)
-            ki[j] = at[n + j];
-        const enum pk_status status =
-            PK_STEPPER(acceleration)(it, it->t + table->c[i] * h, at, at + n, ki + n);
-        if (status < 0)
-            return status;
+    enum pk_status status = PK_STEPPER(slope)(it, it->t, y0, k);
+    if (status < 0)
+        return status;
+#define PK_ERK_STAGE(i)                               \
+    if ((i) < table->stages) {                        \
+        status = PK_STEPPER(erk_stage)(it, table, i); \
+        if (status < 0)                               \
+            return status;                            \
     }
+    PK_EACH_STAGE(PK_ERK_STAGE)
+#undef PK_ERK_STAGE
     for (size_t i = 0; i < m; i++) { /* the compensations of q and of v are neighbours */
         low[i] = low0[i];
         y[i] = pk_sum(y0[i], h * pk_row_sum(table->b, table->stages, k, m, i), &low[i]);

@@ -34,51 +34,59 @@ static const struct pk_splitting pk_yoshida4_table = {3, pk_yoshida4_kick, pk_yo
 #define PK_SPLITTING_METHODS(X) X(symplectic_euler) X(verlet) X(yoshida4)
 #endif
 
+/* v += kappa a and then q += delta v, from one place to another, each number once: sums wait for
+ * one another less than passes would. */
+static PK_FORCE_INLINE void PK_STEPPER(kick_drift)(size_t n, pk_real kappa, const pk_real *a,
+                                                   pk_real delta, const pk_real *from, pk_real *to)
+{
+    for (size_t k = 0; k < n; k++) {
+        pk_real low_v = from[PK_LOW_X * n + k], low_q = from[PK_LOW_Q * n + k];
+        const pk_real v = pk_sum(from[PK_V * n + k], kappa * a[k], &low_v);
+        to[PK_Q * n + k] = pk_sum(from[PK_Q * n + k], delta * v, &low_q);
+        to[PK_V * n + k] = v;
+        to[PK_LOW_X * n + k] = low_v;
+        to[PK_LOW_Q * n + k] = low_q;
+    }
+}
+
+/* v += kappa a alone: the end of a step. */
+static PK_FORCE_INLINE void PK_STEPPER(kick)(size_t n, pk_real kappa, const pk_real *a, pk_real *to)
+{
+    for (size_t k = 0; k < n; k++)
+        to[PK_V * n + k] =
+            pk_sum(to[PK_V * n + k], kappa * a[k], &to[PK_LOW_X * n + k]);
+}
+
 static PK_FORCE_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
                                                             const struct pk_splitting *table)
 {
     const size_t n = PK_STEPPER_N(it);
-    const pk_real h = it->h;
-    const pk_real *q0 = it->state, *v0 = pk_part(it->state, n, PK_V);
-    const pk_real *low_q0 = pk_part(it->state, n, PK_LOW_Q);
-    const pk_real *low_v0 = pk_part(it->state, n, PK_LOW_X);
-    const pk_real *a0 = pk_part(it->state, n, PK_A);
-    pk_real *q = it->next, *v = pk_part(it->next, n, PK_V), *a = pk_part(it->next, n, PK_A);
-    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
+    const pk_real h = it->h, *from = it->state, *a = from + PK_A * n;
+    pk_real *to = it->next, *a1 = to + PK_A * n;
     pk_real done = 0; /* fraction of the step drifted so far */
-    int have_a = it->flags & PK_HAVE_A;
+    const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
+    enum pk_status status;
 
-    for (size_t k = 0; k < n; k++) {
-        q[k] = q0[k];
-        v[k] = v0[k];
-        low_q[k] = low_q0[k];
-        low_v[k] = low_v0[k];
-        a[k] = a0[k];
-    }
     PK_UNROLL
-    for (int i = 0; i <= table->stages; i++) {
-        const pk_real kappa = table->kick[i] * h;
-        if (table->kick[i] > 0 || table->kick[i] < 0) {
-            if (!have_a) {
-                const pk_real t = i == table->stages ? it->next_t : it->t + done * h;
-                const enum pk_status status = PK_STEPPER(acceleration)(it, t, q, v, a);
-                if (status < 0)
-                    return status;
-            }
-            for (size_t k = 0; k < n; k++)
-                v[k] = pk_sum(v[k], kappa * a[k], &low_v[k]);
-            have_a = 1;
+    for (int i = 0; i < s; i++) {
+        if (i > 0 || !(it->flags & PK_HAVE_A)) {
+            status = PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1);
+            if (status < 0)
+                return status;
+            a = a1;
         }
-        if (i < table->stages) {
-            const pk_real delta = table->drift[i] * h;
-            for (size_t k = 0; k < n; k++)
-                q[k] = pk_sum(q[k], delta * v[k], &low_q[k]);
-            done += table->drift[i];
-            have_a = 0;
-        }
+        PK_STEPPER(kick_drift)(n, table->kick[i] * h, a, table->drift[i] * h, from, to);
+        done += table->drift[i];
+        from = to;
     }
-    /* The cached acceleration travels with the state, so a failure here cannot spoil it. */
-    if (pk_all_finite(q, n) && pk_all_finite(v, n))
-        it->flags = have_a ? it->flags | PK_HAVE_A : it->flags & ~PK_HAVE_A;
+    if (ends) {
+        status = PK_STEPPER(acceleration)(it, it->next_t, to, to + n, a1);
+        if (status < 0)
+            return status;
+        PK_STEPPER(kick)(n, table->kick[s] * h, a1, to);
+    }
+    /* The last acceleration travels with the state, so a failure here cannot spoil it. */
+    if (pk_all_finite(to, 2 * n))
+        it->flags = ends ? it->flags | PK_HAVE_A : it->flags & ~PK_HAVE_A;
     return PK_DONE;
 }

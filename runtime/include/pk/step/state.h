@@ -14,16 +14,6 @@
 #else
 #define PK_FORCE_INLINE inline
 #endif
-/* Before a loop over a table that the compiler knows: it is to unroll all of it. */
-#if defined PK_UNROLL
-#elif defined __clang__
-#define PK_UNROLL _Pragma("clang loop unroll(full)")
-#elif defined __GNUC__
-#define PK_UNROLL _Pragma("GCC unroll 16")
-#else
-#define PK_UNROLL
-#endif
-
 #define PK_EPS PK_EPSILON
 #if defined PK_FLOAT
 #define PK_TINY FLT_MIN
