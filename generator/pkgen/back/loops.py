@@ -15,11 +15,12 @@ from dataclasses import dataclass, field
 from ..middle.affine import LOOPS, OTHER, ROW, Affine
 from ..middle.graph import Kind, Node, Op, Symbol
 from ..middle.loops import LoopEquations, Slot
+from ..middle.loops_expand import unlike_loops
 from ..middle.quantities import input_quantities
 from .expressions import count_operations
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import LOAD, STORE, Statement
+from .program import LOAD, STORE, TRIG, Statement
 from .rewrite import Workspace, rewrite
 from .schedule import Schedule, Target, number_text
 
@@ -43,6 +44,10 @@ class Block:
         return [{"kind": s.kind, "target": s.target, "text": s.text} for s in self.statements]
 
     @property
+    def trig(self) -> bool:
+        return any(s.kind == TRIG for s in self.statements)
+
+    @property
     def words(self) -> set[str]:
         """Every C name in the block."""
         return {w for s in self.statements for w in _WORD.findall(f"{s.target} {s.text}")}
@@ -51,7 +56,8 @@ class Block:
 class Lowering:
     """Collects blocks, hoists what they share, and writes them out."""
 
-    def __init__(self, equations: LoopEquations):
+    def __init__(self, equations: LoopEquations, libm: bool):
+        self.libm = libm
         self.equations = equations
         self.prefix = equations.model.name + "_"
         self.work = Workspace(equations.graph)
@@ -62,7 +68,9 @@ class Lowering:
         fields = Names(FIELD_RESERVED, ("block_",))
         self.sizes = {s.name: fields.take(s.name) for s in equations.model.sizes}
         self.fields = {g.name: fields.take(g.name) for g in equations.parameters}
-        self.size_texts = {name: f"p->{c_name}" for name, c_name in self.sizes.items()}
+        self.size_texts = {
+            unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
+        }
         self.first = _firsts(equations)
         self.inputs = [q.name for q in input_quantities(equations.model, equations.orders)]
         self._locals = Names(LOCAL_RESERVED, _OURS)
@@ -141,6 +149,9 @@ class Lowering:
             for statement in block.statements:
                 if statement.kind != LOAD:
                     block.operations += count_operations(statement.text, self.prefix)
+                if statement.kind == TRIG:
+                    pair = zip(("sin", "cos"), statement.target.split(), strict=True)
+                    block.operations.update(name for name, place in pair if place != "NULL")
 
     def _hoist(self, blocks: list[Block]) -> None:
         found: set[Node] = set()
@@ -174,7 +185,14 @@ class Lowering:
 
     def _schedule(self, where: str, known: dict[str, str] | None = None) -> Schedule:
         names = Names(LOCAL_RESERVED, (*_OURS, *self._names.values()))
-        return Schedule(self.work, names, self.prefix, self._leaf(where), known_after=known or {})
+        return Schedule(
+            self.work,
+            names,
+            self.prefix,
+            self._leaf(where),
+            known_after=known or {},
+            inline_sincos=not self.libm and where != FIXED,
+        )
 
     def _leaf(self, where: str) -> Callable[[Node], str | None]:
         def leaf(node: Node) -> str | None:

@@ -9,12 +9,13 @@ from ..equations import Quantity
 from ..middle.affine import ROW, Affine, variable
 from ..middle.graph import ONE, ZERO
 from ..middle.loops import Assigned, Facts, Group, LoopEquations, Row, Total
+from ..middle.loops_expand import size_values
 from ..middle.quantities import input_quantities
 from .describe import dots
 from .loops import EDGE, FIXED, INNER, Block, Lowering
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 from .program import RETURN, STORE, operations_text
-from .render import FACTS, _environment, real_header
+from .render import FACTS, _environment, pasted
 from .schedule import Target
 
 M = variable(ROW)
@@ -38,9 +39,9 @@ SAYS = {
 }
 
 
-def render_loops(e: LoopEquations) -> dict[str, str]:
+def render_loops(e: LoopEquations, libm: bool = False) -> dict[str, str]:
     """NAME.h and NAME.c."""
-    context = _Context(e).build()
+    context = _Context(e).build(libm)
     environment = _environment()
     name = e.model.name
     return {
@@ -55,9 +56,9 @@ class _Context:
         self.builder = Builder(e)
         self.diagonal = e.mass.is_diagonal
 
-    def build(self) -> dict[str, Any]:
+    def build(self, libm: bool) -> dict[str, Any]:
         plans = self._plans()
-        self.builder.begin()
+        self.builder.begin(libm)
         lowering = self.lowering = self.builder.lowering
         assert lowering is not None
         sets = {key: [self.builder.rows(p) for p in found] for key, found in plans["rows"].items()}
@@ -190,7 +191,6 @@ class _Context:
     def _text(self, sets, band, totals, pairs, pieces) -> dict[str, Any]:
         e, w = self.e, self.lowering
         model = e.model
-        size_values = {s.name: s.value for s in model.sizes}
         facts: Facts = e.facts
         quantities = {
             "coordinates": [_quantity(g, "", "unit") for g in e.coordinates],
@@ -209,7 +209,8 @@ class _Context:
             "description": model.description,
             "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
             "source_hash": model.source.sha256,
-            "real_header": real_header(),
+            "real_header": pasted("real.h"),
+            "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
             "n_parameters": len(e.parameters),
             "n_inputs": len(quantities["inputs"]),
             "n_observed": len(e.observed),
@@ -222,12 +223,11 @@ class _Context:
                     "name": s.name,
                     "value": s.value,
                     "says": s.description,
-                    "affine": variable(s.name),
                 }
                 for s in model.sizes
             ],
             "count": w.index(e.count),
-            "default_count": e.count.value(size_values),
+            "default_count": e.count.value(size_values(model)),
             "groups": [self._group(g) for g in e.coordinates],
             "families": [self._group(g) for g in e.families],
             "scalars": [self._group(g) for g in e.scalars],
@@ -367,6 +367,7 @@ class _Context:
             "group": group,
             "outputs": s.outputs,
             "inner": s.inner.lines,
+            "trig": s.inner.trig,
             "plain": s.plain,
             "guarded": [
                 {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.lines}

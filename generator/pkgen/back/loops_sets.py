@@ -178,8 +178,8 @@ class Builder:
             "highs": highs,
         }
 
-    def begin(self) -> None:
-        self.lowering = Lowering(self.e)
+    def begin(self, libm: bool) -> None:
+        self.lowering = Lowering(self.e, libm)
 
     def rows(self, plan: dict, ghosts: bool = True) -> RowSet:
         group = plan["group"]

@@ -25,7 +25,7 @@ from .loops import (
     Unrolled,
     Vector,
 )
-from .loops_expand import LoopExpander
+from .loops_expand import LoopExpander, size_values
 from .loops_rows import RATES, Gather, Gathered, slots_of
 from .loops_terms import Term, terms
 from .quantities import error, indexed
@@ -35,7 +35,7 @@ TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 def derive_loops(model: Model) -> LoopEquations:
     """The equations of motion with every family kept as a loop. Raises Unrolled."""
-    sized = {size.name for size in model.sizes}
+    sized = set(size_values(model))
     orders = [item.order for item in model.inputs]
     while True:
         try:
@@ -302,7 +302,7 @@ def _given(x: LoopExpander, gather: Gather) -> dict[tuple[str, Affine], tuple[No
 
 def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
     """What a size must fulfil, as far as it is not plain; families have a member at least."""
-    sizes = {size.name: size.value for size in x.model.sizes}
+    sizes = size_values(x.model)
     wanted = [Limit(g.count - 1, None) for g in x.coordinates.values() if g.is_family]
     kept: dict[Limit, None] = {}
     for limit in [*wanted, *found]:

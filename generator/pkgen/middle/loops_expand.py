@@ -44,7 +44,7 @@ class LoopExpander:
         self.graph = Graph(limits.UNROLLED)
         self.slots: list[Slot] = []
         self._known: dict[Slot, Node] = {}
-        self.sizes: Loop = {size.name: variable(size.name) for size in model.sizes}
+        self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
         self.coordinates = {c.name: self._group(c) for c in model.coordinates}
         self.parameters = {p.name: self._group(p) for p in model.parameters}
         self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
@@ -257,19 +257,30 @@ class LoopExpander:
         return self.slot("input", str(int(slot.name) + 1))
 
 
+def unlike_loops(size: str) -> str:
+    """A size's name as a variable of index expressions."""
+    return f"{size}'" if size in LOOPS else size
+
+
 def _below(x: LoopExpander, end, lo: Affine) -> bool:
-    return end.index < lo.value({size.name: size.value for size in x.model.sizes})
+    return end.index < lo.value(size_values(x.model))
+
+
+def size_values(model: Model) -> dict[str, int]:
+    return {unlike_loops(size.name): size.value for size in model.sizes}
 
 
 def extremes(index: Affine, at: dict[str, tuple[Affine, Affine]]) -> tuple[Affine, Affine]:
     """The least and the greatest value of an index over its loop variables' ranges."""
     first = last = index
-    for name, (lo, hi) in at.items():
-        factor = index.factor(name)
-        if factor:
-            one, other = lo.times(factor), hi.times(factor)
-            first = first.without(name) + (one if factor > 0 else other)
-            last = last.without(name) + (other if factor > 0 else one)
+    for name, (lo, hi) in at.items():  # the inner loop first, its ends use the outer variable
+        for low in (True, False):
+            end = first if low else last
+            factor = end.factor(name)
+            if factor:
+                at_end = (lo if (factor > 0) == low else hi).times(factor)
+                end = end.without(name) + at_end
+            first, last = (end, last) if low else (first, end)
     return first, last
 
 
