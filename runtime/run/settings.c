@@ -1,6 +1,7 @@
 /* Reads the settings; see settings.h. Parameters first take their defaults, then those that were
  * given, and derive() lets the rest follow; the start is computed from them and then overridden.
  */
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,34 +73,108 @@ static void *allocate(size_t count, size_t size)
     return memory;
 }
 
-static int set_param(struct settings *s, const struct pk_system *system, size_t line,
-                     char *const word[])
-{
-    size_t index;
+/* A member of a family of parameters, to be set again once defaults have followed. */
+struct member {
+    size_t index, position;
     pk_real x;
-    if (!parse_index(word[1], system->n_parameters, &index))
-        return usage(line, "no such parameter", word[1]);
-    if (!parse_real(word[2], &x))
-        return usage(line, "not a number", word[2]);
-    memcpy((char *)s->params + system->parameters[index].offset, &x, sizeof x);
-    s->given[index] = 1;
+};
+
+/* Sizes are known: memory for what depends on them, and the defaults. */
+static void begin(struct settings *s, const struct pk_system *system)
+{
+    if (s->begun)
+        return;
+    s->begun = 1;
+    if (system->attach) {
+        const size_t bytes = system->block_size(s->params);
+        s->params_block = allocate(bytes, 1);
+        system->attach(s->params, s->params_block);
+    }
+    s->n = pk_system_count(system, s->params);
+    s->q = (pk_real *)allocate(2 * s->n, sizeof *s->q);
+    s->v = s->q + s->n;
+    s->start_given = (unsigned char *)allocate(2 * s->n, 1);
+    system->defaults(s->params);
+}
+
+static int set_size(struct settings *s, const struct pk_system *system, size_t line,
+                    char *const word[])
+{
+    size_t index, value;
+    if (s->begun || !parse_index(word[1], system->n_sizes, &index))
+        return usage(line, s->begun ? "sizes come first" : "no such size", word[1]);
+    if (!parse_index(word[2], PTRDIFF_MAX / 64, &value) || value == 0)
+        return usage(line, "not a size", word[2]);
+    const ptrdiff_t length = (ptrdiff_t)value;
+    memcpy((char *)s->params + system->sizes[index].offset, &length, sizeof length);
     return 0;
 }
 
-static int set_start(struct settings *s, const struct pk_system *system, size_t line,
+static void set_member(struct settings *s, const struct pk_system *system,
+                       const struct member *member)
+{
+    pk_real *values;
+    memcpy(&values, (char *)s->params + system->parameters[member->index].offset, sizeof values);
+    values[member->position] = member->x;
+}
+
+static int set_param(struct settings *s, const struct pk_system *system, size_t line,
                      char *const word[])
+{
+    struct pk_range range = {0, 1, 0};
+    struct member member;
+    if (!parse_index(word[1], system->n_parameters, &member.index))
+        return usage(line, "no such parameter", word[1]);
+    if (!parse_real(word[2], &member.x))
+        return usage(line, "not a number", word[2]);
+    if (system->range)
+        system->range(s->params, 1, member.index, &range);
+    s->given[member.index] = 1;
+    if (!range.is_family) {
+        memcpy((char *)s->params + system->parameters[member.index].offset, &member.x,
+               sizeof member.x);
+        return 0;
+    }
+    if (!parse_index(word[3], range.count, &member.position))
+        return usage(line, "no such member", word[3]);
+    struct member *more =
+        (struct member *)realloc(s->members, (s->n_members + 1) * sizeof *more);
+    if (!more)
+        return usage(line, "out of memory", NULL);
+    s->members = more;
+    more[s->n_members++] = member;
+    return 0;
+}
+
+/* Defaults that follow. Of a family of which some members are given, the others follow first. */
+static void follow(struct settings *s, const struct pk_system *system)
+{
+    if (s->n_members) {
+        unsigned char *whole = (unsigned char *)allocate(system->n_parameters, 1);
+        memcpy(whole, s->given, system->n_parameters);
+        for (size_t k = 0; k < s->n_members; k++)
+            whole[s->members[k].index] = 0;
+        system->derive(s->params, whole);
+        free(whole);
+        for (size_t k = 0; k < s->n_members; k++)
+            set_member(s, system, &s->members[k]);
+    }
+    system->derive(s->params, s->given);
+}
+
+static int set_start(struct settings *s, size_t line, char *const word[])
 {
     size_t index;
     pk_real x;
     const int rate = word[1] && strcmp(word[1], "v") == 0;
     if (!word[1] || (!rate && strcmp(word[1], "q") != 0))
         return usage(line, "start wants q or v", word[1]);
-    if (!parse_index(word[2], system->n, &index))
+    if (!parse_index(word[2], s->n, &index))
         return usage(line, "no such coordinate", word[2]);
     if (!parse_real(word[3], &x))
         return usage(line, "not a number", word[3]);
     (rate ? s->v : s->q)[index] = x;
-    s->start_given[rate ? system->n + index : index] = 1;
+    s->start_given[rate ? s->n + index : index] = 1;
     return 0;
 }
 
@@ -133,10 +208,14 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
                char *const word[])
 {
     size_t index;
+    if (strcmp(word[0], "size") == 0)
+        return set_size(s, system, line, word);
+    if (strcmp(word[0], "param") == 0 || strcmp(word[0], "start") == 0)
+        begin(s, system);
     if (strcmp(word[0], "param") == 0)
         return set_param(s, system, line, word);
     if (strcmp(word[0], "start") == 0)
-        return set_start(s, system, line, word);
+        return set_start(s, line, word);
     if (strcmp(word[0], "input") == 0) {
         if (!parse_index(word[1], system->n_inputs, &index))
             return usage(line, "no such input", word[1]);
@@ -194,11 +273,14 @@ static int set_line(struct settings *s, const struct pk_system *system, size_t l
 
 static int finish(struct settings *s, const struct pk_system *system)
 {
-    pk_real *q = (pk_real *)allocate(2 * system->n, sizeof *q), *v = q + system->n;
-    system->derive(s->params, s->given);
+    begin(s, system);
+    pk_real *q = (pk_real *)allocate(2 * s->n, sizeof *q), *v = q + s->n;
+    follow(s, system);
     const int outside = system->prepare(s->params);
     if (outside) {
-        if ((size_t)outside > system->n_parameters)
+        if ((size_t)outside > system->n_parameters + 1)
+            fprintf(stderr, "run: a size is too small\n");
+        else if ((size_t)outside > system->n_parameters)
             fprintf(stderr, "run: what is computed from the parameters is not finite\n");
         else
             fprintf(stderr, "run: parameter %s is outside its bounds\n",
@@ -207,10 +289,10 @@ static int finish(struct settings *s, const struct pk_system *system)
         return EXIT_USAGE;
     }
     system->start(s->params, q, v);
-    for (size_t i = 0; i < system->n; i++) {
+    for (size_t i = 0; i < s->n; i++) {
         if (!s->start_given[i])
             s->q[i] = q[i];
-        if (!s->start_given[system->n + i])
+        if (!s->start_given[s->n + i])
             s->v[i] = v[i];
     }
     free(q);
@@ -233,11 +315,11 @@ int settings_read(struct settings *s, const struct pk_system *system, FILE *file
     s->options = pk_options_default();
     s->params = allocate(1, system->params_size);
     s->given = (unsigned char *)allocate(system->n_parameters, 1);
-    s->q = (pk_real *)allocate(system->n, sizeof *s->q);
-    s->v = (pk_real *)allocate(system->n, sizeof *s->v);
     s->u = (pk_real *)allocate(system->n_inputs, sizeof *s->u);
-    s->start_given = (unsigned char *)allocate(2 * system->n, 1);
-    system->defaults(s->params);
+    if (system->set_sizes)
+        system->set_sizes(s->params);
+    else
+        begin(s, system);
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, file); line++) {
         if (!strchr(text, '\n') && !feof(file))
             code = usage(line, "line too long", NULL);
@@ -251,8 +333,9 @@ void settings_free(struct settings *s)
 {
     free(s->params);
     free(s->given);
+    free(s->params_block);
+    free(s->members);
     free(s->q);
-    free(s->v);
     free(s->u);
     free(s->start_given);
     free(s->report);

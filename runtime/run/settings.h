@@ -2,8 +2,10 @@
  * blanks, numbers in decimal or in C's hexadecimal.
  *
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
- *     max_steps N | param INDEX X | start q|v INDEX X | input INDEX X | report PATH
- *     progress 0|1 | rows land|dense
+ *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
+ *     progress 0|1 | rows land|dense | size INDEX N
+ *
+ * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
  */
 #ifndef RUN_SETTINGS_H
 #define RUN_SETTINGS_H
@@ -23,7 +25,11 @@ struct settings {
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;
-    void *params;
+    size_t n; /* degrees of freedom */
+    void *params, *params_block;
+    struct member *members; /* those of families of parameters that were set */
+    size_t n_members;
+    int begun; /* sizes are settled, memory is there */
     unsigned char *given; /* which parameters were set */
     pk_real *q, *v, *u;
     unsigned char *start_given; /* 2 n flags */
