@@ -7,6 +7,7 @@ from pathlib import Path
 
 from c_harness import STRICT, Loaded, run
 from pkgen.back import lower
+from pkgen.back.loops_lower import lower_loops
 from pkgen.back.loops_render import render_loops
 from pkgen.front import check
 from pkgen.middle import analyze, derive
@@ -37,7 +38,7 @@ class Looped:
         self.equations = looped(text)
         self.name = self.equations.model.name
         directory.mkdir(exist_ok=True)
-        files = render_loops(self.equations)
+        files = render_loops(lower_loops(self.equations))
         for name, content in files.items():
             (directory / name).write_text(content, encoding="utf-8")
         library = directory / f"{self.name}-loops.so"

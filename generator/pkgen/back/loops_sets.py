@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ..middle.affine import LOOPS, ROW, Affine, variable
 from ..middle.collect import fewest
 from ..middle.graph import ZERO, Node, Op
-from ..middle.loops import Group, LoopEquations, PairForce, PairPart, Part, Row, Total, Unrolled
+from ..middle.loops import Group, LoopEquations, PairForce, PairPart, Part, Row, Total
 from .loops import EDGE, INNER, PAIR, Block, Lowering
 from .program import STORE
 from .schedule import Target
@@ -87,13 +87,10 @@ class Sets:
         return nodes, _pruned(lows, 1), _pruned(highs, -1)
 
     def _exclude(self, part: Part, group: Group, lows: list[Affine], highs: list[Affine]) -> None:
-        below, above = part.hi - group.lo, group.hi - part.lo
-        if below.is_constant:
+        if (part.hi - group.lo).is_constant:
             lows.append(part.hi + 1)
-        elif above.is_constant:
-            highs.append(part.lo - 1)
         else:
-            raise Unrolled(f"a term is about {group.name}[{part.lo.text()}], far from the ends")
+            highs.append(part.lo - 1)
 
     def _slots(self, node: Node):
         from ..middle.differentiate import reachable

@@ -69,9 +69,8 @@ def render(program: Program, *, self_test: bool = False) -> dict[str, str]:
     if self_test:
         _refuse_parts(program)
         templates[f"{name}_selftest.c"] = "selftest.c.j2"
-    environment = _environment()
     return {
-        file: environment.get_template(template).render(context)
+        file: environment().get_template(template).render(context)
         for file, template in templates.items()
     }
 
@@ -84,7 +83,7 @@ def _refuse_parts(program: Program) -> None:
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
         undefined=jinja2.StrictUndefined,

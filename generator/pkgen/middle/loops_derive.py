@@ -117,6 +117,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         limits=_limits(x, gather.found.limits),
         wraps=gather.found.wraps,
     )
+    _check_points(x, result)
     values = vars(result) | {"slots": tuple(x.slots), "facts": _facts(x, gather, result)}
     return LoopEquations(**values)
 
@@ -323,6 +324,18 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 
 # -- facts ---------------------------------------------------------------------------------------
+
+
+def _check_points(x: LoopExpander, result: LoopEquations) -> None:
+    """A term about one member is kept out of the interior, so it must be near an end."""
+    rows = [(name, row) for name, row in result.force.rows.items()]
+    rows += [(key[0], row) for key, row in result.mass.entries.items()]
+    for name, row in rows:
+        group = x.coordinates[name]
+        for part in row.parts:
+            near = (part.hi - group.lo).is_constant or (group.hi - part.lo).is_constant
+            if part.is_point and not near:
+                raise Unrolled(f"a term is about {name}[{part.lo.text()}], far from the ends")
 
 
 def _facts(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:

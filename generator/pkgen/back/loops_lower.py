@@ -1,0 +1,520 @@
+"""LoopEquations -> LoopProgram: what the templates of a model with loops see, as text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .. import __version__
+from ..equations import Quantity
+from ..middle.affine import ROW, Affine, variable
+from ..middle.loops import Assigned, Facts, Group, LoopEquations, Row
+from ..middle.loops_expand import size_values
+from ..middle.quantities import input_quantities
+from .loops import FIXED, INNER, Block, Lowering
+from .loops_sets import Builder, PairSet, RowSet, TotalSet
+from .program import RETURN, STORE, operations_text
+from .render import FACTS, pasted
+from .schedule import Target
+
+M = variable(ROW)
+TOTALS = ("energy", "lagrangian", "kinetic", "potential")
+# Kernels that write a value for each coordinate: outputs, and what they are.
+VECTORS = {
+    "force": (("f", "force"),),
+    "canonical": (("momenta", "momenta"), ("pdot", "pdot")),
+    "momenta": (("momenta", "momenta"),),
+    "gradient": (("dLdq", "gradient"),),
+}
+SAYS = {
+    "force": "f = pdot - (dp/dq) v - dp/dt",
+    "canonical": "p = dL/dv and pdot = dL/dq + Q - dD/dv",
+    "momenta": "p = dL/dv",
+    "gradient": "dL/dq",
+    "energy": "h = v.p - L",
+    "lagrangian": "L",
+    "kinetic": "T",
+    "potential": "V",
+}
+
+
+@dataclass(frozen=True)
+class LoopProgram:
+    """All that the templates see: strings, numbers and lists of them."""
+
+    name: str
+    context: dict[str, Any]
+
+
+def lower_loops(e: LoopEquations, libm: bool = False) -> LoopProgram:
+    """Blocks of C for a model's loops; raises Unrolled where a row cannot be one."""
+    return LoopProgram(e.model.name, _Context(e).build(libm))
+
+
+class _Context:
+    def __init__(self, e: LoopEquations):
+        self.e = e
+        self.builder = Builder(e)
+        self.diagonal = e.mass.is_diagonal
+
+    def build(self, libm: bool) -> dict[str, Any]:
+        plans = self._plans()
+        self.builder.begin(libm)
+        lowering = self.lowering = self.builder.lowering
+        assert lowering is not None
+        sets = {key: [self.builder.rows(p) for p in found] for key, found in plans["rows"].items()}
+        band = [self.builder.rows(p, ghosts=False) for p in plans["band"]]
+        totals = {key: self.builder.total(p) for key, p in plans["totals"].items()}
+        pairs = {
+            what: [self.builder.pair(pair) for pair in getattr(self.e, what).pairs]
+            for what in ("gradient", "pdot", "force")
+        }
+        pieces = self._pieces(lowering)
+        lowering.finish()
+        return self._text(sets, band, totals, pairs, pieces)
+
+    # -- plans: the graph may still grow -------------------------------------------------------
+
+    def _plans(self) -> dict[str, Any]:
+        e, plan = self.e, self.builder
+        rows: dict[str, list[dict]] = {}
+        totals: dict[str, dict] = {}
+        for kernel, outputs in VECTORS.items():
+            rows[kernel] = [
+                plan.plan_rows(
+                    f"{kernel}_{g.name}", g, [getattr(e, what).rows[g.name] for _, what in outputs]
+                )
+                for g in e.families
+            ]
+        for what in ("force", "momenta", "pdot", "gradient"):
+            for g in e.scalars:
+                key = f"{what}_{g.name}"
+                totals[key] = plan.plan_total(key, getattr(e, what).totals[g.name])
+        band = []
+        if self.diagonal:
+            rows["mass"] = [
+                plan.plan_rows(f"mass_{g.name}", g, [self._own(g)]) for g in e.families
+            ]
+            if not e.force.pairs:
+                rows["acceleration"] = [
+                    plan.plan_rows(
+                        f"acceleration_{g.name}",
+                        g,
+                        [e.force.rows[g.name], self._own(g)],
+                        quotient=True,
+                    )
+                    for g in e.families
+                ]
+        else:
+            for g in e.families:
+                entries = self._entries(g)
+                band.append(plan.plan_rows(f"mass_{g.name}", g, [row for _, row in entries]))
+        for (a, b), total in e.mass.corner.items():
+            totals[f"mass_{a}_{b}"] = plan.plan_total(f"mass_{a}_{b}", total)
+        for what in TOTALS:
+            total = getattr(e, what)
+            if total is not None:
+                totals[what] = plan.plan_total(what, total)
+        for k, total in enumerate(e.sums):
+            totals[f"sum_{k}"] = plan.plan_total(f"sum_{k}", total)
+        return {"rows": rows, "totals": totals, "band": band}
+
+    def _own(self, g: Group) -> Row:
+        return self.e.mass.entries.get((g.name, g.name, 0), Row())
+
+    def _entries(self, g: Group) -> list[tuple[dict[str, Any], Row]]:
+        """Entries of M in the rows of a family's cells: with cells, then with scalars."""
+        found = [
+            ({"other": other, "shift": shift}, row)
+            for (own, other, shift), row in self.e.mass.entries.items()
+            if own == g.name
+        ]
+        found += [
+            ({"scalar": scalar}, row)
+            for (scalar, own), row in self.e.mass.border.items()
+            if own == g.name
+        ]
+        return found
+
+    # -- single blocks --------------------------------------------------------------------------
+
+    def _pieces(self, w: Lowering) -> dict[str, Any]:
+        e = self.e
+
+        def value(node, where: str) -> Block:
+            return w.block([Target(RETURN, "", (node,))], where)
+
+        return {
+            "given": {
+                key: [value(node, INNER) for node in nodes] for key, nodes in e.given.items()
+            },
+            "defaults": [self._assigned(w, a) for a in e.defaults],
+            "starts": [self._assigned(w, a) for a in e.starts],
+            "bounds": [
+                w.block(
+                    [
+                        Target(STORE, name, (node,))
+                        for name, node in (("lo", b.lo), ("hi", b.hi))
+                        if node is not None
+                    ],
+                    FIXED,
+                )
+                for b in e.bounds
+            ],
+            "observed": w.block(
+                [Target(STORE, f"out[{k}]", (n,)) for k, n in enumerate(e.observed)], INNER
+            ),
+            "conserved": w.block(
+                [Target(STORE, f"out[{k}]", (n,)) for k, n in enumerate(e.conserved)], INNER
+            ),
+        }
+
+    def _assigned(self, w: Lowering, item: Assigned) -> dict[str, Any]:
+        group = next(
+            g for g in (*self.e.coordinates, *self.e.parameters) if g.name == item.name
+        )
+        is_parameter = any(g is group for g in self.e.parameters)
+        place = item.lo if item.lo is not None and item.lo == item.hi else M
+        if item.lo is None:
+            place = None
+        if is_parameter:
+            where = w.member(item.name, place)
+        else:
+            where = w.cell("v" if item.order else "q", item.name, place)
+        return {
+            "lo": None if place is not M else w.index(item.lo),
+            "hi": None if place is not M else w.index(item.hi),
+            "block": w.block([Target(STORE, where, (item.node,))], FIXED),
+        }
+
+    # -- text -----------------------------------------------------------------------------------
+
+    def _text(self, sets, band, totals, pairs, pieces) -> dict[str, Any]:
+        e, w = self.e, self.lowering
+        model = e.model
+        facts: Facts = e.facts
+        quantities = {
+            "coordinates": [_quantity(g, "", "unit") for g in e.coordinates],
+            "rates": [_quantity(g, "'", "rate_unit") for g in e.coordinates],
+            "momentum_names": [_quantity(g, "p_", "momentum_unit") for g in e.coordinates],
+            "inputs": [_row(q) for q in input_quantities(model, e.orders)],
+            "observed": [_row(q) for q in _named(model.observed)],
+            "conserved": [_row(q) for q in _named(model.conserved)],
+        }
+        acceleration = "direct" if self.diagonal and not e.force.pairs else (
+            "divide" if self.diagonal else "solve"
+        )
+        return {
+            "version": __version__,
+            "name": model.name,
+            "description": model.description,
+            "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
+            "source_hash": model.source.sha256,
+            "real_header": pasted("real.h"),
+            "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
+            "n_parameters": len(e.parameters),
+            "n_inputs": len(quantities["inputs"]),
+            "n_observed": len(e.observed),
+            "n_conserved": len(e.conserved),
+            "n_hoisted": w.hoisted_count,
+            "prepare": w.prepare,
+            "sizes": [
+                {
+                    "c_name": w.sizes[s.name],
+                    "name": s.name,
+                    "value": s.value,
+                    "says": s.description,
+                }
+                for s in model.sizes
+            ],
+            "count": w.index(e.count),
+            "default_count": e.count.value(size_values(model)),
+            "groups": [self._group(g) for g in e.coordinates],
+            "families": [self._group(g) for g in e.families],
+            "scalars": [self._group(g) for g in e.scalars],
+            "parameters": [self._parameter(k, pieces) for k in range(len(e.parameters))],
+            "limits": [self._limit(limit) for limit in e.limits],
+            "readers": self._readers(pieces),
+            "row_sets": {key: [self._rows(s) for s in found] for key, found in sets.items()},
+            "band_sets": [
+                self._rows(s) | {"entries": [entry for entry, _ in self._entries(s.group)]}
+                for s in band
+            ],
+            "band": self._band(),
+            "totals": {key: self._total(t) for key, t in totals.items()},
+            "pairs": {key: [self._pair(s) for s in found] for key, found in pairs.items()},
+            "vectors": [
+                {
+                    "name": kernel,
+                    "says": SAYS[kernel],
+                    "outputs": [o for o, _ in outputs],
+                    "whats": [what for _, what in outputs],
+                    "pairs": "pdot" if kernel == "canonical" else kernel,
+                    "paired": {"force": "f", "gradient": "dLdq", "canonical": "pdot"}.get(kernel),
+                }
+                for kernel, outputs in VECTORS.items()
+            ],
+            "scalar_kernels": [k for k in TOTALS if k in totals],
+            "says": SAYS,
+            "starts": [self._lines(s) for s in pieces["starts"]],
+            "defaults": [self._lines(s) for s in pieces["defaults"]],
+            "observe": self._lines({"block": pieces["observed"]}) if e.observed else None,
+            "conserve": self._lines({"block": pieces["conserved"]}) if e.conserved else None,
+            "n_sums": len(e.sums),
+            "acceleration": acceleration,
+            "constant_mass": facts.mass_constant,
+            "facts": [flag for field, flag in FACTS if getattr(facts, field)],
+            "tables": [{"name": k, "rows": rows} for k, rows in quantities.items()],
+            "helpers": sorted(w.helpers),
+            "operations": self._operations(sets, totals),
+            "stepper": self._stepper(sets, acceleration),
+            "wraps": any(g.periodic for g in e.families),
+            "homes": [
+                self._group(s.group) | {"periodic": s.group.periodic, "ends": self._homes(s.group)}
+                for s in (band or sets["force"])
+                if band or s.ghosts or s.group.periodic
+            ],
+            "system_kernels": _system_kernels(e, totals),
+        }
+
+    def _group(self, g: Group) -> dict[str, Any]:
+        w, declared = self.lowering, g.declared
+        first = w.first.get(g.name, Affine())
+        family = g.is_family
+        return {
+            "name": g.name,
+            "is_family": family,
+            "first": w.index(first),
+            "lo": w.index(g.lo) if family else "0",
+            "hi": w.index(g.hi) if family else "0",
+            "count": w.index(g.count),
+            "cell": w.index(first + M - g.lo) if family else w.index(first),
+            "other": w.index(first + variable("j") - g.lo) if family else w.index(first),
+            "says": " ".join(
+                x for x in (declared.description, f"[{declared.unit}]" if declared.unit else "")
+                if x
+            ),
+            "lo_text": g.lo.text() if family else "",
+            "hi_text": g.hi.text() if family else "",
+            "first_text": first.text(),
+        }
+
+    def _parameter(self, k: int, pieces) -> dict[str, Any]:
+        w, e = self.lowering, self.e
+        group = e.parameters[k]
+        item = group.declared
+        bounds = e.bounds[k]
+        block = pieces["bounds"][k]
+        ends = {s.target: s.text for s in block.statements if s.kind == STORE}
+        return self._group(group) | {
+            "name": item.name,
+            "unit": item.unit,
+            "description": item.description,
+            "c_name": w.fields[item.name],
+            "member": w.member(item.name, M if group.is_family else None),
+            "index": k,
+            "follows": int(item.follows),
+            "lo_open": int(item.bounds.lo_open or bounds.lo is None),
+            "hi_open": int(item.bounds.hi_open or bounds.hi is None),
+            "least": ends.get("lo", "-PK_INFINITY"),
+            "greatest": ends.get("hi", "PK_INFINITY"),
+            "from": w.index(group.lo) if group.is_family else "",
+            "to": w.index(group.hi) if group.is_family else "",
+            "needs": [x for x in block.lines if x["kind"] != STORE],
+            "uses_index": "m" in block.words,
+        }
+
+    def _limit(self, limit) -> dict[str, str]:
+        w = self.lowering
+        return {
+            "needs": w.index(limit.needs),
+            "unless": "" if limit.unless is None else w.index(limit.unless),
+            "text": limit.needs.text(),
+        }
+
+    def _readers(self, pieces) -> list[dict[str, Any]]:
+        """Functions that read a cell wherever it lies: of q, v, w, d of each family."""
+        w, e = self.lowering, self.e
+        used = {word for b in w.blocks for word in b.words}
+        found = []
+        for g in e.families:
+            for order, kind in enumerate(("q", "v", "w", "d")):
+                name = f"{w.prefix}{kind}_{g.name}"
+                if name not in used:
+                    continue
+                ends = []
+                for at, end in g.ends:
+                    item = {"at": w.index(at), "kind": end.kind, "lines": []}
+                    if end.kind == "free":
+                        item["home"] = w.index(w.first[g.name] + (g.lo if at == g.lo - 1 else g.hi)
+                                               - g.lo)
+                    elif kind != "d":
+                        item["lines"] = pieces["given"][g.name, at][order].lines
+                    ends.append(item)
+                found.append(
+                    self._group(g) | {"reader": name, "kind": kind, "ends": ends,
+                                      "periodic": g.periodic}
+                )
+        return found
+
+    def _lines(self, item: dict[str, Any]) -> dict[str, Any]:
+        return {k: v for k, v in item.items() if k != "block"} | {"lines": item["block"].lines}
+
+    def _rows(self, s: RowSet) -> dict[str, Any]:
+        w = self.lowering
+        group = self._group(s.group) if s.group else {"name": s.name}
+        return {
+            "name": s.name,
+            "group": group,
+            "outputs": s.outputs,
+            "inner": s.inner.lines,
+            "trig": s.inner.trig,
+            "plain": s.plain,
+            "guarded": [
+                {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.lines}
+                for g in s.guarded
+            ],
+            "lows": [w.index(x) for x in s.lows],
+            "highs": [w.index(x) for x in s.highs],
+            "firsts": list(dict.fromkeys(w.index(g.lo) for g in s.guarded)),
+            "lasts": list(dict.fromkeys(w.index(g.hi) for g in s.guarded)),
+            "ghosts": s.ghosts,
+            "below": s.below,
+            "above": s.above,
+            "ends": self._homes(s.group) if s.group else [],
+            "periodic": bool(s.group and s.group.periodic),
+        }
+
+    def _homes(self, g: Group) -> list[dict[str, str]]:
+        """Ghosts that stand for a cell: free ends."""
+        w = self.lowering
+        return [
+            {"at": w.index(at), "home": w.index(g.lo if at == g.lo - 1 else g.hi)}
+            for at, end in g.ends
+            if end.kind == "free"
+        ]
+
+    def _total(self, t: TotalSet) -> dict[str, Any]:
+        w = self.lowering
+        return {
+            "name": t.name,
+            "constant": t.constant.lines,
+            "rows": self._rows(t.rows) if t.rows else None,
+            "pairs": [
+                {
+                    "lo": w.index(p.lo),
+                    "hi": w.index(p.hi),
+                    "first": w.index(p.first),
+                    "last": w.index(p.last),
+                    "lines": b.lines,
+                }
+                for p, b in t.pairs
+            ],
+        }
+
+    def _pair(self, s: PairSet) -> dict[str, Any]:
+        w, f = self.lowering, s.force
+        groups = {g.name: self._group(g) for g in self.e.coordinates}
+        count = len(f.by_row)
+        return {
+            "lo": w.index(f.lo),
+            "hi": w.index(f.hi),
+            "first": w.index(f.first),
+            "last": w.index(f.last),
+            "lines": s.block.lines,
+            "outputs": count + len(f.by_other) + len(f.by_scalar),
+            "by_row": [{"k": k, "at": groups[n]["cell"]} for k, (n, _) in enumerate(f.by_row)],
+            "by_other": [
+                {"k": count + k, "at": groups[n]["other"]} for k, (n, _) in enumerate(f.by_other)
+            ],
+            "by_scalar": [
+                {"k": count + len(f.by_other) + k, "at": groups[n]["first"]}
+                for k, (n, _) in enumerate(f.by_scalar)
+            ],
+        }
+
+    def _band(self) -> dict[str, Any] | None:
+        """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
+        e = self.e
+        if self.diagonal:
+            return None
+        names = [g.name for g in e.families]
+        count = len(names)
+        width = max(
+            (
+                abs(shift * count + names.index(b) - names.index(a))
+                for a, b, shift in e.mass.entries
+            ),
+            default=0,
+        )
+        return {
+            "width": width,
+            "periodic": any(g.periodic for g in e.families),
+            "corner": [
+                {"a": a, "b": b, "key": f"mass_{a}_{b}"} for a, b in e.mass.corner
+            ],
+            "scalars": [g.name for g in e.scalars],
+        }
+
+    def _operations(self, sets, totals) -> list[str]:
+        rows = []
+        for key, found in sets.items():
+            for s in found:
+                if s.inner:
+                    rows.append(f"{s.name}: {operations_text(s.inner.operations)} a member")
+        for key, t in totals.items():
+            if t.rows and t.rows.inner and key in TOTALS:
+                rows.append(f"{key}: {operations_text(t.rows.inner.operations)} a member")
+        return rows
+
+    def _stepper(self, sets, acceleration: str) -> dict[str, Any] | None:
+        """Fused steps exist where the acceleration of a row needs q of cells near it and t."""
+        e = self.e
+        if acceleration != "direct" or not e.facts.separable or e.scalars or e.model.inputs:
+            return None
+        reach = 0
+        for s in sets["acceleration"]:
+            for block in (s.inner, *(g.block for g in s.guarded)):
+                for target in block.targets:
+                    for node in target.nodes:
+                        for slot in self.builder.sets._slots(node):
+                            if slot.kind == "q" and slot.at is not None:
+                                if not slot.at.factor(ROW):
+                                    return None  # one member is felt by all
+                                reach = max(reach, abs(slot.at.constant))
+        spread = [g.lo - e.families[0].lo for g in e.families]
+        if not all(x.is_constant for x in spread):
+            return None
+        return {
+            "reach": reach,
+            "together": not any(g.periodic for g in e.families),
+            "least": [self.lowering.index(g.lo) for g in e.families],
+            "greatest": [self.lowering.index(g.hi) for g in e.families],
+        }
+
+
+def _system_kernels(e: LoopEquations, totals: dict) -> list[tuple[str, str, list[str]]]:
+    """Of struct pk_system; M and the Jacobians, which it wants whole, are not among them."""
+    found = [("acceleration", "int", ["a"]), ("force", "void", ["f"])]
+    found += [("canonical", "void", ["momenta", "pdot"]), ("gradient", "void", ["dLdq"])]
+    found += [(k, "pk_real", []) for k in ("energy", "kinetic", "potential") if k in totals]
+    found += [("observe", "void", ["out"])] if e.observed else []
+    found += [("conserve", "void", ["out"])] if e.conserved else []
+    return found
+
+
+def _quantity(g: Group, mark: str, unit: str) -> dict[str, str]:
+    name = mark + g.name if mark.startswith("p") else g.name + mark
+    return {
+        "name": name,
+        "unit": getattr(g.declared, unit),
+        "description": g.declared.description,
+    }
+
+
+def _named(items) -> list[Quantity]:
+    return [Quantity(item.name, item.unit, item.description) for item in items]
+
+
+def _row(q: Quantity) -> dict[str, str]:
+    return {"name": q.name, "unit": q.unit, "description": q.description}
