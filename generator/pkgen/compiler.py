@@ -45,6 +45,11 @@ class Compilation:
     program: Program | LoopProgram
     files: dict[str, str]
 
+    @property
+    def looped(self) -> bool:
+        """Whether the families are loops in C."""
+        return isinstance(self.equations, LoopEquations)
+
 
 def stages(
     source: Source,

@@ -26,10 +26,13 @@ from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     output = parsing.output(options.output)
-    compilation = compile_within_limits(options, libm=options.libm)
+    compilation = compile_within_limits(options, libm=options.libm, unroll=parsing.UNROLL)
     parsing.refuse_scene(compilation.model, options.scene)
     parsing.refuse_deferred(compilation.model)
     settings = parsing.settings(options, compilation)
+    note = parsing.rows_note(options, settings, compilation)
+    if note:
+        print(f"pkgen: {note}", file=sys.stderr)
     if output is None and not options.json:
         sys.stdout.flush()
         outcome = _simulate(compilation, settings, sys.stdout.fileno())
