@@ -104,6 +104,8 @@ class Lowering:
             return f"u[{slot.name}]"
         if slot.kind == "sum":
             return f"sum[{slot.name}]"
+        if slot.kind == "flux":
+            return flux_place(int(slot.name), -slot.at.constant)
         near = slot.at is None or where in (INNER, PAIR) or not any(
             slot.at.factor(v) for v in LOOPS
         )
@@ -237,6 +239,16 @@ class Lowering:
             if self._local(slot) in used and slot.kind != "size"
         ]
         return [*loads, *schedule.statements]
+
+
+CHUNK = 64  # members that are gone through at once
+WIDEST_BOND = 4  # members between the ends of a bond whose force is computed once
+FLUX_STRIDE = CHUNK + WIDEST_BOND
+
+
+def flux_place(k: int, back: int) -> str:
+    """Where the force of bond kind k is, of the bond that begins `back` members before m."""
+    return f"flux[{k * FLUX_STRIDE - back}]"
 
 
 def _place(at: Affine | None) -> str:

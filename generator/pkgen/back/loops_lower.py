@@ -11,7 +11,7 @@ from ..middle.affine import ROW, Affine, variable
 from ..middle.loops import Assigned, Facts, Group, LoopEquations, Row
 from ..middle.loops_expand import size_values
 from ..middle.quantities import input_quantities
-from .loops import FIXED, INNER, Block, Lowering
+from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 from .program import RETURN, STORE, operations_text
 from .render import FACTS, pasted
@@ -261,6 +261,8 @@ class _Context:
             "observe": self._lines({"block": pieces["observed"]}) if e.observed else None,
             "conserve": self._lines({"block": pieces["conserved"]}) if e.conserved else None,
             "n_sums": len(e.sums),
+            "chunk": CHUNK,
+            "widest": WIDEST_BOND,
             "acceleration": acceleration,
             "constant_mass": facts.mass_constant,
             "facts": [flag for field, flag in FACTS if getattr(facts, field)],
@@ -368,7 +370,12 @@ class _Context:
             "group": group,
             "outputs": s.outputs,
             "inner": s.inner.lines,
-            "trig": s.inner.trig,
+            "trig": s.inner.trig or bool(s.flux and s.flux.trig),
+            "inner_trig": s.inner.trig,
+            "flux": s.flux.lines if s.flux else None,
+            "flux_trig": bool(s.flux and s.flux.trig),
+            "n_flux": s.n_flux,
+            "span": s.span,
             "plain": s.plain,
             "guarded": [
                 {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.lines}
@@ -474,7 +481,9 @@ class _Context:
             return None
         reach = 0
         for s in sets["acceleration"]:
-            for block in (s.inner, *(g.block for g in s.guarded)):
+            for block in (s.inner, s.flux, *(g.block for g in s.guarded)):
+                if block is None:
+                    continue
                 for target in block.targets:
                     for node in target.nodes:
                         for slot in self.builder.sets._slots(node):

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..middle.affine import LOOPS, ROW, Affine, variable
-from ..middle.collect import fewest
-from ..middle.graph import ZERO, Node, Op
-from ..middle.loops import Group, LoopEquations, PairForce, PairPart, Part, Row, Total
-from .loops import EDGE, INNER, PAIR, Block, Lowering
+from ..middle.collect import fewest, settled
+from ..middle.differentiate import reachable
+from ..middle.graph import ZERO, Kind, Node, Op, Symbol
+from ..middle.loops import Group, LoopEquations, PairForce, PairPart, Part, Row, Slot, Total
+from ..middle.loops_expand import domain
+from ..middle.loops_rows import substitute
+from .loops import EDGE, INNER, PAIR, WIDEST_BOND, Block, Lowering, flux_place
 from .program import STORE
 from .schedule import Target
 
 M = variable(ROW)
-
 
 @dataclass
 class Guarded:
@@ -42,6 +44,9 @@ class RowSet:
     lows: list[Affine]
     highs: list[Affine]
     ghosts: bool = False  # rows of ghosts are added to those of the cells they stand for
+    flux: Block | None = None  # forces of bonds, into flux[k * stride], before the rows
+    n_flux: int = 0
+    span: int = 0  # a bond's ends are so far apart
     plain: bool = False  # r[1], a mass, is a positive number: no test
     below: int = 0  # ghosts on each side
     above: int = 0
@@ -53,6 +58,64 @@ class Sets:
     def __init__(self, e: LoopEquations):
         self.e = e
         self.g = e.graph
+        self.slots = list(e.slots)
+        self._symbols = {slot: k for k, slot in enumerate(self.slots)}
+
+    def symbol(self, slot: Slot) -> Node:
+        if slot not in self._symbols:
+            self._symbols[slot] = len(self.slots)
+            self.slots.append(slot)
+        return self.g.symbol(Symbol(domain(slot), self._symbols[slot]))
+
+    def shifted(self, node: Node, shift: int) -> Node:
+        """The same expression in the row m + shift."""
+        values = {}
+        for n in reachable(self.g, [node]):
+            data = self.g.data[n]
+            if self.g.op[n] is not Op.SYMBOL or data.kind in (Kind.PI, Kind.TIME):
+                continue
+            slot = self.slots[data.index]
+            if slot.kind == "index" and slot.name == ROW:
+                values[n] = self.g.add(n, self.g.number(shift))
+            elif slot.at is not None and slot.at.factor(ROW):
+                at = slot.at + shift * slot.at.factor(ROW)
+                values[n] = self.symbol(Slot(slot.kind, slot.name, at))
+        return substitute(self.g, node, values)
+
+    def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
+        """Forces of bonds, each once: row(m) = sum of F_k(m) - F_k(m - s), and the rest.
+
+        The bodies of a term seen from its two ends are opposite, the third law. Returns the F_k,
+        the distance s that they have in common, and the interior of the row in terms of them.
+        """
+        bulk = [part for part in row.parts if not part.is_point]
+        found: list[Node] = []
+        span = 0
+        total = ZERO
+        while bulk:
+            part = bulk.pop(0)
+            partner = next((b for b in bulk if self._opposite(part, b, span)), None)
+            if partner is None:
+                total = self.g.add(total, part.inner)
+                continue
+            bulk.remove(partner)
+            near, far = (part, partner) if (partner.lo - part.lo).constant > 0 else (partner, part)
+            span = (far.lo - near.lo).constant
+            ends = [self.symbol(Slot("flux", str(len(found)), M - k)) for k in (0, span)]
+            found.append(near.inner)
+            total = self.g.add(total, self.g.subtract(*ends))
+        return found, span, total
+
+    def _opposite(self, a: Part, b: Part, span: int) -> bool:
+        """Whether b(m) = -a(m - s), or the other way round."""
+        distance = b.lo - a.lo
+        if not distance.is_constant or b.hi - a.hi != distance or a.inner == ZERO:
+            return False
+        size = abs(distance.constant)
+        if not 1 <= size <= WIDEST_BOND or (span and size != span):
+            return False
+        total = self.g.add(self.shifted(a.inner, -distance.constant), b.inner)
+        return total == ZERO or settled(self.g, [total])[0] == ZERO
 
     def interior(
         self, rows: Sequence[Row], group: Group | None, least: Affine | None = None
@@ -93,12 +156,10 @@ class Sets:
             highs.append(part.lo - 1)
 
     def _slots(self, node: Node):
-        from ..middle.differentiate import reachable
-
         for n in reachable(self.g, [node]):
             data = self.g.data[n]
             if self.g.op[n] is Op.SYMBOL and data.kind.name not in ("PI", "TIME"):
-                yield self.e.slots[data.index]
+                yield self.slots[data.index]
 
     def shortest(self, nodes: list[Node]) -> list[Node]:
         """The same with fewer operations, where that is found quickly."""
@@ -149,6 +210,11 @@ class Builder:
 
     def plan_rows(self, name: str, group: Group, rows: list[Row], quotient: bool = False) -> dict:
         nodes, lows, highs = self.sets.interior(rows, group)
+        flux: list[Node] = []
+        span = 0
+        if quotient:
+            flux, span, total = self.sets.fluxes(rows[0])
+            nodes[0] = total if flux else nodes[0]
         mass = nodes[1] if quotient else ZERO
         if mass != ZERO:
             nodes[0] = self.sets.g.divide(nodes[0], mass)
@@ -161,6 +227,8 @@ class Builder:
             "lows": lows,
             "highs": highs,
             "plain": number is not None and number > 0,
+            "flux": self.sets.shortest(flux),
+            "span": span,
         }
 
     def plan_total(self, name: str, total: Total) -> dict:
@@ -176,6 +244,7 @@ class Builder:
         }
 
     def begin(self, libm: bool) -> None:
+        self.e = replace(self.e, slots=tuple(self.sets.slots))
         self.lowering = Lowering(self.e, libm)
 
     def rows(self, plan: dict, ghosts: bool = True) -> RowSet:
@@ -203,6 +272,9 @@ class Builder:
             below=below,
             above=above,
             plain=plan["plain"],
+            flux=self._flux(plan),
+            n_flux=len(plan["flux"]),
+            span=plan["span"],
         )
 
     def total(self, plan: dict) -> TotalSet:
@@ -240,6 +312,13 @@ class Builder:
         return self._block(
             [Target(STORE, f"r[{k}]", (node,)) for k, node in enumerate(nodes)], INNER
         )
+
+    def _flux(self, plan: dict) -> Block | None:
+        targets = [
+            Target(STORE, flux_place(k, 0), (node,))
+            for k, node in enumerate(plan["flux"])
+        ]
+        return self._block(targets, INNER) if targets else None
 
     def _guarded(self, rows: list[Row]) -> list[Guarded]:
         guards: dict[tuple[Affine, Affine], list[Target]] = {}

@@ -29,10 +29,18 @@ _KINDS = {
     "input": Kind.INPUT,
     "index": Kind.INPUT,
     "sum": Kind.INPUT,
+    "flux": Kind.INPUT,
     "w": Kind.INPUT,
     "d": Kind.RATE,
 }
 _BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
+
+
+def domain(slot: Slot) -> Kind:
+    """The kind of a slot's symbol."""
+    if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
+        return Kind.INPUT  # another value in each row: not to be hoisted
+    return _KINDS[slot.kind]
 
 
 class LoopExpander:
@@ -102,10 +110,7 @@ class LoopExpander:
         slot = Slot(kind, name, at)
         node = self._known.get(slot)
         if node is None:
-            domain = _KINDS[kind]
-            if kind == "param" and at is not None and any(at.factor(v) for v in LOOPS):
-                domain = Kind.INPUT  # another value in each row: not to be hoisted
-            node = self.graph.symbol(Symbol(domain, len(self.slots)))
+            node = self.graph.symbol(Symbol(domain(slot), len(self.slots)))
             self.slots.append(slot)
             self._known[slot] = node
         return node
