@@ -494,9 +494,17 @@ class _Context:
         spread = [g.lo - e.families[0].lo for g in e.families]
         if not all(x.is_constant for x in spread):
             return None
+        if reach > CHUNK:
+            return None
+        together = not any(g.periodic for g in e.families)
+        # What stages in flight hold of q and v stays below 32 KiB.
+        stages = max(1, (1536 // len(e.families) - 8 * CHUNK) // (2 * CHUNK)) if together else 1
+        rows = sets["acceleration"]
         return {
-            "reach": reach,
-            "together": not any(g.periodic for g in e.families),
+            "stages": stages,
+            "together": together,
+            "lows": list(dict.fromkeys(self.lowering.index(x) for s in rows for x in s.lows)),
+            "highs": list(dict.fromkeys(self.lowering.index(x) for s in rows for x in s.highs)),
             "least": [self.lowering.index(g.lo) for g in e.families],
             "greatest": [self.lowering.index(g.hi) for g in e.families],
         }
