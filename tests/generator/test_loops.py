@@ -90,3 +90,113 @@ def test_what_cannot_loop_says_why(name):
     with pytest.raises(CannotLoop) as raised:
         looped(text)
     assert reason in str(raised.value)
+
+
+STEPPED = {
+    "fput": MODELS["fput"][0],
+    "ring_without_drag": "\n".join(
+        line for line in MODELS["ring"][0].splitlines() if not line.startswith("dissipation")
+    ),
+    "free": """model free
+size N = 5
+param m[i = 1..N] = 1 + 0.1*i in (0, inf)
+coord x[1..N], y[0..N+1]
+free x
+kinetic sum(m[i]*x[i]'^2/2, i = 1..N) + sum(y[i]'^2/4, i = 0..N+1)
+potential sum((x[i+1] - x[i])^4/4, i = 0..N) + sum((y[i] - x[i])^2, i = 1..N) + y[0]^2 + 3*x[N]^2
+potential sum(cos(y[i+1] - y[i]), i = 0..N)
+""",
+    "shaken": """model shaken
+size N = 5
+coord q[1..N]
+fixed q[0] = 0.4*sin(1.3*t), q[N+1] = 0
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 0..N)
+""",
+}
+METHODS = {  # kicks, drifts
+    "symplectic_euler": ((1.0, 0.0), (1.0,)),
+    "verlet": ((0.5, 0.5), (1.0,)),
+    "yoshida4": (
+        (0.6756035959798288, -0.1756035959798288, -0.1756035959798288, 0.6756035959798288),
+        (1.3512071919596576, -1.7024143839193153, 1.3512071919596576),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STEPPED)
+def test_fused_steps_equal_kicks_and_drifts_one_by_one(name, tmp_path):
+    loops = Looped(STEPPED[name], tmp_path)
+    h, t0, steps = 0.05, 0.3, 7
+    for size in (1, 2, 3, 5, 64, 65, 127, 129, 700, 1500):
+        at = loops.at(size)
+        for method, (kick, drift) in METHODS.items():
+            generator = random.Random(size)
+            q = [generator.uniform(-1, 1) for _ in range(at.n)]
+            v = [generator.uniform(-1, 1) for _ in range(at.n)]
+            expected = one_by_one(at, kick, drift, t0, h, steps, q, v)
+            mine = fused(at, kick, drift, t0, h, steps, q, v)
+            for one, other in zip(expected, mine, strict=True):
+                assert_close(one, other, f"{name} N = {size} {method}", scale=50.0)
+
+
+def one_by_one(at, kick, drift, t, h, steps, q, v):
+    q, v = list(q), list(v)
+    for k in range(steps):
+        done = 0.0
+        for i, kappa in enumerate(kick):
+            status, (a,) = at.call("acceleration", t + (k + done) * h, q, v, (), (at.n,),
+                                   ctypes.c_int)
+            assert status == 0
+            v = [x + kappa * h * y for x, y in zip(v, a, strict=True)]
+            if i < len(drift):
+                q = [x + drift[i] * h * y for x, y in zip(q, v, strict=True)]
+                done += drift[i]
+    return q, v
+
+
+def fused(at, kick, drift, t, h, steps, q, v):
+    real = ctypes.c_double
+    arrays = [(real * len(x))(*x) for x in (kick, drift, q, v)]
+    at.of.function("advance")(
+        ctypes.byref(at.params), len(drift), arrays[0], arrays[1], real(t), real(h),
+        ctypes.c_ulong(steps), arrays[2], arrays[3]
+    )
+    return list(arrays[2]), list(arrays[3])
+
+
+def test_angles_beyond_the_inline_sine_are_as_good(tmp_path):
+    text, _ = MODELS["ring"]
+    loops = Looped(text, tmp_path / "loops")
+    unrolled = Unrolled(text, 100, tmp_path / "unrolled")
+    at = loops.at(100)
+    q = [1e10 + 3.7 * i if i == 43 else 0.1 * i for i in range(100)]
+    state = (0.2, q, [0.3] * 100, [])
+    _, (expected,) = unrolled.call("acceleration", *state)
+    _, (found,) = at.call("acceleration", *state, (100,), ctypes.c_int)
+    assert_close(expected, found, "acceleration", scale=max(map(abs, expected)))
+
+
+def test_sizes_too_small_and_parameters_out_of_bounds_are_refused(tmp_path):
+    at = Looped(MODELS["paired"][0], tmp_path).at(5)
+    parameters = len(at.of.equations.parameters)
+    at.params.m[3] = -1.0
+    assert at.prepare() == 1
+    at.params.m[3] = float("nan")
+    assert at.prepare() == 1
+    at.params.m[3] = 0.7
+    assert at.prepare() == 0
+    at.params.N = 0
+    assert at.prepare() == parameters + 2
+    assert at.of.function("block_size", ctypes.c_size_t)(ctypes.byref(at.params)) == 0
+
+
+def test_a_mass_that_is_not_positive_is_reported_with_its_coordinate(tmp_path):
+    at = Looped(MODELS["loose"][0], tmp_path / "a").at(80)
+    at.params.w = -40.0  # 1 + w i/N
+    assert at.prepare() == 0
+    status, _ = at.call("acceleration", 0.0, [0.1] * 80, [0.0] * 80, (), (80,), ctypes.c_int)
+    assert status == 2 + 0  # i = 2: 1 - 40*2/80 = 0
+    banded = Looped(MODELS["beam"][0], tmp_path / "b").at(6)
+    banded.params.r = -3.0
+    assert banded.prepare() == 2  # out of bounds, which stand in the model

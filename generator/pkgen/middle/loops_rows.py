@@ -213,7 +213,18 @@ class Gather:
             (_, lo, hi) = term.ranges[0]
             self._append(parts, Part(lo + shift, hi + shift, node))
         else:
-            self._append(parts, Part(shift, shift, node))
+            self._append(parts, Part(shift, shift, self._seen_from(node, shift)))
+
+    def _seen_from(self, node: Node, place: Affine) -> Node:
+        """Members named outside loops, near the one at `place`, at their distance from it."""
+        values = {}
+        for slot in slots_of(self.x, [node]):
+            if slot.at is not None and (slot.at - place).is_constant:
+                at = M + (slot.at - place)
+                values[self.x.slot(slot.kind, slot.name, slot.at)] = self.x.slot(
+                    slot.kind, slot.name, at
+                )
+        return substitute(self.g, node, values) if values else node
 
     def _with(self, total: Total, term: Term, node: Node) -> Total:
         if not term.ranges:
