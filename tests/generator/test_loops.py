@@ -97,7 +97,7 @@ STEPPED = {
     "ring_without_drag": "\n".join(
         line for line in MODELS["ring"][0].splitlines() if not line.startswith("dissipation")
     ),
-    "free": """model free
+    "loosely": """model loosely
 size N = 5
 param m[i = 1..N] = 1 + 0.1*i in (0, inf)
 coord x[1..N], y[0..N+1]
@@ -199,4 +199,4 @@ def test_a_mass_that_is_not_positive_is_reported_with_its_coordinate(tmp_path):
     assert status == 2 + 0  # i = 2: 1 - 40*2/80 = 0
     banded = Looped(MODELS["beam"][0], tmp_path / "b").at(6)
     banded.params.r = -3.0
-    assert banded.prepare() == 2  # out of bounds, which stand in the model
+    assert banded.prepare() == 1  # out of its bounds

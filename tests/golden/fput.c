@@ -357,12 +357,12 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
                 const pk_real *u, pk_real *restrict f)
 {
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
         ptrdiff_t m, base;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_force_q_part(p, t, q, v, u, m, r);
             f[m - 1] = r[0];
@@ -371,7 +371,8 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[1];
-                    (void)fput_force_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_force_q_inner(p, t, q, v, u,
+                        m, r);
                     f[m - 1] = r[0];
                 }
             }
@@ -380,13 +381,14 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_force_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_force_q_inner(p, t, q, v, u,
+                        m, r);
                     f[m - 1] = r[0];
                 }
             }
             base = hi + 1;
         }
-        for (m = base; m <= last; m++) {
+        for (m = base; m < end; m++) {
             pk_real r[1];
             fput_force_q_part(p, t, q, v, u, m, r);
             f[m - 1] = r[0];
@@ -399,12 +401,12 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
                     const pk_real *u, pk_real *restrict momenta, pk_real *restrict pdot)
 {
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
         ptrdiff_t m, base;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             pk_real r[2];
             fput_canonical_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
@@ -414,7 +416,8 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
-                    (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_canonical_q_inner(p, t, q, v, u,
+                        m, r);
                     momenta[m - 1] = r[0];
                     pdot[m - 1] = r[1];
                 }
@@ -424,14 +427,15 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
-                    (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_canonical_q_inner(p, t, q, v, u,
+                        m, r);
                     momenta[m - 1] = r[0];
                     pdot[m - 1] = r[1];
                 }
             }
             base = hi + 1;
         }
-        for (m = base; m <= last; m++) {
+        for (m = base; m < end; m++) {
             pk_real r[2];
             fput_canonical_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
@@ -445,12 +449,12 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
                   const pk_real *u, pk_real *restrict momenta)
 {
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N;
         ptrdiff_t m, base;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_momenta_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
@@ -459,7 +463,8 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[1];
-                    (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_momenta_q_inner(p, t, q, v, u,
+                        m, r);
                     momenta[m - 1] = r[0];
                 }
             }
@@ -468,13 +473,14 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_momenta_q_inner(p, t, q, v, u,
+                        m, r);
                     momenta[m - 1] = r[0];
                 }
             }
             base = hi + 1;
         }
-        for (m = base; m <= last; m++) {
+        for (m = base; m < end; m++) {
             pk_real r[1];
             fput_momenta_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
@@ -487,12 +493,12 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
                    const pk_real *u, pk_real *restrict dLdq)
 {
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
         ptrdiff_t m, base;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_gradient_q_part(p, t, q, v, u, m, r);
             dLdq[m - 1] = r[0];
@@ -501,7 +507,8 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[1];
-                    (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_gradient_q_inner(p, t, q, v, u,
+                        m, r);
                     dLdq[m - 1] = r[0];
                 }
             }
@@ -510,13 +517,14 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_gradient_q_inner(p, t, q, v, u,
+                        m, r);
                     dLdq[m - 1] = r[0];
                 }
             }
             base = hi + 1;
         }
-        for (m = base; m <= last; m++) {
+        for (m = base; m < end; m++) {
             pk_real r[1];
             fput_gradient_q_part(p, t, q, v, u, m, r);
             dLdq[m - 1] = r[0];
@@ -529,12 +537,12 @@ void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const p
                const pk_real *u, pk_real *restrict M)
 {
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N;
         ptrdiff_t m, base;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_mass_q_part(p, t, q, v, u, m, r);
             M[m - 1] = r[0];
@@ -543,7 +551,8 @@ void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const p
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[1];
-                    (void)fput_mass_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_mass_q_inner(p, t, q, v, u,
+                        m, r);
                     M[m - 1] = r[0];
                 }
             }
@@ -552,13 +561,14 @@ void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const p
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_mass_q_inner(p, t, q, v, u, m, r);
+                    (void)fput_mass_q_inner(p, t, q, v, u,
+                        m, r);
                     M[m - 1] = r[0];
                 }
             }
             base = hi + 1;
         }
-        for (m = base; m <= last; m++) {
+        for (m = base; m < end; m++) {
             pk_real r[1];
             fput_mass_q_part(p, t, q, v, u, m, r);
             M[m - 1] = r[0];
@@ -589,12 +599,12 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
     int bad = 0;
 
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
         ptrdiff_t m, base;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             pk_real r[2];
             fput_acceleration_q_part(p, t, q, v, u, m, r);
             bad |= !(r[1] > 0);
@@ -604,12 +614,15 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
             {
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + fput_CHUNK; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base) + fput_BOND, m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, v, u,
+                        flux + (m - base) + fput_BOND, m, r);
                     a[m - 1] = r[0];
                 }
             }
@@ -618,18 +631,21 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
             {
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + count; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base) + fput_BOND, m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, v, u,
+                        flux + (m - base) + fput_BOND, m, r);
                     a[m - 1] = r[0];
                 }
             }
             base = hi + 1;
         }
-        for (m = base; m <= last; m++) {
+        for (m = base; m < end; m++) {
             pk_real r[2];
             fput_acceleration_q_part(p, t, q, v, u, m, r);
             bad |= !(r[1] > 0);
@@ -682,13 +698,13 @@ pk_real fput_energy(const struct fput_params *p, pk_real t, const pk_real *q, co
     (void)p, (void)t, (void)q, (void)v, (void)u;
     total = 0;
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N - 1;
         pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
         ptrdiff_t m, l;
 
-        for (m = fput_least(1, 0); m < lo && m <= last; m++) {
+        for (m = fput_least(1, 0); m < lo && m < end; m++) {
             fput_energy_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -699,7 +715,7 @@ pk_real fput_energy(const struct fput_params *p, pk_real t, const pk_real *q, co
             for (l = 0; l < 8; l++)
                 s[l] += x[l];
         }
-        for (; m <= last; m++) {
+        for (; m < end; m++) {
             fput_energy_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -751,13 +767,13 @@ pk_real fput_lagrangian(const struct fput_params *p, pk_real t, const pk_real *q
     (void)p, (void)t, (void)q, (void)v, (void)u;
     total = 0;
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N - 1;
         pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
         ptrdiff_t m, l;
 
-        for (m = fput_least(1, 0); m < lo && m <= last; m++) {
+        for (m = fput_least(1, 0); m < lo && m < end; m++) {
             fput_lagrangian_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -768,7 +784,7 @@ pk_real fput_lagrangian(const struct fput_params *p, pk_real t, const pk_real *q
             for (l = 0; l < 8; l++)
                 s[l] += x[l];
         }
-        for (; m <= last; m++) {
+        for (; m < end; m++) {
             fput_lagrangian_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -809,13 +825,13 @@ pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, c
     (void)p, (void)t, (void)q, (void)v, (void)u;
     total = 0;
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N;
         pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
         ptrdiff_t m, l;
 
-        for (m = 1; m < lo && m <= last; m++) {
+        for (m = 1; m < lo && m < end; m++) {
             fput_kinetic_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -826,7 +842,7 @@ pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, c
             for (l = 0; l < 8; l++)
                 s[l] += x[l];
         }
-        for (; m <= last; m++) {
+        for (; m < end; m++) {
             fput_kinetic_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -872,13 +888,13 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
     (void)p, (void)t, (void)q, (void)v, (void)u;
     total = 0;
     {
-        const ptrdiff_t last = p->N;
+        const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N - 1;
         pk_real s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1];
         ptrdiff_t m, l;
 
-        for (m = 0; m < lo && m <= last; m++) {
+        for (m = 0; m < lo && m < end; m++) {
             fput_potential_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -889,7 +905,7 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
             for (l = 0; l < 8; l++)
                 s[l] += x[l];
         }
-        for (; m <= last; m++) {
+        for (; m < end; m++) {
             fput_potential_part(p, t, q, v, u, m, r);
             total += r[0];
         }
@@ -949,12 +965,15 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
             {
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + fput_CHUNK; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base) + fput_BOND, m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, q, u,
+                        flux + (m - base) + fput_BOND, m, r);
                     v[m - 1] += h * r[0];
                 }
             }
@@ -964,12 +983,15 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
             {
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + count; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base) + fput_BOND);
+                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base) + fput_BOND, m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, q, u,
+                        flux + (m - base) + fput_BOND, m, r);
                     v[m - 1] += h * r[0];
                 }
             }
@@ -1000,19 +1022,22 @@ PK_INLINE static void fput_stage_chunk(const struct fput_params *p, pk_real t, p
     {
         pk_real flux[1 * (fput_CHUNK + fput_BOND)];
         for (m = base - 1; m < base; m++)
-            (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base) + fput_BOND);
+            (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                flux + (m - base) + fput_BOND);
         for (m = base; m < base + fput_CHUNK; m++)
-            (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base) + fput_BOND);
+            (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                flux + (m - base) + fput_BOND);
         for (m = base; m < base + fput_CHUNK; m++) {
             pk_real r[2];
-            (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base) + fput_BOND, m, r);
+            (void)fput_acceleration_q_inner(p, t, q, q, u,
+                flux + (m - base) + fput_BOND, m, r);
             v[m - 1] += h * r[0];
         }
     }
 }
 
-/* One pass: `count` stages, each a drift by delta[s] and then a kick by kappa[s] at time[s]. Stage s
- * has drifted what lies before end - s * 2 CHUNK, and kicked all of that but the last chunk. */
+/* One pass: `count` stages, each a drift by delta[s] and then a kick by kappa[s] at time[s]. Stage
+ * s has drifted what lies before end - s * 2 CHUNK, and kicked all of that but the last chunk. */
 static void fput_pass(const struct fput_params *p, int count, const pk_real *time,
                       const pk_real *delta, const pk_real *kappa, pk_real *q, pk_real *v)
 {
@@ -1026,8 +1051,10 @@ static void fput_pass(const struct fput_params *p, int count, const pk_real *tim
 
     for (begin = first; begin <= done; begin += fput_BLOCK)
         for (s = 0; s < count; s++) {
-            const ptrdiff_t to = fput_least(begin + fput_BLOCK - s * lag, last + 1 + fput_CHUNK);
-            for (from = fput_most(begin - s * lag, first); from < to; from += fput_CHUNK)
+            const ptrdiff_t to =
+                fput_least(begin + fput_BLOCK - s * lag, last + 1 + fput_CHUNK);
+            from = fput_most(begin - s * lag, first);
+            for (; from < to; from += fput_CHUNK)
                 fput_stage_chunk(p, time[s], delta[s], kappa[s], q, v, from, least, most);
         }
 }
