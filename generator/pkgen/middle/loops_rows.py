@@ -5,45 +5,15 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass, field
 
-from .affine import LOOPS, OTHER, ROW, Affine, variable
-from .differentiate import Forward, gradient, reachable
-from .graph import BIT, MINUS_ONE, VARIABLE, ZERO, Graph, Kind, Node, Op
+from .affine import LOOPS, ROW, Affine
+from .differentiate import Forward, gradient
+from .graph import BIT, VARIABLE, ZERO, Kind, Node
 from .loops import Limit, PairForce, PairPart, Part, Slot, Total, Unrolled
 from .loops_expand import LoopExpander, extremes
+from .loops_pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
+from .loops_slots import slots_of, substitute
 from .loops_terms import Term
 from .motion import degree
-
-STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
-RATES = BIT[Kind.RATE]
-M, J = variable(ROW), variable(OTHER)
-
-
-def slots_of(x: LoopExpander, nodes: list[Node]) -> list[Slot]:
-    """The slots that some nodes need, in the order in which they were met first."""
-    found = (x.slot_of(n) for n in reachable(x.graph, nodes) if x.graph.op[n] is Op.SYMBOL)
-    return [slot for slot in found if slot is not None]
-
-
-def substitute(g: Graph, node: Node, values: dict[Node, Node]) -> Node:
-    """The node with symbols replaced."""
-    known = dict(values)
-    for n in reachable(g, [node]):
-        if n in known:
-            continue
-        args = [known[a] for a in g.args[n]]
-        op = g.op[n]
-        if tuple(args) == g.args[n]:
-            known[n] = n
-        elif op is Op.ADD:
-            known[n] = g.add(*args)
-        elif op is Op.MULTIPLY:
-            known[n] = g.multiply(*args)
-        elif op is Op.POWER:
-            known[n] = g.power(args[0], g.data[n])
-        else:
-            known[n] = g.call(g.data[n], *args)
-    return known[node]
-
 
 @dataclass
 class Gathered:
@@ -86,12 +56,12 @@ class Gather:
     def lagrangian(self, term: Term, sign: int) -> None:
         """Adds sign * term to L."""
         if len(term.ranges) == 2:
-            self.found.pairs.append(self._pair(term, sign, False))
+            self.found.pairs.append(pair_force(self.x, term, sign, False, self.found.limits))
             return
         found = self.found
         for family, shift, body in self._views(term):
             at = M if term.ranges else shift
-            by = gradient(self.g, self._signed(body, sign), STATE)
+            by = gradient(self.g, signed(self.g, body, sign), STATE)
             slope, momentum = self._by(by, "q", family, at), self._by(by, "v", family, at)
             force = self.g.subtract(slope, self._coast(momentum))
             for rows, node in (
@@ -103,7 +73,7 @@ class Gather:
                 self._add(rows[family], term, shift, node)
             self._mass(term, family, shift, momentum)
         body = self._body(term)
-        by = gradient(self.g, self._signed(body, sign), STATE)
+        by = gradient(self.g, signed(self.g, body, sign), STATE)
         for name in self._scalars(body):
             slope, momentum = self._by(by, "q", name, None), self._by(by, "v", name, None)
             force = self.g.subtract(slope, self._coast(momentum))
@@ -126,15 +96,15 @@ class Gather:
     def dissipation(self, term: Term) -> None:
         """Adds the force -dD/dv."""
         if len(term.ranges) == 2:
-            self.found.drags.append(self._pair(term, -1, True))
+            self.found.drags.append(pair_force(self.x, term, -1, True, self.found.limits))
             return
         for family, shift, body in self._views(term):
             at = M if term.ranges else shift
-            node = self._by(gradient(self.g, self._signed(body, -1), RATES), "v", family, at)
+            node = self._by(gradient(self.g, signed(self.g, body, -1), RATES), "v", family, at)
             self._add(self.found.pdot[family], term, shift, node)
             self._add(self.found.force[family], term, shift, node)
         body = self._body(term)
-        by = gradient(self.g, self._signed(body, -1), RATES)
+        by = gradient(self.g, signed(self.g, body, -1), RATES)
         for name in self._scalars(body):
             node = self._by(by, "v", name, None)
             self._total("pdot", name, term, node)
@@ -155,7 +125,7 @@ class Gather:
 
     def energy(self, term: Term, sign: int) -> tuple[Node, Node]:
         """What a term of L adds to h = v.p - L: at the ends, and inside."""
-        body = self._signed(self._body(term), sign)
+        body = signed(self.g, self._body(term), sign)
         if self.g.depends[body] & RATES == 0:
             node = self.g.negate(body)
             return node, node
@@ -176,12 +146,12 @@ class Gather:
         result = Total()
         for term, sign in found:
             if len(term.ranges) == 2:
-                body = self._signed(self._pair_body(term), sign)
-                lo, hi, first, last = self._pair_ranges(term)
+                body = signed(self.g, pair_body(self.x, term, self.found.limits), sign)
+                lo, hi, first, last = pair_ranges(term)
                 pair = PairPart(lo, hi, first, last, body)
                 result = Total(result.constant, result.parts, (*result.pairs, pair))
             else:
-                result = self._with(result, term, self._signed(self._body(term), sign))
+                result = self._with(result, term, signed(self.g, self._body(term), sign))
         return result
 
     def with_energy(self, total: Total, term: Term, sign: int) -> Total:
@@ -327,9 +297,6 @@ class Gather:
     def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
         return by.get(self.x.slot(kind, name, at), ZERO)
 
-    def _signed(self, node: Node, sign: int) -> Node:
-        return node if sign > 0 else self.g.multiply(MINUS_ONE, node)
-
     def _coasting(self, node: Node) -> Node:
         """The time derivative of a symbol where nothing accelerates but what is given."""
         slot = self.x.slot_of(node)
@@ -339,50 +306,6 @@ class Gather:
                 return self.x.slot("w", slot.name, slot.at)
             return ZERO
         return self.x.derivative(node)
-
-    # -- pairs --------------------------------------------------------------------------------
-
-    def _pair_ranges(self, term: Term) -> tuple[Affine, Affine, Affine, Affine]:
-        (own, lo, hi), (_, first, last) = term.ranges
-        return lo, hi, first.replaced({own: M}), last.replaced({own: M})
-
-    def _pair_body(self, term: Term) -> Node:
-        self.x.members.clear()
-        body = term.at(self.x, M, J)
-        lo, hi, first, last = self._pair_ranges(term)
-        # A pair is met where both ranges are not empty; the extremes over m are for those.
-        at = {OTHER: (first, last), ROW: (lo, hi)}
-        self.found.limits += self.x.limits_of(hi - lo, at)
-        for slot in slots_of(self.x, [body]):
-            if slot.kind not in ("q", "v") or slot.at is None:
-                continue
-            if slot.at not in (M, J):
-                raise Unrolled("a pair sum reaches beside its own members")
-            group = self.x.coordinates[slot.name]
-            low, high = (lo, hi) if slot.at == M else (first, last)
-            self._pair_limit(low - group.lo, group.hi - high, lo, hi)
-        return body
-
-    def _pair_limit(self, below: Affine, above: Affine, lo: Affine, hi: Affine) -> None:
-        for needs in (below, above):
-            least, _ = extremes(needs, {ROW: (lo, hi)})
-            self.found.limits.append(Limit(least, hi - lo))
-
-    def _pair(self, term: Term, sign: int, drag: bool) -> PairForce:
-        body = self._signed(self._pair_body(term), sign)
-        if self.g.depends[body] & RATES and not drag:
-            raise Unrolled("a pair sum has rates in it: M would be dense")
-        kind = "v" if drag else "q"
-        by = gradient(self.g, body, RATES if drag else STATE)
-        sides: dict[Affine | None, list[tuple[str, Node]]] = {M: [], J: [], None: []}
-        for slot in slots_of(self.x, [body]):
-            if slot.kind == kind:
-                node = by.get(self.x.slot(kind, slot.name, slot.at), ZERO)
-                if node != ZERO:
-                    sides[slot.at].append((slot.name, node))
-        return PairForce(
-            *self._pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None])
-        )
 
 
 def _given(group, side: int) -> int:
