@@ -13,6 +13,7 @@ import argparse
 import ctypes
 import json
 import os
+import re
 import shlex
 import statistics
 import subprocess
@@ -53,8 +54,8 @@ class Params(ctypes.Structure):
 
 def library(directory: Path) -> ctypes.CDLL:
     for name, text in compile_model(Source("chain.lag", MODEL)).files.items():
-        text = text.replace("pk_real c_[1]", "pk_real c_[16]").replace("pk_real c_[2]", "pk_real c_[16]")
-        (directory / name).write_text(text)
+        # Params below has room for any number of hoisted constants.
+        (directory / name).write_text(re.sub(r"pk_real c_\[\d+\]", "pk_real c_[16]", text))
     cc = shlex.split(os.environ.get("CC", "gcc"))
     flags = shlex.split(os.environ.get("CFLAGS", FLAGS))
     sources = ["chain.c", str(Path(__file__).with_name("chains.c"))]

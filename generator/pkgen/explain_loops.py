@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .compiler import Compilation
-from .middle.affine import ROW
+from .middle.affine import ROW, Affine
 from .middle.graph import Kind, Node, Symbol
 from .middle.loops import Group, LoopEquations, Row, Total
 from .middle.sympy_bridge import to_sympy, written_size
@@ -48,11 +48,11 @@ def _title(compilation: Compilation, e: LoopEquations) -> str:
     model = compilation.model
     title = model.name + (f": {model.description}" if model.description else "")
     sizes = ", ".join(f"{s.name} = {s.value}" for s in model.sizes)
-    return f"{title}\n{e.count.text(SHOWN_AS)} degrees of freedom ({sizes}); sizes are set at run time"
+    return f"{title}\n{_index(e.count)} degrees of freedom ({sizes}); sizes are set at run time"
 
 
 def _name(group: Group) -> str:
-    return group.name + (f"[{group.lo.text(SHOWN_AS)}..{group.hi.text(SHOWN_AS)}]" if group.is_family else "")
+    return group.name + (f"[{_index(group.lo)}..{_index(group.hi)}]" if group.is_family else "")
 
 
 def _declared(title: str, groups: tuple[Group, ...]) -> str:
@@ -86,10 +86,15 @@ def _force(e: LoopEquations) -> dict[str, str]:
     found = {f"f[{name}[i]]": _row(e, row) for name, row in e.force.rows.items()}
     found |= {f"f[{name}]": _total(e, total) for name, total in e.force.totals.items()}
     for pair in e.force.pairs:
-        where = f"i = {pair.lo.text(SHOWN_AS)}..{pair.hi.text(SHOWN_AS)}, j = {pair.first.text(SHOWN_AS)}..{pair.last.text(SHOWN_AS)}"
+        where = f"i = {_index(pair.lo)}..{_index(pair.hi)}"
+        where += f", j = {_index(pair.first)}..{_index(pair.last)}"
         for index, side in (("i", pair.by_row), ("j", pair.by_other)):
             found |= {f"f[{n}[{index}]] over pairs {where}": _text(e, node) for n, node in side}
     return found
+
+
+def _index(at: Affine) -> str:
+    return at.text(SHOWN_AS)
 
 
 def _at(shift: int) -> str:
@@ -98,7 +103,7 @@ def _at(shift: int) -> str:
 
 def _row(e: LoopEquations, row: Row) -> str:
     parts = [
-        f"{_text(e, part.node)} for i = {part.lo.text(SHOWN_AS)}..{part.hi.text(SHOWN_AS)}" for part in row.parts
+        f"{_text(e, part.node)} for i = {_index(part.lo)}..{_index(part.hi)}" for part in row.parts
     ]
     return "\n    + ".join(parts) or "0"
 
@@ -106,7 +111,7 @@ def _row(e: LoopEquations, row: Row) -> str:
 def _total(e: LoopEquations, total: Total) -> str:
     parts = [_text(e, total.constant)] if total.constant or not total.parts else []
     parts += [
-        f"sum({_text(e, part.node)}, i = {part.lo.text(SHOWN_AS)}..{part.hi.text(SHOWN_AS)})"
+        f"sum({_text(e, part.node)}, i = {_index(part.lo)}..{_index(part.hi)})"
         for part in total.parts
     ]
     return "\n    + ".join(parts)
@@ -123,9 +128,10 @@ def _text(e: LoopEquations, node: Node) -> str:
         if s.kind is Kind.TIME:
             return sp.Symbol("t")
         slot = e.slots[s.index]
-        name = slot.name + (f"[{slot.at.text(SHOWN_AS)}]" if slot.at is not None else "")
+        name = slot.name + (f"[{_index(slot.at)}]" if slot.at is not None else "")
         mark = {"v": "'", "w": "''", "d": "'"}.get(slot.kind, "")
-        return sp.Symbol(SHOWN_AS.get(slot.name, slot.name) if slot.kind == "index" else name + mark)
+        name = SHOWN_AS.get(name, name) if slot.kind == "index" else name
+        return sp.Symbol(name + mark)
 
     (expr,) = to_sympy(e.graph, [node], symbol)
     return sp.sstr(expr).replace("**", "^")

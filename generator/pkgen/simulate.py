@@ -22,7 +22,6 @@ from .build import build_program
 from .compiler import Compilation
 from .equations import Quantity
 
-
 LISTED = 10_000  # members of a family that are described one by one
 
 

@@ -37,6 +37,14 @@ struct settings {
 
 /* 0, or the process's exit code, with a message on standard error. */
 int settings_read(struct settings *settings, const struct pk_system *system, FILE *file);
+/* Of parameters.c: memory and defaults once sizes are known; one size; one parameter; the defaults
+ * that follow what was given. */
+void settings_begin(struct settings *settings, const struct pk_system *system);
+int settings_size(struct settings *settings, const struct pk_system *system, size_t line,
+                  char *const word[]);
+int settings_param(struct settings *settings, const struct pk_system *system, size_t line,
+                   char *const word[]);
+void settings_follow(struct settings *settings, const struct pk_system *system);
 void settings_free(struct settings *settings);
 
 /* The core's methods, then GSL's. */

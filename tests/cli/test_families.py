@@ -53,8 +53,22 @@ def test_emission_keeps_loops_whatever_the_size(pkgen, tmp_path: Path) -> None:
 
 
 def test_a_small_family_runs_unrolled_and_agrees_with_loops(pkgen, parts: Path) -> None:
-    common = ("--until", "2", "--every", "1", "--rtol", "1e-12", "--set", "m[2]=3.5",
-              "--set", "k=1.3", "--start", "q[1]'=0.7", "--start", "X=0.4")
+    common = (
+        "--until",
+        "2",
+        "--every",
+        "1",
+        "--rtol",
+        "1e-12",
+        "--set",
+        "m[2]=3.5",
+        "--set",
+        "k=1.3",
+        "--start",
+        "q[1]'=0.7",
+        "--start",
+        "X=0.4",
+    )
     loops = ran(pkgen, parts, "--size", "N=17", *common)
     # 16 coordinates and fewer are unrolled: the same chain, its far end cut off and held.
     names, table = loops
@@ -95,8 +109,22 @@ def test_names_outside_are_refused(pkgen, parts: Path) -> None:
 
 def test_a_million_members(pkgen, tmp_path: Path) -> None:
     out = tmp_path / "rows.csv"
-    done = pkgen("run", FPUT, "--size", "N=1000000", "--method", "verlet", "--step", "0.1",
-                 "--until", "0.5", "--every", "0.5", "-o", out)
+    done = pkgen(
+        "run",
+        FPUT,
+        "--size",
+        "N=1000000",
+        "--method",
+        "verlet",
+        "--step",
+        "0.1",
+        "--until",
+        "0.5",
+        "--every",
+        "0.5",
+        "-o",
+        out,
+    )
     assert done.returncode == 0, done.stderr
     with open(out, encoding="utf-8") as file:
         assert file.readline().startswith("t,q[1],q[2],")

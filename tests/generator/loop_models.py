@@ -74,7 +74,8 @@ size N = 6
 param r = 0.21
 coord y[1..N]
 periodic y
-kinetic sum(y[i]'^2/2, i = 1..N) + sum(r*(y[i+1]' - y[i]')^2 + r/3*y[i+2]'*y[i]'*cos(y[i]), i = 1..N)
+kinetic sum(y[i]'^2/2 + r*(y[i+1]' - y[i]')^2, i = 1..N)
+kinetic sum(r/3*y[i+2]'*y[i]'*cos(y[i]), i = 1..N)
 potential sum((y[i+1] - y[i])^2/2 + y[i]^4, i = 1..N)
 start y[i = 1..N] = 0.1*i^2, y[i = 1..N]' = cos(i)
 """
@@ -143,7 +144,8 @@ coord u[1..N], w[0..N]
 fixed u[0] = 0, u[-1] = 0.1, u[N+1] = 0
 kinetic sum(u[i]'^2*(1 + e*w[i]^2)/2, i = 1..N) + sum(w[i]'^2/2, i = 0..N)
 kinetic e*sum(u[i]'*w[i-1]'*sin(u[i]), i = 1..N)
-lagrangian -sum(exp(u[i] - u[i-1]) + (u[i-1] - u[i-2])^2, i = 1..N+1) - sum(w[i]^2*w[i-1]^2, i = 1..N)
+lagrangian -sum(exp(u[i] - u[i-1]) + (u[i-1] - u[i-2])^2, i = 1..N+1)
+lagrangian -sum(w[i]^2*w[i-1]^2, i = 1..N)
 start u[i = 1..N] = sin(pi*i/(N+1)), w[i = 0..N] = 0.1*i
 """
 
@@ -164,7 +166,8 @@ MODELS = {
 # Which stay as they are, and a word of the reason.
 UNROLLED = {
     "links": (
-        "model links\nsize N = 3\ncoord a[1..N]\nlet x[0] = 0\nlet x[i = 1..N] = x[i-1] + sin(a[i])\n"
+        "model links\nsize N = 3\ncoord a[1..N]\nlet x[0] = 0\n"
+        "let x[i = 1..N] = x[i-1] + sin(a[i])\n"
         "kinetic sum(x[i]'^2/2 + a[i]'^2, i = 1..N)\npotential sum(x[i], i = 1..N)\n",
         "piece by piece",
     ),

@@ -1,4 +1,5 @@
-"""Four models' C, one with its families as loops, kept under version control so that every change of the output is seen.
+"""Four models' C, one with its families as loops, kept under version control so that every change
+of the output is seen.
 
 After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
 """

@@ -145,8 +145,9 @@ def one_by_one(at, kick, drift, t, h, steps, q, v):
     for k in range(steps):
         done = 0.0
         for i, kappa in enumerate(kick):
-            status, (a,) = at.call("acceleration", t + (k + done) * h, q, v, (), (at.n,),
-                                   ctypes.c_int)
+            status, (a,) = at.call(
+                "acceleration", t + (k + done) * h, q, v, (), (at.n,), ctypes.c_int
+            )
             assert status == 0
             v = [x + kappa * h * y for x, y in zip(v, a, strict=True)]
             if i < len(drift):
@@ -159,8 +160,15 @@ def fused(at, kick, drift, t, h, steps, q, v):
     real = ctypes.c_double
     arrays = [(real * len(x))(*x) for x in (kick, drift, q, v)]
     at.of.function("advance")(
-        ctypes.byref(at.params), len(drift), arrays[0], arrays[1], real(t), real(h),
-        ctypes.c_ulong(steps), arrays[2], arrays[3]
+        ctypes.byref(at.params),
+        len(drift),
+        arrays[0],
+        arrays[1],
+        real(t),
+        real(h),
+        ctypes.c_ulong(steps),
+        arrays[2],
+        arrays[3],
     )
     return list(arrays[2]), list(arrays[3])
 

@@ -106,8 +106,8 @@ class Lowering:
             return f"sum[{slot.name}]"
         if slot.kind == "flux":
             return flux_place(int(slot.name), -slot.at.constant)
-        near = slot.at is None or where in (INNER, PAIR) or not any(
-            slot.at.factor(v) for v in LOOPS
+        near = (
+            slot.at is None or where in (INNER, PAIR) or not any(slot.at.factor(v) for v in LOOPS)
         )
         array = {"q": "q", "v": "v", "w": "v", "d": "v"}[slot.kind]
         if near:
@@ -258,8 +258,10 @@ def _place(at: Affine | None) -> str:
     for name, mark in ((ROW, ""), (OTHER, "j")):
         if at.factor(name) == 1 and at.without(name).is_constant:
             shift = at.constant
-            return ("_" if mark or shift else "") + mark + (
-                "" if not shift else f"{'p' if shift > 0 else 'm'}{abs(shift)}"
+            return (
+                ("_" if mark or shift else "")
+                + mark
+                + ("" if not shift else f"{'p' if shift > 0 else 'm'}{abs(shift)}")
             )
     return "_at_" + re.sub(r"\W+", "_", at.text())
 

@@ -136,8 +136,6 @@ def _pruned(found: list[Affine], sign: int) -> list[Affine]:
     for at in dict.fromkeys(found):
         if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):
             continue
-        kept = [
-            k for k in kept if not ((at - k).is_constant and (at - k).constant * sign >= 0)
-        ]
+        kept = [k for k in kept if not ((at - k).is_constant and (at - k).constant * sign >= 0)]
         kept.append(at)
     return kept

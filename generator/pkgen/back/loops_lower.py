@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import __version__
-from ..equations import Quantity
-from ..middle.affine import ROW, Affine, variable
+from ..middle.affine import ROW, variable
 from ..middle.loops import Assigned, Facts, Group, LoopEquations, Row
 from ..middle.loops_expand import size_values
 from ..middle.quantities import input_quantities
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
-from .loops_sets import Builder, PairSet, RowSet, TotalSet
+from .loops_sets import Builder
+from .loops_tables import named, quantity, row, system_kernels
+from .loops_text import Text
 from .program import RETURN, STORE, operations_text
 from .render import FACTS, pasted
 from .schedule import Target
@@ -92,9 +93,7 @@ class _Context:
                 totals[key] = plan.plan_total(key, getattr(e, what).totals[g.name])
         band = []
         if self.diagonal:
-            rows["mass"] = [
-                plan.plan_rows(f"mass_{g.name}", g, [self._own(g)]) for g in e.families
-            ]
+            rows["mass"] = [plan.plan_rows(f"mass_{g.name}", g, [self._own(g)]) for g in e.families]
             if not e.force.pairs:
                 rows["acceleration"] = [
                     plan.plan_rows(
@@ -170,9 +169,7 @@ class _Context:
         }
 
     def _assigned(self, w: Lowering, item: Assigned) -> dict[str, Any]:
-        group = next(
-            g for g in (*self.e.coordinates, *self.e.parameters) if g.name == item.name
-        )
+        group = next(g for g in (*self.e.coordinates, *self.e.parameters) if g.name == item.name)
         is_parameter = any(g is group for g in self.e.parameters)
         place = item.lo if item.lo is not None and item.lo == item.hi else M
         if item.lo is None:
@@ -191,18 +188,21 @@ class _Context:
 
     def _text(self, sets, band, totals, pairs, pieces) -> dict[str, Any]:
         e, w = self.e, self.lowering
+        self.text = Text(e, w, self.diagonal)
         model = e.model
         facts: Facts = e.facts
         quantities = {
-            "coordinates": [_quantity(g, "", "unit") for g in e.coordinates],
-            "rates": [_quantity(g, "'", "rate_unit") for g in e.coordinates],
-            "momentum_names": [_quantity(g, "p_", "momentum_unit") for g in e.coordinates],
-            "inputs": [_row(q) for q in input_quantities(model, e.orders)],
-            "observed": [_row(q) for q in _named(model.observed)],
-            "conserved": [_row(q) for q in _named(model.conserved)],
+            "coordinates": [quantity(g, "", "unit") for g in e.coordinates],
+            "rates": [quantity(g, "'", "rate_unit") for g in e.coordinates],
+            "momentum_names": [quantity(g, "p_", "momentum_unit") for g in e.coordinates],
+            "inputs": [row(q) for q in input_quantities(model, e.orders)],
+            "observed": [row(q) for q in named(model.observed)],
+            "conserved": [row(q) for q in named(model.conserved)],
         }
-        acceleration = "direct" if self.diagonal and not e.force.pairs else (
-            "divide" if self.diagonal else "solve"
+        acceleration = (
+            "direct"
+            if self.diagonal and not e.force.pairs
+            else ("divide" if self.diagonal else "solve")
         )
         return {
             "version": __version__,
@@ -229,20 +229,20 @@ class _Context:
             ],
             "count": w.index(e.count),
             "default_count": e.count.value(size_values(model)),
-            "groups": [self._group(g) for g in e.coordinates],
-            "families": [self._group(g) for g in e.families],
-            "scalars": [self._group(g) for g in e.scalars],
-            "parameters": [self._parameter(k, pieces) for k in range(len(e.parameters))],
-            "limits": [self._limit(limit) for limit in e.limits],
-            "readers": self._readers(pieces),
-            "row_sets": {key: [self._rows(s) for s in found] for key, found in sets.items()},
+            "groups": [self.text.group(g) for g in e.coordinates],
+            "families": [self.text.group(g) for g in e.families],
+            "scalars": [self.text.group(g) for g in e.scalars],
+            "parameters": [self.text.parameter(k, pieces) for k in range(len(e.parameters))],
+            "limits": [self.text.limit(limit) for limit in e.limits],
+            "readers": self.text.readers(pieces),
+            "row_sets": {key: [self.text.rows(s) for s in found] for key, found in sets.items()},
             "band_sets": [
-                self._rows(s) | {"entries": [entry for entry, _ in self._entries(s.group)]}
+                self.text.rows(s) | {"entries": [entry for entry, _ in self._entries(s.group)]}
                 for s in band
             ],
-            "band": self._band(),
-            "totals": {key: self._total(t) for key, t in totals.items()},
-            "pairs": {key: [self._pair(s) for s in found] for key, found in pairs.items()},
+            "band": self.text.band(),
+            "totals": {key: self.text.total(t) for key, t in totals.items()},
+            "pairs": {key: [self.text.pair(s) for s in found] for key, found in pairs.items()},
             "vectors": [
                 {
                     "name": kernel,
@@ -256,10 +256,10 @@ class _Context:
             ],
             "scalar_kernels": [k for k in TOTALS if k in totals],
             "says": SAYS,
-            "starts": [self._lines(s) for s in pieces["starts"]],
-            "defaults": [self._lines(s) for s in pieces["defaults"]],
-            "observe": self._lines({"block": pieces["observed"]}) if e.observed else None,
-            "conserve": self._lines({"block": pieces["conserved"]}) if e.conserved else None,
+            "starts": [self.text.lines(s) for s in pieces["starts"]],
+            "defaults": [self.text.lines(s) for s in pieces["defaults"]],
+            "observe": self.text.lines({"block": pieces["observed"]}) if e.observed else None,
+            "conserve": self.text.lines({"block": pieces["conserved"]}) if e.conserved else None,
             "n_sums": len(e.sums),
             "chunk": CHUNK,
             "widest": WIDEST_BOND,
@@ -272,200 +272,17 @@ class _Context:
             "stepper": self._stepper(sets, acceleration),
             "wraps": any(g.periodic for g in e.families),
             "homes": [
-                self._group(s.group) | {"periodic": s.group.periodic, "ends": self._homes(s.group)}
+                self.text.group(s.group)
+                | {"periodic": s.group.periodic, "ends": self.text.homes(s.group)}
                 for s in (band or sets["force"])
                 if band or s.ghosts or s.group.periodic
             ],
-            "system_kernels": _system_kernels(e, totals),
-        }
-
-    def _group(self, g: Group) -> dict[str, Any]:
-        w, declared = self.lowering, g.declared
-        first = w.first.get(g.name, Affine())
-        family = g.is_family
-        return {
-            "name": g.name,
-            "is_family": family,
-            "first": w.index(first),
-            "lo": w.index(g.lo) if family else "0",
-            "hi": w.index(g.hi) if family else "0",
-            "count": w.index(g.count),
-            "cell": w.index(first + M - g.lo) if family else w.index(first),
-            "other": w.index(first + variable("j") - g.lo) if family else w.index(first),
-            "says": " ".join(
-                x for x in (declared.description, f"[{declared.unit}]" if declared.unit else "")
-                if x
-            ),
-            "lo_text": g.lo.text() if family else "",
-            "hi_text": g.hi.text() if family else "",
-            "first_text": first.text(),
-        }
-
-    def _parameter(self, k: int, pieces) -> dict[str, Any]:
-        w, e = self.lowering, self.e
-        group = e.parameters[k]
-        item = group.declared
-        bounds = e.bounds[k]
-        block = pieces["bounds"][k]
-        ends = {s.target: s.text for s in block.statements if s.kind == STORE}
-        return self._group(group) | {
-            "name": item.name,
-            "unit": item.unit,
-            "description": item.description,
-            "c_name": w.fields[item.name],
-            "member": w.member(item.name, M if group.is_family else None),
-            "index": k,
-            "follows": int(item.follows),
-            "lo_open": int(item.bounds.lo_open or bounds.lo is None),
-            "hi_open": int(item.bounds.hi_open or bounds.hi is None),
-            "least": ends.get("lo", "-PK_INFINITY"),
-            "greatest": ends.get("hi", "PK_INFINITY"),
-            "from": w.index(group.lo) if group.is_family else "",
-            "to": w.index(group.hi) if group.is_family else "",
-            "needs": [x for x in block.lines if x["kind"] != STORE],
-            "uses_index": "m" in block.words,
-        }
-
-    def _limit(self, limit) -> dict[str, str]:
-        w = self.lowering
-        return {
-            "needs": w.index(limit.needs),
-            "unless": "" if limit.unless is None else w.index(limit.unless),
-            "text": limit.needs.text(),
-        }
-
-    def _readers(self, pieces) -> list[dict[str, Any]]:
-        """Functions that read a cell wherever it lies: of q, v, w, d of each family."""
-        w, e = self.lowering, self.e
-        used = {word for b in w.blocks for word in b.words}
-        found = []
-        for g in e.families:
-            for order, kind in enumerate(("q", "v", "w", "d")):
-                name = f"{w.prefix}{kind}_{g.name}"
-                if name not in used:
-                    continue
-                ends = []
-                for at, end in g.ends:
-                    item = {"at": w.index(at), "kind": end.kind, "lines": []}
-                    if end.kind == "free":
-                        item["home"] = w.index(w.first[g.name] + (g.lo if at == g.lo - 1 else g.hi)
-                                               - g.lo)
-                    elif kind != "d":
-                        item["lines"] = pieces["given"][g.name, at][order].lines
-                    ends.append(item)
-                found.append(
-                    self._group(g) | {"reader": name, "kind": kind, "ends": ends,
-                                      "periodic": g.periodic}
-                )
-        return found
-
-    def _lines(self, item: dict[str, Any]) -> dict[str, Any]:
-        return {k: v for k, v in item.items() if k != "block"} | {"lines": item["block"].lines}
-
-    def _rows(self, s: RowSet) -> dict[str, Any]:
-        w = self.lowering
-        group = self._group(s.group) if s.group else {"name": s.name}
-        return {
-            "name": s.name,
-            "group": group,
-            "outputs": s.outputs,
-            "inner": s.inner.lines,
-            "trig": s.inner.trig or bool(s.flux and s.flux.trig),
-            "inner_trig": s.inner.trig,
-            "flux": s.flux.lines if s.flux else None,
-            "flux_trig": bool(s.flux and s.flux.trig),
-            "n_flux": s.n_flux,
-            "span": s.span,
-            "plain": s.plain,
-            "guarded": [
-                {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.lines}
-                for g in s.guarded
-            ],
-            "lows": [w.index(x) for x in s.lows],
-            "highs": [w.index(x) for x in s.highs],
-            "firsts": list(dict.fromkeys(w.index(g.lo) for g in s.guarded)),
-            "lasts": list(dict.fromkeys(w.index(g.hi) for g in s.guarded)),
-            "ghosts": s.ghosts,
-            "below": s.below,
-            "above": s.above,
-            "ends": self._homes(s.group) if s.group else [],
-            "periodic": bool(s.group and s.group.periodic),
-        }
-
-    def _homes(self, g: Group) -> list[dict[str, str]]:
-        """Ghosts that stand for a cell: free ends."""
-        w = self.lowering
-        return [
-            {"at": w.index(at), "home": w.index(g.lo if at == g.lo - 1 else g.hi)}
-            for at, end in g.ends
-            if end.kind == "free"
-        ]
-
-    def _total(self, t: TotalSet) -> dict[str, Any]:
-        w = self.lowering
-        return {
-            "name": t.name,
-            "constant": t.constant.lines,
-            "rows": self._rows(t.rows) if t.rows else None,
-            "pairs": [
-                {
-                    "lo": w.index(p.lo),
-                    "hi": w.index(p.hi),
-                    "first": w.index(p.first),
-                    "last": w.index(p.last),
-                    "lines": b.lines,
-                }
-                for p, b in t.pairs
-            ],
-        }
-
-    def _pair(self, s: PairSet) -> dict[str, Any]:
-        w, f = self.lowering, s.force
-        groups = {g.name: self._group(g) for g in self.e.coordinates}
-        count = len(f.by_row)
-        return {
-            "lo": w.index(f.lo),
-            "hi": w.index(f.hi),
-            "first": w.index(f.first),
-            "last": w.index(f.last),
-            "lines": s.block.lines,
-            "outputs": count + len(f.by_other) + len(f.by_scalar),
-            "by_row": [{"k": k, "at": groups[n]["cell"]} for k, (n, _) in enumerate(f.by_row)],
-            "by_other": [
-                {"k": count + k, "at": groups[n]["other"]} for k, (n, _) in enumerate(f.by_other)
-            ],
-            "by_scalar": [
-                {"k": count + len(f.by_other) + k, "at": groups[n]["first"]}
-                for k, (n, _) in enumerate(f.by_scalar)
-            ],
-        }
-
-    def _band(self) -> dict[str, Any] | None:
-        """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
-        e = self.e
-        if self.diagonal:
-            return None
-        names = [g.name for g in e.families]
-        count = len(names)
-        width = max(
-            (
-                abs(shift * count + names.index(b) - names.index(a))
-                for a, b, shift in e.mass.entries
-            ),
-            default=0,
-        )
-        return {
-            "width": width,
-            "periodic": any(g.periodic for g in e.families),
-            "corner": [
-                {"a": a, "b": b, "key": f"mass_{a}_{b}"} for a, b in e.mass.corner
-            ],
-            "scalars": [g.name for g in e.scalars],
+            "system_kernels": system_kernels(e, totals),
         }
 
     def _operations(self, sets, totals) -> list[str]:
         rows = []
-        for key, found in sets.items():
+        for found in sets.values():
             for s in found:
                 if s.inner:
                     rows.append(f"{s.name}: {operations_text(s.inner.operations)} a member")
@@ -508,30 +325,3 @@ class _Context:
             "least": [self.lowering.index(g.lo) for g in e.families],
             "greatest": [self.lowering.index(g.hi) for g in e.families],
         }
-
-
-def _system_kernels(e: LoopEquations, totals: dict) -> list[tuple[str, str, list[str]]]:
-    """Of struct pk_system; M and the Jacobians, which it wants whole, are not among them."""
-    found = [("acceleration", "int", ["a"]), ("force", "void", ["f"])]
-    found += [("canonical", "void", ["momenta", "pdot"]), ("gradient", "void", ["dLdq"])]
-    found += [(k, "pk_real", []) for k in ("energy", "kinetic", "potential") if k in totals]
-    found += [("observe", "void", ["out"])] if e.observed else []
-    found += [("conserve", "void", ["out"])] if e.conserved else []
-    return found
-
-
-def _quantity(g: Group, mark: str, unit: str) -> dict[str, str]:
-    name = mark + g.name if mark.startswith("p") else g.name + mark
-    return {
-        "name": name,
-        "unit": getattr(g.declared, unit),
-        "description": g.declared.description,
-    }
-
-
-def _named(items) -> list[Quantity]:
-    return [Quantity(item.name, item.unit, item.description) for item in items]
-
-
-def _row(q: Quantity) -> dict[str, str]:
-    return {"name": q.name, "unit": q.unit, "description": q.description}

@@ -161,8 +161,7 @@ class Builder:
                 highs=plan["highs"],
             )
         pairs = [
-            (pair, self._block([Target(STORE, "r[0]", (pair.node,))], PAIR))
-            for pair in total.pairs
+            (pair, self._block([Target(STORE, "r[0]", (pair.node,))], PAIR)) for pair in total.pairs
         ]
         constant = self._block([Target(STORE, "total", (total.constant,))], INNER)
         return TotalSet(plan["name"], constant, rows, pairs)
@@ -182,10 +181,7 @@ class Builder:
         )
 
     def _flux(self, plan: dict) -> Block | None:
-        targets = [
-            Target(STORE, flux_place(k, 0), (node,))
-            for k, node in enumerate(plan["flux"])
-        ]
+        targets = [Target(STORE, flux_place(k, 0), (node,)) for k, node in enumerate(plan["flux"])]
         return self._block(targets, INNER) if targets else None
 
     def _guarded(self, rows: list[Row]) -> list[Guarded]:
@@ -194,6 +190,4 @@ class Builder:
             for part in row.parts:
                 targets = guards.setdefault((part.lo, part.hi), [])
                 targets.append(Target("add", f"r[{k}]", (part.node,)))
-        return [
-            Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in guards.items()
-        ]
+        return [Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in guards.items()]

@@ -25,9 +25,7 @@ from .quantities import (
 from .solve import SingularMass
 
 
-def derive(
-    model: Model, kernels: frozenset[str] | None = None, unrolled: str = ""
-) -> Equations:
+def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
     """The equations of motion; of the kernels not in `kernels` (None: all) the costly are skipped.
     `unrolled` says why families are not loops, for models that are too large so.
 

@@ -1,4 +1,4 @@
-"""Model -> LoopEquations: Lagrange's equations with families as loops, or Unrolled with a reason."""
+"""Model -> LoopEquations: Lagrange's equations, families as loops; or Unrolled with a reason."""
 
 from __future__ import annotations
 
@@ -121,7 +121,8 @@ def _forces(x: LoopExpander, gather: Gather) -> None:
             if lo is not None:
                 group = x.coordinates[item.name]
                 gather.found.limits += [
-                    Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)
+                    Limit(lo - group.lo, hi - lo),
+                    Limit(group.hi - hi, hi - lo),
                 ]
             gather.force(item.name, lo, hi, node)
 
@@ -153,9 +154,7 @@ def _check_inertia(x: LoopExpander, mass: Band) -> None:
     findings = []
     for group in x.coordinates.values():
         name = group.name
-        there = (
-            (name, name, 0) in mass.entries if group.is_family else (name, name) in mass.corner
-        )
+        there = (name, name, 0) in mass.entries if group.is_family else (name, name) in mass.corner
         if not there:
             shown = indexed(name, None) + ("[i]" if group.is_family else "")
             message = f"'{shown}' has no inertia: L does not contain the square of {shown}'"

@@ -81,16 +81,18 @@ class LoopExpander:
             elif end.at is not None:
                 ends.append((self.index(end.at, self.sizes), end))
             else:
-                ends.append((lo - 1 if end.index is not None and _below(self, end, lo) else hi + 1,
-                             end))
+                ends.append(
+                    (lo - 1 if end.index is not None and _below(self, end, lo) else hi + 1, end)
+                )
         return Group(item, lo, hi, tuple(ends), periodic)
 
     def index(self, expr: Expr, loop: Loop) -> Affine:
         try:
             return affine(expr, loop)
         except NotAnInteger as wrong:
-            raise Unrolled(f"an index is not a sum of sizes and a loop variable: {wrong.message}") \
-                from None
+            raise Unrolled(
+                f"an index is not a sum of sizes and a loop variable: {wrong.message}"
+            ) from None
 
     @contextmanager
     def statement(self, span: Span) -> Iterator[None]:
@@ -298,4 +300,3 @@ def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> 
             return any(has_sum(x, d.value, seen | {expr.id}) for d in x.definitions[expr.id])
         return False
     return any(has_sum(x, part, seen) for part in children(expr))
-

@@ -14,8 +14,11 @@ from .loops_slots import slots_of
 
 
 def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
-    entries = [part.node for row in (*e.mass.entries.values(), *e.mass.border.values())
-               for part in row.parts]
+    entries = [
+        part.node
+        for row in (*e.mass.entries.values(), *e.mass.border.values())
+        for part in row.parts
+    ]
     entries += _total_nodes(e.mass.corner.values())
     forces = [*_vector_nodes(e.force)]
     energies = _total_nodes([e.lagrangian])
@@ -61,6 +64,5 @@ def _vector_nodes(vector: Vector) -> list[Node]:
     found = [part.node for row in vector.rows.values() for part in row.parts]
     found += _total_nodes(vector.totals.values())
     for pair in vector.pairs:
-        found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar)
-                  for _, node in side]
+        found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar) for _, node in side]
     return found

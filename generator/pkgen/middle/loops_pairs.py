@@ -62,6 +62,4 @@ def pair_force(
             node = by.get(x.slot(kind, slot.name, slot.at), ZERO)
             if node != ZERO:
                 sides[slot.at].append((slot.name, node))
-    return PairForce(
-        *pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None])
-    )
+    return PairForce(*pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None]))

@@ -15,6 +15,7 @@ from .loops_slots import slots_of, substitute
 from .loops_terms import Term
 from .motion import degree
 
+
 @dataclass
 class Gathered:
     """What the terms of L, D and the forces add up to, by family and by scalar coordinate."""
@@ -206,9 +207,7 @@ class Gather:
 
     def _total(self, what: str, name: str, term: Term, node: Node) -> None:
         key = (what, name)
-        self.found.of_scalar[key] = self._with(
-            self.found.of_scalar.get(key, Total()), term, node
-        )
+        self.found.of_scalar[key] = self._with(self.found.of_scalar.get(key, Total()), term, node)
 
     def _mass(self, term: Term, family: str, shift: Affine, momentum: Node) -> None:
         if momentum == ZERO:

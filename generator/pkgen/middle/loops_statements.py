@@ -108,8 +108,7 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
         if group.is_family:
             loop[item.range.variable] = variable(ROW)
         ends = [
-            None if end is None else x.scalar(end, loop)
-            for end in (item.bounds.lo, item.bounds.hi)
+            None if end is None else x.scalar(end, loop) for end in (item.bounds.lo, item.bounds.hi)
         ]
         found.append(Bounded(*ends))
     x.members.clear()
@@ -118,8 +117,11 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
     """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
-    far = {slot.name for slot in x.slots if slot.kind in ("v", "d", "w") and slot.at is not None
-           and slot.at != variable(ROW)}
+    far = {
+        slot.name
+        for slot in x.slots
+        if slot.kind in ("v", "d", "w") and slot.at is not None and slot.at != variable(ROW)
+    }
     found = {}
     for group in x.coordinates.values():
         for at, end in group.ends:
