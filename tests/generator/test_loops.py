@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import random
 
 import pytest
@@ -174,15 +175,17 @@ def fused(at, kick, drift, t, h, steps, q, v):
 
 
 def test_angles_beyond_the_inline_sine_are_as_good(tmp_path):
-    text, _ = MODELS["ring"]
-    loops = Looped(text, tmp_path / "loops")
-    unrolled = Unrolled(text, 100, tmp_path / "unrolled")
-    at = loops.at(100)
-    q = [1e10 + 3.7 * i if i == 43 else 0.1 * i for i in range(100)]
-    state = (0.2, q, [0.3] * 100, [])
-    _, (expected,) = unrolled.call("acceleration", *state)
-    _, (found,) = at.call("acceleration", *state, (100,), ctypes.c_int)
-    assert_close(expected, found, "acceleration", scale=max(map(abs, expected)))
+    text = (
+        "model rotors\nsize N = 5\ncoord x[1..N]\nkinetic sum(x[i]'^2/2, i = 1..N)\n"
+        "potential sum(-cos(x[i]), i = 1..N)\n"
+    )
+    at = Looped(text, tmp_path).at(100)
+    q = [1e15 + 4096.0 * i if i % 3 else 0.1 * i for i in range(100)]
+    _, (found,) = at.call("acceleration", 0.2, q, [0.3] * 100, [], (100,), ctypes.c_int)
+    assert_close([-math.sin(x) for x in q], found, "acceleration")
+    expected = sum(-math.cos(x) for x in q) + 100 * 0.3**2 / 2
+    energy, _ = at.call("energy", 0.2, q, [0.3] * 100, [], (), ctypes.c_double)
+    assert_close([expected], [energy], "energy", scale=10.0)
 
 
 def test_sizes_too_small_and_parameters_out_of_bounds_are_refused(tmp_path):

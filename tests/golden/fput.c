@@ -311,7 +311,7 @@ PK_INLINE static pk_bits fput_acceleration_q_bond(const struct fput_params *p, p
     const pk_real q_ = q[m - 1];
     const pk_real q_p1 = q[m];
     const pk_real q_p1_minus_q_ = q_p1 - q_;
-    flux[0] = q_p1_minus_q_ * (1 + p->alpha * q_p1_minus_q_);
+    flux[0] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
     return 0;
 }
 

@@ -91,11 +91,11 @@ class Builder:
             "name": name,
             "group": group,
             "rows": rows,
-            "nodes": self.sets.shortest(nodes),
+            "nodes": nodes,  # as derived: expanded, differences of neighbours would lose digits
             "lows": lows,
             "highs": highs,
             "plain": number is not None and number > 0,
-            "flux": self.sets.shortest(flux),
+            "flux": flux,
             "span": span,
         }
 
