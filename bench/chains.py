@@ -94,7 +94,7 @@ def measure(lib: ctypes.CDLL, n: int, repeat: int) -> dict[str, float]:
     params.N = n
     lib.chain_defaults(ctypes.byref(params))
     arrays = [numpy.zeros(n) for _ in range(3)]
-    q, v, a = arrays
+    q, v, _ = arrays
     pq, pv, pa = (ctypes.c_void_p(x.ctypes.data) for x in arrays)
     steps = max(16, WORK // n)
     h = ctypes.c_double(STEP)
