@@ -16,6 +16,7 @@ from .build import driver_methods
 from .compiler import Compilation, check_model, compile_model
 from .dump import dump
 from .exits import DONE
+from .explain_loops import explain_loops, record_loops
 from .front.read import read
 from .resources import bounded
 from .source import Diagnostic, Source
@@ -89,10 +90,11 @@ def explain(options: argparse.Namespace) -> int:
     """Show a model's equations and structure."""
     compilation = compile_within_limits(options)
     with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
-        if options.json:
-            text = json.dumps(explanation.record(compilation), indent=1)
+        if compilation.looped:
+            shown, record = explain_loops, record_loops
         else:
-            text = explanation.explain(compilation)
+            shown, record = explanation.explain, explanation.record
+        text = json.dumps(record(compilation), indent=1) if options.json else shown(compilation)
     print(text.rstrip("\n"))
     return DONE
 

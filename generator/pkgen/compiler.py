@@ -8,20 +8,26 @@
     lower    Equations, Structure -> Program     straight-line code, shared and hoisted
     render   Program              -> {name: text}
 
+A model whose families can stay loops goes the same way as LoopEquations, Facts and LoopProgram;
+of one that cannot, Equations.unrolled says why.
+
 Each stage imports only what is above it, changes nothing that it is given, and prints nothing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
-from .back import lower, render
+from .back import loops_lower, loops_render, lower, render
+from .back.loops_lower import LoopProgram
 from .back.program import Program
 from .equations import Equations, Structure
 from .front import check, parse
-from .middle import analyze, derive, reduce
+from .middle import analyze, derive, loops_derive, reduce
+from .middle.loops import Facts, LoopEquations, Unrolled
+from .middle.quantities import families
 from .model import Model
 from .source import Diagnostic, Source
 
@@ -34,11 +40,16 @@ class Compilation:
 
     model: Model
     warnings: tuple[Diagnostic, ...]
-    equations: Equations
-    structure: Structure
+    equations: Equations | LoopEquations
+    structure: Structure | Facts
     report: reduce.Report
-    program: Program
+    program: Program | LoopProgram
     files: dict[str, str]
+
+    @property
+    def looped(self) -> bool:
+        """Whether the families are loops in C."""
+        return isinstance(self.equations, LoopEquations)
 
 
 def stages(
@@ -47,6 +58,7 @@ def stages(
     kernels: frozenset[str] | None = None,
     self_test: bool = False,
     libm: bool = False,
+    unroll: int | None = 0,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -56,8 +68,15 @@ def stages(
     yield file
     model, warnings = check.check(file, sizes)
     yield model, warnings
-    equations = derive.derive(model, kernels)
+    equations = _equations(model, kernels, self_test, unroll)
     yield equations
+    if isinstance(equations, LoopEquations):
+        yield equations.facts
+        yield equations, reduce.Report()
+        loops = loops_lower.lower_loops(equations, libm)
+        yield loops
+        yield loops_render.render_loops(loops)
+        return
     structure = analyze.analyze(equations)
     yield structure
     equations, report = reduce.reduce(equations, structure)
@@ -79,6 +98,23 @@ def check_model(
     return warnings
 
 
+def _equations(
+    model: Model, kernels: frozenset[str] | None, self_test: bool, unroll: int | None
+) -> Equations | LoopEquations:
+    """With families as loops, or unrolled with the reason."""
+    count = sum(f.count for f in families(model, model.coordinates).values())
+    if kernels is not None or self_test:
+        reason = "asked for are some kernels, or a self-test"
+    elif unroll is None or count <= unroll:
+        reason = "so few coordinates are faster as straight-line code"
+    else:
+        try:
+            return loops_derive.derive_loops(model)
+        except Unrolled as cannot:
+            reason = str(cannot)
+    return replace(derive.derive(model, kernels, reason), unrolled=reason)
+
+
 def compile_model(
     source: Source,
     *,
@@ -86,14 +122,16 @@ def compile_model(
     kernels: frozenset[str] | None = None,
     self_test: bool = False,
     libm: bool = False,
+    unroll: int | None = 0,
 ) -> Compilation:
     """Compile a model to C.
 
     `sizes` overrides `size` statements; `kernels` names those to emit (None: all);
     `self_test` adds a program that checks the kernels against each other; with `libm` sine and
-    cosine are the library's, not the inline pair.
+    cosine are the library's, not the inline pair. Up to `unroll` coordinates (None: any number)
+    families are unrolled though they could be loops; so they are for some kernels or a self-test.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test, libm)
+    made = stages(source, sizes or {}, kernels, self_test, libm, unroll)
     _, (model, warnings), _, structure, (equations, report), program, files = made
     return Compilation(model, warnings, equations, structure, report, program, files)

@@ -7,6 +7,7 @@ from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from itertools import islice
 
+from .back.loops_lower import LoopProgram
 from .back.program import Program
 from .compiler import STAGES, stages
 from .equations import Equations
@@ -60,6 +61,10 @@ def as_text(value: object, source: Source, indent: int = 0) -> str:
         case Equations():
             return equations_text(value)
         case Program():
+            return str(value)
+        case LoopProgram(context=context):
+            return as_text(context, source, indent)
+        case bool():
             return str(value)
         case Diagnostic():
             return value.text(source)

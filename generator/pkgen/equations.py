@@ -76,6 +76,7 @@ class Equations:
     conserved: Row
     start_q: Row
     start_v: Row
+    unrolled: str = ""  # why the families of coordinates are not loops
 
 
 @dataclass(frozen=True)

@@ -150,6 +150,7 @@ def _structure(compilation: Compilation) -> str:
     else:
         mass = f"{shape}, depends on the rates too (L is not of second degree in them)"
     facts = [
+        *_families(compilation),
         ("mass matrix", mass),
         (
             "separable",
@@ -161,6 +162,12 @@ def _structure(compilation: Compilation) -> str:
         ("constants", ", ".join(_constants(compilation.equations, structure)) or "none proved"),
     ]
     return "\n".join(["Structure", *(f"  {name:<16} {text}" for name, text in facts)])
+
+
+def _families(compilation: Compilation) -> list[tuple[str, str]]:
+    if not any(c.range for c in compilation.model.coordinates):
+        return []
+    return [("families", f"unrolled: {compilation.equations.unrolled}")]
 
 
 def _yes(fact: bool, if_so: str, if_not: str) -> str:

@@ -77,6 +77,7 @@ class End:
     index: int | None
     value: Expr | None
     span: Span
+    at: Expr | None = None  # the index as written, for a family whose size is not known yet
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
+from . import named
 from .compiler import Compilation
-from .equations import Quantity
 from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
@@ -21,6 +21,9 @@ UNTIL = 10.0
 RTOL = 1e-10
 ROUND_OFF = 2.0**-52
 ROWS = 1000
+UNROLL = 16  # coordinates up to which a run is faster as straight-line code
+NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
+NUMBERS_MOST = 1_000_000_000  # written at all: some 20 GB
 
 
 def sizes(assignments: Iterable[str]) -> dict[str, int]:
@@ -88,12 +91,9 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     step = values.positive("--step", options.step, values.time)
     starts = [_assignment("--start", text) for text in options.start]
     sets = [_assignment("--set", text) for text in options.set]
-    equations = compilation.equations
-    parameters = [slot.quantity for slot in equations.parameters]
-    names = {
-        "parameter": {q.name: (i, q) for i, q in enumerate(parameters)},
-        "input": {q.name: (i, q) for i, q in enumerate(equations.inputs)},
-    }
+    parameters, inputs = named.parameters(compilation), named.inputs(compilation)
+    values_set = values.assigned("--set", sets, parameters, inputs)
+    single, members = _places(compilation, parameters, values_set)
     if rtol is not None and rtol < ROUND_OFF and options.atol is None:
         # No step is short enough: it would be halved for ever.
         raise UsageError(
@@ -101,8 +101,15 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         )
     until = values.positive("--until", options.until, values.time) or UNTIL
     every = values.positive("--every", options.every, values.time)
+    numbers = 2 * values.coordinates.count + len(named.observed(compilation)) + 2
+    rows = max(1, min(ROWS, NUMBERS // numbers))
+    if every is not None and (until / every + 1) * numbers > NUMBERS_MOST:
+        raise UsageError(
+            f"--every {options.every}: {until / every + 1:,.0f} rows of {numbers:,} numbers are "
+            f"some {(until / every + 1) * numbers * 2e-8:,.0f} GB; take a longer interval"
+        )
     if every is None and options.ensemble is None:
-        every = _interval(until, step)
+        every = _interval(until, step, rows)
     return Settings(
         method=options.method,
         until=until,
@@ -112,10 +119,11 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         atol=values.positive("--atol", options.atol, "") or rtol or RTOL,
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
-        parameters=values.assigned("--set", sets, names["parameter"], names["input"]),
-        inputs=values.assigned("--set", sets, names["input"], names["parameter"]),
-        start_q=values.started(starts, equations.coordinates, 0),
-        start_v=values.started(starts, equations.coordinates, 1),
+        parameters=single,
+        members=members,
+        inputs=values.assigned("--set", sets, inputs, parameters),
+        start_q=values.started(starts, 0),
+        start_v=values.started(starts, 1),
     )
 
 
@@ -128,9 +136,39 @@ def threads(options: argparse.Namespace) -> int | None:
     return _count("--threads", options.threads)
 
 
-def _interval(until: float, step: float | None) -> float:
-    """Time between rows if none is given: some thousand rows, a fixed step kept as it is."""
-    return step * math.ceil(until / (ROWS * step)) if step else until / ROWS
+def _interval(until: float, step: float | None, rows: int) -> float:
+    """Time between rows if none is given: some thousand rows (fewer, of a long family), a fixed
+    step kept as it is."""
+    return step * math.ceil(until / (rows * step)) if step else until / rows
+
+
+def rows_note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
+    """What is to be said of rows that were not asked for and are fewer than one would think."""
+    numbers = 2 * named.coordinates(compilation).count
+    if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
+        return ""
+    rows = math.ceil(settings.until / settings.every) + 1
+    return (
+        f"{rows} rows of {numbers:,} numbers, one every {settings.every:.6g}; "
+        "choose by --every how often, and how much, is written"
+    )
+
+
+def _places(
+    compilation: Compilation, parameters: named.Named, values: tuple[tuple[int, float], ...]
+) -> tuple[tuple[tuple[int, float], ...], tuple[tuple[int, int, float], ...]]:
+    """Flat indices of parameters as the driver counts them: single ones, members of families."""
+    if not compilation.looped:
+        return values, ()
+    single, members = [], []
+    for flat, x in values:
+        for k, item in enumerate(parameters.declared):
+            if item.first <= flat < item.first + item.count:
+                if item.lo is None:
+                    single.append((k, x))
+                else:
+                    members.append((k, flat - item.first, x))
+    return tuple(single), tuple(members)
 
 
 class _Values:
@@ -138,8 +176,8 @@ class _Values:
 
     def __init__(self, compilation: Compilation):
         self.model = compilation.model
-        self.coordinates = compilation.equations.coordinates
-        self.rates = compilation.equations.rates
+        self.coordinates = named.coordinates(compilation)
+        self.rates = named.coordinates(compilation, rates=True)
         self.sizes = {size.name: size.value for size in self.model.sizes}
         self.time = "" if self.model.dimensionless else "s"
 
@@ -172,8 +210,8 @@ class _Values:
         self,
         option: str,
         assignments: list[tuple[str, str]],
-        known: Mapping[str, tuple[int, Quantity]],
-        others: Mapping[str, object],
+        known: named.Named,
+        others: named.Named,
     ) -> tuple[tuple[int, float], ...]:
         """Those of the assignments whose left side is in `known`, as (index, value)."""
         found = []
@@ -187,22 +225,21 @@ class _Values:
         return tuple(found)
 
     def started(
-        self, assignments: list[tuple[str, str]], coordinates: tuple[Quantity, ...], order: int
+        self, assignments: list[tuple[str, str]], order: int
     ) -> tuple[tuple[int, float], ...]:
         """The starts of coordinates (order 0) or of their rates (order 1)."""
-        names = [q.name for q in coordinates]
         found = []
         for left, text in assignments:
             side = self.left("--start", left)
             name = indexed(side.name, side.index)
-            if name not in names:
-                raise UsageError(_unknown("--start", name, names, "coordinate"))
+            if name not in self.coordinates:
+                raise UsageError(_unknown("--start", name, list(self.coordinates), "coordinate"))
             if side.order > 1:
                 raise UsageError(f"--start {left}: a start is a coordinate or its rate")
             if side.order == order:
-                index = names.index(name)
-                unit = (self.rates if order else self.coordinates)[index].unit
-                found.append((index, self.value("--start", text, unit, left)))
+                known = self.rates if order else self.coordinates
+                index, quantity = known[name + "'" * order]
+                found.append((index, self.value("--start", text, quantity.unit, left)))
         return tuple(found)
 
     def left(self, option: str, text: str) -> options_text.LeftSide:

@@ -39,7 +39,9 @@ class _Run:
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     output = parsing.output(options.output)
-    compilation = compile_within_limits(options, libm=options.libm)
+    # Members of an ensemble run in lanes, which loops do not have.
+    unroll = None if options.ensemble else parsing.UNROLL
+    compilation = compile_within_limits(options, libm=options.libm, unroll=unroll)
     parsing.refuse_scene(compilation.model, options.scene)
     parsing.refuse_deferred(compilation.model)
     asked = _Run(
@@ -48,6 +50,9 @@ def run(options: argparse.Namespace) -> int:
         members.read(options.ensemble, compilation) if options.ensemble else None,
         parsing.threads(options),
     )
+    note = parsing.rows_note(options, asked.settings, compilation)
+    if note:
+        print(f"pkgen: {note}", file=sys.stderr)
     if output is None and not options.json:
         sys.stdout.flush()
         outcome = _simulate(asked, sys.stdout.fileno())

@@ -17,16 +17,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
 
-from . import __version__
+from . import __version__, named
 from .build import build_program
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
 
+LISTED = 10_000  # members of a family that are described one by one
+
 
 @dataclass(frozen=True)
 class Settings:
-    """Of one run; values in SI. Indices count flattened quantities in declaration order."""
+    """Of one run; values in SI. Indices count flattened quantities in declaration order, those of
+    parameters declared names where families are loops."""
 
     method: str
     until: float
@@ -37,6 +40,7 @@ class Settings:
     iteration: str
     max_steps: int
     parameters: tuple[tuple[int, float], ...]
+    members: tuple[tuple[int, int, float], ...]  # of families kept as loops: which one, position
     inputs: tuple[tuple[int, float], ...]
     start_q: tuple[tuple[int, float], ...]
     start_v: tuple[tuple[int, float], ...]
@@ -56,6 +60,7 @@ class Settings:
         if self.step is not None:
             said.append(f"step {self.step.hex()}")
         said += [f"param {i} {x.hex()}" for i, x in self.parameters]
+        said += [f"param {i} {x.hex()} {k}" for i, k, x in self.members]
         said += [f"input {i} {x.hex()}" for i, x in self.inputs]
         said += [f"start q {i} {x.hex()}" for i, x in self.start_q]
         said += [f"start v {i} {x.hex()}" for i, x in self.start_v]
@@ -72,17 +77,16 @@ class Outcome:
 
 
 def columns(compilation: Compilation, ensemble: Ensemble | None = None) -> list[Quantity]:
-    """The columns of the CSV, in order."""
-    equations = compilation.equations
+    """The columns of the CSV, in order; of a very long family one entry for all members."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
     member = [Quantity("member", "", "row of the ensemble's file, from 1")] if ensemble else []
     return [
         *member,
         time,
-        *equations.coordinates,
-        *equations.rates,
-        *equations.observed_names,
+        *named.coordinates(compilation).columns(LISTED),
+        *named.coordinates(compilation, rates=True).columns(LISTED),
+        *named.observed(compilation),
         energy,
     ]
 

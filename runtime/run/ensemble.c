@@ -8,6 +8,7 @@
 
 #include "ensemble.h"
 #include "members.h"
+#include "words.h"
 
 int ensemble_setting(struct settings *s, const struct pk_system *system, size_t line,
                      char *const word[], int *code)
@@ -23,8 +24,8 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
     size_t index;
     *code = 0;
     if (members || strcmp(word[0], "threads") == 0) {
-        if (!settings_index(word[1], (size_t)-1, members ? &s->members : &s->threads))
-            *code = settings_usage(line, "not a count", word[1]);
+        if (!words_index(word[1], (size_t)-1, members ? &s->members : &s->threads))
+            *code = words_usage(line, "not a count", word[1]);
         return 1;
     }
     if (strcmp(word[0], "column") != 0)
@@ -34,15 +35,15 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
             continue;
         struct column *columns =
             (struct column *)realloc(s->columns, (s->n_columns + 1) * sizeof *columns);
-        if (!columns || !settings_index(word[2], kinds[i].count, &index)) {
-            *code = settings_usage(line, "no such quantity", word[2]);
+        if (!columns || !words_index(word[2], kinds[i].count, &index)) {
+            *code = words_usage(line, "no such quantity", word[2]);
             return 1;
         }
         s->columns = columns;
         columns[s->n_columns++] = (struct column){kinds[i].name[0], index};
         return 1;
     }
-    *code = settings_usage(line, "a column is of param, input, q or v", word[1]);
+    *code = words_usage(line, "a column is of param, input, q or v", word[1]);
     return 1;
 }
 

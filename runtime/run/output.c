@@ -6,6 +6,8 @@
 #include <errno.h>
 #include <string.h>
 
+enum { MOST_LISTED = 10000 };
+
 static void csv_name(FILE *file, const char *name)
 {
     fputc(',', file);
@@ -25,11 +27,14 @@ static void csv_name(FILE *file, const char *name)
 void output_header(struct run *run, FILE *file)
 {
     const struct pk_system *system = run->problem.system;
+    const struct pk_quantity *const tables[] = {system->coordinates, system->rates};
+    char name[128];
     fputc('t', file);
-    for (size_t i = 0; i < system->n; i++)
-        csv_name(file, system->coordinates[i].name);
-    for (size_t i = 0; i < system->n; i++)
-        csv_name(file, system->rates[i].name);
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; i < run->settings.n; i++) {
+            pk_system_name(system, run->settings.params, tables[k], i, name, sizeof name);
+            csv_name(file, name);
+        }
     for (size_t i = 0; i < system->n_observed; i++)
         csv_name(file, system->observed[i].name);
     fputs(",energy\n", file);
@@ -55,12 +60,13 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
 {
     const struct pk_system *system = run->problem.system;
     const pk_real *u = run->settings.u;
-    pk_real *out = run->row + 2 * system->n;
+    const size_t n = run->settings.n;
+    pk_real *out = run->row + 2 * n;
 
     fprintf(file, "%.17g", (double)t);
-    for (size_t i = 0; i < system->n; i++)
+    for (size_t i = 0; i < n; i++)
         fprintf(file, ",%.17g", (double)q[i]);
-    for (size_t i = 0; i < system->n; i++)
+    for (size_t i = 0; i < n; i++)
         fprintf(file, ",%.17g", (double)v[i]);
     if (system->n_observed) {
         system->observe(run->settings.params, t, q, v, u, out);
@@ -135,7 +141,7 @@ static void json_drifts(struct run *run, FILE *file)
         json_drift(file, "energy", &m->energy);
         first = 0;
     }
-    for (size_t i = 0; m->momenta && i < system->n; i++)
+    for (size_t i = 0; m->momenta && i < run->settings.n; i++)
         if (system->cyclic && system->cyclic[i]) {
             fputs(first ? "" : ", ", file);
             first = 0;
@@ -169,9 +175,10 @@ static void json_run(struct run *run, FILE *file)
     fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
     output_real(file, it->t);
     fputs(",\n  ", file);
-    json_array(file, "q", it->q, it->n);
+    /* Of a large system the last row has them. */
+    json_array(file, "q", it->q, it->n <= MOST_LISTED ? it->n : 0);
     fputs(", ", file);
-    json_array(file, "v", it->v, it->n);
+    json_array(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
     fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
     fputs("  \"step\": ", file);
     if (method->traits & PK_ADAPTIVE)

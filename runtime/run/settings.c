@@ -5,12 +5,11 @@
 #include <string.h>
 
 #include "ensemble.h"
+#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
 #endif
-
-enum { EXIT_USAGE = 2 };
 
 const struct pk_method *run_method_at(size_t index)
 {
@@ -32,74 +31,19 @@ const struct pk_method *run_method_find(const char *name)
     return NULL;
 }
 
-int settings_usage(size_t line, const char *message, const char *word)
-{
-    fprintf(stderr, "run: settings line %zu: %s%s%s\n", line, message, word ? ": " : "",
-            word ? word : "");
-    return EXIT_USAGE;
-}
-
-static int parse_real(const char *word, pk_real *x)
-{
-    char *end = NULL;
-    if (!word || !*word)
-        return 0;
-#ifdef PK_LONG_DOUBLE
-    *x = strtold(word, &end);
-#else
-    *x = (pk_real)strtod(word, &end);
-#endif
-    return *end == '\0' && *x - *x == PK_C(0.0);
-}
-
-int settings_index(const char *word, size_t count, size_t *index)
-{
-    char *end = NULL;
-    if (!word || *word < '0' || *word > '9')
-        return 0;
-    const unsigned long long value = strtoull(word, &end, 10);
-    *index = (size_t)value;
-    return *end == '\0' && value < count;
-}
-
-static void *allocate(size_t count, size_t size)
-{
-    void *memory = calloc(count ? count : 1, size);
-    if (!memory) {
-        fprintf(stderr, "run: out of memory\n");
-        exit(4);
-    }
-    return memory;
-}
-
-static int set_param(struct settings *s, const struct pk_system *system, size_t line,
-                     char *const word[])
-{
-    size_t index;
-    pk_real x;
-    if (!settings_index(word[1], system->n_parameters, &index))
-        return settings_usage(line, "no such parameter", word[1]);
-    if (!parse_real(word[2], &x))
-        return settings_usage(line, "not a number", word[2]);
-    memcpy((char *)s->params + system->parameters[index].offset, &x, sizeof x);
-    s->given[index] = 1;
-    return 0;
-}
-
-static int set_start(struct settings *s, const struct pk_system *system, size_t line,
-                     char *const word[])
+static int set_start(struct settings *s, size_t line, char *const word[])
 {
     size_t index;
     pk_real x;
     const int rate = word[1] && strcmp(word[1], "v") == 0;
     if (!word[1] || (!rate && strcmp(word[1], "q") != 0))
-        return settings_usage(line, "start wants q or v", word[1]);
-    if (!settings_index(word[2], system->n, &index))
-        return settings_usage(line, "no such coordinate", word[2]);
-    if (!parse_real(word[3], &x))
-        return settings_usage(line, "not a number", word[3]);
+        return words_usage(line, "start wants q or v", word[1]);
+    if (!words_index(word[2], s->n, &index))
+        return words_usage(line, "no such coordinate", word[2]);
+    if (!words_real(word[3], &x))
+        return words_usage(line, "not a number", word[3]);
     (rate ? s->v : s->q)[index] = x;
-    s->start_given[rate ? system->n + index : index] = 1;
+    s->start_given[rate ? s->n + index : index] = 1;
     return 0;
 }
 
@@ -118,15 +62,15 @@ static int set_number(struct settings *s, const struct pk_system *system, size_t
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         if (strcmp(word[0], table[i].name) != 0)
             continue;
-        if (!parse_real(word[1], table[i].x))
-            return settings_usage(line, "not a number", word[1]);
+        if (!words_real(word[1], table[i].x))
+            return words_usage(line, "not a number", word[1]);
         if (*table[i].x < 0 || (!table[i].zero_too && !(*table[i].x > 0)))
-            return settings_usage(line, "must be positive", word[0]);
+            return words_usage(line, "must be positive", word[0]);
         s->has_rtol |= table[i].x == &s->options.rtol;
         s->has_atol |= table[i].x == &s->options.atol;
         return 0;
     }
-    return settings_usage(line, "unknown setting", word[0]);
+    return words_usage(line, "unknown setting", word[0]);
 }
 
 static int set(struct settings *s, const struct pk_system *system, size_t line,
@@ -134,38 +78,40 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
 {
     size_t index;
     int code;
+    if (strcmp(word[0], "size") == 0)
+        return settings_size(s, system, line, word);
+    if (strcmp(word[0], "param") == 0 || strcmp(word[0], "start") == 0)
+        settings_begin(s, system);
     if (strcmp(word[0], "param") == 0)
-        return set_param(s, system, line, word);
+        return settings_param(s, system, line, word);
     if (strcmp(word[0], "start") == 0)
-        return set_start(s, system, line, word);
+        return set_start(s, line, word);
     if (strcmp(word[0], "input") == 0) {
-        if (!settings_index(word[1], system->n_inputs, &index))
-            return settings_usage(line, "no such input", word[1]);
-        return parse_real(word[2], &s->u[index])
-                   ? 0
-                   : settings_usage(line, "not a number", word[2]);
+        if (!words_index(word[1], system->n_inputs, &index))
+            return words_usage(line, "no such input", word[1]);
+        return words_real(word[2], &s->u[index]) ? 0 : words_usage(line, "not a number", word[2]);
     }
     if (!word[1])
-        return settings_usage(line, "a value is missing", word[0]);
+        return words_usage(line, "a value is missing", word[0]);
     if (strcmp(word[0], "method") == 0) {
         s->method = run_method_find(word[1]);
-        return s->method ? 0 : settings_usage(line, "unknown method", word[1]);
+        return s->method ? 0 : words_usage(line, "unknown method", word[1]);
     }
     if (strcmp(word[0], "iteration") == 0) {
         if (strcmp(word[1], "newton") != 0 && strcmp(word[1], "fixed") != 0)
-            return settings_usage(line, "iteration is newton or fixed", word[1]);
+            return words_usage(line, "iteration is newton or fixed", word[1]);
         s->options.iteration = word[1][0] == 'f' ? PK_FIXED_POINT : PK_NEWTON;
         return 0;
     }
     if (strcmp(word[0], "rows") == 0) {
         if (strcmp(word[1], "land") != 0 && strcmp(word[1], "dense") != 0)
-            return settings_usage(line, "rows is land or dense", word[1]);
+            return words_usage(line, "rows is land or dense", word[1]);
         s->land = word[1][0] == 'l';
         return 0;
     }
     if (strcmp(word[0], "max_steps") == 0) {
-        if (!settings_index(word[1], (size_t)-1, &index))
-            return settings_usage(line, "not a count", word[1]);
+        if (!words_index(word[1], (size_t)-1, &index))
+            return words_usage(line, "not a count", word[1]);
         s->options.max_steps = (unsigned long)index;
         return 0;
     }
@@ -181,7 +127,7 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
 static void set_path(char **path, const char *text)
 {
     free(*path);
-    *path = (char *)allocate(strlen(text) + 1, 1);
+    *path = (char *)words_allocate(strlen(text) + 1, 1);
     strcpy(*path, text);
 }
 
@@ -199,18 +145,19 @@ static int set_line(struct settings *s, const struct pk_system *system, size_t l
         word[count++] = w;
     if (count == 0)
         return 0;
-    if (count == 5)
-        return settings_usage(line, "too many words", word[4]);
-    return set(s, system, line, word);
+    return count == 5 ? words_usage(line, "too many words", word[4]) : set(s, system, line, word);
 }
 
 static int finish(struct settings *s, const struct pk_system *system)
 {
-    pk_real *q = (pk_real *)allocate(2 * system->n, sizeof *q), *v = q + system->n;
-    system->derive(s->params, s->given);
+    settings_begin(s, system);
+    pk_real *q = (pk_real *)words_allocate(2 * s->n, sizeof *q), *v = q + s->n;
+    settings_follow(s, system);
     const int outside = system->prepare(s->params);
     if (outside) {
-        if ((size_t)outside > system->n_parameters)
+        if ((size_t)outside > system->n_parameters + 1)
+            fprintf(stderr, "run: a size is too small\n");
+        else if ((size_t)outside > system->n_parameters)
             fprintf(stderr, "run: what is computed from the parameters is not finite\n");
         else
             fprintf(stderr, "run: parameter %s is outside its bounds\n",
@@ -219,19 +166,19 @@ static int finish(struct settings *s, const struct pk_system *system)
         return EXIT_USAGE;
     }
     system->start(s->params, q, v);
-    for (size_t i = 0; i < system->n; i++) {
+    for (size_t i = 0; i < s->n; i++) {
         if (!s->start_given[i])
             s->q[i] = q[i];
-        if (!s->start_given[system->n + i])
+        if (!s->start_given[s->n + i])
             s->v[i] = v[i];
     }
     free(q);
     if (s->has_rtol && !s->has_atol)
         s->options.atol = s->options.rtol;
     if (!s->method)
-        return settings_usage(0, "no method", NULL);
+        return words_usage(0, "no method", NULL);
     if (!(s->until > 0))
-        return settings_usage(0, "no until", NULL);
+        return words_usage(0, "no until", NULL);
     return 0;
 }
 
@@ -243,16 +190,16 @@ int settings_read(struct settings *s, const struct pk_system *system, FILE *file
     s->every = -1;
     s->land = -1;
     s->options = pk_options_default();
-    s->params = allocate(1, system->params_size);
-    s->given = (unsigned char *)allocate(system->n_parameters, 1);
-    s->q = (pk_real *)allocate(system->n, sizeof *s->q);
-    s->v = (pk_real *)allocate(system->n, sizeof *s->v);
-    s->u = (pk_real *)allocate(system->n_inputs, sizeof *s->u);
-    s->start_given = (unsigned char *)allocate(2 * system->n, 1);
-    system->defaults(s->params);
+    s->params = words_allocate(1, system->params_size);
+    s->given = (unsigned char *)words_allocate(system->n_parameters, 1);
+    s->u = (pk_real *)words_allocate(system->n_inputs, sizeof *s->u);
+    if (system->set_sizes)
+        system->set_sizes(s->params);
+    else
+        settings_begin(s, system);
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, file); line++) {
         if (!strchr(text, '\n') && !feof(file))
-            code = settings_usage(line, "line too long", NULL);
+            code = words_usage(line, "line too long", NULL);
         else
             code = set_line(s, system, line, text);
     }
@@ -263,8 +210,9 @@ void settings_free(struct settings *s)
 {
     free(s->params);
     free(s->given);
+    free(s->params_block);
+    free(s->set);
     free(s->q);
-    free(s->v);
     free(s->u);
     free(s->start_given);
     free(s->report);

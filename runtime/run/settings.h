@@ -2,9 +2,11 @@
  * blanks, numbers in decimal or in C's hexadecimal.
  *
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
- *     max_steps N | param INDEX X | start q|v INDEX X | input INDEX X | report PATH
- *     progress 0|1 | rows land|dense
+ *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
+ *     progress 0|1 | rows land|dense | size INDEX N
  *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
+ *
+ * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
  *
  * The file of an ensemble says what differs from member to member: a row of doubles, as they are
  * in memory, for each; in a row a number for each `column`, in their order.
@@ -33,7 +35,11 @@ struct settings {
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;
-    void *params;
+    size_t n; /* degrees of freedom */
+    void *params, *params_block;
+    struct member *set; /* members of families of parameters */
+    size_t n_set;
+    int begun; /* sizes are settled, memory is there */
     unsigned char *given; /* which parameters were set */
     pk_real *q, *v, *u;
     unsigned char *start_given; /* 2 n flags */
@@ -42,12 +48,16 @@ struct settings {
     struct column *columns;
 };
 
-/* For one more setting: what is wrong with its line, and an index below `count`. */
-int settings_usage(size_t line, const char *message, const char *word);
-int settings_index(const char *word, size_t count, size_t *index);
-
 /* 0, or the process's exit code, with a message on standard error. */
 int settings_read(struct settings *settings, const struct pk_system *system, FILE *file);
+/* Of parameters.c: memory and defaults once sizes are known; one size; one parameter; the defaults
+ * that follow what was given. */
+void settings_begin(struct settings *settings, const struct pk_system *system);
+int settings_size(struct settings *settings, const struct pk_system *system, size_t line,
+                  char *const word[]);
+int settings_param(struct settings *settings, const struct pk_system *system, size_t line,
+                   char *const word[]);
+void settings_follow(struct settings *settings, const struct pk_system *system);
 void settings_free(struct settings *settings);
 
 /* The core's methods, then GSL's. */

@@ -63,6 +63,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
     if (method->needs & ~system->facts)
         return fail(it, PK_REFUSED, 0);
+    if (system->count && !system->jacobian && (method->traits & PK_IMPLICIT))
+        return fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
     if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))

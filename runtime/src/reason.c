@@ -35,6 +35,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     const char *what = pk_status_text(it->status);
     const double t = (double)it->t;
     const struct pk_system *system = it->problem.system;
+    char name[128];
 
     switch (it->status) {
     case PK_BAD_ARGUMENT:
@@ -44,17 +45,25 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             if (it->method->needs & ~system->facts & fact_text[i].fact)
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
+        if (system->count && (it->method->traits & PK_IMPLICIT))
+            return snprintf(text, size,
+                            "%s needs Jacobians; %s keeps its families as loops and has none",
+                            it->method->name, system->name);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_OUT_OF_BOUNDS:
         if (it->where < system->n_parameters)
             return snprintf(text, size, "%s: %s", what, system->parameters[it->where].what.name);
+        if (it->where > system->n_parameters)
+            return snprintf(text, size, "%s: a size is too small, or memory for it is missing",
+                            what);
         return snprintf(text, size, "%s: what follows from the parameters is not finite", what);
     case PK_SINGULAR_MASS:
+        pk_system_name(system, it->problem.params, system->coordinates, it->where, name,
+                       sizeof name);
         return snprintf(text, size,
                         "%s: pivot of coordinate %s is not positive at t = %.17g; "
                         "last valid time %.17g",
-                        what, system->coordinates ? system->coordinates[it->where].name : "?",
-                        (double)it->detail, t);
+                        what, name, (double)it->detail, t);
     case PK_NO_CONVERGENCE:
         return snprintf(text, size,
                         "%s: after a correction of %.3g of the rates; last valid time %.17g",

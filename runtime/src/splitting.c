@@ -23,6 +23,11 @@ static enum pk_status splitting_step(struct pk_integrator *it, pk_real limit)
     return generic_splitting(it, (const struct pk_splitting *)it->method->table);
 }
 
+const struct pk_splitting *pk_splitting_table(const struct pk_method *method)
+{
+    return method->step == splitting_step ? (const struct pk_splitting *)method->table : NULL;
+}
+
 #define SPLITTING(symbol, text, p, s, more)                                                   \
     const struct pk_method pk_##symbol = {.name = #symbol,                                    \
                                           .doc = text,                                        \

@@ -16,6 +16,9 @@ extern const struct pk_method pk_euler, pk_rk4, pk_dopri5, pk_dop853;
 extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
 
+/* Kicks and drifts of a splitting method; NULL of any other. */
+const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+
 size_t pk_gauss_size(const struct pk_method *method, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);
 enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit);

@@ -1,4 +1,5 @@
-"""Three models' C, kept under version control so that every change of the output is seen.
+"""Four models' C, one with its families as loops, kept under version control so that every change
+of the output is seen.
 
 After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
 """
@@ -11,16 +12,26 @@ from pathlib import Path
 import pytest
 from c_harness import MODELS, ROOT, read_model
 from pkgen.back.render import render
+from pkgen.compiler import compile_model
+from pkgen.source import Source
 
 GOLDEN = ROOT / "tests" / "golden"
-NAMES = ("coupled_oscillators", "double_pendulum", "heavy_top")
+UNROLLED = ("coupled_oscillators", "double_pendulum", "heavy_top")
+LOOPED = ("fput",)
+NAMES = UNROLLED + LOOPED
+
+
+def files_of(name: str) -> dict[str, str]:
+    if name in LOOPED:
+        path = ROOT / "models" / "families" / f"{name}.lag"
+        return compile_model(Source(path.name, path.read_text(encoding="utf-8"))).files
+    _, program = read_model(next(p for p in MODELS if p.stem == name))
+    return render(program)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_golden(name):
-    path = next(p for p in MODELS if p.stem == name)
-    _, program = read_model(path)
-    files = render(program)
+    files = files_of(name)
     assert set(files) == {f"{name}.h", f"{name}.c"}
     for file, text in files.items():
         kept = GOLDEN / file

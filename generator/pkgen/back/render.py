@@ -68,9 +68,8 @@ def render(program: Program, *, self_test: bool = False) -> dict[str, str]:
     if self_test:
         _refuse_parts(program)
         templates[f"{name}_selftest.c"] = "selftest.c.j2"
-    environment = _environment()
     return {
-        file: environment.get_template(template).render(context)
+        file: environment().get_template(template).render(context)
         for file, template in templates.items()
     }
 
@@ -83,7 +82,7 @@ def _refuse_parts(program: Program) -> None:
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
     import jinja2  # only where there is C to write: it takes longer to load than a model to check
 
     environment = jinja2.Environment(

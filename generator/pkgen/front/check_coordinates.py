@@ -156,7 +156,8 @@ class Coordinates:
             at = [index]
         for index in at:
             if self._end_allowed(keyword, left, index, lo, hi):
-                self.parts["ends"].append(m.End(keyword, left.name, index, value, statement.span))
+                end = m.End(keyword, left.name, index, value, statement.span, left.index)
+                self.parts["ends"].append(end)
                 if index is not None:
                     entry.members.add(index, index)
 

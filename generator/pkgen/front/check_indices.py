@@ -84,8 +84,8 @@ class Indices:
                 variables=scope.variables | {item.variable},
                 points=scope.points * length,
             )
-            if scope.points > limits.UNROLLED:
-                self.report.error(f"more than {limits.UNROLLED} terms in nested sums", item.span)
+            if scope.points > limits.FAMILY:
+                self.report.error(f"more than {limits.FAMILY:,} terms in nested sums", item.span)
                 return None
         return scope
 
@@ -109,7 +109,7 @@ class Indices:
         length = loop.interval[1] - loop.interval[0] + 1
         if length > limits.FAMILY:
             self.report.error(
-                f"a range of {length} values; the limit is {limits.FAMILY}", item.span
+                f"a range of {length:,} values; the limit is {limits.FAMILY:,}", item.span
             )
             return None
         return loop
@@ -124,7 +124,7 @@ class Indices:
             return None
         if last - first + 1 > limits.FAMILY:
             self.report.error(
-                f"a family of {last - first + 1} members; the limit is {limits.FAMILY}", span
+                f"a family of {last - first + 1:,} members; the limit is {limits.FAMILY:,}", span
             )
             return None
         return first, last

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
 
+from .. import limits
 from .. import model as m
 from ..indices import integer
 from .check_names import Report
@@ -56,7 +57,11 @@ def _constant(item: m.Definition, values: dict, sizes: Mapping[str, int]) -> Non
 def _indices(item: m.Parameter, sizes: Mapping[str, int]):
     if item.range is None:
         return [None]
-    return range(integer(item.range.lo, sizes), integer(item.range.hi, sizes) + 1)
+    lo, hi = integer(item.range.lo, sizes), integer(item.range.hi, sizes)
+    if hi - lo < limits.SAMPLED:
+        return range(lo, hi + 1)
+    half = limits.SAMPLED // 2  # of a longer family, as many at each end
+    return [*range(lo, lo + half), *range(hi - half + 1, hi + 1)]
 
 
 def _ends(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):

@@ -25,12 +25,13 @@ from .quantities import (
 from .solve import SingularMass
 
 
-def derive(model: Model, kernels: frozenset[str] | None = None) -> Equations:
+def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
     """The equations of motion; of the kernels not in `kernels` (None: all) the costly are skipped.
+    `unrolled` says why families are not loops, for models that are too large so.
 
     An input grows a derivative whenever the equations turn out to need one.
     """
-    _check_size(model)
+    _check_size(model, unrolled)
     orders = [item.order for item in model.inputs]
     while True:
         try:
@@ -170,13 +171,14 @@ def _starts(x: Expander) -> tuple[Row, Row]:
     return tuple(values[0]), tuple(values[1])
 
 
-def _check_size(model: Model) -> None:
+def _check_size(model: Model, unrolled: str) -> None:
     found = families(model, model.coordinates)
-    count = sum(len(family.members) for family in found.values())
+    count = sum(family.count for family in found.values())
     if count**2 > limits.UNROLLED and found:
-        largest = max(found.values(), key=lambda family: len(family.members))
+        largest = max(found.values(), key=lambda family: family.count)
         message = f"{count:,} coordinates: M alone has more than {limits.UNROLLED:,} entries"
-        raise error(model, message, largest.span, "make its families smaller")
+        why = f", which cannot stay loops: {unrolled}" if unrolled else ""
+        raise error(model, message, largest.span, f"make its families smaller{why}")
 
 
 def _check_inertia(x: Expander, motion: Motion) -> None:

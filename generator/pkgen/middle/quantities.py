@@ -26,6 +26,10 @@ class Family:
     def members(self) -> tuple[int | None, ...]:
         return (None,) if self.lo is None else tuple(range(self.lo, self.hi + 1))
 
+    @property
+    def count(self) -> int:
+        return 1 if self.lo is None else self.hi - self.lo + 1
+
     def flat(self, index: int | None) -> int:
         return self.first if self.lo is None else self.first + index - self.lo
 
@@ -49,7 +53,7 @@ def families(model: Model, declarations: tuple[Parameter | Coordinate, ...]) -> 
     for item in declarations:
         lo, hi = ends(model, item.range)
         result[item.name] = Family(item.name, first, lo, hi, item.span)
-        first += len(result[item.name].members)
+        first += result[item.name].count
     return result
 
 

@@ -67,6 +67,19 @@ struct pk_block_stepper {
     unsigned long long (*step)(struct pk_block *block);
 };
 
+/* The length of families, in struct NAME_params: a ptrdiff_t. */
+struct pk_size {
+    struct pk_quantity what;
+    size_t offset;
+};
+
+/* The members of a declared name: lo, lo + 1, ...; or it is no family, and count is 1. */
+struct pk_range {
+    ptrdiff_t lo;
+    size_t count;
+    int is_family;
+};
+
 struct pk_system {
     unsigned abi; /* PK_ABI */
     const char *name;
@@ -137,6 +150,26 @@ struct pk_system {
     const struct pk_block_stepper *block_steppers;
     size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
                                             is chosen at run time; NULL: n */
+
+    /* The rest is for families kept as loops; where count is NULL it is 0. Then n is the count at
+     * the default sizes; coordinates, rates, momenta and parameters have an entry for each
+     * declared name (q for q[1..N]), cyclic is NULL, mass and jacobian are, and the offset of a
+     * family of parameters is that of a pointer to its members. Before defaults(): set_sizes() and
+     * any sizes of one's own, then attach() with block_size() bytes, aligned for pk_real (0: none
+     * needed, or a size is too small). prepare() returns 2 + n_parameters if a size is too small. */
+    size_t n_sizes;
+    const struct pk_size *sizes;
+    void (*set_sizes)(void *params);
+    size_t (*block_size)(const void *params);
+    void (*attach)(void *params, void *block);
+    size_t n_coordinates; /* declared names */
+    /* The members of declared coordinate (or parameter) number k. */
+    void (*range)(const void *params, int parameter, size_t k, struct pk_range *range);
+    /* `steps` steps of h of a splitting method in place, in as few passes over memory as can be:
+     * kicks v += kick[i] h a(q, t), i = 0 .. stages, and drifts q += drift[i] h v between them.
+     * Uncompensated. NULL: there is none. */
+    void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
+                    pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
 };
 
 /* Degrees of freedom. */
@@ -144,6 +177,11 @@ static inline size_t pk_system_count(const struct pk_system *system, const void 
 {
     return system->count ? system->count(params) : system->n;
 }
+
+/* The name of coordinate i (a number in q): "theta", "q[3]". `table` is the system's coordinates,
+ * rates or momenta ("q[3]'", "p_q[3]"). Returns its length as snprintf() does. */
+int pk_system_name(const struct pk_system *system, const void *params,
+                   const struct pk_quantity *table, size_t i, char *text, size_t size);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,110 @@
+"""Index expressions that are known only at run time: an integer plus multiples of names.
+
+`q[i+1]` in `sum(..., i = 0..N)` reaches from 1 to N+1, whatever N is: ranges, ends and guards of
+loops are such sums of sizes and loop variables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..indices import NotAnInteger
+from ..tree import Add, Expr, Multiply, Name, Negate, Number
+
+ROW = "m"  # the row of the equations of motion that is being computed
+OTHER = "j"  # the other end of a pair
+LOOPS = (ROW, OTHER)
+
+
+@dataclass(frozen=True, slots=True)
+class Affine:
+    """constant + sum of factor * name, the names sorted, no factor zero."""
+
+    constant: int = 0
+    terms: tuple[tuple[str, int], ...] = ()
+
+    def __add__(self, other: Affine | int) -> Affine:
+        if isinstance(other, int):
+            return Affine(self.constant + other, self.terms)
+        factors = dict(self.terms)
+        for name, factor in other.terms:
+            factors[name] = factors.get(name, 0) + factor
+        kept = tuple(sorted((n, f) for n, f in factors.items() if f))
+        return Affine(self.constant + other.constant, kept)
+
+    def __neg__(self) -> Affine:
+        return Affine(-self.constant, tuple((n, -f) for n, f in self.terms))
+
+    def __sub__(self, other: Affine | int) -> Affine:
+        return self + -other
+
+    def times(self, factor: int) -> Affine:
+        if factor == 0:
+            return Affine()
+        return Affine(self.constant * factor, tuple((n, f * factor) for n, f in self.terms))
+
+    @property
+    def is_constant(self) -> bool:
+        return not self.terms
+
+    def factor(self, name: str) -> int:
+        return dict(self.terms).get(name, 0)
+
+    def without(self, name: str) -> Affine:
+        return Affine(self.constant, tuple((n, f) for n, f in self.terms if n != name))
+
+    def replaced(self, values: Mapping[str, Affine]) -> Affine:
+        """With names replaced by what they stand for."""
+        total = Affine(self.constant)
+        for name, factor in self.terms:
+            total = total + values.get(name, variable(name)).times(factor)
+        return total
+
+    def value(self, values: Mapping[str, int]) -> int:
+        return self.constant + sum(f * values[n] for n, f in self.terms)
+
+    def text(self, names: Mapping[str, str] | None = None) -> str:
+        """As C and as people write it: `N + 1`, `m - 1`, `2 * N`."""
+        parts: list[str] = []
+        for name, factor in sorted(self.terms, key=lambda x: (x[1] < 0, x[0] not in LOOPS)):
+            shown = names[name] if names and name in names else name
+            shown = shown if abs(factor) == 1 else f"{abs(factor)} * {shown}"
+            sign = "-" if factor < 0 else "+"
+            parts.append(f" {sign} {shown}" if parts else ("-" if factor < 0 else "") + shown)
+        if self.constant or not parts:
+            sign, size = ("-" if self.constant < 0 else "+"), abs(self.constant)
+            parts.append(f" {sign} {size}" if parts else str(self.constant))
+        return "".join(parts)
+
+
+def variable(name: str) -> Affine:
+    return Affine(0, ((name, 1),))
+
+
+def affine(expr: Expr, values: Mapping[str, Affine]) -> Affine:
+    """An index expression, `values` giving the sizes and loop variables."""
+    match expr:
+        case Number(value=value) if value.denominator == 1:
+            return Affine(int(value))
+        case Name(id=name, index=None) if name in values:
+            return values[name]
+        case Negate(of=of):
+            return -affine(of, values)
+        case Add(terms=terms, signs=signs):
+            total = Affine()
+            for term, sign in zip(terms, signs, strict=True):
+                total = total + affine(term, values).times(sign)
+            return total
+        case Multiply(factors=factors, exponents=exponents) if all(e == 1 for e in exponents):
+            product = Affine(1)
+            for factor in factors:
+                value = affine(factor, values)
+                if not (product.is_constant or value.is_constant):
+                    raise NotAnInteger("a product of sizes", expr.span)
+                if value.is_constant:
+                    product = product.times(value.constant)
+                else:
+                    product = value.times(product.constant)
+            return product
+    raise NotAnInteger("an index may use integers, sizes, loop variables, + - *", expr.span)

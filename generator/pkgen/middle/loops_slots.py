@@ -1,0 +1,35 @@
+"""Slots in expressions: which there are, and others in their place."""
+
+from __future__ import annotations
+
+from .differentiate import reachable
+from .graph import Graph, Node, Op
+from .loops import Slot
+from .loops_expand import LoopExpander
+
+
+def slots_of(x: LoopExpander, nodes: list[Node]) -> list[Slot]:
+    """The slots that some nodes need, in the order in which they were met first."""
+    found = (x.slot_of(n) for n in reachable(x.graph, nodes) if x.graph.op[n] is Op.SYMBOL)
+    return [slot for slot in found if slot is not None]
+
+
+def substitute(g: Graph, node: Node, values: dict[Node, Node]) -> Node:
+    """The node with symbols replaced."""
+    known = dict(values)
+    for n in reachable(g, [node]):
+        if n in known:
+            continue
+        args = [known[a] for a in g.args[n]]
+        op = g.op[n]
+        if tuple(args) == g.args[n]:
+            known[n] = n
+        elif op is Op.ADD:
+            known[n] = g.add(*args)
+        elif op is Op.MULTIPLY:
+            known[n] = g.multiply(*args)
+        elif op is Op.POWER:
+            known[n] = g.power(args[0], g.data[n])
+        else:
+            known[n] = g.call(g.data[n], *args)
+    return known[node]

@@ -1,0 +1,107 @@
+"""An energy as a list of terms, each a sum of one body: what is linear in sums is taken apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ..tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
+from .affine import Affine, variable
+from .graph import Node
+from .loops import Unrolled
+from .loops_expand import Loop, LoopExpander, has_sum
+
+SHORT = 8  # a range of constant length up to this is written out
+
+
+@dataclass(frozen=True)
+class Term:
+    """factor * sum of body over the ranges, none, one or two of them."""
+
+    body: Expr
+    loop: Loop  # what the names of the ranges written out stand for
+    ranges: tuple[tuple[str, Affine, Affine], ...]  # variable, lo, hi (of its own and sizes)
+
+    def at(self, x: LoopExpander, *values: Affine) -> Node:
+        """The body with its loop variables at the indices given."""
+        own = {name: at for (name, _, _), at in zip(self.ranges, values, strict=True)}
+        loop = {name: at.replaced(own) for name, at in self.loop.items()}
+        return x.scalar(self.body, loop)
+
+
+def terms(x: LoopExpander, expr: Expr, sign: int = 1) -> list[Term]:
+    found: list[Term] = []
+    _collect(x, expr if sign > 0 else Negate(expr, expr.span), [], dict(x.sizes), (), found)
+    return found
+
+
+def _collect(
+    x: LoopExpander,
+    expr: Expr,
+    factors: list[tuple[Expr, int]],
+    loop: Loop,
+    ranges: tuple[tuple[str, Affine, Affine], ...],
+    found: list[Term],
+) -> None:
+    """Adds the terms of factors * expr within the ranges."""
+    if not has_sum(x, expr):
+        if factors:
+            parts = [*factors, (expr, 1)]
+            parts.sort(key=lambda part: -part[1])  # the first factor multiplies
+            body = Multiply(tuple(f for f, _ in parts), tuple(e for _, e in parts), expr.span)
+        else:
+            body = expr
+        found.append(Term(body, loop, ranges))
+        return
+    match expr:
+        case Add(terms=parts, signs=signs):
+            for part, sign in zip(parts, signs, strict=True):
+                signed = part if sign > 0 else Negate(part, part.span)
+                _collect(x, signed, factors, loop, ranges, found)
+        case Negate(of=of, span=span):
+            minus = Negate(Number(Fraction(1), span), span)
+            _collect(x, of, [*factors, (minus, 1)], loop, ranges, found)
+        case Multiply(factors=parts, exponents=exponents):
+            summed = [i for i, part in enumerate(parts) if has_sum(x, part)]
+            if len(summed) != 1 or exponents[summed[0]] != 1:
+                raise Unrolled("a sum is multiplied by a sum or divides")
+            rest = [
+                (part, e)
+                for i, (part, e) in enumerate(zip(parts, exponents, strict=True))
+                if i != summed[0]
+            ]
+            _collect(x, parts[summed[0]], [*factors, *rest], loop, ranges, found)
+        case Sum(body=body, ranges=inner):
+            _within(x, body, factors, loop, ranges, list(inner), found)
+        case Name(id=name, index=None):
+            _collect(x, x.definitions[name][-1].value, factors, loop, ranges, found)
+        case _:
+            raise Unrolled("a sum stands inside a function, a power or a vector")
+
+
+def _within(
+    x: LoopExpander,
+    body: Expr,
+    factors: list[tuple[Expr, int]],
+    loop: Loop,
+    ranges: tuple[tuple[str, Affine, Affine], ...],
+    left: list[Range],
+    found: list[Term],
+) -> None:
+    """The terms of a sum, one range after the other; short ranges are written out."""
+    if not left:
+        _collect(x, body, factors, loop, ranges, found)
+        return
+    item = left[0]
+    lo, hi = x.index(item.lo, loop), x.index(item.hi, loop)
+    length = hi - lo
+    if length.is_constant and length.constant < SHORT:
+        for k in range(length.constant + 1):
+            at = {**loop, item.variable: lo + k}
+            _within(x, body, factors, at, ranges, left[1:], found)
+        return
+    if len(ranges) == 2:
+        raise Unrolled("a sum over three indices")
+    own = f"{item.variable}#{len(ranges)}"  # apart from a name of a size
+    at = {**loop, item.variable: variable(own)}
+    _within(x, body, factors, at, (*ranges, (own, lo, hi)), left[1:], found)

@@ -1,0 +1,130 @@
+"""The quantities of a compiled model by name, families not written out: there may be millions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from .compiler import Compilation
+from .equations import Quantity
+from .middle.quantities import families, indexed, input_quantities
+from .model import Coordinate, Parameter
+
+SUGGESTED = 12  # members of a family that a hint goes through
+_MEMBER = re.compile(r"(\w+)\[(-?\d+)\]('*)")
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A declared name: one quantity, or members lo..hi; `first` is the flat index of the first."""
+
+    quantity: Quantity
+    first: int
+    lo: int | None
+    hi: int | None
+
+    def member(self, index: int | None) -> Quantity:
+        name, primes = self.quantity.name.rstrip("'"), self.quantity.name.count("'")
+        shown = indexed(name, index) + "'" * primes
+        return Quantity(shown, self.quantity.unit, self.quantity.description)
+
+    @property
+    def count(self) -> int:
+        return 1 if self.lo is None else self.hi - self.lo + 1
+
+
+class Named:
+    """Name -> (flat index, quantity). Iteration gives names to suggest, of a family the first."""
+
+    def __init__(self, declared: list[Declared]):
+        self.declared = declared
+        self._by_name = {d.quantity.name: d for d in declared}
+
+    def find(self, name: str) -> tuple[Declared, int | None] | None:
+        """What was declared, and the index of the member."""
+        member = _MEMBER.fullmatch(name)
+        index = int(member[2]) if member else None
+        found = self._by_name.get(member[1] + member[3] if member else name)
+        if found is None or (found.lo is None) != (index is None):
+            return None
+        if index is not None and not found.lo <= index <= found.hi:
+            return None
+        return found, index
+
+    def __contains__(self, name: str) -> bool:
+        return self.find(name) is not None
+
+    def __getitem__(self, name: str) -> tuple[int, Quantity]:
+        found = self.find(name)
+        if found is None:
+            raise KeyError(name)
+        declared, index = found
+        flat = declared.first + (0 if index is None else index - declared.lo)
+        return flat, declared.member(index)
+
+    def __iter__(self) -> Iterator[str]:
+        for item in self.declared:
+            if item.lo is None:
+                yield item.quantity.name
+            else:
+                for index in range(item.lo, min(item.hi, item.lo + SUGGESTED) + 1):
+                    yield item.member(index).name
+
+    @property
+    def count(self) -> int:
+        return sum(item.count for item in self.declared)
+
+    def columns(self, most: int) -> list[Quantity]:
+        """A quantity a column; of a family of more than `most` members one for all: q[1..N]."""
+        found = []
+        for item in self.declared:
+            if item.lo is None:
+                found.append(item.quantity)
+            elif item.count > most:
+                found.append(item.member(f"{item.lo}..{item.hi}"))  # type: ignore[arg-type]
+            else:
+                found += [item.member(index) for index in range(item.lo, item.hi + 1)]
+        return found
+
+
+def coordinates(compilation: Compilation, rates: bool = False) -> Named:
+    model = compilation.model
+    found = families(model, model.coordinates)
+
+    def quantity(c: Coordinate) -> Quantity:
+        unit = c.rate_unit if rates else c.unit
+        return Quantity(c.name + ("'" if rates else ""), unit, c.description)
+
+    return Named([_declared(quantity(c), found[c.name]) for c in model.coordinates])
+
+
+def parameters(compilation: Compilation) -> Named:
+    """By flat index; see position() for what the loops of C count."""
+    model = compilation.model
+    found = families(model, model.parameters)
+
+    def quantity(p: Parameter) -> Quantity:
+        return Quantity(p.name, p.unit, p.description)
+
+    return Named([_declared(quantity(p), found[p.name]) for p in model.parameters])
+
+
+def inputs(compilation: Compilation) -> Named:
+    equations = compilation.equations
+    listed = (
+        input_quantities(compilation.model, equations.orders)
+        if compilation.looped
+        else equations.inputs
+    )
+    return Named([Declared(q, i, None, None) for i, q in enumerate(listed)])
+
+
+def observed(compilation: Compilation) -> list[Quantity]:
+    if compilation.looped:
+        return [Quantity(o.name, o.unit, o.description) for o in compilation.model.observed]
+    return list(compilation.equations.observed_names)
+
+
+def _declared(quantity: Quantity, family) -> Declared:
+    return Declared(quantity, family.first, family.lo, family.hi)

@@ -1,0 +1,162 @@
+"""Families kept as loops, as a user meets them: emission, runs at any size, what is said."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+FPUT = ROOT / "models" / "families" / "fput.lag"
+PARTS = """\
+model parts
+size N = 40
+param m[i = 1..N] = 1 + 0.1*i in (0, inf)
+param k = 2
+param kk[i = 1..N] = k*m[i]
+coord X
+coord q[0..N]
+fixed q[-1] = 0, q[N+1] = 0
+kinetic sum(m[i]/2*q[i]'^2, i = 1..N) + q[0]'^2/2 + X'^2/2
+potential sum((q[i+1] - q[i])^2/2, i = -1..N) + sum(kk[i]*q[i]^2/2, i = 1..N) + (q[0] - X)^2
+observe seen = q[3] + k*X
+start X = 1, q[i = 0..N] = 0.1*cos(i)
+"""
+
+
+def rows(text: str) -> tuple[list[str], list[list[float]]]:
+    table = list(csv.reader(io.StringIO(text)))
+    return table[0], [[float(x) for x in row] for row in table[1:]]
+
+
+def ran(pkgen, *arguments) -> tuple[list[str], list[list[float]]]:
+    done = pkgen("run", *arguments)
+    assert done.returncode == 0, done.stderr
+    return rows(done.stdout)
+
+
+@pytest.fixture
+def parts(tmp_path: Path) -> Path:
+    path = tmp_path / "parts.lag"
+    path.write_text(PARTS, encoding="utf-8")
+    return path
+
+
+def test_emission_keeps_loops_whatever_the_size(pkgen, tmp_path: Path) -> None:
+    for size in (2, 5_000_000):
+        assert pkgen(FPUT, "-o", tmp_path, "--size", f"N={size}").returncode == 0
+        text = (tmp_path / "fput.c").read_text()
+        assert "fput_advance" in text and f"p->N = {size};" in text
+
+
+def test_a_small_family_runs_unrolled_and_agrees_with_loops(pkgen, parts: Path) -> None:
+    common = (
+        "--until",
+        "2",
+        "--every",
+        "1",
+        "--rtol",
+        "1e-12",
+        "--set",
+        "m[2]=3.5",
+        "--set",
+        "k=1.3",
+        "--start",
+        "q[1]'=0.7",
+        "--start",
+        "X=0.4",
+    )
+    loops = ran(pkgen, parts, "--size", "N=17", *common)
+    # 16 coordinates and fewer are unrolled: the same chain, its far end cut off and held.
+    names, table = loops
+    assert names[:4] == ["t", "X", "q[0]", "q[1]"] and names[20:23] == ["X'", "q[0]'", "q[1]'"]
+    assert names[-2:] == ["seen", "energy"] and len(table) == 3
+    assert table[0][1] == 0.4 and table[0][22] == 0.7
+    assert table[2][-2] == pytest.approx(table[2][5] + 1.3 * table[2][1], rel=1e-14)
+    energies = [row[-1] for row in table]
+    assert energies == pytest.approx([energies[0]] * 3, rel=1e-10)
+    small = ran(pkgen, parts, "--size", "N=6", *common)[1]
+    assert len(small[0]) == 2 * 8 + 3
+
+
+def test_a_member_that_is_set_changes_what_follows_it(pkgen, parts: Path) -> None:
+    """kk[2] = k*m[2] follows m[2]; kk[3] = 9 is set, kk[4] still follows k."""
+    base = ("--until", "1e-3", "--every", "1e-3", "--size", "N=30")
+    energy = {}
+    for key, more in {
+        "plain": (),
+        "set": ("--set", "m[2]=5"),
+        "both": ("--set", "m[2]=5", "--set", "kk[2]=2.4"),
+    }.items():
+        names, table = ran(pkgen, parts, *base, *more)
+        energy[key] = table[0][-1]
+        q2 = table[0][names.index("q[2]")]
+    assert energy["set"] - energy["plain"] == pytest.approx(q2**2 / 2 * 2 * (5 - 1.2), rel=1e-9)
+    assert energy["both"] - energy["plain"] == pytest.approx(0, abs=1e-12)
+
+
+def test_names_outside_are_refused(pkgen, parts: Path) -> None:
+    for option, name in (("--set", "m[41]=1"), ("--start", "q[-1]=1"), ("--set", "m=1")):
+        done = pkgen("run", parts, option, name)
+        assert done.returncode == 2 and name.split("=")[0] in done.stderr
+        assert "no such" in done.stderr
+    done = pkgen("run", parts, "--set", "m[3]=-1")
+    assert done.returncode == 2 and "m is outside its bounds" in done.stderr
+
+
+def test_a_million_members(pkgen, tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    done = pkgen(
+        "run",
+        FPUT,
+        "--size",
+        "N=1000000",
+        "--method",
+        "verlet",
+        "--step",
+        "0.1",
+        "--until",
+        "0.5",
+        "--every",
+        "0.5",
+        "-o",
+        out,
+    )
+    assert done.returncode == 0, done.stderr
+    with open(out, encoding="utf-8") as file:
+        assert file.readline().startswith("t,q[1],q[2],")
+        assert file.readline().count(",") == 2_000_001
+    about = json.loads((tmp_path / "rows.csv.json").read_text())
+    assert [c["name"] for c in about["columns"]][:3] == ["t", "q[1..1000000]", "q[1..1000000]'"]
+    assert about["report"]["steps"] == 5
+    assert 0 < about["report"]["drifts"][0]["max"] < 1e-11
+
+
+def test_rows_nobody_could_want_are_not_written(pkgen) -> None:
+    big = ("run", FPUT, "--size", "N=1000000", "--method", "verlet", "--step", "0.1")
+    done = pkgen(*big, "--until", "1000", "--every", "0.1")
+    assert done.returncode == 2 and "GB; take a longer interval" in done.stderr
+
+
+def test_methods_with_jacobians_say_that_loops_have_none(pkgen) -> None:
+    done = pkgen("run", FPUT, "--method", "gauss2", "--step", "0.1", "--until", "1")
+    assert done.returncode == 4 and "keeps its families as loops" in done.stderr
+
+
+def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
+    done = pkgen("explain", FPUT)
+    assert "families         loops in C" in done.stdout
+    assert "for i = 0..N" in done.stdout and "one pass over memory" in done.stdout
+    links = tmp_path / "links.lag"
+    links.write_text(
+        "model links\nsize N = 3\ncoord a[1..N]\nlet x[0] = 0\n"
+        "let x[i = 1..N] = x[i-1] + sin(a[i])\n"
+        "kinetic sum(x[i]'^2/2 + a[i]'^2, i = 1..N)\n"
+    )
+    done = pkgen("explain", links)
+    assert "families         unrolled: 'x' is defined piece by piece" in done.stdout
+    done = pkgen("check", links, "--size", "N=20000")
+    assert done.returncode == 1 and "which cannot stay loops" in done.stderr

@@ -1,0 +1,213 @@
+"""Families as loops: every kernel against the unrolled code of the same model."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import random
+
+import pytest
+from loop_harness import Looped, Unrolled, looped
+from loop_models import MODELS, UNROLLED
+from pkgen.middle.loops import Unrolled as CannotLoop
+
+TOLERANCE = 2e-14
+VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonical": 2}
+SCALARS = ("energy", "lagrangian", "kinetic", "potential")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_loops_equal_the_unrolled_code(name, tmp_path):
+    text, sizes = MODELS[name]
+    loops = Looped(text, tmp_path / "loops")
+    for size in sizes:
+        unrolled = Unrolled(text, size, tmp_path / f"n{size}")
+        at = loops.at(size)
+        assert at.n == len(unrolled.program.equations.coordinates)
+        generator = random.Random(2385 + size)
+        assert_start(unrolled, at)
+        for _ in range(5):
+            state = (
+                generator.uniform(0, 3),
+                [generator.uniform(-1, 1) for _ in range(at.n)],
+                [generator.uniform(-1, 1) for _ in range(at.n)],
+                [generator.uniform(-1, 1) for _ in unrolled.program.equations.inputs],
+            )
+            assert_kernels(unrolled, at, state, f"{name} N = {size}")
+
+
+def assert_start(unrolled, at):
+    n = at.n
+    q, v = (ctypes.c_double * n)(), (ctypes.c_double * n)()
+    unrolled.function("start", None)(unrolled.params, q, v)
+    mine = at.start()
+    assert_close(list(q), mine[0], "start q")
+    assert_close(list(v), mine[1], "start v")
+
+
+def assert_kernels(unrolled, at, state, what):
+    for kernel, count in VECTORS.items():
+        failed, expected = unrolled.call(kernel, *state)
+        status, found = at.call(
+            kernel, *state, (at.n,) * count, ctypes.c_int if kernel == "acceleration" else None
+        )
+        if kernel == "acceleration":
+            assert failed == status == 0, f"{what}: {kernel} failed: {failed}, {status}"
+        scale = max(1.0, *map(abs, expected[0]))
+        for one, other in zip(expected, found, strict=True):
+            assert_close(one, other, f"{what}: {kernel}", scale)
+    for kernel in SCALARS:
+        if unrolled.program.kernel(kernel) is None:
+            continue
+        expected, _ = unrolled.call(kernel, *state)
+        found, _ = at.call(kernel, *state, (), ctypes.c_double)
+        assert_close([expected], [found], f"{what}: {kernel}", at.n)
+    if unrolled.program.kernel("observe") is not None:
+        _, (expected,) = unrolled.call("observe", *state)
+        _, (found,) = at.call("observe", *state, (len(expected),))
+        assert_close(expected, found, f"{what}: observe", at.n)
+    assert_mass(unrolled, at, state, what)
+
+
+def assert_mass(unrolled, at, state, what):
+    """The band, or the diagonal, has what M has; where M is diagonal all of it."""
+    if not at.of.equations.facts.mass_diagonal:
+        return
+    n = at.n
+    _, (whole,) = unrolled.call("mass", *state)
+    _, (diagonal,) = at.call("mass", *state, (at.mass_size(),))
+    assert len(diagonal) == n
+    assert_close([whole[i * n + i] for i in range(n)], diagonal, f"{what}: mass")
+
+
+def assert_close(expected, found, what, scale=1.0):
+    for i, (a, b) in enumerate(zip(expected, found, strict=True)):
+        assert abs(a - b) <= TOLERANCE * max(scale, abs(a)), f"{what}[{i}]: {a!r}, {b!r}"
+
+
+@pytest.mark.parametrize("name", UNROLLED)
+def test_what_cannot_loop_says_why(name):
+    text, reason = UNROLLED[name]
+    with pytest.raises(CannotLoop) as raised:
+        looped(text)
+    assert reason in str(raised.value)
+
+
+STEPPED = {
+    "fput": MODELS["fput"][0],
+    "ring_without_drag": "\n".join(
+        line for line in MODELS["ring"][0].splitlines() if not line.startswith("dissipation")
+    ),
+    "loosely": """model loosely
+size N = 5
+param m[i = 1..N] = 1 + 0.1*i in (0, inf)
+coord x[1..N], y[0..N+1]
+free x
+kinetic sum(m[i]*x[i]'^2/2, i = 1..N) + sum(y[i]'^2/4, i = 0..N+1)
+potential sum((x[i+1] - x[i])^4/4, i = 0..N) + sum((y[i] - x[i])^2, i = 1..N) + y[0]^2 + 3*x[N]^2
+potential sum(cos(y[i+1] - y[i]), i = 0..N)
+""",
+    "shaken": """model shaken
+size N = 5
+coord q[1..N]
+fixed q[0] = 0.4*sin(1.3*t), q[N+1] = 0
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 0..N)
+""",
+}
+METHODS = {  # kicks, drifts
+    "symplectic_euler": ((1.0, 0.0), (1.0,)),
+    "verlet": ((0.5, 0.5), (1.0,)),
+    "yoshida4": (
+        (0.6756035959798288, -0.1756035959798288, -0.1756035959798288, 0.6756035959798288),
+        (1.3512071919596576, -1.7024143839193153, 1.3512071919596576),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STEPPED)
+def test_fused_steps_equal_kicks_and_drifts_one_by_one(name, tmp_path):
+    loops = Looped(STEPPED[name], tmp_path)
+    h, t0, steps = 0.05, 0.3, 7
+    for size in (1, 2, 3, 5, 64, 65, 127, 129, 700, 1500):
+        at = loops.at(size)
+        for method, (kick, drift) in METHODS.items():
+            generator = random.Random(size)
+            q = [generator.uniform(-1, 1) for _ in range(at.n)]
+            v = [generator.uniform(-1, 1) for _ in range(at.n)]
+            expected = one_by_one(at, kick, drift, t0, h, steps, q, v)
+            mine = fused(at, kick, drift, t0, h, steps, q, v)
+            for one, other in zip(expected, mine, strict=True):
+                assert_close(one, other, f"{name} N = {size} {method}", scale=50.0)
+
+
+def one_by_one(at, kick, drift, t, h, steps, q, v):
+    q, v = list(q), list(v)
+    for k in range(steps):
+        done = 0.0
+        for i, kappa in enumerate(kick):
+            status, (a,) = at.call(
+                "acceleration", t + (k + done) * h, q, v, (), (at.n,), ctypes.c_int
+            )
+            assert status == 0
+            v = [x + kappa * h * y for x, y in zip(v, a, strict=True)]
+            if i < len(drift):
+                q = [x + drift[i] * h * y for x, y in zip(q, v, strict=True)]
+                done += drift[i]
+    return q, v
+
+
+def fused(at, kick, drift, t, h, steps, q, v):
+    real = ctypes.c_double
+    arrays = [(real * len(x))(*x) for x in (kick, drift, q, v)]
+    at.of.function("advance")(
+        ctypes.byref(at.params),
+        len(drift),
+        arrays[0],
+        arrays[1],
+        real(t),
+        real(h),
+        ctypes.c_ulong(steps),
+        arrays[2],
+        arrays[3],
+    )
+    return list(arrays[2]), list(arrays[3])
+
+
+def test_angles_beyond_the_inline_sine_are_as_good(tmp_path):
+    text = (
+        "model rotors\nsize N = 5\ncoord x[1..N]\nkinetic sum(x[i]'^2/2, i = 1..N)\n"
+        "potential sum(-cos(x[i]), i = 1..N)\n"
+    )
+    at = Looped(text, tmp_path).at(100)
+    q = [1e15 + 4096.0 * i if i % 3 else 0.1 * i for i in range(100)]
+    _, (found,) = at.call("acceleration", 0.2, q, [0.3] * 100, [], (100,), ctypes.c_int)
+    assert_close([-math.sin(x) for x in q], found, "acceleration")
+    expected = sum(-math.cos(x) for x in q) + 100 * 0.3**2 / 2
+    energy, _ = at.call("energy", 0.2, q, [0.3] * 100, [], (), ctypes.c_double)
+    assert_close([expected], [energy], "energy", scale=10.0)
+
+
+def test_sizes_too_small_and_parameters_out_of_bounds_are_refused(tmp_path):
+    at = Looped(MODELS["paired"][0], tmp_path).at(5)
+    parameters = len(at.of.equations.parameters)
+    at.params.m[3] = -1.0
+    assert at.prepare() == 1
+    at.params.m[3] = float("nan")
+    assert at.prepare() == 1
+    at.params.m[3] = 0.7
+    assert at.prepare() == 0
+    at.params.N = 0
+    assert at.prepare() == parameters + 2
+    assert at.of.function("block_size", ctypes.c_size_t)(ctypes.byref(at.params)) == 0
+
+
+def test_a_mass_that_is_not_positive_is_reported_with_its_coordinate(tmp_path):
+    at = Looped(MODELS["loose"][0], tmp_path / "a").at(80)
+    at.params.w = -40.0  # 1 + w i/N
+    assert at.prepare() == 0
+    status, _ = at.call("acceleration", 0.0, [0.1] * 80, [0.0] * 80, (), (80,), ctypes.c_int)
+    assert status == 2 + 0  # i = 2: 1 - 40*2/80 = 0
+    banded = Looped(MODELS["beam"][0], tmp_path / "b").at(6)
+    banded.params.r = -3.0
+    assert banded.prepare() == 1  # out of its bounds
