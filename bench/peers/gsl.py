@@ -1,0 +1,73 @@
+"""GSL's steppers, on pkgen's kernel and on SymPy's C: rk8pd, rkf45, msadams."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import subprocess
+from functools import partial
+
+from .. import codegen
+from ..builds import BUILDS, RUNTIME, SOURCES, compile_program, written
+from ..contender import Contender, Program, Unavailable
+from ..models import Model
+from .own import generated
+
+STEPPERS = ("rk8pd", "rkf45", "msadams")
+
+
+def _kernel_of_pkgen(model: Model) -> str:
+    """`acceleration()` over the generated kernel, in the same file, so that it is inlined."""
+    folder = generated(model.name)
+    values = ", ".join(x.hex() for x in model.values)
+    names = [str(p).removeprefix("p_") for p in model.parameters]
+    assigned = "\n".join(f"    params.{n} = given[{i}];" for i, n in enumerate(names))
+    name = model.name
+    return f"""#include "{folder}/{name}.c"
+enum {{ N = {model.n} }};
+static struct {name}_params params;
+__attribute__((constructor)) static void set_parameters(void)
+{{
+    static const double given[] = {{{values}}};
+    {name}_defaults(&params);
+{assigned}
+    {name}_prepare(&params);
+}}
+static int acceleration(double t, const double *q, const double *v, double *a)
+{{
+    return {name}_acceleration(&params, t, q, v, NULL, a);
+}}
+"""
+
+
+def equations_header(model: Model, source: str) -> str:
+    """The path, quoted for -D, of a header with `acceleration()` by pkgen or by SymPy."""
+    text = (
+        _kernel_of_pkgen(model)
+        if source == "pkgen"
+        else "#include <math.h>\n" + codegen.acceleration(model)
+    )
+    return f'"{written(f"{source}/{model.name}_equations.h", text)}"'
+
+
+def _open(stepper: str, source: str, model: Model) -> list[Program]:
+    config = shutil.which("gsl-config")
+    if not config:
+        raise Unavailable("GSL is not installed (no gsl-config)")
+    said = subprocess.run([config, "--libs"], capture_output=True, text=True, check=True).stdout
+    defines = {"BENCH_EQUATIONS": equations_header(model, source)}
+    include = ("-std=gnu11", f"-I{RUNTIME / 'include'}")
+    sources = [SOURCES / "gsl_methods.c", SOURCES / "harness.c"]
+    found = []
+    for build in BUILDS:
+        program = compile_program(build, sources, defines, include, tuple(shlex.split(said)))
+        found.append(Program([str(program), stepper], str(build)))
+    return found
+
+
+def contenders() -> list[Contender]:
+    found = [
+        Contender(f"GSL {s}", "C", False, partial(_open, s, "pkgen")) for s in STEPPERS
+    ]
+    found.append(Contender("SymPy cse + GSL rk8pd", "C", False, partial(_open, "rk8pd", "sympy")))
+    return found

@@ -1,0 +1,78 @@
+"""pkgen's methods, compiled with the runtime and the model as `pkgen run` does it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from functools import cache, partial
+from pathlib import Path
+
+from ..builds import BUILDS, OUTPUT, ROOT, RUNTIME, SOURCES, compile_program
+from ..contender import HALVINGS, Contender, Program, Unavailable
+from ..models import REFERENCES, Model
+
+# What compiles a family's stepper into the model's own file (pk/inlined.h).
+FAMILIES = {
+    "gauss": "GAUSS",
+    "dop853": "EMBEDDED",
+    "rk4": "ERK",
+    "verlet": "SPLITTING",
+    "gauss4": "GAUSS",
+    "gauss8": "GAUSS",
+}
+FIXED_STEP = frozenset({"rk4", "verlet", "gauss4", "gauss8"})
+
+
+def pkgen_python() -> str:
+    """The interpreter that has pkgen: the tree's own, which is not that of the peers."""
+    return os.environ.get("PKGEN_PYTHON", sys.executable)
+
+
+@cache
+def generated(name: str, *options: str) -> Path:
+    """The folder with NAME.c and NAME.h."""
+    folder = OUTPUT / "generated" / "-".join(("pkgen", *(o.strip("-") for o in options)))
+    folder.mkdir(parents=True, exist_ok=True)
+    model = ROOT / "models" / f"{name}.lag"
+    command = [pkgen_python(), "-m", "pkgen", str(model), *options, "-o", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    if done.returncode:
+        raise Unavailable(f"pkgen refused {name}: {done.stderr.strip()[:500]}")
+    return folder
+
+
+def parameters(model: Model) -> list[str]:
+    given = REFERENCES[model.name]["params"]
+    return [f"{name}={value}" for name, value in given.items()]
+
+
+def _open(method: str, inlined: bool, model: Model) -> list[Program]:
+    folder = generated(model.name)
+    defines = {
+        "PK_RUNTIME": "",
+        "BENCH_SYSTEM": f"{model.name}_system",
+        "BENCH_N": str(model.n),
+    }
+    if inlined:
+        defines[f"PK_INLINE_{FAMILIES[method]}"] = ""
+    sources = [SOURCES / "pkgen_methods.c", SOURCES / "harness.c", folder / f"{model.name}.c"]
+    sources += sorted((RUNTIME / "src").glob("*.c"))
+    include = (f"-I{RUNTIME / 'include'}", f"-I{folder}")
+    found = []
+    for build in BUILDS:
+        program = compile_program(build, sources, defines, ("-std=c11", *include))
+        found.append(Program([str(program), method, *parameters(model)], str(build)))
+    return found
+
+
+def contenders() -> list[Contender]:
+    found = []
+    for method in FAMILIES:
+        for inlined in (True, False) if method in ("gauss", "dop853") else (True,):
+            fixed = method in FIXED_STEP
+            name = f"pkgen {method}" + ("" if inlined else " (function pointer)")
+            ladder = {"ladder": HALVINGS} if fixed else {}
+            opened = partial(_open, method, inlined)
+            found.append(Contender(name, "pkgen", fixed, opened, **ladder))
+    return found
