@@ -3,7 +3,8 @@
  * substeps 2, 4, 6, ..., 2 COLUMNS, Aitken-Neville in h^2. It shares nothing with pkgen: neither
  * the equations (derived by SymPy) nor the method.
  *
- * Usage: reference BIG_STEPS T_END Y0...; prints q, q' with 33 digits.
+ * Usage: reference BIG_STEPS T_END PARAMETER... Y0..., numbers decimal or hexadecimal; prints q, q'
+ * with 33 digits.
  */
 #include <quadmath.h>
 #include <stdio.h>
@@ -67,10 +68,12 @@ int main(int argc, char **argv)
     real y[DIM];
     char text[64];
 
-    if (argc != 3 + DIM) return 2;
+    const int parameters = (int)(sizeof bench_parameters / sizeof *bench_parameters);
+    if (argc != 3 + parameters + DIM) return 2;
     const long steps = strtol(argv[1], NULL, 10);
     const real t_end = strtoflt128(argv[2], NULL);
-    for (int i = 0; i < DIM; i++) y[i] = strtoflt128(argv[3 + i], NULL);
+    for (int i = 0; i < parameters; i++) bench_parameters[i] = strtoflt128(argv[3 + i], NULL);
+    for (int i = 0; i < DIM; i++) y[i] = strtoflt128(argv[3 + parameters + i], NULL);
     for (long k = 0; k < steps; k++) big_step(t_end * k / steps, t_end / steps, y);
     for (int i = 0; i < DIM; i++) {
         quadmath_snprintf(text, sizeof text, "%.33Qg", y[i]);

@@ -26,7 +26,8 @@ FIXED_STEP = frozenset({"rk4", "verlet", "gauss4", "gauss8"})
 
 def pkgen_python() -> str:
     """The interpreter that has pkgen: the tree's own, which is not that of the peers."""
-    return os.environ.get("PKGEN_PYTHON", sys.executable)
+    own = ROOT / ".venv" / "bin" / "python"
+    return os.environ.get("PKGEN_PYTHON") or (str(own) if own.exists() else sys.executable)
 
 
 @cache

@@ -13,7 +13,7 @@ from ..models import Model, equations
 
 
 def _right_hand_side(model: Model, jit: bool):
-    """f(t, y) -> list, the parameters bound; with numba, compiled and giving an array."""
+    """f(t, y) -> list, the parameters bound; with numba f(t, y, out), compiled."""
     derived = equations(model.name).acceleration
     arguments = (model.t, (*model.q, *model.v))
     numbers = dict(zip(model.parameters, model.values, strict=True))
@@ -31,10 +31,23 @@ def _right_hand_side(model: Model, jit: bool):
     )
     names = ", ".join(f"y[{i}]" for i in range(2 * model.n))
     filled = "\n".join(f"    out[{i}] = r[{i}]" for i in range(2 * model.n))
-    text = f"def f(t, y):\n    r = inner(t, {names})\n    out = empty({2 * model.n})\n{filled}\n"
-    scope = {"inner": inner, "empty": numpy.empty}
-    exec(f"{text}    return out\n", scope)
+    scope = {"inner": inner}
+    exec(f"def f(t, y, out):\n    r = inner(t, {names})\n{filled}\n", scope)
     return numba.njit(scope["f"])
+
+
+def _returning(f, length: int):
+    """f(t, y) -> array, as solve_ivp() calls it."""
+    import numba
+    import numpy
+
+    @numba.njit
+    def right_hand_side(t, y):
+        out = numpy.empty(length)
+        f(t, y, out)
+        return out
+
+    return right_hand_side
 
 
 def _timed(function, *arguments, **named):
@@ -49,6 +62,8 @@ def _scipy(method: str, jit: bool, model: Model) -> list[Callback]:
     except ImportError:
         raise Unavailable("SciPy is not installed") from None
     f = _right_hand_side(model, jit)
+    if jit:
+        f = _returning(f, 2 * model.n)
 
     def integrate(setting, y0, t_end):
         seconds, solution = _timed(
@@ -68,14 +83,23 @@ def _numba_rk4(model: Model) -> list[Callback]:
 
     @numba.njit
     def run(y0, h, steps):
-        y = y0.copy()
-        for k in range(steps):
-            t = k * h
-            k1 = f(t, y)
-            k2 = f(t + h / 2, y + h / 2 * k1)
-            k3 = f(t + h / 2, y + h / 2 * k2)
-            k4 = f(t + h, y + h * k3)
-            y += h / 6 * (k1 + 2 * (k2 + k3) + k4)
+        n = len(y0)
+        y, at = y0.copy(), y0.copy()
+        k1, k2, k3, k4 = numpy.empty(n), numpy.empty(n), numpy.empty(n), numpy.empty(n)
+        for step in range(steps):
+            t = step * h
+            f(t, y, k1)
+            for i in range(n):
+                at[i] = y[i] + h / 2 * k1[i]
+            f(t + h / 2, at, k2)
+            for i in range(n):
+                at[i] = y[i] + h / 2 * k2[i]
+            f(t + h / 2, at, k3)
+            for i in range(n):
+                at[i] = y[i] + h * k3[i]
+            f(t + h, at, k4)
+            for i in range(n):
+                y[i] += h / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i])
         return y
 
     def integrate(setting, y0, t_end):
