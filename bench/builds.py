@@ -11,10 +11,12 @@ import os
 import shlex
 import shutil
 import subprocess
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from .contender import Unavailable
 from .models import ROOT
 
 OUTPUT = ROOT / "build" / "bench"
@@ -23,6 +25,10 @@ RUNTIME = ROOT / "runtime"
 SAFE = ("-fno-math-errno", "-fno-trapping-math")
 NATIVE = ("-march=native",)
 WIDE = ("-O3", *NATIVE)
+
+
+class Unavailable(Exception):
+    """What cannot take part: it is not installed, does not compile, or has no such model."""
 
 
 @dataclass(frozen=True)
@@ -46,33 +52,67 @@ def _builds() -> tuple[Build, ...]:
 
 
 BUILDS = _builds()
+# `make bench QUICK=1`: one build a compiler.
+QUICK_BUILDS = tuple(b for b in BUILDS if b.flags[:2] == WIDE and "-ffp-contract=fast" in b.flags)
 
 
 def compile_program(
-    build: Build, sources: list[Path], defines: dict[str, str], extra: tuple[str, ...] = (),
-    libraries: tuple[str, ...] = (), compiler: str | None = None,
+    build: Build,
+    sources: list[Path],
+    defines: dict[str, str],
+    extra: tuple[str, ...] = (),
+    libraries: tuple[str, ...] = (),
 ) -> Path:
     """The program, built unless its text, its headers' text and its flags are known already."""
-    command = [compiler or build.cc, *build.flags, *extra]
+    command = [build.cc, *build.flags, *extra]
     command += [f"-D{name}={value}" if value else f"-D{name}" for name, value in defines.items()]
-    headers = sorted(RUNTIME.glob("include/**/*.h")) + sorted(RUNTIME.glob("src/*.h"))
     included = [Path(v.strip('"')) for v in defines.values() if v.startswith('"/')]
-    digest = hashlib.sha256(repr((command, libraries)).encode())
-    for path in [*sources, *included, *headers]:
-        digest.update(path.read_bytes())
-    program = OUTPUT / "programs" / f"{sources[0].stem}-{digest.hexdigest()[:16]}"
+    digest = _digest([*sources, *included, *_headers()], repr((command, libraries)))
+    program = OUTPUT / "programs" / f"{sources[0].stem}-{digest}"
     if not program.exists():
         program.parent.mkdir(parents=True, exist_ok=True)
-        made = program.with_suffix(f".{os.getpid()}")
-        done = subprocess.run(
-            [*command, *map(str, sources), "-o", str(made), *libraries, "-lm"],
-            capture_output=True,
-            text=True,
-        )
-        if done.returncode:
-            raise Unavailable(f"{shlex.join(command)} failed: {done.stderr.strip()[:2000]}")
+        made = program.with_suffix(f".{os.getpid()}-{threading.get_ident()}")
+        run([*command, *map(str, sources), "-o", str(made), *libraries, "-lm"])
         made.rename(program)
     return program
+
+
+def runtime_library(build: Build) -> Path:
+    """The runtime's core by the same compiler and flags."""
+    sources = sorted((RUNTIME / "src").glob("*.c"))
+    digest = _digest([*sources, *_headers()], str(build))
+    library = OUTPUT / "programs" / f"runtime-{digest}" / "libpk.a"
+    if not library.exists():
+        library.parent.mkdir(parents=True, exist_ok=True)
+        command = [build.cc, *build.flags, "-std=c11", f"-I{RUNTIME / 'include'}"]
+        objects = [str(library.parent / f"{s.stem}.o") for s in sources]
+        for source, made in zip(sources, objects, strict=True):
+            run([*command, "-c", str(source), "-o", made])
+        run(["ar", "rcs", str(library), *objects])
+    return library
+
+
+def each_build(builds: tuple[Build, ...], make: Callable[[Build], Path]) -> list[Path]:
+    """The programs of all builds, compiled as many at once as there are cores."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(make, builds))
+
+
+def run(command: list[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise Unavailable(f"{shlex.join(command)} failed: {done.stderr.strip()[:2000]}")
+
+
+def _headers() -> list[Path]:
+    return sorted([*RUNTIME.glob("include/**/*.h"), *RUNTIME.glob("src/*.h")])
+
+
+def _digest(files: list[Path], flags: str) -> str:
+    digest = hashlib.sha256(flags.encode())
+    for path in files:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def written(name: str, text: str) -> Path:

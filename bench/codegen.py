@@ -17,8 +17,10 @@ class _Printer(C99CodePrinter):
             text = self.parenthesize(base, sp.printing.precedence.PRECEDENCE["Mul"])
             return "(" + "*".join([text] * int(exponent)) + ")"
         if exponent.is_Integer and -4 <= int(exponent) <= -1:
-            return f"(1.0/{self._print_Pow(base ** -exponent)})" if exponent != -1 else (
-                f"(1.0/{self.parenthesize(base, sp.printing.precedence.PRECEDENCE['Mul'])})"
+            return (
+                f"(1.0/{self._print_Pow(base**-exponent)})"
+                if exponent != -1
+                else (f"(1.0/{self.parenthesize(base, sp.printing.precedence.PRECEDENCE['Mul'])})")
             )
         return super()._print_Pow(expr)
 
@@ -29,8 +31,7 @@ def statements(targets: dict[str, sp.Expr], real: str = "real") -> str:
     shared, reduced = sp.cse(list(targets.values()), symbols=sp.numbered_symbols("x_"))
     lines = [f"    const {real} {symbol} = {printer.doprint(e)};" for symbol, e in shared]
     lines += [
-        f"    {target} = {printer.doprint(e)};"
-        for target, e in zip(targets, reduced, strict=True)
+        f"    {target} = {printer.doprint(e)};" for target, e in zip(targets, reduced, strict=True)
     ]
     return "\n".join(lines)
 

@@ -9,8 +9,10 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
+from .builds import Build, Unavailable, each_build
 from .models import Model
 
 # Relative tolerance, the absolute one the same, from loose to what double precision allows.
@@ -18,10 +20,6 @@ TOLERANCES = tuple(10.0**-k for k in range(2, 15))
 COARSE_TOLERANCES = tuple(10.0**-k for k in range(3, 14, 2))
 # Steps as fractions of the time to the end, for methods of fixed step.
 HALVINGS = tuple(0.5**k for k in range(6, 19))
-
-
-class Unavailable(Exception):
-    """A contender that is not installed, or has no such model; the text says which."""
 
 
 class Failed(Exception):
@@ -48,7 +46,7 @@ class Contender:
     name: str
     group: str  # "pkgen", "C" or "Python"
     fixed_step: bool
-    open: Callable[[Model], list[Session]]
+    open: Callable[[Model, tuple[Build, ...]], list[Session]]
     ladder: tuple[float, ...] = TOLERANCES
     slow: bool = False  # measured once a round, whatever the time asked for
 
@@ -59,7 +57,8 @@ class Contender:
 class Program:
     """A session with a program around c/harness.c."""
 
-    def __init__(self, command: list[str], flags: str):
+    def __init__(self, program: Path, arguments: Sequence[str], flags: str):
+        command = [str(program), *arguments]
         self.flags = flags
         self._child = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -84,6 +83,20 @@ class Program:
         self._child.stdin.close()
         self._child.wait()
         self._child.stdout.close()
+
+
+def programs(
+    builds: Sequence[Build],
+    make: Callable[[Build], Path],
+    arguments: Sequence[str] = (),
+    note: str = "",
+) -> list[Program]:
+    """A session for each build; `note` is said with its flags."""
+    paths = each_build(tuple(builds), make)
+    return [
+        Program(path, arguments, f"{build}{note}")
+        for path, build in zip(paths, builds, strict=True)
+    ]
 
 
 class Callback:

@@ -13,7 +13,8 @@ import time
 from dataclasses import dataclass, field
 
 from . import matching
-from .contender import Contender, Failed, Session, Unavailable
+from .builds import BUILDS, QUICK_BUILDS, Build, Unavailable
+from .contender import Contender, Failed, Session
 from .models import Model, error
 
 CLOSE = 0.04  # quartile distance over median, the median of it over a contender's times
@@ -31,10 +32,11 @@ class Effort:
     rounds: int
     seconds: float  # a model's budget of rounds
     each: float  # seconds a time is averaged over
+    builds: tuple[Build, ...]  # of pkgen and of the peers in C that are given as source
 
 
-FULL = Effort(starts=10, rounds=9, seconds=110, each=0.002)
-QUICK = Effort(starts=2, rounds=3, seconds=8, each=0.0005)
+FULL = Effort(starts=10, rounds=9, seconds=110, each=0.002, builds=BUILDS)
+QUICK = Effort(starts=2, rounds=3, seconds=8, each=0.0005, builds=QUICK_BUILDS)
 
 
 @dataclass
@@ -116,7 +118,7 @@ def compare(model: Model, contenders: list[Contender], exact, effort: Effort, sa
 
 def _enter(contender: Contender, model: Model, exact, effort: Effort) -> Track:
     """Choose the fastest of the builds, then leave out settings that fail or take too long."""
-    sessions = contender.open(model)
+    sessions = contender.open(model, effort.builds)
     settings = contender.settings(model)
     for session in sessions:  # what compiles at its first call does so now
         session.integrate(settings[0], model.start, model.t_end, 0.0)

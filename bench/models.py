@@ -64,9 +64,7 @@ class Equations:
 def _double_pendulum(q, v, p, t):
     m1, m2, l1, l2, g = p
     kinetic = m1 / 2 * l1**2 * v[0] ** 2 + m2 / 2 * (
-        l1**2 * v[0] ** 2
-        + l2**2 * v[1] ** 2
-        + 2 * l1 * l2 * v[0] * v[1] * sp.cos(q[0] - q[1])
+        l1**2 * v[0] ** 2 + l2**2 * v[1] ** 2 + 2 * l1 * l2 * v[0] * v[1] * sp.cos(q[0] - q[1])
     )
     return kinetic + (m1 + m2) * g * l1 * sp.cos(q[0]) + m2 * g * l2 * sp.cos(q[1])
 

@@ -14,8 +14,8 @@ import subprocess
 from functools import cache, partial
 from pathlib import Path
 
-from ..builds import BUILDS, RUNTIME, SOURCES, compile_program
-from ..contender import Contender, Program, Unavailable
+from ..builds import RUNTIME, SOURCES, Build, Unavailable, compile_program
+from ..contender import Contender, Program, programs
 from ..models import Model
 from .gsl import equations_header
 
@@ -48,7 +48,7 @@ def frame_accesses(path: Path) -> float:
     return sum("(%rbp)" in line for line in lines) / max(1, len(lines))
 
 
-def _open(method: str, model: Model) -> list[Program]:
+def _open(method: str, model: Model, builds: tuple[Build, ...]) -> list[Program]:
     path, known = library()
     defines = {"BENCH_EQUATIONS": equations_header(model, "pkgen")}
     include = ("-std=gnu11", f"-I{RUNTIME / 'include'}")
@@ -56,11 +56,12 @@ def _open(method: str, model: Model) -> list[Program]:
     beside = [str(path)]
     beside += [str(p) for p in path.parent.glob("libsundials_core-*")]
     libraries = (*beside, f"-Wl,-rpath,{path.parent}", f"-Wl,-rpath-link,{path.parent}")
-    found = []
-    for build in BUILDS:
-        program = compile_program(build, sources, defines, include, libraries)
-        found.append(Program([str(program), method], f"{build}; {known}"))
-    return found
+    return programs(
+        builds,
+        lambda b: compile_program(b, sources, defines, include, libraries),
+        [method],
+        f"; {known}",
+    )
 
 
 def contenders() -> list[Contender]:

@@ -9,8 +9,8 @@ import subprocess
 from functools import partial
 
 from .. import codegen
-from ..builds import BUILDS, RUNTIME, SOURCES, compile_program, written
-from ..contender import Contender, Program, Unavailable
+from ..builds import RUNTIME, SOURCES, Build, Unavailable, compile_program, written
+from ..contender import Contender, Program, programs
 from ..models import Model
 from .own import generated
 
@@ -53,7 +53,7 @@ def equations_header(model: Model, source: str) -> str:
     return f'"{written(f"{source}/{model.name}_equations.h", text)}"'
 
 
-def _open(stepper: str, source: str, model: Model) -> list[Program]:
+def _open(stepper: str, source: str, model: Model, builds: tuple[Build, ...]) -> list[Program]:
     config = shutil.which("gsl-config")
     if not config:
         raise Unavailable("GSL is not installed (no gsl-config)")
@@ -61,16 +61,13 @@ def _open(stepper: str, source: str, model: Model) -> list[Program]:
     defines = {"BENCH_EQUATIONS": equations_header(model, source)}
     include = ("-std=gnu11", f"-I{RUNTIME / 'include'}")
     sources = [SOURCES / "gsl_methods.c", SOURCES / "harness.c"]
-    found = []
-    for build in BUILDS:
-        program = compile_program(build, sources, defines, include, tuple(shlex.split(said)))
-        found.append(Program([str(program), stepper], str(build)))
-    return found
+    libraries = tuple(shlex.split(said))
+    return programs(
+        builds, lambda b: compile_program(b, sources, defines, include, libraries), [stepper]
+    )
 
 
 def contenders() -> list[Contender]:
-    found = [
-        Contender(f"GSL {s}", "C", False, partial(_open, s, "pkgen")) for s in STEPPERS
-    ]
+    found = [Contender(f"GSL {s}", "C", False, partial(_open, s, "pkgen")) for s in STEPPERS]
     found.append(Contender("SymPy cse + GSL rk8pd", "C", False, partial(_open, "rk8pd", "sympy")))
     return found

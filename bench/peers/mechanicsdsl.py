@@ -10,9 +10,10 @@ import contextlib
 import importlib.metadata
 import io
 import logging
+from pathlib import Path
 
-from ..builds import SOURCES, Build, compile_program, written
-from ..contender import HALVINGS, Contender, Program, Unavailable
+from ..builds import SOURCES, Build, Unavailable, compile_program, written
+from ..contender import HALVINGS, Contender, Program, programs
 from ..models import REFERENCES, Model
 
 BUILDS = (
@@ -67,7 +68,7 @@ def source(model: Model) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _open(model: Model) -> list[Program]:
+def _open(model: Model, _: tuple[Build, ...]) -> list[Program]:
     try:
         from mechanics_dsl import PhysicsCompiler
     except ImportError:
@@ -81,24 +82,17 @@ def _open(model: Model) -> list[Program]:
     if not made:
         raise Unavailable(f"mechanicsdsl-core refused the model: {result.get('error', '')}")
     version = importlib.metadata.version("mechanicsdsl-core")
-    found = []
-    for build in BUILDS:
-        harness = compile_harness(build)
-        program = compile_program(
-            build,
-            [SOURCES / "mechanicsdsl_rk4.cpp"],
-            {"BENCH_EQUATIONS": f'"{path}"'},
-            ("-std=c++17", str(harness)),
+    defines = {"BENCH_EQUATIONS": f'"{path}"'}
+
+    def make(build: Build) -> Path:
+        # The C part is an object of its own: g++ would read harness.c as C++.
+        c = Build("gcc", build.flags)
+        harness = compile_program(c, [SOURCES / "harness.c"], {}, ("-std=c11", "-c"))
+        return compile_program(
+            build, [SOURCES / "mechanicsdsl_rk4.cpp"], defines, ("-std=c++17", str(harness))
         )
-        found.append(Program([str(program)], f"{build}; mechanicsdsl-core {version}"))
-    return found
 
-
-def compile_harness(build: Build):
-    """The C part as an object: g++ would read harness.c as C++."""
-    return compile_program(
-        Build("gcc", build.flags), [SOURCES / "harness.c"], {}, ("-std=c11", "-c"), ()
-    )
+    return programs(BUILDS, make, note=f"; mechanicsdsl-core {version}")
 
 
 def contenders() -> list[Contender]:

@@ -8,8 +8,17 @@ import sys
 from functools import cache, partial
 from pathlib import Path
 
-from ..builds import BUILDS, OUTPUT, ROOT, RUNTIME, SOURCES, compile_program
-from ..contender import HALVINGS, Contender, Program, Unavailable
+from ..builds import (
+    OUTPUT,
+    ROOT,
+    RUNTIME,
+    SOURCES,
+    Build,
+    Unavailable,
+    compile_program,
+    runtime_library,
+)
+from ..contender import HALVINGS, Contender, Program, programs
 from ..models import REFERENCES, Model
 
 # What compiles a family's stepper into the model's own file (pk/inlined.h).
@@ -48,7 +57,7 @@ def parameters(model: Model) -> list[str]:
     return [f"{name}={value}" for name, value in given.items()]
 
 
-def _open(method: str, inlined: bool, model: Model) -> list[Program]:
+def _open(method: str, inlined: bool, model: Model, builds: tuple[Build, ...]) -> list[Program]:
     folder = generated(model.name)
     defines = {
         "PK_RUNTIME": "",
@@ -58,13 +67,12 @@ def _open(method: str, inlined: bool, model: Model) -> list[Program]:
     if inlined:
         defines[f"PK_INLINE_{FAMILIES[method]}"] = ""
     sources = [SOURCES / "pkgen_methods.c", SOURCES / "harness.c", folder / f"{model.name}.c"]
-    sources += sorted((RUNTIME / "src").glob("*.c"))
-    include = (f"-I{RUNTIME / 'include'}", f"-I{folder}")
-    found = []
-    for build in BUILDS:
-        program = compile_program(build, sources, defines, ("-std=c11", *include))
-        found.append(Program([str(program), method, *parameters(model)], str(build)))
-    return found
+    flags = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
+
+    def make(build: Build) -> Path:
+        return compile_program(build, sources, defines, flags, (str(runtime_library(build)),))
+
+    return programs(builds, make, [method, *parameters(model)])
 
 
 def contenders() -> list[Contender]:

@@ -8,7 +8,8 @@ from functools import partial
 
 import sympy as sp
 
-from ..contender import COARSE_TOLERANCES, HALVINGS, Callback, Contender, Unavailable
+from ..builds import Build, Unavailable
+from ..contender import COARSE_TOLERANCES, HALVINGS, Callback, Contender
 from ..models import Model, equations
 
 
@@ -24,7 +25,6 @@ def _right_hand_side(model: Model, jit: bool):
         import numba
     except ImportError:
         raise Unavailable("numba is not installed") from None
-    import numpy
 
     inner = numba.njit(
         sp.lambdify([model.t, *model.q, *model.v], tuple(rates), modules="math", cse=True)
@@ -56,7 +56,7 @@ def _timed(function, *arguments, **named):
     return time.perf_counter() - begin, result
 
 
-def _scipy(method: str, jit: bool, model: Model) -> list[Callback]:
+def _scipy(method: str, jit: bool, model: Model, _: tuple[Build, ...]) -> list[Callback]:
     try:
         from scipy.integrate import solve_ivp
     except ImportError:
@@ -76,7 +76,7 @@ def _scipy(method: str, jit: bool, model: Model) -> list[Callback]:
     return [Callback(integrate, f"SciPy {version}, right-hand side in {kind}")]
 
 
-def _numba_rk4(model: Model) -> list[Callback]:
+def _numba_rk4(model: Model, _: tuple[Build, ...]) -> list[Callback]:
     f = _right_hand_side(model, True)
     import numba
     import numpy
@@ -135,7 +135,7 @@ def _physicskit_system(model: Model):
     return make(*start, **{theirs.get(n, n): numbers[n] for n in names}, **more)
 
 
-def _physicskit_rk4(model: Model) -> list[Callback]:
+def _physicskit_rk4(model: Model, _: tuple[Build, ...]) -> list[Callback]:
     """Its compiled loop alone; integrate() would add an energy a step, computed in Python."""
     f = _physicskit_system(model)._deriv_njit
     import numpy
@@ -156,9 +156,7 @@ def contenders() -> list[Contender]:
     fixed = {"ladder": HALVINGS[:10], "slow": True}
     return [
         Contender("SciPy DOP853", "Python", False, partial(_scipy, "DOP853", False), **slow),
-        Contender(
-            "SciPy DOP853 + numba", "Python", False, partial(_scipy, "DOP853", True), **slow
-        ),
+        Contender("SciPy DOP853 + numba", "Python", False, partial(_scipy, "DOP853", True), **slow),
         Contender("SciPy LSODA", "Python", False, partial(_scipy, "LSODA", False), **slow),
         Contender("numba RK4", "Python", True, _numba_rk4, **fixed),
         Contender("physicskit RK4", "Python", True, _physicskit_rk4, **fixed),

@@ -1,37 +1,46 @@
 """heyoka: adaptive Taylor methods, compiled by LLVM for this machine.
 
 At its best here: the equations in closed form (its own `lagrangian()` gives longer ones, 1.3 to 1.6
-times slower), parameters compiled in as numbers, which pkgen's are not; neither high_accuracy nor
-compact_mode, both slower at these sizes. An integrator is compiled for each tolerance, since its
-order follows from it; that time is not counted.
+times slower); neither high_accuracy nor compact_mode, both slower at these sizes. Parameters are
+compiled in as numbers, or are run-time ones (its `par`), as those of all others in C are: it takes
+part both ways. An integrator is compiled for each tolerance, since its order follows from it; that
+time is not counted.
 """
 
 from __future__ import annotations
 
 import importlib.metadata
 import time
+from functools import partial
 
 import sympy as sp
 
-from ..contender import COARSE_TOLERANCES, Callback, Contender, Unavailable
+from ..builds import Build, Unavailable
+from ..contender import COARSE_TOLERANCES, Callback, Contender
 from ..models import Model, equations
 
 
-def system(model: Model) -> list:
+def system(model: Model, compiled_in: bool) -> list:
     """The equations as heyoka takes them: (variable, expression), q first."""
     import heyoka
 
-    numbers = dict(zip(model.parameters, map(sp.Float, model.values), strict=True))
+    if compiled_in:
+        numbers = dict(zip(model.parameters, map(sp.Float, model.values), strict=True))
+        given = {}
+    else:
+        numbers = {}
+        given = {p: heyoka.par[i] for i, p in enumerate(model.parameters)}
     found = [
         (heyoka.expression(str(q)), heyoka.expression(str(v)))
         for q, v in zip(model.q, model.v, strict=True)
     ]
     for v, a in zip(model.v, equations(model.name).acceleration, strict=True):
-        found.append((heyoka.expression(str(v)), heyoka.from_sympy(sp.nsimplify(a).subs(numbers))))
+        right = heyoka.from_sympy(sp.sympify(a).subs(numbers), given)
+        found.append((heyoka.expression(str(v)), right))
     return found
 
 
-def _open(model: Model) -> list[Callback]:
+def _open(compiled_in: bool, model: Model, _: tuple[Build, ...]) -> list[Callback]:
     try:
         import heyoka
     except ImportError:
@@ -40,11 +49,13 @@ def _open(model: Model) -> list[Callback]:
 
     def integrate(setting, y0, t_end):
         if setting not in compiled:
-            compiled[setting] = heyoka.taylor_adaptive(system(model), list(y0), tol=setting)
+            pars = {} if compiled_in else {"pars": list(model.values)}
+            compiled[setting] = heyoka.taylor_adaptive(
+                system(model, compiled_in), list(y0), tol=setting, **pars
+            )
         integrator = compiled[setting]
         integrator.time = 0.0
         integrator.state[:] = y0
-        integrator.reset_cooldowns() if integrator.with_events else None
         begin = time.perf_counter()
         integrator.propagate_until(t_end)
         return time.perf_counter() - begin, integrator.state
@@ -54,4 +65,8 @@ def _open(model: Model) -> list[Callback]:
 
 
 def contenders() -> list[Contender]:
-    return [Contender("heyoka", "C", False, _open, ladder=(*COARSE_TOLERANCES, 1e-15))]
+    ladder = (*COARSE_TOLERANCES, 1e-15)
+    return [
+        Contender("heyoka", "C", False, partial(_open, True), ladder=ladder),
+        Contender("heyoka (par)", "C", False, partial(_open, False), ladder=ladder),
+    ]
