@@ -44,7 +44,7 @@ def _unpacked(m: Model, expressions: list[sp.Expr], real: str) -> str:
     return "\n".join(lines)
 
 
-def _parameters(m: Model, real: str) -> str:
+def parameters(m: Model, real: str = "double") -> str:
     """Not static, so that the compiler may not fold them: in use they change between runs."""
     values = ", ".join(v.hex() for v in m.values)
     return f"extern {real} bench_parameters[];\n{real} bench_parameters[] = {{{values}}};\n"
@@ -64,7 +64,7 @@ def acceleration(m: Model, real: str = "double") -> str:
     found = list(equations(m.name).acceleration)
     targets = {f"a[{i}]": e for i, e in enumerate(found)}
     return f"""enum {{ N = {m.n} }};
-{_parameters(m, real)}
+{parameters(m, real)}
 static int acceleration({real} t, const {real} *q, const {real} *v, {real} *a)
 {{
     (void)t, (void)q, (void)v;
@@ -83,7 +83,7 @@ def mass_and_force(m: Model, real: str = "double") -> str:
     targets = {f"M[{i}]": e for i, e in enumerate(derived.mass)}
     targets |= {f"f[{i}]": e for i, e in enumerate(derived.force)}
     return f"""enum {{ N = {m.n} }};
-{_parameters(m, real)}
+{parameters(m, real)}
 static void mass_and_force({real} t, const {real} *q, const {real} *v, {real} *M, {real} *f)
 {{
     (void)t, (void)q, (void)v;

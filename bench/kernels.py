@@ -11,17 +11,17 @@ from functools import partial
 from pathlib import Path
 
 from . import codegen
-from .builds import SOURCES, Build, Unavailable, compile_program, each_build, run, written
+from .builds import RUNTIME, SOURCES, Build, Unavailable, compile_program, each_build, run, written
 from .measure import Effort
 from .models import Model, equations, model
-from .peers.own import generated, header_for_kernel
+from .peers.own import kernel_header
 
 FOLDER = SOURCES / "kernels"
 
 
 @dataclass(frozen=True)
 class Kernel:
-    name: str  # of the C function
+    name: str
     title: str
     file: str
     header: object  # () -> the path, quoted for -D, of what the file includes
@@ -88,31 +88,38 @@ def _must_agree(values: dict[str, list[float]]) -> None:
 
 
 def _program(kernels: list[Kernel], build: Build) -> Path:
-    objects = [
-        compile_program(
-            build,
-            [FOLDER / k.file, FOLDER / "kernel.h"][:1],
-            {"KERNEL": k.name, "BENCH_EQUATIONS": k.header()},
-            ("-std=gnu11", "-c", f"-I{codegen.INCLUDE}"),
-        )
-        for k in kernels
-    ]
+    objects = [str(_object(k, build)) for k in kernels]
     libraries = tuple(dict.fromkeys(x for k in kernels for x in k.libraries))
     listed = " ".join(f"X({k.name})" for k in kernels)
     return compile_program(
         build,
         [FOLDER / "main.c"],
         {"KERNELS": listed},
-        ("-std=c11", *map(str, objects)),
+        ("-std=c11", *objects),
         libraries,
     )
+
+
+def _object(kernel: Kernel, build: Build) -> Path:
+    """Its own two symbols stay visible, so that models and helpers can be in it twice."""
+    compiled = compile_program(
+        build,
+        [FOLDER / kernel.file],
+        {"KERNEL": f"kernel_{kernel.name}", "BENCH_EQUATIONS": kernel.header()},
+        ("-std=gnu11", "-c", f"-I{FOLDER}", f"-I{RUNTIME / 'include'}"),
+    )
+    made = compiled.with_suffix(".o")
+    if not made.exists():
+        kept = [f"--keep-global-symbol=kernel_{kernel.name}{end}" for end in ("", "_width")]
+        run(["objcopy", *kept, str(compiled), str(made)])
+    return made
 
 
 def _kernels(pendulum: Model) -> list[Kernel]:
     nothing = partial(_quoted, "kernels/nothing.h", "")
     closed = partial(_quoted, "kernels/closed.h", codegen.acceleration(pendulum))
     matrices = partial(_quoted, "kernels/matrices.h", codegen.mass_and_force(pendulum))
-    own = partial(header_for_kernel, pendulum)
+    own = partial(kernel_header, pendulum)
     return [
         Kernel("floor", "two libm sincos + a division", "floor.c", nothing),
         Kernel("closed", "textbook form", "closed.c", closed),

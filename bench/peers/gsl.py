@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
 import shutil
 import subprocess
@@ -12,44 +11,16 @@ from .. import codegen
 from ..builds import RUNTIME, SOURCES, Build, Unavailable, compile_program, written
 from ..contender import Contender, Program, programs
 from ..models import Model
-from .own import generated
+from .own import kernel_header
 
 STEPPERS = ("rk8pd", "rkf45", "msadams")
 
 
-def _kernel_of_pkgen(model: Model) -> str:
-    """`acceleration()` over the generated kernel, in the same file, so that it is inlined."""
-    folder = generated(model.name)
-    values = ", ".join(x.hex() for x in model.values)
-    names = [str(p).removeprefix("p_") for p in model.parameters]
-    assigned = "\n".join(f"    params.{n} = given[{i}];" for i, n in enumerate(names))
-    name = model.name
-    text = (folder / f"{name}.c").read_bytes() + (folder / f"{name}.h").read_bytes()
-    return f"""/* {hashlib.sha256(text).hexdigest()}: another kernel makes this another text */
-#include "{folder}/{name}.c"
-enum {{ N = {model.n} }};
-static struct {name}_params params;
-__attribute__((constructor)) static void set_parameters(void)
-{{
-    static const double given[] = {{{values}}};
-    {name}_defaults(&params);
-{assigned}
-    {name}_prepare(&params);
-}}
-static int acceleration(double t, const double *q, const double *v, double *a)
-{{
-    return {name}_acceleration(&params, t, q, v, NULL, a);
-}}
-"""
-
-
 def equations_header(model: Model, source: str) -> str:
     """The path, quoted for -D, of a header with `acceleration()` by pkgen or by SymPy."""
-    text = (
-        _kernel_of_pkgen(model)
-        if source == "pkgen"
-        else "#include <math.h>\n" + codegen.acceleration(model)
-    )
+    if source == "pkgen":
+        return kernel_header(model)
+    text = "#include <math.h>\n" + codegen.acceleration(model)
     return f'"{written(f"{source}/{model.name}_equations.h", text)}"'
 
 

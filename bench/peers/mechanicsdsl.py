@@ -25,7 +25,8 @@ ANGLE, LENGTH = "{Angle}{rad}", "{Position}{m}"
 SOURCES_DSL = {
     "double_pendulum": (
         {"theta1": ANGLE, "theta2": ANGLE},
-        r"\frac{1}{2} * (m1 + m2) * l1^2 * \dot{theta1}^2 + \frac{1}{2} * m2 * l2^2 * \dot{theta2}^2"
+        r"\frac{1}{2} * (m1 + m2) * l1^2 * \dot{theta1}^2"
+        r" + \frac{1}{2} * m2 * l2^2 * \dot{theta2}^2"
         r" + m2 * l1 * l2 * \dot{theta1} * \dot{theta2} * \cos{theta1 - theta2}"
         r" + (m1 + m2) * g * l1 * \cos{theta1} + m2 * g * l2 * \cos{theta2}",
     ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from ..builds import (
     Unavailable,
     compile_program,
     runtime_library,
+    written,
 )
 from ..contender import HALVINGS, Contender, Program, programs
 from ..models import REFERENCES, Model
@@ -50,6 +52,50 @@ def generated(name: str, *options: str) -> Path:
     if done.returncode:
         raise Unavailable(f"pkgen refused {name}: {done.stderr.strip()[:500]}")
     return folder
+
+
+def kernel_header(model: Model, *options: str, lanes: bool = False) -> str:
+    """The path, quoted for -D, of a header that includes the generated file whole and wraps its
+    kernels as `acceleration()` or `lanes()`, so that the compiler sees through them."""
+    folder, name = generated(model.name, *options), model.name
+    text = (folder / f"{name}.c").read_text() + (folder / f"{name}.h").read_text()
+    if lanes and f"{name}_lanes(" not in text:
+        raise Unavailable("this pkgen has no lane kernels")
+    given = ", ".join(x.hex() for x in model.values)
+    named = REFERENCES[name]["params"]
+    assigned = "\n".join(f"    params.{n} = given[{i}];" for i, n in enumerate(named))
+    wrapped = _LANES if lanes else _ACCELERATION
+    return _quoted(
+        f"{folder.name}/{name}_{'lanes' if lanes else 'equations'}.h",
+        f"""/* {hashlib.sha256(text.encode()).hexdigest()}: of what is included */
+#include "{folder}/{name}.c"
+enum {{ N = {model.n} }};
+static struct {name}_params params;
+__attribute__((constructor)) static void set_parameters(void)
+{{
+    static const double given[] = {{{given}}};
+    {name}_defaults(&params);
+{assigned}
+    {name}_prepare(&params);
+}}
+{wrapped.replace("NAME", name)}""",
+    )
+
+
+_ACCELERATION = """static int acceleration(double t, const double *q, const double *v, double *a)
+{
+    return NAME_acceleration(&params, t, q, v, NULL, a);
+}
+"""
+_LANES = """static int lanes(const double *t, const double *q, const double *v, double *a)
+{
+    return NAME_lanes(&params, t, q, v, NULL, a) != 0;
+}
+"""
+
+
+def _quoted(name: str, text: str) -> str:
+    return f'"{written(name, text)}"'
 
 
 def parameters(model: Model) -> list[str]:

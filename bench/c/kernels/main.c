@@ -16,7 +16,7 @@ enum { STATES = 512, MOST_ROUNDS = 100 };
 
 /* `width` states at once as structure of arrays: 1, or the lanes of a lane kernel. */
 typedef int kernel(const double *q, const double *v, double *a);
-#define X(name) kernel name; extern const int name##_width;
+#define X(name) kernel kernel_##name; extern const int kernel_##name##_width;
 KERNELS
 #undef X
 
@@ -25,7 +25,7 @@ static const struct {
     kernel *call;
     const int *width;
 } kernels[] = {
-#define X(name) {#name, name, &name##_width},
+#define X(name) {#name, kernel_##name, &kernel_##name##_width},
     KERNELS
 #undef X
 };

@@ -8,5 +8,5 @@ int KERNEL(const double *q, const double *v, double *a)
 {
     static const double t[PK_LANES];
 
-    return lanes(t, q, v, a) != 0;
+    return lanes(t, q, v, a);
 }
