@@ -1,0 +1,140 @@
+"""The figures to reach, each a ratio within this run, and whether it was reached."""
+
+from __future__ import annotations
+
+import statistics
+from dataclasses import dataclass
+
+from . import matching
+from .kernels import Timing
+from .measure import Comparison, Track
+
+# How a stepper is compiled makes two contenders of it; the better one counts.
+OWN_DOP853 = ("pkgen dop853", "pkgen dop853 (function pointer)")
+HEYOKA_ERRORS = (1e-6, 1e-8, 1e-10, 1e-12)
+
+
+@dataclass(frozen=True)
+class Row:
+    """`values` by model, or under "" where there is one number; `reached` of how many."""
+
+    what: str
+    least: str
+    values: dict[str, str]
+    reached: int
+    of: int
+
+    @property
+    def verdict(self) -> str:
+        if self.of == 1:
+            return "reached" if self.reached else "not reached"
+        return f"reached on {self.reached} of {self.of}"
+
+
+def single(what: str, least: str, value: float, reached: bool, unit: str = "×") -> Row:
+    return Row(what, least, {"": f"{value:.3g}{unit}"}, int(reached), 1)
+
+
+def kernel_rows(timings: dict[str, Timing]) -> list[Row]:
+    own = statistics.median(timings["own"].rounds)
+    rows = []
+    for name, least, faster in (
+        ("floor", "≤ 0.85", None),
+        ("ldl", "1.8×", 1.8),
+        ("pydy", "-", 1.0),
+        ("cholesky", "6×", 6.0),
+    ):
+        if name not in timings:
+            continue
+        peer = statistics.median(timings[name].rounds)
+        what = f"double-pendulum acceleration against {timings[name].kernel.title}"
+        if faster is None:
+            rows.append(single(what, least, own / peer, own / peer <= 0.85, ""))
+        else:
+            rows.append(single(what, least, peer / own, peer / own >= faster))
+    return rows
+
+
+def method_rows(comparisons: list[Comparison]) -> list[Row]:
+    rows = []
+    for error in (1e-10, 1e-12):
+        rows.append(_faster(comparisons, error, "C DOP853", OWN_DOP853, 3))
+        rows.append(_faster(comparisons, error, "GSL rk8pd", ("GSL rk8pd",), 4))
+    cvode = ("CVODE Adams", "CVODE BDF")
+    rows.append(_faster(comparisons, 1e-10, "CVODE", cvode, 15))
+    rows.append(_faster(comparisons, 1e-10, "SciPy DOP853", ("SciPy DOP853",), 500))
+    numba = "SciPy DOP853 + numba"
+    rows.append(_faster(comparisons, 1e-10, numba, (numba,), 1, said="-"))
+    for error in HEYOKA_ERRORS:
+        rows.append(_faster(comparisons, error, "heyoka", ("heyoka",), 1))
+    for error in HEYOKA_ERRORS:
+        name = "heyoka (par)"
+        rows.append(_faster(comparisons, error, f"{name}, run-time parameters", (name,), 1))
+    for error, least in ((1e-3, 1.0), (1e-6, 1.4)):
+        rows.append(_faster(comparisons, error, "the best other C method", None, least))
+    return rows
+
+
+def _faster(
+    comparisons: list[Comparison],
+    error: float,
+    title: str,
+    peers: tuple[str, ...] | None,
+    least: float,
+    said: str = "",
+) -> Row:
+    """How many times faster pkgen's best other than DOP853 is than the best of the peers; None:
+    of all in C, pkgen's DOP853 among them and heyoka apart."""
+    values, reached = {}, 0
+    for comparison in comparisons:
+        own = best(comparison, _own(comparison), error)
+        peer = best(comparison, peers or _others(comparison), error)
+        text, good = _ratio(own, peer, error, least)
+        values[comparison.model.name] = text
+        reached += good
+    what = f"to {error:.0e} against {title}".replace("e-0", "e-")
+    return Row(what, said or f"{least:g}×", values, reached, len(comparisons))
+
+
+def _own(comparison: Comparison) -> tuple[str, ...]:
+    return tuple(
+        t.name
+        for t in comparison.tracks
+        if t.contender.group == "pkgen" and t.name not in OWN_DOP853
+    )
+
+
+def _others(comparison: Comparison) -> tuple[str, ...]:
+    in_c = [t.name for t in comparison.tracks if t.contender.group == "C"]
+    return tuple(n for n in in_c if not n.startswith("heyoka")) + OWN_DOP853
+
+
+def best(comparison: Comparison, names: tuple[str, ...], error: float) -> Track | None:
+    """The fastest of the named ones at this error."""
+    found = [
+        (match.seconds, track)
+        for track in comparison.tracks
+        if track.name in names
+        for match in [matching.seconds_at(track.curve(), error)]
+        if match
+    ]
+    return min(found, key=lambda pair: pair[0])[1] if found else None
+
+
+def _ratio(own: Track | None, peer: Track | None, error: float, least: float) -> tuple[str, bool]:
+    if own is None:
+        return "own: never" if peer else "neither", False
+    if peer is None:
+        return "peer: never", True
+    rounds = min(len(own.seconds), len(peer.seconds))
+    found = matching.ratio(
+        [m.seconds for m in peer.matched(error)[:rounds]],
+        [m.seconds for m in own.matched(error)[:rounds]],
+    )
+    mark = "≥ " if _bound(own, error) else "≤ " if _bound(peer, error) else ""
+    return f"{mark}{found.median:.3g} [{found.low:.3g}, {found.high:.3g}]", found.median >= least
+
+
+def _bound(track: Track, error: float) -> bool:
+    match = matching.seconds_at(track.curve(), error)
+    return match is not None and match.bound
