@@ -117,30 +117,30 @@ def compare(model: Model, contenders: list[Contender], exact, effort: Effort, sa
 
 
 def _enter(contender: Contender, model: Model, exact, effort: Effort) -> Track:
-    """Choose the fastest of the builds, then leave out settings that fail or take too long."""
+    """Leave out settings that fail or take too long, then choose the fastest of the builds."""
     sessions = contender.open(model, effort.builds)
     settings = contender.settings(model)
-    for session in sessions:  # what compiles at its first call does so now
-        session.integrate(settings[0], model.start, model.t_end, 0.0)
-    trials = _trials(sessions, settings, model, effort)
-    best = min(sessions, key=lambda s: trials[s.flags])
-    for session in sessions:
-        if session is not best:
-            session.close()
-    kept, trouble = [], ""
-    for setting in settings:
+    usable, trouble = [], ""
+    for setting in settings:  # also what compiles at its first call does so now
         try:
-            took, _ = best.integrate(setting, model.start, model.t_end, 0.0)
+            sessions[0].integrate(setting, model.start, model.t_end, 0.0)
+            took, _ = sessions[0].integrate(setting, model.start, model.t_end, 0.0)
         except Failed as reason:
             trouble = str(reason)
             continue
         if took > LONGEST[contender.group]:
             break
-        kept.append(setting)
-    if not kept:
-        best.close()
+        usable.append(setting)
+    if not usable:
+        for session in sessions:
+            session.close()
         raise Failed(trouble or "every setting takes too long")
-    return Track(contender, best, kept, trials)
+    trials = _trials(sessions, usable, model, effort)
+    best = min(sessions, key=lambda s: trials[s.flags])
+    for session in sessions:
+        if session is not best:
+            session.close()
+    return Track(contender, best, usable, trials)
 
 
 def _trials(sessions, settings, model: Model, effort: Effort) -> dict[str, float]:

@@ -12,20 +12,21 @@ HOW = """# Accuracy against cost
 
 Written by `make bench DOCS=1`; not to be edited. One run, everything interleaved.
 
-**Final error** is that of the state at the end, each component relative to max(1, its size), against
-the same equations integrated in `__float128` by an extrapolation method that shares nothing with
-pkgen (checked against references of 25 digits). **Times** are of one integration alone, after
-compilation and warm-up, medians of {rounds} rounds or fewer over {starts} starts. **To a final error**:
-each method runs at tolerances or steps from loose to tight; between the two that bracket the error,
-log time is linear in log error; "≤" where the loosest setting is better already. Ratios are formed
-round by round: median [quartiles].
+**Final error** is that of the state at the end, each component relative to max(1, its size),
+against the same equations integrated in `__float128` by an extrapolation method that shares nothing
+with pkgen (checked against references of 25 digits). **Times** are of one integration alone, after
+compilation and warm-up, medians of at most {rounds} rounds over {starts} starts. **To a final
+error**: each method runs at tolerances or steps from loose to tight; between the two that bracket
+the error, log time is linear in log error; "≤" where the loosest setting is better already. Ratios
+are formed round by round: median [quartiles].
 
 Whoever comes as C source is built by gcc and clang at several flags (`builds.csv`), and its fastest
-build takes part, in each model. Parameters are run-time values, except with `heyoka`, which has them
-compiled in (`heyoka (par)` has not), and the C++ of mechanicsdsl-core. GSL and CVODE call pkgen's
-kernel, compiled into the same file as their right-hand side; "SymPy cse + GSL" calls SymPy's C.
-CVODE is that of the wheel scikit-sundae, called from C. PyDy generates right-hand sides, no methods:
-it is among the kernels. "C DOP853" is pkgen's own, the faster of inlined and through function pointers.
+build takes part, in each model. Parameters are run-time values, except with `heyoka`, which has
+them compiled in (`heyoka (par)` has not), and the C++ of mechanicsdsl-core. GSL and CVODE call
+pkgen's kernel, compiled into the same file as their right-hand side; "SymPy cse + GSL" calls
+SymPy's C. CVODE is that of the wheel scikit-sundae, called from C. PyDy generates right-hand sides,
+no methods: it is among the kernels. "C DOP853" is pkgen's own, the faster of inlined and through
+function pointers.
 """
 
 
