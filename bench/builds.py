@@ -19,7 +19,7 @@ from pathlib import Path
 
 from .models import ROOT
 
-OUTPUT = ROOT / "build" / "bench"
+OUTPUT = Path(os.environ.get("BENCH_OUTPUT") or ROOT / "build" / "bench")
 SOURCES = ROOT / "bench" / "c"
 RUNTIME = ROOT / "runtime"
 SAFE = ("-fno-math-errno", "-fno-trapping-math")

@@ -103,10 +103,13 @@ def _bars(panel, timings: dict[str, Timing]) -> None:
     values = [statistics.median(t.rounds) for t in rows]
     own = [t.kernel.name.startswith("own") for t in rows]
     colours = ["#0072B2" if o else "#999999" for o in own]
-    panel.barh(range(len(rows)), values, color=colours)
-    panel.set_yticks(range(len(rows)), [t.kernel.title for t in rows], fontsize=8.5)
-    for i, value in enumerate(values):
+    panel.barh(range(len(rows)), values, height=0.4, color=colours)
+    panel.set_yticks([])
+    for i, (value, timing) in enumerate(zip(values, rows, strict=True)):
         panel.text(value, i, f" {value:.1f}", va="center", fontsize=8.5)
+        panel.text(0, i + 0.25, timing.kernel.title, va="bottom", fontsize=8.5)
+    panel.set_ylim(-0.5, len(rows))
+    panel.spines["left"].set_visible(True)
     panel.set_title("double-pendulum acceleration")
     panel.set_xlabel("time of one evaluation (ns)")
     panel.spines[["top", "right"]].set_visible(False)

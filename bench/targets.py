@@ -89,7 +89,8 @@ def _faster(
     for comparison in comparisons:
         own = best(comparison, _own(comparison), error)
         peer = best(comparison, peers or _others(comparison), error)
-        text, good = _ratio(own, peer, error, least)
+        present = any(t.name in (peers or _others(comparison)) for t in comparison.tracks)
+        text, good = _ratio(own, peer, error, least, present)
         values[comparison.model.name] = text
         reached += good
     what = f"to {error:.0e} against {title}".replace("e-0", "e-")
@@ -121,11 +122,13 @@ def best(comparison: Comparison, names: tuple[str, ...], error: float) -> Track 
     return min(found, key=lambda pair: pair[0])[1] if found else None
 
 
-def _ratio(own: Track | None, peer: Track | None, error: float, least: float) -> tuple[str, bool]:
+def _ratio(
+    own: Track | None, peer: Track | None, error: float, least: float, taking_part: bool
+) -> tuple[str, bool]:
     if own is None:
         return "own: never" if peer else "neither", False
     if peer is None:
-        return "peer: never", True
+        return ("peer: never", True) if taking_part else ("no peer", False)
     rounds = min(len(own.seconds), len(peer.seconds))
     found = matching.ratio(
         [m.seconds for m in peer.matched(error)[:rounds]],
