@@ -18,9 +18,9 @@ class _Printer(C99CodePrinter):
             return "(" + "*".join([text] * int(exponent)) + ")"
         if exponent.is_Integer and -4 <= int(exponent) <= -1:
             return (
-                f"(1.0/{self._print_Pow(base**-exponent)})"
+                f"(1/{self._print_Pow(base**-exponent)})"
                 if exponent != -1
-                else (f"(1.0/{self.parenthesize(base, sp.printing.precedence.PRECEDENCE['Mul'])})")
+                else (f"(1/{self.parenthesize(base, sp.printing.precedence.PRECEDENCE['Mul'])})")
             )
         return super()._print_Pow(expr)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import subprocess
 from decimal import Decimal, localcontext
+from pathlib import Path
 
 from . import codegen
 from .builds import SOURCES, Build, compile_program, written
@@ -26,29 +27,41 @@ class ReferenceError(Exception):
 
 def finals(model: Model, starts: list[tuple[float, ...]]) -> list[list[float]]:
     """The state at t_end for each start, right to double precision."""
+    program, numbers = _program(model), REFERENCES[model.name]
+    given = [*numbers["params"].values(), *numbers["y0"]]
+    published = _run(program, _steps(model, model.t_end), model.t_end, given)
+    _must_agree(published, [Decimal(x) for x in model.final], model.name)
+    return finals_at(model, starts, model.t_end)
+
+
+def finals_at(model: Model, starts: list[tuple[float, ...]], t_end: float) -> list[list[float]]:
+    """The same at another time, for which nothing is published."""
+    program, steps, found = _program(model), _steps(model, t_end), []
+    for start in starts:
+        given = [x.hex() for x in (*model.values, *start)]
+        exact = _run(program, steps, t_end, given)
+        _must_agree(exact, _run(program, steps * 3 // 4, t_end, given), model.name)
+        found.append([float(x) for x in exact])
+    return found
+
+
+def _steps(model: Model, t_end: float) -> int:
+    return max(4, round(STEPS_A_SECOND.get(model.name, USUAL_STEPS_A_SECOND) * t_end))
+
+
+def _program(model: Model) -> Path:
     header = written(f"reference/{model.name}.h", codegen.acceleration(model, "real"))
-    program = compile_program(
+    return compile_program(
         Build("gcc", ("-O2",)),
         [SOURCES / "reference.c"],
         {"BENCH_EQUATIONS": f'"{header}"'},
         ("-std=gnu11",),
         ("-lquadmath",),
     )
-    steps = round(STEPS_A_SECOND.get(model.name, USUAL_STEPS_A_SECOND) * model.t_end)
-    numbers = REFERENCES[model.name]
-    published = _run(program, steps, model, [*numbers["params"].values(), *numbers["y0"]])
-    _must_agree(published, [Decimal(x) for x in model.final], model.name)
-    found = []
-    for start in starts:
-        given = [x.hex() for x in (*model.values, *start)]
-        exact = _run(program, steps, model, given)
-        _must_agree(exact, _run(program, steps * 3 // 4, model, given), model.name)
-        found.append([float(x) for x in exact])
-    return found
 
 
-def _run(program, steps: int, model: Model, numbers: list[str]) -> list[Decimal]:
-    command = [program, str(steps), repr(model.t_end), *numbers]
+def _run(program: Path, steps: int, t_end: float, numbers: list[str]) -> list[Decimal]:
+    command = [program, str(steps), repr(t_end), *numbers]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return [Decimal(x) for x in done.stdout.split()]
 

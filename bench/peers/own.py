@@ -54,7 +54,7 @@ def generated(name: str, *options: str) -> Path:
     return folder
 
 
-def kernel_header(model: Model, *options: str, lanes: bool = False) -> str:
+def kernel_header(model: Model, *options: str, lanes: bool = False, scalar: str = "double") -> str:
     """The path, quoted for -D, of a header that includes the generated file whole and wraps its
     kernels as `acceleration()` or `lanes()`, so that the compiler sees through them."""
     folder, name = generated(model.name, *options), model.name
@@ -63,10 +63,10 @@ def kernel_header(model: Model, *options: str, lanes: bool = False) -> str:
         raise Unavailable("this pkgen has no lane kernels")
     given = ", ".join(x.hex() for x in model.values)
     named = REFERENCES[name]["params"]
-    assigned = "\n".join(f"    params.{n} = given[{i}];" for i, n in enumerate(named))
-    wrapped = _LANES if lanes else _ACCELERATION
+    assigned = "\n".join(f"    params.{n} = (pk_real)given[{i}];" for i, n in enumerate(named))
+    wrapped = _LANES if lanes else _ACCELERATION.replace("double", scalar)
     return _quoted(
-        f"{folder.name}/{name}_{'lanes' if lanes else 'equations'}.h",
+        f"{folder.name}/{name}_{'lanes' if lanes else scalar}.h",
         f"""/* {hashlib.sha256(text.encode()).hexdigest()}: of what is included */
 #include "{folder}/{name}.c"
 enum {{ N = {model.n} }};

@@ -1,0 +1,219 @@
+"""Many double pendulums at once: nanoseconds of a member's RK4 step, own and peers'.
+
+And heyoka's batch mode on the same work: as many members to the same end, at the final error that
+RK4 has there.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from . import codegen, matching, reference
+from .builds import RUNTIME, SOURCES, Build, Unavailable, compile_program, each_build, written
+from .measure import Effort
+from .models import error, model
+from .peers.own import generated, kernel_header
+from .peers.vectors import heyoka_batch, numba_step, numpy_step
+
+FOLDER = SOURCES / "ensembles"
+STEPS, H = 100, 0.01
+SHOWN = 8  # members whose final state a program prints
+TOLERANCE = {"double": 1e-9, "float": 1e-3}  # that all must agree to: contraction may differ
+
+
+@dataclass(frozen=True)
+class Runner:
+    """One build of one way: run(members, steps) gives nanoseconds and the first members' states."""
+
+    title: str
+    flags: str
+    run: Callable[[int, int], tuple[float, list[list[float]]]]
+    scalar: str = "double"
+    steps: int = STEPS
+
+
+@dataclass(frozen=True)
+class Timing:
+    title: str
+    flags: str
+    rounds: list[float]
+    error: float  # median over the shown members
+
+    @property
+    def median(self) -> float:
+        return statistics.median(self.rounds)
+
+
+def measure(effort: Effort, say) -> tuple[dict[str, Timing], list[Timing], dict[str, str]]:
+    """Times by title, heyoka's batch mode by tolerance (nanoseconds a member), and refusals."""
+    quick = effort.starts < 5
+    members = 10240 if quick else 102400
+    runners, refused = [], {}
+    for title, make in _ways().items():
+        try:
+            runners += make(title, effort.builds)
+        except Unavailable as reason:
+            refused[title] = str(reason)
+    exact = _exact(STEPS * H)
+    times: dict[Runner, list[float]] = {r: [] for r in runners}
+    errors = {}
+    for _ in range(3 if quick else 7):
+        for runner in runners:
+            nanoseconds, states = runner.run(members, runner.steps)
+            times[runner].append(nanoseconds)
+            if runner.steps == STEPS:
+                errors[runner] = statistics.median(map(error, states, exact))
+    best: dict[str, Timing] = {}
+    for runner, rounds in times.items():
+        timing = Timing(runner.title, runner.flags, rounds, errors.get(runner, float("nan")))
+        if runner.title not in best or timing.median < best[runner.title].median:
+            best[runner.title] = timing
+    _must_agree(runners, errors)
+    batch = []
+    try:
+        batch = _batch(members, exact, 3 if quick else 7)
+    except Unavailable as reason:
+        refused["heyoka, batch mode"] = str(reason)
+    say(f"ensembles: {len(best)} ways, {len(runners)} builds, {members} members")
+    return best, batch, refused
+
+
+def heyoka_seconds(batch: list[Timing], wanted: float) -> matching.Match | None:
+    """Seconds a member of the batch mode at the error `wanted`."""
+    points = matching.curve(
+        [float(t.title) for t in batch],
+        [[t.error] for t in batch],
+        [[1e-9 * t.median] for t in batch],
+    )
+    return matching.seconds_at(points, wanted)
+
+
+def _must_agree(runners: list[Runner], errors: dict[Runner, float]) -> None:
+    """RK4 is RK4: all have its error, within what rounding and contraction do."""
+    typical = statistics.median(e for r, e in errors.items() if r.scalar == "double")
+    for runner, found in errors.items():
+        if not abs(found - typical) < TOLERANCE[runner.scalar]:
+            raise SystemExit(f"bench: {runner.title}, {runner.flags}: error {found}, not {typical}")
+
+
+def _exact(t_end: float) -> list[list[float]]:
+    starts = [
+        (1.3 + 0.002 * i, -0.9 + 0.003 * i, 0.2 + 0.004 * i, 0.4 - 0.005 * i) for i in range(SHOWN)
+    ]
+    return reference.finals_at(model("double_pendulum"), starts, t_end)
+
+
+def _batch(members: int, exact, rounds: int) -> list[Timing]:
+    """Of heyoka, on a share of the members, which is enough for a mean."""
+    run = heyoka_batch(model("double_pendulum"), min(members, 4096), STEPS * H)
+    tolerances = [10.0**-k for k in range(4, 12)]
+    times: dict[float, list[float]] = {t: [] for t in tolerances}
+    errors = {}
+    for _ in range(rounds):
+        for tolerance in tolerances:
+            seconds, states = run(tolerance)
+            times[tolerance].append(1e9 * seconds)
+            errors[tolerance] = statistics.median(map(error, states[:SHOWN], exact))
+    return [Timing(str(t), "", times[t], errors[t]) for t in tolerances]
+
+
+def _ways() -> dict[str, Callable]:
+    return {
+        "scalar libm": partial(_scalar, "double", "sympy"),
+        "scalar libm, pkgen --libm": partial(_scalar, "double", "pkgen"),
+        "libmvec": _libmvec,
+        "numpy": partial(_python, numpy_step),
+        "numba": partial(_python, numba_step),
+        "pkgen": partial(_own, "double", 1),
+        "pkgen, two threads": partial(_own, "double", 2),
+        "float: scalar libm": partial(_scalar, "float", "sympy"),
+        "float: scalar libm, pkgen --libm": partial(_scalar, "float", "pkgen"),
+        "float: pkgen": partial(_own, "float", 1),
+    }
+
+
+def _programs(title, builds, make, scalar="double", threads=1) -> list[Runner]:
+    def run(program: Path, members: int, steps: int):
+        command = [program, str(members), str(steps), repr(H), str(threads)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise SystemExit(f"bench: {title}: {done.stderr.strip()}")
+        nanoseconds, *numbers = (float(x) for x in done.stdout.split())
+        return nanoseconds, [numbers[4 * i : 4 * i + 4] for i in range(SHOWN)]
+
+    paths = each_build(builds, make)
+    return [
+        Runner(title, str(build), partial(run, path), scalar)
+        for build, path in zip(builds, paths, strict=True)
+    ]
+
+
+def _defines(scalar: str) -> dict[str, str]:
+    return {"BENCH_FLOAT": "", "PK_FLOAT": ""} if scalar == "float" else {}
+
+
+def _scalar(scalar: str, source: str, title: str, builds: tuple[Build, ...]) -> list[Runner]:
+    pendulum = model("double_pendulum")
+    if source == "pkgen":
+        header = kernel_header(pendulum, "--libm", scalar=scalar)
+    else:
+        text = "#include <tgmath.h>\n" + codegen.acceleration(pendulum, scalar)
+        header = f'"{written(f"ensembles/{scalar}.h", text)}"'
+
+    def make(build: Build) -> Path:
+        defines = {"BENCH_EQUATIONS": header, **_defines(scalar)}
+        flags = ("-std=gnu11", f"-I{RUNTIME / 'include'}")
+        return compile_program(build, [FOLDER / "scalar.c", FOLDER / "main.c"], defines, flags)
+
+    return _programs(title, builds, make, scalar)
+
+
+def _libmvec(title: str, builds: tuple[Build, ...]) -> list[Runner]:
+    wide = tuple(b for b in builds if "-march=native" in b.flags)
+    sources = [FOLDER / "libmvec.c", FOLDER / "main.c"]
+
+    def make(build: Build) -> Path:
+        return compile_program(build, sources, {}, ("-std=gnu11",), ("-lmvec",))
+
+    return _programs(title, wide, make)
+
+
+def _own(scalar: str, threads: int, title: str, builds: tuple[Build, ...]) -> list[Runner]:
+    if not (RUNTIME / "include/pk/ensemble.h").exists():
+        raise Unavailable("this pkgen has no ensembles")
+    if threads > (os.cpu_count() or 1):
+        raise Unavailable(f"the machine has fewer than {threads} cores")
+    folder = generated("double_pendulum")
+    sources = [FOLDER / "own.c", FOLDER / "main.c", folder / "double_pendulum.c"]
+    sources += sorted((RUNTIME / "src").glob("*.c")) + sorted((RUNTIME / "omp").glob("*.c"))
+    defines = {"PK_RUNTIME": "", "PK_INLINE_ERK": "", "PK_INLINE_ENSEMBLE": "", **_defines(scalar)}
+    include = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
+    # clang's OpenMP library is not part of clang; its builds take part with one thread.
+    able = tuple(b for b in builds if b.cc == "gcc" or threads == 1)
+
+    def make(build: Build) -> Path:
+        openmp = ("-fopenmp",) if threads > 1 else ()
+        return compile_program(build, sources, defines, (*include, *openmp))
+
+    return _programs(title, able, make, scalar, threads)
+
+
+def _python(maker, title: str, _: tuple[Build, ...]) -> list[Runner]:
+    """In this process; fewer steps, since they are slow and all alike."""
+    step, flags = maker(model("double_pendulum"))
+
+    def run(members: int, steps: int):
+        state = step(members, 1, H)
+        begin = time.perf_counter()
+        state = step(members, steps, H)
+        took = time.perf_counter() - begin
+        return 1e9 * took / (members * steps), [list(row) for row in state[:SHOWN]]
+
+    return [Runner(title, flags, run, steps=STEPS // 10)]
