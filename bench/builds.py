@@ -101,7 +101,11 @@ def each_build(builds: tuple[Build, ...], make: Callable[[Build], Path]) -> list
 def run(command: list[str]) -> None:
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
-        raise Unavailable(f"{shlex.join(command)} failed: {done.stderr.strip()[:2000]}")
+        said = done.stderr.splitlines()
+        first = next((line for line in said if "error" in line), "".join(said[:1]))
+        with (OUTPUT / "failures.log").open("a") as log:
+            log.write(f"{shlex.join(command)}\n{done.stderr}\n")
+        raise Unavailable(f"{command[0]} failed (see failures.log): {first[:200]}")
 
 
 def _headers() -> list[Path]:

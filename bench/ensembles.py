@@ -11,8 +11,7 @@ import statistics
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 from . import codegen, matching, reference
@@ -21,88 +20,60 @@ from .measure import Effort
 from .models import error, model
 from .peers.own import generated, kernel_header
 from .peers.vectors import heyoka_batch, numba_step, numpy_step
+from .turns import Runner, Timing, take_turns
 
 FOLDER = SOURCES / "ensembles"
 STEPS, H = 100, 0.01
 SHOWN = 8  # members whose final state a program prints
-TOLERANCE = {"double": 1e-9, "float": 1e-3}  # that all must agree to: contraction may differ
-
-
-@dataclass(frozen=True)
-class Runner:
-    """One build of one way: run(members, steps) gives nanoseconds and the first members' states."""
-
-    title: str
-    flags: str
-    run: Callable[[int, int], tuple[float, list[list[float]]]]
-    scalar: str = "double"
-    steps: int = STEPS
-
-
-@dataclass(frozen=True)
-class Timing:
-    title: str
-    flags: str
-    rounds: list[float]
-    error: float  # median over the shown members
-
-    @property
-    def median(self) -> float:
-        return statistics.median(self.rounds)
+MOST_ERROR = {"double": 2e-6, "float": 1e-4}
 
 
 def measure(effort: Effort, say) -> tuple[dict[str, Timing], list[Timing], dict[str, str]]:
     """Times by title, heyoka's batch mode by tolerance (nanoseconds a member), and refusals."""
     quick = effort.starts < 5
-    members = 10240 if quick else 102400
+    members, rounds = (10240, 3) if quick else (102400, 7)
     runners, refused = [], {}
     for title, make in _ways().items():
         try:
-            runners += make(title, effort.builds)
+            runners += make(title, effort.builds, members)
         except Unavailable as reason:
             refused[title] = str(reason)
     exact = _exact(STEPS * H)
-    times: dict[Runner, list[float]] = {r: [] for r in runners}
-    errors = {}
-    for _ in range(3 if quick else 7):
-        for runner in runners:
-            nanoseconds, states = runner.run(members, runner.steps)
-            times[runner].append(nanoseconds)
-            if runner.steps == STEPS:
-                errors[runner] = statistics.median(map(error, states, exact))
-    best: dict[str, Timing] = {}
-    for runner, rounds in times.items():
-        timing = Timing(runner.title, runner.flags, rounds, errors.get(runner, float("nan")))
-        if runner.title not in best or timing.median < best[runner.title].median:
-            best[runner.title] = timing
-    _must_agree(runners, errors)
+    best = take_turns(runners, rounds, partial(_must_agree, exact))
     batch = []
     try:
-        batch = _batch(members, exact, 3 if quick else 7)
+        batch = _batch(members, exact, rounds)
     except Unavailable as reason:
         refused["heyoka, batch mode"] = str(reason)
     say(f"ensembles: {len(best)} ways, {len(runners)} builds, {members} members")
     return best, batch, refused
 
 
+def rk4_error(timing: Timing) -> float:
+    """Median final error of the shown members."""
+    return statistics.median(map(error, timing.result, _exact(STEPS * H)))
+
+
 def heyoka_seconds(batch: list[Timing], wanted: float) -> matching.Match | None:
     """Seconds a member of the batch mode at the error `wanted`."""
     points = matching.curve(
         [float(t.title) for t in batch],
-        [[t.error] for t in batch],
+        [t.result for t in batch],
         [[1e-9 * t.median] for t in batch],
     )
     return matching.seconds_at(points, wanted)
 
 
-def _must_agree(runners: list[Runner], errors: dict[Runner, float]) -> None:
-    """RK4 is RK4: all have its error, within what rounding and contraction do."""
-    typical = statistics.median(e for r, e in errors.items() if r.scalar == "double")
-    for runner, found in errors.items():
-        if not abs(found - typical) < TOLERANCE[runner.scalar]:
-            raise SystemExit(f"bench: {runner.title}, {runner.flags}: error {found}, not {typical}")
+def _must_agree(exact: list[list[float]], runner: Runner, states: list[list[float]]) -> None:
+    """All made the same steps: what RK4 leaves at this step, and rounding on top."""
+    if not states:
+        return
+    found = statistics.median(map(error, states, exact))
+    if not found < MOST_ERROR[runner.kind]:
+        raise SystemExit(f"bench: {runner.title}, {runner.flags}: final error {found}")
 
 
+@cache
 def _exact(t_end: float) -> list[list[float]]:
     starts = [
         (1.3 + 0.002 * i, -0.9 + 0.003 * i, 0.2 + 0.004 * i, 0.4 - 0.005 * i) for i in range(SHOWN)
@@ -121,7 +92,7 @@ def _batch(members: int, exact, rounds: int) -> list[Timing]:
             seconds, states = run(tolerance)
             times[tolerance].append(1e9 * seconds)
             errors[tolerance] = statistics.median(map(error, states[:SHOWN], exact))
-    return [Timing(str(t), "", times[t], errors[t]) for t in tolerances]
+    return [Timing(str(t), "", times[t], [errors[t]]) for t in tolerances]
 
 
 def _ways() -> dict[str, Callable]:
@@ -139,9 +110,9 @@ def _ways() -> dict[str, Callable]:
     }
 
 
-def _programs(title, builds, make, scalar="double", threads=1) -> list[Runner]:
-    def run(program: Path, members: int, steps: int):
-        command = [program, str(members), str(steps), repr(H), str(threads)]
+def _programs(title, builds, make, members, scalar="double", threads=1) -> list[Runner]:
+    def run(program: Path):
+        command = [program, str(members), str(STEPS), repr(H), str(threads)]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             raise SystemExit(f"bench: {title}: {done.stderr.strip()}")
@@ -159,7 +130,9 @@ def _defines(scalar: str) -> dict[str, str]:
     return {"BENCH_FLOAT": "", "PK_FLOAT": ""} if scalar == "float" else {}
 
 
-def _scalar(scalar: str, source: str, title: str, builds: tuple[Build, ...]) -> list[Runner]:
+def _scalar(
+    scalar: str, source: str, title: str, builds: tuple[Build, ...], members: int
+) -> list[Runner]:
     pendulum = model("double_pendulum")
     if source == "pkgen":
         header = kernel_header(pendulum, "--libm", scalar=scalar)
@@ -172,20 +145,22 @@ def _scalar(scalar: str, source: str, title: str, builds: tuple[Build, ...]) -> 
         flags = ("-std=gnu11", f"-I{RUNTIME / 'include'}")
         return compile_program(build, [FOLDER / "scalar.c", FOLDER / "main.c"], defines, flags)
 
-    return _programs(title, builds, make, scalar)
+    return _programs(title, builds, make, members, scalar)
 
 
-def _libmvec(title: str, builds: tuple[Build, ...]) -> list[Runner]:
+def _libmvec(title: str, builds: tuple[Build, ...], members: int) -> list[Runner]:
     wide = tuple(b for b in builds if "-march=native" in b.flags)
     sources = [FOLDER / "libmvec.c", FOLDER / "main.c"]
 
     def make(build: Build) -> Path:
         return compile_program(build, sources, {}, ("-std=gnu11",), ("-lmvec",))
 
-    return _programs(title, wide, make)
+    return _programs(title, wide, make, members)
 
 
-def _own(scalar: str, threads: int, title: str, builds: tuple[Build, ...]) -> list[Runner]:
+def _own(
+    scalar: str, threads: int, title: str, builds: tuple[Build, ...], members: int
+) -> list[Runner]:
     if not (RUNTIME / "include/pk/ensemble.h").exists():
         raise Unavailable("this pkgen has no ensembles")
     if threads > (os.cpu_count() or 1):
@@ -202,18 +177,20 @@ def _own(scalar: str, threads: int, title: str, builds: tuple[Build, ...]) -> li
         openmp = ("-fopenmp",) if threads > 1 else ()
         return compile_program(build, sources, defines, (*include, *openmp))
 
-    return _programs(title, able, make, scalar, threads)
+    return _programs(title, able, make, members, scalar, threads)
 
 
-def _python(maker, title: str, _: tuple[Build, ...]) -> list[Runner]:
+def _python(maker, title: str, _: tuple[Build, ...], members: int) -> list[Runner]:
     """In this process; fewer steps, since they are slow and all alike."""
     step, flags = maker(model("double_pendulum"))
+    steps = STEPS // 10
 
-    def run(members: int, steps: int):
-        state = step(members, 1, H)
+    def run():
+        step(members, 1, H)
         begin = time.perf_counter()
-        state = step(members, steps, H)
-        took = time.perf_counter() - begin
-        return 1e9 * took / (members * steps), [list(row) for row in state[:SHOWN]]
+        step(members, steps, H)
+        return 1e9 * (time.perf_counter() - begin) / (members * steps), []
 
-    return [Runner(title, flags, run, steps=STEPS // 10)]
+    states = [list(row) for row in step(SHOWN, STEPS, H)]
+    _must_agree(_exact(STEPS * H), Runner(title, flags, run, "double"), states)
+    return [Runner(title, flags, run, "double")]

@@ -45,13 +45,18 @@ def pkgen_python() -> str:
 def generated(name: str, *options: str) -> Path:
     """The folder with NAME.c and NAME.h."""
     folder = OUTPUT / "generated" / "-".join(("pkgen", *(o.strip("-") for o in options)))
+    emit(ROOT / "models" / f"{name}.lag", folder, *options)
+    return folder
+
+
+def emit(model: Path, folder: Path, *options: str) -> None:
+    """What pkgen makes of a model, into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    model = ROOT / "models" / f"{name}.lag"
     command = [pkgen_python(), "-m", "pkgen", str(model), *options, "-o", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
-        raise Unavailable(f"pkgen refused {name}: {done.stderr.strip()[:500]}")
-    return folder
+        said = done.stderr.strip().splitlines() or ["?"]
+        raise Unavailable(f"pkgen refused {model.name}: {said[-1][:200]}")
 
 
 def kernel_header(model: Model, *options: str, lanes: bool = False, scalar: str = "double") -> str:
