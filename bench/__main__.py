@@ -7,8 +7,20 @@ import os
 import sys
 import time
 
-from . import chart, kernels, machine, measure, models, reference, tables, targets
-from .builds import OUTPUT
+from . import (
+    chains,
+    chart,
+    derivation,
+    ensembles,
+    kernels,
+    machine,
+    measure,
+    models,
+    reference,
+    tables,
+    targets,
+)
+from .builds import OUTPUT, Unavailable
 from .peers import cvode, gsl, mechanicsdsl, own, python, taylor
 from .report import write_docs
 
@@ -19,32 +31,22 @@ def main() -> int:
     arguments = _arguments()
     effort = measure.QUICK if arguments.quick else measure.FULL
     names = arguments.models.split(",") if arguments.models else list(models.LAGRANGIANS)
-    sources = PEERS[:1] if arguments.own else PEERS
-    contenders = [c for source in sources for c in source.contenders()]
+    OUTPUT.mkdir(parents=True, exist_ok=True)
     here = machine.describe()
     _say("\n".join(here.lines()))
-
     begin = time.monotonic()
-    timings, unmade = kernels.measure(effort, _say)
-    comparisons = []
-    for name in names:
-        model = models.model(name)
-        exact = reference.finals(model, model.starts(effort.starts))
-        comparisons.append(measure.compare(model, contenders, exact, effort, _say))
-    _say(f"measured in {time.monotonic() - begin:.0f} s; load now {os.getloadavg()[0]:.2f}")
-
-    rows = targets.kernel_rows(timings) + targets.method_rows(comparisons)
-    parts = {
-        "Figures to reach": tables.targets(rows, names),
-        "Kernels": tables.kernels(timings),
-    }
-    for c in comparisons:
-        text = [tables.methods(c), *tables.refusals(c)]
-        parts[c.model.name.replace("_", " ").capitalize()] = "\n\n".join(
-            [text[0], "\n".join(text[1:])] if c.refused else text
-        )
-    if unmade:
-        parts["Kernels"] += "\n\n" + "\n".join(f"- {k}: {why}" for k, why in unmade.items())
+    # Titles in the order in which they are shown; each part is text, rows are figures to reach.
+    parts: dict[str, str] = {"Figures to reach": ""}
+    rows: list[targets.Row] = []
+    timings = {} if arguments.own else _kernels(effort, parts, rows)
+    comparisons = _methods(arguments.own, names, effort, parts, rows)
+    if not arguments.own:
+        _ensembles(effort, parts, rows)
+        _chains(effort, parts, rows)
+        _derivation(parts, rows)
+    parts["Figures to reach"] = tables.targets(rows, names)
+    spent = time.monotonic() - begin
+    _say(f"measured in {spent:.0f} s; load average at the end {os.getloadavg()[0]:.2f}")
     for title, text in parts.items():
         print(f"\n## {title}\n\n{text}")
     _save(comparisons, timings, rows, here)
@@ -53,9 +55,59 @@ def main() -> int:
     return 0
 
 
+def _kernels(effort, parts, rows) -> dict[str, kernels.Timing]:
+    timings, refused = kernels.measure(effort, _say)
+    parts["Kernels"] = _with(tables.kernels(timings), refused)
+    rows += targets.kernel_rows(timings)
+    return timings
+
+
+def _methods(alone: bool, names, effort, parts, rows) -> list[measure.Comparison]:
+    sources = PEERS[:1] if alone else PEERS
+    contenders = [c for source in sources for c in source.contenders()]
+    comparisons = []
+    for name in names:
+        model = models.model(name)
+        exact = reference.finals(model, model.starts(effort.starts))
+        found = measure.compare(model, contenders, exact, effort, _say)
+        parts[name.replace("_", " ").capitalize()] = _with(tables.methods(found), found.refused)
+        comparisons.append(found)
+    rows += targets.method_rows(comparisons)
+    return comparisons
+
+
+def _ensembles(effort, parts, rows) -> None:
+    timings, batch, refused = ensembles.measure(effort, _say)
+    text = tables.turns("RK4 step of a double pendulum in an ensemble", timings)
+    parts["Ensembles"] = _with(text, refused)
+    rows += targets.ensemble_rows(timings, batch)
+
+
+def _chains(effort, parts, rows) -> None:
+    found, refused = chains.measure(effort, _say)
+    parts["Chains"] = _with(tables.chains(found), refused)
+    rows += targets.chain_rows(found)
+
+
+def _derivation(parts, rows) -> None:
+    try:
+        found = derivation.measure()
+    except Unavailable as reason:
+        parts["Derivation"] = _with("", {"bench/chain.py": str(reason)})
+        return
+    parts["Derivation"] = tables.derivation(found)
+    rows += targets.derivation_rows(found)
+
+
+def _with(text: str, refused: dict[str, str]) -> str:
+    """A table, and below it who could not take part."""
+    missing = "\n".join(f"- {name}: {why}" for name, why in refused.items())
+    return "\n\n".join(filter(None, (text, missing)))
+
+
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="a minute or two, fewer starts")
+    parser.add_argument("--quick", action="store_true", help="a few minutes, fewer starts")
     parser.add_argument("--own", action="store_true", help="pkgen's methods alone")
     parser.add_argument("--models", help="names, separated by commas; default: all five")
     parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
@@ -63,7 +115,6 @@ def _arguments() -> argparse.Namespace:
 
 
 def _save(comparisons, timings, rows, here) -> None:
-    OUTPUT.mkdir(parents=True, exist_ok=True)
     tables.write_csv(
         OUTPUT / "points.csv",
         ("model", "contender", "setting", "start", "round", "seconds", "error"),

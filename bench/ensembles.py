@@ -23,6 +23,7 @@ from .peers.vectors import heyoka_batch, numba_step, numpy_step
 from .turns import Runner, Timing, take_turns
 
 FOLDER = SOURCES / "ensembles"
+Builds = tuple[Build, ...]
 STEPS, H = 100, 0.01
 SHOWN = 8  # members whose final state a program prints
 MOST_ERROR = {"double": 2e-6, "float": 1e-4}
@@ -148,7 +149,7 @@ def _scalar(
     return _programs(title, builds, make, members, scalar)
 
 
-def _libmvec(title: str, builds: tuple[Build, ...], members: int) -> list[Runner]:
+def _libmvec(title: str, builds: Builds, members: int) -> list[Runner]:
     wide = tuple(b for b in builds if "-march=native" in b.flags)
     sources = [FOLDER / "libmvec.c", FOLDER / "main.c"]
 
@@ -180,7 +181,7 @@ def _own(
     return _programs(title, able, make, members, scalar, threads)
 
 
-def _python(maker, title: str, _: tuple[Build, ...], members: int) -> list[Runner]:
+def _python(maker, title: str, _: Builds, members: int) -> list[Runner]:
     """In this process; fewer steps, since they are slow and all alike."""
     step, flags = maker(model("double_pendulum"))
     steps = STEPS // 10

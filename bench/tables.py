@@ -11,6 +11,7 @@ from . import matching
 from .kernels import Timing
 from .measure import Comparison
 from .targets import Row
+from .turns import Timing as TurnTiming
 
 ERRORS = (1e-3, 1e-6, 1e-8, 1e-10, 1e-12)
 
@@ -71,6 +72,40 @@ def kernels(timings: dict[str, Timing]) -> str:
         spread = f"[{low:.1f}, {high:.1f}]"
         rows.append((timing.kernel.title, f"{median:.1f}", spread, timing.build))
     heading = ("double-pendulum acceleration", "ns", "quartiles", "built with")
+    return table(heading, rows)
+
+
+def turns(heading: str, timings: dict[str, TurnTiming]) -> str:
+    rows = []
+    for timing in timings.values():
+        low, high = matching.quartiles(timing.rounds)
+        spread = f"[{low:.3g}, {high:.3g}]"
+        rows.append((timing.title, f"{timing.median:.3g}", spread, timing.flags))
+    return table((heading, "ns", "quartiles", "built with"), rows)
+
+
+def chains(found: dict[int, dict[str, TurnTiming]]) -> str:
+    """Nanoseconds a mass-step, a column a size; the build is that of the largest."""
+    titles = list(dict.fromkeys(title for by_title in found.values() for title in by_title))
+    rows = []
+    for title in titles:
+        cells = [f"{b[title].median:.3g}" if title in b else "-" for b in found.values()]
+        rows.append((title, *cells, found[max(found)][title].flags))
+    return table(("ns a mass-step, N =", *(f"{n:,}" for n in found), "built with"), rows)
+
+
+def derivation(found: dict[int, dict[str, float]]) -> str:
+    rows = [
+        (
+            n,
+            f"{r['derive_seconds']:.3f}",
+            f"{r['emit_seconds']:.3f}",
+            f"{r['operations']:,}",
+            f"{r['gcc_seconds']:.2f}",
+        )
+        for n, r in found.items()
+    ]
+    heading = ("links; M and f", "derive (s)", "and emit (s)", "operations", "gcc -O2 (s)")
     return table(heading, rows)
 
 

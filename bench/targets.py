@@ -5,9 +5,10 @@ from __future__ import annotations
 import statistics
 from dataclasses import dataclass
 
-from . import matching
+from . import ensembles, matching
 from .kernels import Timing
 from .measure import Comparison, Track
+from .turns import Timing as TurnTiming
 
 # How a stepper is compiled makes two contenders of it; the better one counts.
 OWN_DOP853 = ("pkgen dop853", "pkgen dop853 (function pointer)")
@@ -53,6 +54,81 @@ def kernel_rows(timings: dict[str, Timing]) -> list[Row]:
         else:
             rows.append(single(what, least, peer / own, peer / own >= faster))
     return rows
+
+
+def ensemble_rows(timings: dict[str, TurnTiming], batch: list[TurnTiming]) -> list[Row]:
+    """Own time against that of each peer, in nanoseconds of a member's step."""
+    scalar = ("scalar libm", "scalar libm, pkgen --libm")
+    rows = [
+        _turns("ensemble, double, against scalar libm", 7, timings, "pkgen", scalar),
+        _turns("ensemble, double, against libmvec", 1.4, timings, "pkgen", ("libmvec",)),
+        _turns("ensemble, double, against numpy", 10, timings, "pkgen", ("numpy",)),
+        _turns("ensemble, double, against numba", 1, timings, "pkgen", ("numba",)),
+        _turns(
+            "ensemble, float, against scalar libm in float",
+            17,
+            timings,
+            "float: pkgen",
+            tuple(f"float: {name}" for name in scalar),
+        ),
+        _turns("two threads against one", 1.9, timings, "pkgen, two threads", ("pkgen",)),
+    ]
+    found = [row for row in rows if row]
+    if "pkgen" in timings and batch:
+        own = timings["pkgen"]
+        match = ensembles.heyoka_seconds(batch, ensembles.rk4_error(own))
+        if match:
+            times = match.seconds / (1e-9 * own.median * ensembles.STEPS)
+            found.append(
+                single("heyoka's batch mode on the same work", "1.5×", times, times >= 1.5)
+            )
+    return found
+
+
+def chain_rows(found: dict[int, dict[str, TurnTiming]]) -> list[Row]:
+    largest = found[max(found)]
+    if "pkgen" not in largest:
+        return []
+    own = largest["pkgen"].median
+    roof = own / largest["roofline, one pass"].median
+    what = f"FPUT chain, N = {max(found):.0e}".replace("e+0", "e") + ", Verlet, "
+    rows = [single(f"{what}against the one-pass roofline", "≤ 1.1", roof, roof <= 1.1, "")]
+    for peer, least in (("numpy", 8), ("force callback", 3), ("numba", 1)):
+        row = _turns(f"{what}against {peer}", least, largest, "pkgen", (peer,))
+        rows += [row] if row else []
+    costs = [by_title["pkgen"].median for by_title in found.values()]
+    grows = max(costs) / min(costs)
+    sizes = f"N = {min(found):,} to {max(found):,}"
+    rows.append(single(f"cost a mass-step, {sizes}, within", "≤ 3", grows, grows <= 3, ""))
+    return rows
+
+
+def derivation_rows(found: dict[int, dict[str, float]]) -> list[Row]:
+    twenty, hundred = found[20], found[100]
+    return [
+        _at_most("20-link pendulum: derive and emit", 50, 1e3 * twenty["emit_seconds"], " ms"),
+        _at_most("20-link pendulum: operations of M and f", 2000, twenty["operations"], ""),
+        _at_most("20-link pendulum: gcc -O2", 1, twenty["gcc_seconds"], " s"),
+        _at_most("100-link pendulum: derive", 1, hundred["derive_seconds"], " s"),
+        _at_most("100-link pendulum: gcc -O2", 30, hundred["gcc_seconds"], " s"),
+    ]
+
+
+def _at_most(what: str, most: float, value: float, unit: str) -> Row:
+    shown = f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+    return Row(what, f"≤ {most:g}{unit}", {"": shown + unit}, int(value <= most), 1)
+
+
+def _turns(
+    what: str, least: float, timings: dict[str, TurnTiming], own: str, peers: tuple[str, ...]
+) -> Row | None:
+    """How many times faster than the fastest of the peers, turn by turn."""
+    present = [timings[name] for name in peers if name in timings]
+    if own not in timings or not present:
+        return None
+    peer = min(present, key=lambda t: t.median)
+    found = matching.ratio(peer.rounds, timings[own].rounds)
+    return single(what, f"{least:g}×", found.median, found.median >= least)
 
 
 def method_rows(comparisons: list[Comparison]) -> list[Row]:

@@ -30,7 +30,7 @@ class Timing:
 
 
 def take_turns(runners: list[Runner], rounds: int, check: Callable[[Runner, list], None]):
-    """Timings by title; `check` sees each runner's result once and stops the bench if it is wrong."""
+    """Timings by title; `check` sees each result once and stops the bench if it is wrong."""
     times: dict[Runner, list[float]] = {r: [] for r in runners}
     results = {}
     for number in range(rounds):
