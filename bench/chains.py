@@ -18,7 +18,8 @@ from .turns import Runner, Timing, take_turns
 
 FOLDER = SOURCES / "chains"
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
-MASS_STEPS = 40_000_000  # a turn
+MASS_STEPS = 40_000_000  # a turn, and
+FEWEST_STEPS = 100  # what a call costs once is to be spread over many
 H = 0.05
 # All but the roofline make the same steps, up to rounding.
 AGREE = 1e-9
@@ -29,7 +30,7 @@ def measure(effort: Effort, say) -> tuple[dict[int, dict[str, Timing]], dict[str
     quick = effort.starts < 5
     found, refused = {}, {}
     for n in (SIZES[0], SIZES[-1]) if quick else SIZES:
-        steps = MASS_STEPS // n // (4 if quick else 1)
+        steps = max(FEWEST_STEPS, MASS_STEPS // n // (4 if quick else 1))
         runners = []
         for title, make in _ways().items():
             try:
@@ -104,7 +105,7 @@ def _own(title: str, builds: tuple[Build, ...], n: int, steps: int) -> list[Runn
 def _python(make, title: str, _: tuple[Build, ...], n: int, steps: int) -> list[Runner]:
     """In this process, a tenth of the steps; agreement is checked with as many."""
     advance, flags = make()
-    few = max(4, steps // 10)
+    few = max(10, steps // 10)
 
     def run():
         import numpy
