@@ -30,6 +30,7 @@ PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 def main() -> int:
     arguments = _arguments()
     effort = measure.QUICK if arguments.quick else measure.FULL
+    effort = measure.ALONE if arguments.own else effort
     names = arguments.models.split(",") if arguments.models else list(models.LAGRANGIANS)
     OUTPUT.mkdir(parents=True, exist_ok=True)
     here = machine.describe()
@@ -43,6 +44,7 @@ def main() -> int:
     if not arguments.own:
         _ensembles(effort, parts, rows)
         _chains(effort, parts, rows)
+        _long_run(effort, parts, rows)
         _derivation(parts, rows)
     parts["Figures to reach"] = tables.targets(rows, names)
     spent = time.monotonic() - begin
@@ -89,6 +91,20 @@ def _chains(effort, parts, rows) -> None:
     rows += targets.chain_rows(found)
 
 
+def _long_run(effort, parts, rows) -> None:
+    try:
+        found = longrun.measure(effort, _say)
+    except Unavailable as reason:
+        parts["Long run"] = _with("", {"pkgen gauss8": str(reason)})
+        return
+    parts["Long run"] = (
+        f"gauss8, {longrun.STEPS_A_PERIOD} steps a period, {found.starts} starts of"
+        f" {found.periods:,} periods, {found.flags}: rms relative energy error {found.rms:.2g},"
+        f" growth exponent {found.exponent:.2f}"
+    )
+    rows += targets.long_rows(found)
+
+
 def _derivation(parts, rows) -> None:
     try:
         found = derivation.measure()
@@ -108,7 +124,7 @@ def _with(text: str, refused: dict[str, str]) -> str:
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a few minutes, fewer starts")
-    parser.add_argument("--own", action="store_true", help="pkgen's methods alone")
+    parser.add_argument("--own", action="store_true", help="pkgen's methods alone, for the tests")
     parser.add_argument("--models", help="names, separated by commas; default: all five")
     parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
     return parser.parse_args()

@@ -37,6 +37,8 @@ class Effort:
 
 FULL = Effort(starts=10, rounds=9, seconds=110, each=0.002, builds=BUILDS)
 QUICK = Effort(starts=2, rounds=3, seconds=8, each=0.0005, builds=QUICK_BUILDS)
+# For the tests, of pkgen's methods alone.
+ALONE = Effort(starts=1, rounds=2, seconds=2, each=0.0, builds=QUICK_BUILDS[:1])
 
 
 @dataclass

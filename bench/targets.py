@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from . import ensembles, matching
 from .kernels import Timing
+from .longrun import LongRun
 from .measure import Comparison, Track
 from .turns import Timing as TurnTiming
 
@@ -112,6 +113,14 @@ def derivation_rows(found: dict[int, dict[str, float]]) -> list[Row]:
         _at_most("100-link pendulum: derive", 1, hundred["derive_seconds"], " s"),
         _at_most("100-link pendulum: gcc -O2", 30, hundred["gcc_seconds"], " s"),
     ]
+
+
+def long_rows(run: LongRun) -> list[Row]:
+    what = f"Kepler, e = 0.6, gauss8, {run.periods:,} periods, {run.starts} starts: "
+    good = run.rms <= 5e-13 and run.periods >= 1e6
+    error = Row(f"{what}rms relative energy error", "≤ 5e-13", {"": f"{run.rms:.2g}"}, int(good), 1)
+    growth = run.exponent
+    return [error, single(f"{what}growth exponent", "≤ 0.6", growth, growth <= 0.6, "")]
 
 
 def _at_most(what: str, most: float, value: float, unit: str) -> Row:
