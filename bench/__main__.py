@@ -13,6 +13,7 @@ from . import (
     derivation,
     ensembles,
     kernels,
+    longrun,
     machine,
     measure,
     models,
