@@ -8,10 +8,10 @@ import sys
 import time
 
 from . import (
-    chains,
     chart,
     derivation,
     ensembles,
+    fput,
     kernels,
     longrun,
     machine,
@@ -87,7 +87,7 @@ def _ensembles(effort, parts, rows) -> None:
 
 
 def _chains(effort, parts, rows) -> None:
-    found, refused = chains.measure(effort, _say)
+    found, refused = fput.measure(effort, _say)
     parts["Chains"] = _with(tables.chains(found), refused)
     rows += targets.chain_rows(found)
 
