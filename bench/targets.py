@@ -38,6 +38,8 @@ def single(what: str, least: str, value: float, reached: bool, unit: str = "×")
 
 
 def kernel_rows(timings: dict[str, Timing]) -> list[Row]:
+    if "own" not in timings:
+        return []
     own = statistics.median(timings["own"].rounds)
     rows = []
     for name, least, faster in (
