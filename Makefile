@@ -18,7 +18,7 @@ help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
 	@echo 'make test       every test, under ten minutes'
 	@echo 'make test-long  what takes longer'
-	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: two; DOCS=1: into docs/)'
+	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
 STAMP := $(VENV)/.setup-done
