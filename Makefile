@@ -1,5 +1,6 @@
 # make demo    generate, compile and run the models; print the drift table
 # make test    every test, under ten minutes (both set the machine up first)
+# make bench   accuracy against cost, beside the peers
 
 VENV   := .venv
 PYTHON := $(VENV)/bin/python
@@ -10,13 +11,14 @@ endif
 # Compiled runtimes and models are kept here, not in the home directory.
 export PKGEN_CACHE := $(CURDIR)/build/cache
 
-.PHONY: help setup demo test test-long test-licence test-python lint format golden install clean
+.PHONY: help setup demo test test-long test-licence test-python bench lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
 	@echo 'make test       every test, under ten minutes'
 	@echo 'make test-long  what takes longer'
+	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
 STAMP := $(VENV)/.setup-done
@@ -40,6 +42,12 @@ test-python: $(STAMP)
 
 test-long: $(STAMP)
 	$(PYTHON) -m pytest -q -m long tests
+
+# The peers have a Python environment of their own, build/bench/venv.
+BENCH_OPTIONS = $(if $(QUICK),--quick) $(if $(DOCS),--docs) $(if $(MODELS),--models $(MODELS))
+bench: $(STAMP)
+	@$(PYTHON) bench/environment.py
+	@build/bench/venv/bin/python -m bench $(BENCH_OPTIONS)
 
 golden: $(STAMP)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py

@@ -1,0 +1,163 @@
+"""`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+
+from . import (
+    chart,
+    derivation,
+    ensembles,
+    fput,
+    kernels,
+    longrun,
+    machine,
+    measure,
+    models,
+    reference,
+    tables,
+    targets,
+)
+from .builds import OUTPUT, Unavailable
+from .peers import cvode, gsl, mechanicsdsl, own, python, taylor
+from .report import write_docs
+
+PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
+
+
+def main() -> int:
+    arguments = _arguments()
+    effort = measure.QUICK if arguments.quick else measure.FULL
+    effort = measure.ALONE if arguments.own else effort
+    names = arguments.models.split(",") if arguments.models else list(models.LAGRANGIANS)
+    OUTPUT.mkdir(parents=True, exist_ok=True)
+    here = machine.describe()
+    _say("\n".join(here.lines()))
+    begin = time.monotonic()
+    # Titles in the order in which they are shown; each part is text, rows are figures to reach.
+    parts: dict[str, str] = {"Figures to reach": ""}
+    rows: list[targets.Row] = []
+    timings = {} if arguments.own else _kernels(effort, parts, rows)
+    comparisons = _methods(arguments.own, names, effort, parts, rows)
+    if not arguments.own:
+        _ensembles(effort, parts, rows)
+        _chains(effort, parts, rows)
+        _long_run(effort, parts, rows)
+        _derivation(parts, rows)
+    parts["Figures to reach"] = tables.targets(rows, names)
+    spent = time.monotonic() - begin
+    _say(f"measured in {spent:.0f} s; load average at the end {os.getloadavg()[0]:.2f}")
+    for title, text in parts.items():
+        print(f"\n## {title}\n\n{text}")
+    _save(comparisons, timings, rows, here)
+    if arguments.docs:
+        write_docs(parts, here, effort)
+    return 0
+
+
+def _kernels(effort, parts, rows) -> dict[str, kernels.Timing]:
+    timings, refused = kernels.measure(effort, _say)
+    parts["Kernels"] = _with(tables.kernels(timings), refused)
+    rows += targets.kernel_rows(timings)
+    return timings
+
+
+def _methods(alone: bool, names, effort, parts, rows) -> list[measure.Comparison]:
+    sources = PEERS[:1] if alone else PEERS
+    contenders = [c for source in sources for c in source.contenders()]
+    comparisons = []
+    for name in names:
+        model = models.model(name)
+        exact = reference.finals(model, model.starts(effort.starts))
+        found = measure.compare(model, contenders, exact, effort, _say)
+        parts[name.replace("_", " ").capitalize()] = _with(tables.methods(found), found.refused)
+        comparisons.append(found)
+    rows += targets.method_rows(comparisons)
+    return comparisons
+
+
+def _ensembles(effort, parts, rows) -> None:
+    timings, batch, refused = ensembles.measure(effort, _say)
+    text = tables.turns("RK4 step of a double pendulum in an ensemble", timings)
+    parts["Ensembles"] = _with(text, refused)
+    rows += targets.ensemble_rows(timings, batch)
+
+
+def _chains(effort, parts, rows) -> None:
+    found, refused = fput.measure(effort, _say)
+    parts["Chains"] = _with(tables.chains(found), refused)
+    rows += targets.chain_rows(found)
+
+
+def _long_run(effort, parts, rows) -> None:
+    try:
+        found = longrun.measure(effort, _say)
+    except Unavailable as reason:
+        parts["Long run"] = _with("", {"pkgen gauss8": str(reason)})
+        return
+    parts["Long run"] = (
+        f"gauss8, {longrun.STEPS_A_PERIOD} steps a period, {found.starts} starts of"
+        f" {found.periods:,} periods, {found.flags}: rms relative energy error {found.rms:.2g},"
+        f" growth exponent {found.exponent:.2f}"
+    )
+    rows += targets.long_rows(found)
+
+
+def _derivation(parts, rows) -> None:
+    try:
+        found = derivation.measure()
+    except Unavailable as reason:
+        parts["Derivation"] = _with("", {"bench/chain.py": str(reason)})
+        return
+    parts["Derivation"] = tables.derivation(found)
+    rows += targets.derivation_rows(found)
+
+
+def _with(text: str, refused: dict[str, str]) -> str:
+    """A table, and below it who could not take part."""
+    missing = "\n".join(f"- {name}: {why}" for name, why in refused.items())
+    return "\n\n".join(filter(None, (text, missing)))
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a few minutes, fewer starts")
+    parser.add_argument("--own", action="store_true", help="pkgen's methods alone, for the tests")
+    parser.add_argument("--models", help="names, separated by commas; default: all five")
+    parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
+    return parser.parse_args()
+
+
+def _save(comparisons, timings, rows, here) -> None:
+    tables.write_csv(
+        OUTPUT / "points.csv",
+        ("model", "contender", "setting", "start", "round", "seconds", "error"),
+        tables.points(comparisons),
+    )
+    tables.write_csv(
+        OUTPUT / "builds.csv",
+        ("model", "contender", "build", "seconds", "taken"),
+        tables.builds(comparisons, timings),
+    )
+    tables.write_csv(
+        OUTPUT / "targets.csv",
+        ("what", "at least", "model", "measured", "verdict"),
+        ((r.what, r.least, m, x, r.verdict) for r in rows for m, x in r.values.items()),
+    )
+    try:
+        chart.draw(comparisons, timings, here, OUTPUT / "chart.png")
+        saved = "points.csv, builds.csv, targets.csv, chart.png, chart.svg"
+    except ImportError:
+        saved = "points.csv, builds.csv, targets.csv (no chart: matplotlib is missing)"
+    _say(f"in {OUTPUT}: {saved}")
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

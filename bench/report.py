@@ -1,0 +1,50 @@
+"""docs/benchmarks.md, written by the run that measured, so that it cannot drift; and the block of
+the README that quotes the figures to reach."""
+
+from __future__ import annotations
+
+from .machine import Machine
+from .measure import Effort
+from .models import ROOT
+
+BEGIN, END = "<!-- bench: begin -->", "<!-- bench: end -->"
+HOW = """# Accuracy against cost
+
+Written by `make bench DOCS=1`; not to be edited. One run, everything interleaved.
+
+**Final error** is that of the state at the end, each component relative to max(1, its size),
+against the same equations integrated in `__float128` by an extrapolation method that shares nothing
+with pkgen (checked against references of 25 digits). **Times** are of one integration alone, after
+compilation and warm-up, medians of at most {rounds} rounds over {starts} starts. **To a final
+error**: each method runs at tolerances or steps from loose to tight; between the two that bracket
+the error, log time is linear in log error; "≤" where the loosest setting is better already. Ratios
+are formed round by round: median [quartiles].
+
+Whoever comes as C source is built by gcc and clang at several flags (`builds.csv`), and its fastest
+build takes part, in each model. Parameters are run-time values, except with `heyoka`, which has
+them compiled in (`heyoka (par)` has not), and the C++ of mechanicsdsl-core. GSL and CVODE call
+pkgen's kernel, compiled into the same file as their right-hand side; "SymPy cse + GSL" calls
+SymPy's C. CVODE is that of the wheel scikit-sundae, called from C. PyDy generates right-hand sides,
+no methods: it is among the kernels. "C DOP853" is pkgen's own, the faster of inlined and through
+function pointers.
+"""
+
+
+def write_docs(parts: dict[str, str], machine: Machine, effort: Effort) -> None:
+    how = HOW.format(rounds=effort.rounds, starts=effort.starts)
+    said = "\n".join(machine.lines())
+    sections = "\n\n".join(f"## {title}\n\n{text}" for title, text in parts.items())
+    (ROOT / "docs" / "benchmarks.md").write_text(f"{how}\n{said}\n\n{sections}\n")
+    _quote(parts["Figures to reach"], machine)
+
+
+def _quote(figures: str, machine: Machine) -> None:
+    """Between its two marks in the README."""
+    path = ROOT / "README.md"
+    text = path.read_text()
+    before, mark, rest = text.partition(BEGIN)
+    _, other, after = rest.partition(END)
+    if not mark or not other:
+        raise SystemExit(f"bench: README.md has no {BEGIN} ... {END}")
+    said = "; ".join(machine.lines())
+    path.write_text(f"{before}{BEGIN}\n{figures}\n\n({said})\n{END}{after}")
