@@ -59,6 +59,7 @@ struct pk_counters {
     unsigned long steps, rejections;
     unsigned long evaluations; /* of the acceleration, or of p and pdot at one stage */
     unsigned long jacobians, factorisations, iterations;
+    unsigned long held; /* steps of `gauss` that its iteration, not its error, kept short */
 };
 
 struct pk_integrator {
