@@ -90,7 +90,7 @@ def simulate(
     on_progress: Callable[[float], None] | None = None,
 ) -> Outcome:
     """Run the model, its CSV going to `output`. Raises BuildError if C cannot be compiled."""
-    program = build_program(compilation.files, compilation.model.name)
+    program = build_program(compilation.files, compilation.model.name, settings.method)
     with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
         report_path = Path(scratch) / "report.json"
         lines = [*settings.lines(), f"report {report_path}"]

@@ -1,5 +1,5 @@
 /* The program that `pkgen run` builds for a model: settings in, CSV out, a report beside it.
- * Compiled with -DPK_SYSTEM=NAME_system and linked with the generated C.
+ * Linked with the generated C and with a definition of run_system, the model it is to run.
  *
  * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. A fixed step is shortened so that a whole
  * number of steps makes an interval, the last and shorter interval likewise. An adaptive method
@@ -19,8 +19,6 @@
 #include <time.h>
 
 #include "output.h"
-
-extern const struct pk_system PK_SYSTEM;
 
 static volatile sig_atomic_t interrupted;
 
@@ -169,7 +167,7 @@ static int choose(struct run *run, pk_real *count)
 static int start(struct run *run)
 {
     struct settings *s = &run->settings;
-    const struct pk_system *system = &PK_SYSTEM;
+    const struct pk_system *system = run_system;
     run->problem.system = system;
     run->problem.params = s->params;
     run->problem.input = constant_input;
@@ -230,7 +228,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "run: settings come on standard input; the one option is --methods\n");
         return 2;
     }
-    int code = settings_read(&run.settings, &PK_SYSTEM, stdin);
+    int code = settings_read(&run.settings, run_system, stdin);
     if (code == 0)
         code = choose(&run, &count);
     if (code) {

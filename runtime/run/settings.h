@@ -12,6 +12,9 @@
 
 #include <pk/pk.h>
 
+/* The model that the program runs. */
+extern const struct pk_system *const run_system;
+
 struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -74,3 +75,19 @@ def test_a_new_cache_is_filled_and_used(pkgen, tmp_path: Path) -> None:
     for _ in range(2):
         assert pkgen("run", DOUBLE, "--until", "0.1", env=env).returncode == 0
         assert len(list((tmp_path / "cache" / "programs").iterdir())) == 1
+
+
+def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
+    monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: directory.mkdir())
+    (tmp_path / "runtime").mkdir()
+    tools = build.find_toolchain()
+    assert len(tools.target) == 24 and ("-march=native" in tools.flags or not build.NATIVE)
+    elsewhere = replace(tools, target="another processor")
+    assert build.runtime_library(tools) != build.runtime_library(elsewhere)
+
+
+def test_every_explicit_method_is_compiled_with_the_model() -> None:
+    mine = [m for m in build.driver_methods() if not m["name"].startswith("gsl_")]
+    explicit = {m["name"] for m in mine if "implicit" not in m["flags"]}
+    assert explicit == set(build.INLINED) and len(explicit) >= 7

@@ -47,7 +47,10 @@ $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTE
 # The driver around a hand-written system, for its own tests.
 $(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
                    $(wildcard runtime/run/*.c) $(RT_HEADERS)
-	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DPK_SYSTEM=$*_system runtime/run/*.c $(RT_SYSTEMS) \
+	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
+	    'const struct pk_system *const run_system = &$*_system;' >$@.c
+	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -Iruntime/run -Itests/runtime runtime/run/*.c $@.c \
+	    $(RT_SYSTEMS) \
 	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
