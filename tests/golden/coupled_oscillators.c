@@ -73,10 +73,12 @@ void coupled_oscillators_start(const struct coupled_oscillators_params *p, pk_re
 }
 
 /* a = q'' with M a = f, by M = L D L^T. 9 operations: 1 +, 3 -, 5 *. */
-int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p, pk_real t,
-                                     const pk_real *q, const pk_real *v, const pk_real *u,
-                                     pk_real *restrict a)
+PK_INLINE
+static pk_bits coupled_oscillators_acceleration_pass(enum pk_pass pass,
+    const struct coupled_oscillators_params *p, pk_real t, const pk_real *q, const pk_real *v,
+    const pk_real *u, pk_real *restrict a)
 {
+    pk_bits bad = 0;
     (void)t;
     (void)v;
     (void)u;
@@ -85,14 +87,148 @@ int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p,
     const pk_real q2 = q[1];
     const pk_real q3 = q[2];
 
-    if (!(p->m > 0))
+    bad |= !(p->m > 0);
+    if (pass != PK_IN_LANE && bad)
         return 1;
 
     const pk_real t1 = p->c_[5] * q2;
     a[0] = t1 - p->c_[6] * q1;
     a[1] = p->c_[5] * (q1 + q3) - p->c_[7] * q2;
     a[2] = t1 - p->c_[6] * q3;
+    return bad;
+}
+
+PK_RARELY
+static int coupled_oscillators_acceleration_carefully(const struct coupled_oscillators_params *p,
+    pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return (int)coupled_oscillators_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, a);
+}
+
+PK_INLINE
+static int coupled_oscillators_acceleration_inline(const struct coupled_oscillators_params *p,
+    pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+{
+    if (coupled_oscillators_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
+        return coupled_oscillators_acceleration_carefully(p, t, q, v, u, a);
     return 0;
+}
+
+int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p, pk_real t,
+                                     const pk_real *q, const pk_real *v, const pk_real *u,
+                                     pk_real *restrict a)
+{
+    return coupled_oscillators_acceleration_inline(p, t, q, v, u, a);
+}
+
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+static unsigned long long coupled_oscillators_lanes_apart(size_t W, const pk_bits *bad,
+    const struct coupled_oscillators_params *p, const pk_real *t, const pk_real *q,
+    const pk_real *v, const pk_real *u, pk_real *a)
+{
+    unsigned long long failed = 0;
+    size_t i, l;
+
+    (void)u;
+    for (l = 0; l < W; l++) {
+        pk_real q_[3], v_[3], u_[1], a_[3];
+
+        if (bad && !bad[l])
+            continue;
+        for (i = 0; i < 3; i++) {
+            q_[i] = q[i * W + l];
+            v_[i] = v[i * W + l];
+        }
+        u_[0] = 0;
+        if (coupled_oscillators_acceleration(p, t[l], q_, v_, u_, a_) != 0) {
+            failed |= 1ull << l;
+            continue;
+        }
+        for (i = 0; i < 3; i++)
+            a[i * W + l] = a_[i];
+    }
+    return failed;
+}
+
+static unsigned long long coupled_oscillators_members_apart(size_t W, const pk_bits *bad,
+    const pk_real *P, const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u,
+    pk_real *a)
+{
+    unsigned long long failed = 0;
+    pk_bits only[64] = {0};
+    struct coupled_oscillators_params p;
+    size_t k, l;
+
+    for (l = 0; l < W; l++) {
+        if (bad && !bad[l])
+            continue;
+        for (k = 0; k < sizeof p / sizeof(pk_real); k++)
+            ((pk_real *)&p)[k] = P[k * W + l];
+        only[l] = 1;
+        failed |= coupled_oscillators_lanes_apart(W, only, &p, t, q, v, u, a);
+        only[l] = 0;
+    }
+    return failed;
+}
+
+/* W <= 64 states side by side in one loop without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. */
+PK_INLINE
+static unsigned long long coupled_oscillators_lanes_inline(size_t W,
+    const struct coupled_oscillators_params *p, const pk_real *t, const pk_real *q,
+    const pk_real *v, const pk_real *u, pk_real *restrict a)
+{
+    pk_bits bad[64], any = 0;
+
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
+        const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
+        pk_real a_[3];
+        bad[l] = coupled_oscillators_acceleration_pass(PK_IN_LANE, p, t[l], q_, v, u, a_);
+        any |= bad[l];
+        a[0 * W + l] = a_[0];
+        a[1 * W + l] = a_[1];
+        a[2 * W + l] = a_[2];
+    }
+    return any ? coupled_oscillators_lanes_apart(W, bad, p, t, q, v, u, a) : 0;
+}
+
+unsigned long long coupled_oscillators_lanes(const struct coupled_oscillators_params *p,
+                                             const pk_real *t, const pk_real *q, const pk_real *v,
+                                             const pk_real *u, pk_real *a)
+{
+    return coupled_oscillators_lanes_inline(PK_LANES, p, t, q, v, u, a);
+}
+
+PK_INLINE
+static unsigned long long coupled_oscillators_members_inline(size_t W, const pk_real *P,
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+{
+    pk_bits bad[64], any = 0;
+
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
+        const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
+        pk_real a_[3];
+        struct coupled_oscillators_params p;
+        p.m = P[0 * W + l];
+        p.c_[5] = P[8 * W + l];
+        p.c_[6] = P[9 * W + l];
+        p.c_[7] = P[10 * W + l];
+        bad[l] = coupled_oscillators_acceleration_pass(PK_IN_LANE, &p, t[l], q_, v, u, a_);
+        any |= bad[l];
+        a[0 * W + l] = a_[0];
+        a[1 * W + l] = a_[1];
+        a[2 * W + l] = a_[2];
+    }
+    return any ? coupled_oscillators_members_apart(W, bad, P, t, q, v, u, a) : 0;
+}
+
+unsigned long long coupled_oscillators_members(const pk_real *P, const pk_real *t,
+                                               const pk_real *q, const pk_real *v,
+                                               const pk_real *u, pk_real *a)
+{
+    return coupled_oscillators_members_inline(PK_LANES, P, t, q, v, u, a);
 }
 
 /* M = dp/dv. No operations. */
@@ -409,6 +545,12 @@ static pk_real coupled_oscillators_sys_potential(const void *p, pk_real t, const
     return coupled_oscillators_potential(p, t, q, v, u);
 }
 
+static unsigned long long coupled_oscillators_sys_lanes(const void *p, const pk_real *t,
+    const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return coupled_oscillators_lanes(p, t, q, v, u, a);
+}
+
 static const unsigned char coupled_oscillators_sys_cyclic[3] = {0, 0, 0};
 
 /* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
@@ -441,6 +583,8 @@ const struct pk_system coupled_oscillators_system = {
     .prepare = coupled_oscillators_sys_prepare,
     .bounds = coupled_oscillators_sys_bounds,
     .start = coupled_oscillators_sys_start,
+    .lanes = coupled_oscillators_sys_lanes,
+    .members = coupled_oscillators_members,
     .acceleration = coupled_oscillators_sys_acceleration,
     .mass = coupled_oscillators_sys_mass,
     .force = coupled_oscillators_sys_force,

@@ -72,6 +72,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 
 #if defined PK_FLOAT
 typedef float pk_real;
@@ -101,6 +102,37 @@ typedef double pk_real;
 #endif
 
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
+
+/* Unsigned, as wide as pk_real where that can be: flags of a lane beside its numbers. */
+#ifdef PK_FLOAT
+typedef uint32_t pk_bits;
+#else
+typedef uint64_t pk_bits;
+#endif
+
+/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. */
+#define PK_LANES 8
+
+#if defined __GNUC__
+#define PK_INLINE inline __attribute__((always_inline, unused))
+#define PK_RARELY __attribute__((noinline, cold))
+#else
+#define PK_INLINE inline
+#define PK_RARELY
+#endif
+
+/* How a kernel that may fail is run: in a lane without any branch, once without slow cases, or
+ * carefully, with all of them. */
+enum pk_pass { PK_IN_LANE, PK_ONCE, PK_CAREFULLY };
+
+/* Before a loop whose turns do not depend on each other. (clang sees that by `restrict`, and would
+ * warn where it cannot do what a pragma of its own demands.) */
+#if defined __GNUC__ && !defined __clang__
+#define PK_LANE_LOOP _Pragma("GCC ivdep")
+#else
+#define PK_LANE_LOOP
+#endif
+
 /* A pivot of M smaller than this, relative to its diagonal entry, is lost in rounding. */
 #define PK_PIVOT_MIN (16 * PK_EPSILON)
 /* Lane kernels take so many states side by side, as a structure of arrays: q[i * PK_LANES + l] is
@@ -181,6 +213,19 @@ void coupled_oscillators_start(const struct coupled_oscillators_params *p, pk_re
 int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p, pk_real t,
                                      const pk_real *q, const pk_real *v, const pk_real *u,
                                      pk_real *a);
+
+/* The same for W = PK_LANES states side by side: q[i*W + l] is coordinate i of lane l, and so
+ * on. Bit l of what is returned is set where coupled_oscillators_acceleration() would fail; a
+ * of that lane is not to be used. */
+unsigned long long coupled_oscillators_lanes(const struct coupled_oscillators_params *p,
+                                             const pk_real *t, const pk_real *q, const pk_real *v,
+                                             const pk_real *u, pk_real *a);
+
+/* The same, with parameters of its own in each lane: P[k*W + l] is pk_real number k of its
+ * struct coupled_oscillators_params. */
+unsigned long long coupled_oscillators_members(const pk_real *P, const pk_real *t,
+                                               const pk_real *q, const pk_real *v,
+                                               const pk_real *u, pk_real *a);
 
 /* M = dp/dv
  *   M[3*3]: M[i*3 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j

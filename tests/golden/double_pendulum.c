@@ -5,6 +5,195 @@
  */
 #include "double_pendulum.h"
 
+/* Sine and cosine of one angle together, inline, in float and double: no call and no branch, so
+ * that a loop over angles becomes vector code. Error at most 1.5 units in the last place of each
+ * result, also next to the multiples of pi/2. In long double and __float128, and where the
+ * compiler computes in excess precision, libm's.
+ *
+ *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
+ *
+ * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
+ * Functions" (1980): pi/2 in parts, k times each of them subtracted exactly while that matters.
+ * With fma() that is so of parts of full length, three of which do. Without it, k times
+ * a part must fit the significand: 33 bits a part and k < 2^20; in float 14 bits and 2^10. What
+ * the later subtractions lose is kept and added to sin r. Beyond PK_SINCOS_MAX libm takes over.
+ *
+ * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
+ *
+ *     sin r = r + r z S(z),  cos r = 1 - z/2 + z^2 C(z),  z = r^2
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE.
+ */
+#ifndef PK_SINCOS_H
+#define PK_SINCOS_H
+
+#if !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && defined FLT_EVAL_METHOD
+#if FLT_EVAL_METHOD == 0
+#define PK_SINCOS_INLINE
+#endif
+#endif
+
+#ifdef PK_SINCOS_INLINE
+#include <string.h>
+
+/* fma() in hardware; elsewhere it is a library call. (clang does not define FP_FAST_FMA.) */
+#if defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA
+#define PK_SINCOS_FMA(a, b, c) PK_F(fma)(a, b, c)
+#define PK_SINCOS_HAS_FMA
+#else
+#define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+/* Adding PK_SINCOS_ROUND rounds to an integer, which then is in the last bits. */
+#ifdef PK_FLOAT
+#define PK_SINCOS_ROUND PK_C(0x1.8p23)
+#define PK_SINCOS_SIGN 31
+#ifdef PK_SINCOS_HAS_FMA
+#define PK_SINCOS_MAX PK_C(0x1p15)
+#define PK_SINCOS_P1 PK_C(0x1.921fb4p0)
+#define PK_SINCOS_P2 PK_C(0x1.4442dp-24)
+#define PK_SINCOS_P3 PK_C(0x1.84698ap-48)
+#else
+#define PK_SINCOS_MAX PK_C(0x1.8p10)
+#define PK_SINCOS_P1 PK_C(0x1.9218p0)
+#define PK_SINCOS_P2 PK_C(0x1.ed5p-14)
+#define PK_SINCOS_P3 PK_C(0x1.10bp-30)
+#define PK_SINCOS_P4 PK_C(0x1.184698p-44)
+#endif
+#else
+#define PK_SINCOS_ROUND PK_C(0x1.8p52)
+#define PK_SINCOS_SIGN 63
+#ifdef PK_SINCOS_HAS_FMA
+#define PK_SINCOS_MAX PK_C(0x1p30)
+#define PK_SINCOS_P1 PK_C(0x1.921fb54442d18p0)
+#define PK_SINCOS_P2 PK_C(0x1.1a62633145c06p-54)
+#define PK_SINCOS_P3 PK_C(0x1.c1cd129024e09p-107)
+#else
+#define PK_SINCOS_MAX PK_C(0x1.8p20)
+#define PK_SINCOS_P1 PK_C(0x1.921fb544p0)
+#define PK_SINCOS_P2 PK_C(0x1.0b4611a6p-34)
+#define PK_SINCOS_P3 PK_C(0x1.3198a2ep-69)
+#define PK_SINCOS_P4 PK_C(0x1.b839a252049c1p-104)
+#endif
+#endif
+
+/* S and C as pairs of terms: half the latency of Horner's rule. */
+PK_INLINE static pk_real pk_sincos_s(pk_real z)
+{
+#ifdef PK_FLOAT
+    const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.1106c6p-7), z, -PK_C(0x1.555544p-3));
+    return PK_SINCOS_FMA(-PK_C(0x1.991c2ap-13), z * z, s0);
+#else
+    const pk_real z2 = z * z;
+    const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.111111110f750p-7), z, -PK_C(0x1.5555555555548p-3));
+    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558f2372p-19), z, -PK_C(0x1.a01a019bed585p-13));
+    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3d70e473fp-33), z, -PK_C(0x1.ae5e4e8f2f8a1p-26));
+    return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, s4, s2), s0);
+#endif
+}
+
+PK_INLINE static pk_real pk_sincos_c(pk_real z)
+{
+#ifdef PK_FLOAT
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c0c26p-10), z, PK_C(0x1.55554ap-5));
+    return PK_SINCOS_FMA(PK_C(0x1.99e71ep-16), z * z, c0);
+#else
+    const pk_real z2 = z * z;
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14f00p-10), z, PK_C(0x1.555555555554ap-5));
+    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7dffaf17p-22), z, PK_C(0x1.a01a019c75bd2p-16));
+    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8fa0a19b00cc8p-37), z, PK_C(0x1.1ee9d033e2655p-29));
+    return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, c4, c2), c0);
+#endif
+}
+
+/* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
+PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    const pk_real size = PK_F(fabs)(x);
+    const pk_real rounded =
+        PK_SINCOS_FMA(size, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND); /* 2/pi */
+    const pk_real k = rounded - PK_SINCOS_ROUND;
+    pk_bits j, sign, s_bits, c_bits, differ;
+    pk_real r, z, s, c, lost; /* the last: what r lacks */
+
+#ifdef PK_SINCOS_HAS_FMA
+    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, size);
+    const pk_real r2 = PK_F(fma)(-k, PK_SINCOS_P2, r1);
+    r = PK_F(fma)(-k, PK_SINCOS_P3, r2);
+    lost = PK_F(fma)(-k, PK_SINCOS_P3, r2 - r);
+    z = r * r;
+    s = r + PK_F(fma)(r * z, pk_sincos_s(z), lost);
+    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1); /* 0.4 units from `lost` */
+#else
+    const pk_real r1 = size - k * PK_SINCOS_P1;
+    const pk_real r2 = r1 - k * PK_SINCOS_P2;
+    const pk_real r3 = r2 - k * PK_SINCOS_P3;
+    pk_real half, high;
+    lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r3) - k * PK_SINCOS_P3) - k * PK_SINCOS_P4;
+    r = r3 + lost;
+    lost += r3 - r;
+    z = r * r;
+    s = r + (lost + r * z * pk_sincos_s(z));
+    half = PK_C(0.5) * z;
+    high = 1 - half;
+    c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
+#endif
+
+    memcpy(&j, &rounded, sizeof j);
+    memcpy(&sign, &x, sizeof sign);
+    memcpy(&s_bits, &s, sizeof s_bits);
+    memcpy(&c_bits, &c, sizeof c_bits);
+    sign = ((sign >> PK_SINCOS_SIGN) ^ (j >> 1)) << PK_SINCOS_SIGN;
+    differ = (s_bits ^ c_bits) & (0 - (j & 1));
+    s_bits ^= differ ^ sign;
+    c_bits ^= differ ^ ((j + 1) >> 1 << PK_SINCOS_SIGN);
+    if (sine)
+        memcpy(sine, &s_bits, sizeof s_bits);
+    if (cosine)
+        memcpy(cosine, &c_bits, sizeof c_bits);
+}
+
+/* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
+PK_INLINE static pk_bits pk_sincos_far(pk_real x)
+{
+    return !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+}
+
+#endif
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+#ifdef PK_SINCOS_INLINE
+    if (!pk_sincos_far(x)) {
+        pk_sincos_bounded(x, sine, cosine);
+        return;
+    }
+#endif
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
+}
+
+/* Without a branch, unless carefully: then what is returned is not 0 where the results must not
+ * be used. */
+PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
+                                               pk_real *cosine)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass != PK_CAREFULLY) {
+        pk_sincos_bounded(x, sine, cosine);
+        return pk_sincos_far(x);
+    }
+#else
+    (void)pass;
+#endif
+    pk_sincos(x, sine, cosine);
+    return 0;
+}
+
+#endif
+
 void double_pendulum_defaults(struct double_pendulum_params *p)
 {
     p->m1 = 1;
@@ -88,10 +277,13 @@ void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, p
 
 /* a = q'' with M a = f, by M = L D L^T. 32 operations: 3 +, 4 -, 19 *, 1 /, 1 neg, 2 cos, 2
  * sin. */
-int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real t,
-                                 const pk_real *q, const pk_real *v, const pk_real *u,
-                                 pk_real *restrict a)
+PK_INLINE
+static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
+                                                 const struct double_pendulum_params *p,
+                                                 pk_real t, const pk_real *q, const pk_real *v,
+                                                 const pk_real *u, pk_real *restrict a)
 {
+    pk_bits bad = 0;
     (void)t;
     (void)u;
 
@@ -100,17 +292,19 @@ int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    if (!(p->c_[2] > 0))
+    bad |= !(p->c_[2] > 0);
+    if (pass != PK_IN_LANE && bad)
         return 1;
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    bad |= pk_sincos_pass(pass, theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    bad |= pk_sincos_pass(pass, theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     const pk_real D_1 = p->c_[3] - p->c_[8] * t1 * t1;
 
-    if (!(D_1 > PK_PIVOT_MIN * p->c_[3]))
+    bad |= !(D_1 > PK_PIVOT_MIN * p->c_[3]);
+    if (pass != PK_IN_LANE && bad)
         return 2;
 
     const pk_real t2 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
@@ -120,7 +314,144 @@ int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real
     const pk_real t4 = (f_1 + t3 * f_0) / D_1;
     a[0] = -p->c_[7] * f_0 - t3 * t4;
     a[1] = t4;
+    return bad;
+}
+
+PK_RARELY
+static int double_pendulum_acceleration_carefully(const struct double_pendulum_params *p,
+    pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return (int)double_pendulum_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, a);
+}
+
+PK_INLINE
+static int double_pendulum_acceleration_inline(const struct double_pendulum_params *p, pk_real t,
+                                               const pk_real *q, const pk_real *v,
+                                               const pk_real *u, pk_real *restrict a)
+{
+    if (double_pendulum_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
+        return double_pendulum_acceleration_carefully(p, t, q, v, u, a);
     return 0;
+}
+
+int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real t,
+                                 const pk_real *q, const pk_real *v, const pk_real *u,
+                                 pk_real *restrict a)
+{
+    return double_pendulum_acceleration_inline(p, t, q, v, u, a);
+}
+
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+static unsigned long long double_pendulum_lanes_apart(size_t W, const pk_bits *bad,
+    const struct double_pendulum_params *p, const pk_real *t, const pk_real *q, const pk_real *v,
+    const pk_real *u, pk_real *a)
+{
+    unsigned long long failed = 0;
+    size_t i, l;
+
+    (void)u;
+    for (l = 0; l < W; l++) {
+        pk_real q_[2], v_[2], u_[1], a_[2];
+
+        if (bad && !bad[l])
+            continue;
+        for (i = 0; i < 2; i++) {
+            q_[i] = q[i * W + l];
+            v_[i] = v[i * W + l];
+        }
+        u_[0] = 0;
+        if (double_pendulum_acceleration(p, t[l], q_, v_, u_, a_) != 0) {
+            failed |= 1ull << l;
+            continue;
+        }
+        for (i = 0; i < 2; i++)
+            a[i * W + l] = a_[i];
+    }
+    return failed;
+}
+
+static unsigned long long double_pendulum_members_apart(size_t W, const pk_bits *bad,
+    const pk_real *P, const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u,
+    pk_real *a)
+{
+    unsigned long long failed = 0;
+    pk_bits only[64] = {0};
+    struct double_pendulum_params p;
+    size_t k, l;
+
+    for (l = 0; l < W; l++) {
+        if (bad && !bad[l])
+            continue;
+        for (k = 0; k < sizeof p / sizeof(pk_real); k++)
+            ((pk_real *)&p)[k] = P[k * W + l];
+        only[l] = 1;
+        failed |= double_pendulum_lanes_apart(W, only, &p, t, q, v, u, a);
+        only[l] = 0;
+    }
+    return failed;
+}
+
+/* W <= 64 states side by side in one loop without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. */
+PK_INLINE
+static unsigned long long double_pendulum_lanes_inline(size_t W,
+    const struct double_pendulum_params *p, const pk_real *t, const pk_real *q, const pk_real *v,
+    const pk_real *u, pk_real *restrict a)
+{
+    pk_bits bad[64], any = 0;
+
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
+        const pk_real q_[2] = {q[0 * W + l], q[1 * W + l]};
+        const pk_real v_[2] = {v[0 * W + l], v[1 * W + l]};
+        pk_real a_[2];
+        bad[l] = double_pendulum_acceleration_pass(PK_IN_LANE, p, t[l], q_, v_, u, a_);
+        any |= bad[l];
+        a[0 * W + l] = a_[0];
+        a[1 * W + l] = a_[1];
+    }
+    return any ? double_pendulum_lanes_apart(W, bad, p, t, q, v, u, a) : 0;
+}
+
+unsigned long long double_pendulum_lanes(const struct double_pendulum_params *p, const pk_real *t,
+                                         const pk_real *q, const pk_real *v, const pk_real *u,
+                                         pk_real *a)
+{
+    return double_pendulum_lanes_inline(PK_LANES, p, t, q, v, u, a);
+}
+
+PK_INLINE
+static unsigned long long double_pendulum_members_inline(size_t W, const pk_real *P,
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+{
+    pk_bits bad[64], any = 0;
+
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
+        const pk_real q_[2] = {q[0 * W + l], q[1 * W + l]};
+        const pk_real v_[2] = {v[0 * W + l], v[1 * W + l]};
+        pk_real a_[2];
+        struct double_pendulum_params p;
+        p.c_[2] = P[7 * W + l];
+        p.c_[3] = P[8 * W + l];
+        p.c_[4] = P[9 * W + l];
+        p.c_[5] = P[10 * W + l];
+        p.c_[6] = P[11 * W + l];
+        p.c_[7] = P[12 * W + l];
+        p.c_[8] = P[13 * W + l];
+        p.c_[9] = P[14 * W + l];
+        bad[l] = double_pendulum_acceleration_pass(PK_IN_LANE, &p, t[l], q_, v_, u, a_);
+        any |= bad[l];
+        a[0 * W + l] = a_[0];
+        a[1 * W + l] = a_[1];
+    }
+    return any ? double_pendulum_members_apart(W, bad, P, t, q, v, u, a) : 0;
+}
+
+unsigned long long double_pendulum_members(const pk_real *P, const pk_real *t, const pk_real *q,
+                                           const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return double_pendulum_members_inline(PK_LANES, P, t, q, v, u, a);
 }
 
 /* M = dp/dv. 8 operations: 1 +, 3 *, 2 cos, 2 sin. */
@@ -135,10 +466,10 @@ void double_pendulum_mass(const struct double_pendulum_params *p, pk_real t, con
     const pk_real theta2 = q[1];
 
     M[0] = p->c_[2];
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     M[1] = p->c_[6] * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2);
     M[2] = M[1];
     M[3] = p->c_[3];
@@ -156,10 +487,10 @@ void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, co
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
     f[0] = -p->c_[4] * sin_theta1 - p->c_[6] * theta2_dot * theta2_dot * t1;
     f[1] = p->c_[6] * theta1_dot * theta1_dot * t1 - p->c_[5] * sin_theta2;
@@ -178,10 +509,10 @@ void double_pendulum_canonical(const struct double_pendulum_params *p, pk_real t
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     momenta[0] = p->c_[6] * theta2_dot * t1 + p->c_[2] * theta1_dot;
     momenta[1] = p->c_[6] * theta1_dot * t1 + p->c_[3] * theta2_dot;
@@ -203,10 +534,10 @@ void double_pendulum_momenta(const struct double_pendulum_params *p, pk_real t, 
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     momenta[0] = p->c_[6] * theta2_dot * t1 + p->c_[2] * theta1_dot;
     momenta[1] = p->c_[6] * theta1_dot * t1 + p->c_[3] * theta2_dot;
@@ -224,10 +555,10 @@ void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t,
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = p->c_[6] * (sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2) * theta1_dot
         * theta2_dot;
     dLdq[0] = -p->c_[4] * sin_theta1 - t1;
@@ -247,10 +578,10 @@ void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t,
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
     const pk_real t2 = p->c_[6] * theta2_dot * t1;
     p_q[0] = -t2;
@@ -282,10 +613,10 @@ pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
     const pk_real t1 = p->c_[6] * theta2_dot * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2)
         + p->c_[10] * theta1_dot;
     return theta1_dot * t1 - p->c_[5] * cos_theta2 - p->c_[4] * cos_theta1
@@ -304,10 +635,10 @@ pk_real double_pendulum_lagrangian(const struct double_pendulum_params *p, pk_re
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = p->c_[6] * theta2_dot * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2)
         + p->c_[10] * theta1_dot;
     return p->c_[11] * theta2_dot * theta2_dot + theta1_dot * t1 + p->c_[4] * cos_theta1
@@ -326,10 +657,10 @@ pk_real double_pendulum_kinetic(const struct double_pendulum_params *p, pk_real 
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    const pk_real sin_theta1 = PK_F(sin)(theta1);
-    const pk_real cos_theta1 = PK_F(cos)(theta1);
-    const pk_real sin_theta2 = PK_F(sin)(theta2);
-    const pk_real cos_theta2 = PK_F(cos)(theta2);
+    pk_real sin_theta1, cos_theta1;
+    pk_sincos(theta1, &sin_theta1, &cos_theta1);
+    pk_real sin_theta2, cos_theta2;
+    pk_sincos(theta2, &sin_theta2, &cos_theta2);
     const pk_real t1 = p->c_[6] * theta2_dot * (sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2)
         + p->c_[10] * theta1_dot;
     return theta1_dot * t1 + p->c_[11] * theta2_dot * theta2_dot;
@@ -346,7 +677,11 @@ pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_rea
     const pk_real theta1 = q[0];
     const pk_real theta2 = q[1];
 
-    return -p->c_[1] * PK_F(cos)(theta1) - p->c_[0] * PK_F(cos)(theta2);
+    pk_real cos_theta1;
+    pk_sincos(theta1, NULL, &cos_theta1);
+    pk_real cos_theta2;
+    pk_sincos(theta2, NULL, &cos_theta2);
+    return -p->c_[1] * cos_theta1 - p->c_[0] * cos_theta2;
 }
 
 const char double_pendulum_source_hash[65] =
@@ -458,6 +793,12 @@ static pk_real double_pendulum_sys_potential(const void *p, pk_real t, const pk_
     return double_pendulum_potential(p, t, q, v, u);
 }
 
+static unsigned long long double_pendulum_sys_lanes(const void *p, const pk_real *t,
+    const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return double_pendulum_lanes(p, t, q, v, u, a);
+}
+
 static const unsigned char double_pendulum_sys_cyclic[2] = {0, 0};
 
 /* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
@@ -489,6 +830,8 @@ const struct pk_system double_pendulum_system = {
     .prepare = double_pendulum_sys_prepare,
     .bounds = double_pendulum_sys_bounds,
     .start = double_pendulum_sys_start,
+    .lanes = double_pendulum_sys_lanes,
+    .members = double_pendulum_members,
     .acceleration = double_pendulum_sys_acceleration,
     .mass = double_pendulum_sys_mass,
     .force = double_pendulum_sys_force,

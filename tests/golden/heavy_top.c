@@ -5,6 +5,195 @@
  */
 #include "heavy_top.h"
 
+/* Sine and cosine of one angle together, inline, in float and double: no call and no branch, so
+ * that a loop over angles becomes vector code. Error at most 1.5 units in the last place of each
+ * result, also next to the multiples of pi/2. In long double and __float128, and where the
+ * compiler computes in excess precision, libm's.
+ *
+ *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
+ *
+ * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
+ * Functions" (1980): pi/2 in parts, k times each of them subtracted exactly while that matters.
+ * With fma() that is so of parts of full length, three of which do. Without it, k times
+ * a part must fit the significand: 33 bits a part and k < 2^20; in float 14 bits and 2^10. What
+ * the later subtractions lose is kept and added to sin r. Beyond PK_SINCOS_MAX libm takes over.
+ *
+ * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
+ *
+ *     sin r = r + r z S(z),  cos r = 1 - z/2 + z^2 C(z),  z = r^2
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE.
+ */
+#ifndef PK_SINCOS_H
+#define PK_SINCOS_H
+
+#if !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && defined FLT_EVAL_METHOD
+#if FLT_EVAL_METHOD == 0
+#define PK_SINCOS_INLINE
+#endif
+#endif
+
+#ifdef PK_SINCOS_INLINE
+#include <string.h>
+
+/* fma() in hardware; elsewhere it is a library call. (clang does not define FP_FAST_FMA.) */
+#if defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA
+#define PK_SINCOS_FMA(a, b, c) PK_F(fma)(a, b, c)
+#define PK_SINCOS_HAS_FMA
+#else
+#define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+/* Adding PK_SINCOS_ROUND rounds to an integer, which then is in the last bits. */
+#ifdef PK_FLOAT
+#define PK_SINCOS_ROUND PK_C(0x1.8p23)
+#define PK_SINCOS_SIGN 31
+#ifdef PK_SINCOS_HAS_FMA
+#define PK_SINCOS_MAX PK_C(0x1p15)
+#define PK_SINCOS_P1 PK_C(0x1.921fb4p0)
+#define PK_SINCOS_P2 PK_C(0x1.4442dp-24)
+#define PK_SINCOS_P3 PK_C(0x1.84698ap-48)
+#else
+#define PK_SINCOS_MAX PK_C(0x1.8p10)
+#define PK_SINCOS_P1 PK_C(0x1.9218p0)
+#define PK_SINCOS_P2 PK_C(0x1.ed5p-14)
+#define PK_SINCOS_P3 PK_C(0x1.10bp-30)
+#define PK_SINCOS_P4 PK_C(0x1.184698p-44)
+#endif
+#else
+#define PK_SINCOS_ROUND PK_C(0x1.8p52)
+#define PK_SINCOS_SIGN 63
+#ifdef PK_SINCOS_HAS_FMA
+#define PK_SINCOS_MAX PK_C(0x1p30)
+#define PK_SINCOS_P1 PK_C(0x1.921fb54442d18p0)
+#define PK_SINCOS_P2 PK_C(0x1.1a62633145c06p-54)
+#define PK_SINCOS_P3 PK_C(0x1.c1cd129024e09p-107)
+#else
+#define PK_SINCOS_MAX PK_C(0x1.8p20)
+#define PK_SINCOS_P1 PK_C(0x1.921fb544p0)
+#define PK_SINCOS_P2 PK_C(0x1.0b4611a6p-34)
+#define PK_SINCOS_P3 PK_C(0x1.3198a2ep-69)
+#define PK_SINCOS_P4 PK_C(0x1.b839a252049c1p-104)
+#endif
+#endif
+
+/* S and C as pairs of terms: half the latency of Horner's rule. */
+PK_INLINE static pk_real pk_sincos_s(pk_real z)
+{
+#ifdef PK_FLOAT
+    const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.1106c6p-7), z, -PK_C(0x1.555544p-3));
+    return PK_SINCOS_FMA(-PK_C(0x1.991c2ap-13), z * z, s0);
+#else
+    const pk_real z2 = z * z;
+    const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.111111110f750p-7), z, -PK_C(0x1.5555555555548p-3));
+    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558f2372p-19), z, -PK_C(0x1.a01a019bed585p-13));
+    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3d70e473fp-33), z, -PK_C(0x1.ae5e4e8f2f8a1p-26));
+    return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, s4, s2), s0);
+#endif
+}
+
+PK_INLINE static pk_real pk_sincos_c(pk_real z)
+{
+#ifdef PK_FLOAT
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c0c26p-10), z, PK_C(0x1.55554ap-5));
+    return PK_SINCOS_FMA(PK_C(0x1.99e71ep-16), z * z, c0);
+#else
+    const pk_real z2 = z * z;
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14f00p-10), z, PK_C(0x1.555555555554ap-5));
+    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7dffaf17p-22), z, PK_C(0x1.a01a019c75bd2p-16));
+    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8fa0a19b00cc8p-37), z, PK_C(0x1.1ee9d033e2655p-29));
+    return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, c4, c2), c0);
+#endif
+}
+
+/* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
+PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    const pk_real size = PK_F(fabs)(x);
+    const pk_real rounded =
+        PK_SINCOS_FMA(size, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND); /* 2/pi */
+    const pk_real k = rounded - PK_SINCOS_ROUND;
+    pk_bits j, sign, s_bits, c_bits, differ;
+    pk_real r, z, s, c, lost; /* the last: what r lacks */
+
+#ifdef PK_SINCOS_HAS_FMA
+    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, size);
+    const pk_real r2 = PK_F(fma)(-k, PK_SINCOS_P2, r1);
+    r = PK_F(fma)(-k, PK_SINCOS_P3, r2);
+    lost = PK_F(fma)(-k, PK_SINCOS_P3, r2 - r);
+    z = r * r;
+    s = r + PK_F(fma)(r * z, pk_sincos_s(z), lost);
+    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1); /* 0.4 units from `lost` */
+#else
+    const pk_real r1 = size - k * PK_SINCOS_P1;
+    const pk_real r2 = r1 - k * PK_SINCOS_P2;
+    const pk_real r3 = r2 - k * PK_SINCOS_P3;
+    pk_real half, high;
+    lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r3) - k * PK_SINCOS_P3) - k * PK_SINCOS_P4;
+    r = r3 + lost;
+    lost += r3 - r;
+    z = r * r;
+    s = r + (lost + r * z * pk_sincos_s(z));
+    half = PK_C(0.5) * z;
+    high = 1 - half;
+    c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
+#endif
+
+    memcpy(&j, &rounded, sizeof j);
+    memcpy(&sign, &x, sizeof sign);
+    memcpy(&s_bits, &s, sizeof s_bits);
+    memcpy(&c_bits, &c, sizeof c_bits);
+    sign = ((sign >> PK_SINCOS_SIGN) ^ (j >> 1)) << PK_SINCOS_SIGN;
+    differ = (s_bits ^ c_bits) & (0 - (j & 1));
+    s_bits ^= differ ^ sign;
+    c_bits ^= differ ^ ((j + 1) >> 1 << PK_SINCOS_SIGN);
+    if (sine)
+        memcpy(sine, &s_bits, sizeof s_bits);
+    if (cosine)
+        memcpy(cosine, &c_bits, sizeof c_bits);
+}
+
+/* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
+PK_INLINE static pk_bits pk_sincos_far(pk_real x)
+{
+    return !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+}
+
+#endif
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+#ifdef PK_SINCOS_INLINE
+    if (!pk_sincos_far(x)) {
+        pk_sincos_bounded(x, sine, cosine);
+        return;
+    }
+#endif
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
+}
+
+/* Without a branch, unless carefully: then what is returned is not 0 where the results must not
+ * be used. */
+PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
+                                               pk_real *cosine)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass != PK_CAREFULLY) {
+        pk_sincos_bounded(x, sine, cosine);
+        return pk_sincos_far(x);
+    }
+#else
+    (void)pass;
+#endif
+    pk_sincos(x, sine, cosine);
+    return 0;
+}
+
+#endif
+
 void heavy_top_defaults(struct heavy_top_params *p)
 {
     p->I1 = 1;
@@ -86,9 +275,12 @@ void heavy_top_start(const struct heavy_top_params *p, pk_real *q, pk_real *v)
 }
 
 /* a = q'' with M a = f, by M = L D L^T. 27 operations: 4 +, 2 -, 18 *, 1 /, 1 cos, 1 sin. */
-int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                           const pk_real *v, const pk_real *u, pk_real *restrict a)
+PK_INLINE
+static pk_bits heavy_top_acceleration_pass(enum pk_pass pass, const struct heavy_top_params *p,
+                                           pk_real t, const pk_real *q, const pk_real *v,
+                                           const pk_real *u, pk_real *restrict a)
 {
+    pk_bits bad = 0;
     (void)t;
     (void)u;
 
@@ -97,16 +289,19 @@ int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    bad |= pk_sincos_pass(pass, theta, &sin_theta, &cos_theta);
     const pk_real D_0 = p->I1 * sin_theta * sin_theta;
     const pk_real M_0_0 = p->I3 * cos_theta * cos_theta + D_0;
 
-    if (!(D_0 > PK_PIVOT_MIN * M_0_0))
+    bad |= !(D_0 > PK_PIVOT_MIN * M_0_0);
+    if (pass != PK_IN_LANE && bad)
         return 1;
-    if (!(p->I1 > 0))
+    bad |= !(p->I1 > 0);
+    if (pass != PK_IN_LANE && bad)
         return 2;
-    if (!(p->I3 > 0))
+    bad |= !(p->I3 > 0);
+    if (pass != PK_IN_LANE && bad)
         return 3;
 
     const pk_real inv_sin_theta = 1 / sin_theta;
@@ -116,7 +311,146 @@ int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk
     a[1] = sin_theta * (p->c_[11] + phi_dot * (p->c_[8] * t1 - t2));
     const pk_real t3 = (p->c_[9] * t1 - t2) * cos_theta * inv_sin_theta + phi_dot * sin_theta;
     a[2] = theta_dot * t3;
+    return bad;
+}
+
+PK_RARELY
+static int heavy_top_acceleration_carefully(const struct heavy_top_params *p, pk_real t,
+                                            const pk_real *q, const pk_real *v, const pk_real *u,
+                                            pk_real *a)
+{
+    return (int)heavy_top_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, a);
+}
+
+PK_INLINE
+static int heavy_top_acceleration_inline(const struct heavy_top_params *p, pk_real t,
+                                         const pk_real *q, const pk_real *v, const pk_real *u,
+                                         pk_real *restrict a)
+{
+    if (heavy_top_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
+        return heavy_top_acceleration_carefully(p, t, q, v, u, a);
     return 0;
+}
+
+int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk_real *q,
+                           const pk_real *v, const pk_real *u, pk_real *restrict a)
+{
+    return heavy_top_acceleration_inline(p, t, q, v, u, a);
+}
+
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+static unsigned long long heavy_top_lanes_apart(size_t W, const pk_bits *bad,
+                                                const struct heavy_top_params *p,
+                                                const pk_real *t, const pk_real *q,
+                                                const pk_real *v, const pk_real *u, pk_real *a)
+{
+    unsigned long long failed = 0;
+    size_t i, l;
+
+    (void)u;
+    for (l = 0; l < W; l++) {
+        pk_real q_[3], v_[3], u_[1], a_[3];
+
+        if (bad && !bad[l])
+            continue;
+        for (i = 0; i < 3; i++) {
+            q_[i] = q[i * W + l];
+            v_[i] = v[i * W + l];
+        }
+        u_[0] = 0;
+        if (heavy_top_acceleration(p, t[l], q_, v_, u_, a_) != 0) {
+            failed |= 1ull << l;
+            continue;
+        }
+        for (i = 0; i < 3; i++)
+            a[i * W + l] = a_[i];
+    }
+    return failed;
+}
+
+static unsigned long long heavy_top_members_apart(size_t W, const pk_bits *bad, const pk_real *P,
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
+{
+    unsigned long long failed = 0;
+    pk_bits only[64] = {0};
+    struct heavy_top_params p;
+    size_t k, l;
+
+    for (l = 0; l < W; l++) {
+        if (bad && !bad[l])
+            continue;
+        for (k = 0; k < sizeof p / sizeof(pk_real); k++)
+            ((pk_real *)&p)[k] = P[k * W + l];
+        only[l] = 1;
+        failed |= heavy_top_lanes_apart(W, only, &p, t, q, v, u, a);
+        only[l] = 0;
+    }
+    return failed;
+}
+
+/* W <= 64 states side by side in one loop without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. */
+PK_INLINE
+static unsigned long long heavy_top_lanes_inline(size_t W, const struct heavy_top_params *p,
+                                                 const pk_real *t, const pk_real *q,
+                                                 const pk_real *v, const pk_real *u,
+                                                 pk_real *restrict a)
+{
+    pk_bits bad[64], any = 0;
+
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
+        const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
+        const pk_real v_[3] = {v[0 * W + l], v[1 * W + l], v[2 * W + l]};
+        pk_real a_[3];
+        bad[l] = heavy_top_acceleration_pass(PK_IN_LANE, p, t[l], q_, v_, u, a_);
+        any |= bad[l];
+        a[0 * W + l] = a_[0];
+        a[1 * W + l] = a_[1];
+        a[2 * W + l] = a_[2];
+    }
+    return any ? heavy_top_lanes_apart(W, bad, p, t, q, v, u, a) : 0;
+}
+
+unsigned long long heavy_top_lanes(const struct heavy_top_params *p, const pk_real *t,
+                                   const pk_real *q, const pk_real *v, const pk_real *u,
+                                   pk_real *a)
+{
+    return heavy_top_lanes_inline(PK_LANES, p, t, q, v, u, a);
+}
+
+PK_INLINE
+static unsigned long long heavy_top_members_inline(size_t W, const pk_real *P, const pk_real *t,
+    const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+{
+    pk_bits bad[64], any = 0;
+
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
+        const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
+        const pk_real v_[3] = {v[0 * W + l], v[1 * W + l], v[2 * W + l]};
+        pk_real a_[3];
+        struct heavy_top_params p;
+        p.I1 = P[0 * W + l];
+        p.I3 = P[1 * W + l];
+        p.c_[6] = P[11 * W + l];
+        p.c_[7] = P[12 * W + l];
+        p.c_[8] = P[13 * W + l];
+        p.c_[9] = P[14 * W + l];
+        p.c_[11] = P[16 * W + l];
+        bad[l] = heavy_top_acceleration_pass(PK_IN_LANE, &p, t[l], q_, v_, u, a_);
+        any |= bad[l];
+        a[0 * W + l] = a_[0];
+        a[1 * W + l] = a_[1];
+        a[2 * W + l] = a_[2];
+    }
+    return any ? heavy_top_members_apart(W, bad, P, t, q, v, u, a) : 0;
+}
+
+unsigned long long heavy_top_members(const pk_real *P, const pk_real *t, const pk_real *q,
+                                     const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return heavy_top_members_inline(PK_LANES, P, t, q, v, u, a);
 }
 
 /* M = dp/dv. 8 operations: 1 +, 5 *, 1 cos, 1 sin. */
@@ -129,8 +463,8 @@ void heavy_top_mass(const struct heavy_top_params *p, pk_real t, const pk_real *
 
     const pk_real theta = q[1];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     M[0] = p->I3 * cos_theta * cos_theta + p->I1 * sin_theta * sin_theta;
     M[1] = 0;
     M[3] = 0;
@@ -154,8 +488,8 @@ void heavy_top_force(const struct heavy_top_params *p, pk_real t, const pk_real 
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = phi_dot * cos_theta;
     const pk_real t2 = p->I3 * psi_dot;
     f[0] = sin_theta * theta_dot * (p->c_[5] * t1 + t2);
@@ -176,8 +510,8 @@ void heavy_top_canonical(const struct heavy_top_params *p, pk_real t, const pk_r
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = phi_dot * cos_theta;
     const pk_real t2 = psi_dot + t1;
     momenta[0] = p->I3 * cos_theta * t2 + p->I1 * phi_dot * sin_theta * sin_theta;
@@ -200,8 +534,8 @@ void heavy_top_momenta(const struct heavy_top_params *p, pk_real t, const pk_rea
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = psi_dot + phi_dot * cos_theta;
     momenta[0] = p->I3 * cos_theta * t1 + p->I1 * phi_dot * sin_theta * sin_theta;
     momenta[1] = p->I1 * theta_dot;
@@ -220,8 +554,8 @@ void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_re
     const pk_real psi_dot = v[2];
 
     dLdq[0] = 0;
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = p->c_[2] + phi_dot * (p->c_[3] * phi_dot * cos_theta - p->I3 * psi_dot);
     dLdq[1] = sin_theta * t1;
     dLdq[2] = 0;
@@ -240,8 +574,8 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
     const pk_real psi_dot = v[2];
 
     p_q[0] = 0;
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = p->I3 * psi_dot;
     const pk_real t2 = sin_theta * (p->c_[10] * phi_dot * cos_theta - t1);
     p_q[1] = t2;
@@ -286,8 +620,8 @@ pk_real heavy_top_energy(const struct heavy_top_params *p, pk_real t, const pk_r
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = theta_dot * theta_dot + phi_dot * phi_dot * sin_theta * sin_theta;
     const pk_real t2 = psi_dot + phi_dot * cos_theta;
     return p->c_[0] * t1 + p->c_[1] * t2 * t2 + p->c_[2] * cos_theta;
@@ -305,8 +639,8 @@ pk_real heavy_top_lagrangian(const struct heavy_top_params *p, pk_real t, const 
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = theta_dot * theta_dot + phi_dot * phi_dot * sin_theta * sin_theta;
     const pk_real t2 = psi_dot + phi_dot * cos_theta;
     return p->c_[0] * t1 + p->c_[1] * t2 * t2 - p->c_[2] * cos_theta;
@@ -324,8 +658,8 @@ pk_real heavy_top_kinetic(const struct heavy_top_params *p, pk_real t, const pk_
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    const pk_real sin_theta = PK_F(sin)(theta);
-    const pk_real cos_theta = PK_F(cos)(theta);
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
     const pk_real t1 = theta_dot * theta_dot + phi_dot * phi_dot * sin_theta * sin_theta;
     const pk_real t2 = psi_dot + phi_dot * cos_theta;
     return p->c_[0] * t1 + p->c_[1] * t2 * t2;
@@ -341,7 +675,9 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
 
     const pk_real theta = q[1];
 
-    return p->c_[2] * PK_F(cos)(theta);
+    pk_real cos_theta;
+    pk_sincos(theta, NULL, &cos_theta);
+    return p->c_[2] * cos_theta;
 }
 
 /* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos. */
@@ -355,7 +691,9 @@ void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_re
     const pk_real phi_dot = v[0];
     const pk_real psi_dot = v[2];
 
-    out[0] = p->I3 * (psi_dot + phi_dot * PK_F(cos)(theta));
+    pk_real cos_theta;
+    pk_sincos(theta, NULL, &cos_theta);
+    out[0] = p->I3 * (psi_dot + phi_dot * cos_theta);
 }
 
 const char heavy_top_source_hash[65] =
@@ -481,6 +819,12 @@ static void heavy_top_sys_conserve(const void *p, pk_real t, const pk_real *q, c
     heavy_top_conserve(p, t, q, v, u, out);
 }
 
+static unsigned long long heavy_top_sys_lanes(const void *p, const pk_real *t, const pk_real *q,
+                                              const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return heavy_top_lanes(p, t, q, v, u, a);
+}
+
 static const unsigned char heavy_top_sys_cyclic[3] = {1, 0, 1};
 
 /* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
@@ -512,6 +856,8 @@ const struct pk_system heavy_top_system = {
     .prepare = heavy_top_sys_prepare,
     .bounds = heavy_top_sys_bounds,
     .start = heavy_top_sys_start,
+    .lanes = heavy_top_sys_lanes,
+    .members = heavy_top_members,
     .acceleration = heavy_top_sys_acceleration,
     .mass = heavy_top_sys_mass,
     .force = heavy_top_sys_force,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from .program import CHECK, LOAD, LOCAL, STORE, Block, Statement
+from .program import CHECK, LOAD, STORE, Block, Statement
 
 # A kernel longer than the first is cut into blocks of about the second, in statements.
 _LONGEST = 800
@@ -25,7 +25,7 @@ def blocks(
         parts = [statements]
     else:
         parts = [statements[i : i + _BLOCK] for i in range(0, len(statements), _BLOCK)]
-    home = {s.target: k for k, part in enumerate(parts) for s in part if s.kind == LOCAL}
+    home = {name: k for k, part in enumerate(parts) for s in part for name in s.defines}
     words = [[_WORD.findall(s.text) for s in part] for part in parts]
     slots: dict[str, int] = {}
     for k, part in enumerate(words):
@@ -56,8 +56,11 @@ def _block(
     ]
     for statement in part:
         lines.append(statement)
-        if statement.kind == LOCAL and statement.target in slots:
-            lines.append(Statement(STORE, f"w[{slots[statement.target]}]", statement.target))
+        lines += [
+            Statement(STORE, f"w[{slots[name]}]", name)
+            for name in statement.defines
+            if name in slots
+        ]
     text = " ".join(x for s in lines for x in (s.text, s.target if s.kind != CHECK else ""))
     seen = set(_WORD.findall(text))
     return Block(tuple(lines), frozenset(a for a in arguments if a in seen))

@@ -18,7 +18,18 @@ from .expressions import count_operations
 from .kernels import KERNELS, KernelSpec, needed_kernels
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import LOAD, STORE, Assignment, Field, Interval, Kernel, Output, Program, Statement
+from .program import (
+    LOAD,
+    STORE,
+    TRIG,
+    Assignment,
+    Field,
+    Interval,
+    Kernel,
+    Output,
+    Program,
+    Statement,
+)
 from .rewrite import Workspace, rewrite
 from .schedule import Schedule, Target, number_text
 
@@ -28,10 +39,15 @@ _ARGUMENT = {Kind.COORDINATE: "q", Kind.RATE: "v", Kind.INPUT: "u"}
 
 
 def lower(
-    equations: Equations, structure: Structure, kernels: frozenset[str] | None = None
+    equations: Equations,
+    structure: Structure,
+    kernels: frozenset[str] | None = None,
+    *,
+    libm: bool = False,
 ) -> Program:
-    """Straight-line code for the kernels named (None: all that the model has)."""
-    return _Lowering(equations, structure).program(kernels)
+    """Straight-line code for the kernels named (None: all that the model has); with `libm` sine
+    and cosine are the library's."""
+    return _Lowering(equations, structure, libm).program(kernels)
 
 
 @dataclass(frozen=True)
@@ -45,8 +61,9 @@ class _Draft:
 
 
 class _Lowering:
-    def __init__(self, equations: Equations, structure: Structure) -> None:
+    def __init__(self, equations: Equations, structure: Structure, libm: bool) -> None:
         self.equations = equations
+        self.libm = libm
         self.structure = structure
         self.prefix = equations.model.name + "_"
         self.work = Workspace(equations.graph)
@@ -99,7 +116,13 @@ class _Lowering:
         for name in self.symbols.values():
             names.take(name)
         schedule = Schedule(
-            self.work, names, self.prefix, self._leaf, hints=draft.hints, kept=draft.kept
+            self.work,
+            names,
+            self.prefix,
+            self._leaf,
+            hints=draft.hints,
+            kept=draft.kept,
+            inline_sincos=not self.libm,
         )
         schedule.run(draft.targets)
         self.helpers |= schedule.helpers
@@ -123,6 +146,9 @@ class _Lowering:
         operations: Counter[str] = Counter()
         for statement in schedule.statements:
             operations += count_operations(statement.text, self.prefix)
+            if statement.kind == TRIG:
+                pair = zip(("sin", "cos"), statement.target.split(), strict=True)
+                operations.update(function for function, name in pair if name != "NULL")
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
     def _leaf(self, node: Node) -> str | None:

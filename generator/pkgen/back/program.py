@@ -7,12 +7,14 @@ declarations to comments, belongs to the templates. Nothing here refers to the g
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from ..equations import Equations, Structure
 
 # The kinds of a statement, and how each is shown in a dump.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
+TRIG = "trig"  # sine and cosine of TEXT into the two names in TARGET; NULL: not needed
 LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
 STORE = "store"  # TARGET = TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
@@ -20,6 +22,7 @@ CHECK = "check"  # if (!(TEXT)) return TARGET;
 RETURN = "return"  # return TEXT;
 _SHOWN = {
     LOCAL: "{target} = {text}",
+    TRIG: "{target} = sincos {text}",
     LOAD: "{target} = {text}",
     STORE: "{target} := {text}",
     FILL: "{target}[0..{text} - 1] := 0",
@@ -33,6 +36,13 @@ class Statement:
     kind: str
     target: str
     text: str
+
+    @property
+    def defines(self) -> tuple[str, ...]:
+        """The local constants that it makes."""
+        if self.kind == TRIG:
+            return tuple(name for name in self.target.split() if name != "NULL")
+        return (self.target,) if self.kind in (LOCAL, LOAD) else ()
 
     def __str__(self) -> str:
         return _SHOWN[self.kind].format(target=self.target, text=self.text)
@@ -77,6 +87,10 @@ class Kernel:
     @property
     def uses(self) -> frozenset[str]:
         return frozenset().union(*(b.uses for b in self.blocks))
+
+    @property
+    def statements(self) -> Iterator[Statement]:
+        return (s for block in self.blocks for s in block.statements)
 
     def __str__(self) -> str:
         lines = [f"kernel {self.name}: {operations_text(self.operations)}"]
@@ -133,6 +147,11 @@ class Program:
 
     def kernel(self, name: str) -> Kernel | None:
         return next((k for k in self.kernels if k.name == name), None)
+
+    @property
+    def has_sincos(self) -> bool:
+        """Whether any kernel calls the inline pair."""
+        return any(s.kind == TRIG for kernel in self.kernels for s in kernel.statements)
 
     def __str__(self) -> str:
         lines = [f"program {self.equations.model.name}"]

@@ -4,6 +4,7 @@ and lists, made here.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -102,9 +103,9 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def real_header() -> str:
-    """The text of runtime/include/pk/real.h."""
-    path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / "real.h"
+def pasted(header: str) -> str:
+    """The text of a header in runtime/include/pk."""
+    path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / header
     return path.read_text(encoding="utf-8")
 
 
@@ -119,7 +120,8 @@ def _context(program: Program) -> dict[str, Any]:
         "description": model.description,
         "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
         "source_hash": model.source.sha256,
-        "real_header": real_header(),
+        "real_header": pasted("real.h"),
+        "sincos_header": pasted("sincos.h") if program.has_sincos else "",
         "n": len(equations.coordinates),
         "n_parameters": len(equations.parameters),
         "n_inputs": len(equations.inputs),
@@ -146,7 +148,29 @@ def _context(program: Program) -> dict[str, Any]:
         ],
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": _input_rates(equations.inputs),
+        "lane_arguments": f"const struct {model.name}_params *p, {_LANES}",
+        "member_arguments": f"const pk_real *P, {_LANES}",
+        "used_fields": _used_fields(program),
+        "places": _places,
     }
+
+
+_LANES = "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"
+
+
+def _places(array: str, count: int) -> str:
+    """q[0 * W + l], q[1 * W + l], ..."""
+    return ", ".join(f"{array}[{i} * W + l]" for i in range(count))
+
+
+def _used_fields(program: Program) -> list[tuple[str, int]]:
+    """The members of struct NAME_params that the acceleration reads: C text and place."""
+    places = {name: k for k, name in enumerate(program.parameter_names)}
+    places |= {f"c_[{k}]": len(places) + k for k in range(program.hoisted)}
+    kernel = program.kernel("acceleration")
+    texts = " ".join(s.text for s in kernel.statements) if kernel else ""
+    used = set(re.findall(r"p->(\w+(?:\[\d+\])?)", texts))
+    return [(name, k) for name, k in places.items() if name in used]
 
 
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
@@ -163,6 +187,7 @@ def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
         "blocks": [_block(block, kernel) for block in kernel.blocks],
         "unused": unused,
         "work": kernel.work,
+        "in_pass": int(any(s.kind in ("trig", "check") for s in kernel.statements)),
         "solves": kernel.solves,
     }
 

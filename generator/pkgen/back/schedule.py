@@ -1,8 +1,8 @@
 """The statements of one kernel: in what order, under which names, what stays inline.
 
 A value used twice, or one that would make a line hard to read, becomes a local constant; the
-rest is written where it is used. A value comes just before its first use, a sine next to the
-cosine of the same angle (gcc merges them), an output as soon as it is known.
+rest is written where it is used. A value comes just before its first use, a sine with the
+cosine of the same angle (one call of the inline pair gives both), an output as soon as it is known.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..middle.graph import Node, Op
 from .expressions import Form, added, atom, called, inverted, multiplied, negated, text
 from .literals import literal
 from .names import Names
-from .program import LOCAL, Statement
+from .program import LOCAL, TRIG, Statement
 from .rewrite import Workspace
 
 # Longest text, in characters, of an expression, and of a part of one in brackets.
@@ -53,6 +53,7 @@ class Schedule:
     hints: Mapping[Node, str] = field(default_factory=dict)
     kept: frozenset[Node] = frozenset()  # must become locals
     known_after: Mapping[str, str] = field(default_factory=dict)  # read back an output: its text
+    inline_sincos: bool = False  # sine and cosine by the inline pair, not by libm
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
     _forms: dict[Node, Form] = field(default_factory=dict)
@@ -98,8 +99,7 @@ class Schedule:
         local = {node for node, count in uses.items() if count > 1}
         local |= self.kept & uses.keys()
         for node in list(uses):
-            partner = self._partner(node)
-            if partner in uses:
+            if self._partner(node) in uses or self._is_trig(node):
                 local.add(node)
         if self.known_after:  # an output can be read back: it needs no local
             local -= {node for target in targets for node in target.nodes}
@@ -111,6 +111,11 @@ class Schedule:
             return None
         other = _PARTNERS.get(str(self.work.data[node]))
         return other and self.work.find(Op.CALL, self.work.args[node], other)
+
+    def _is_trig(self, node: Node) -> bool:
+        """Whether the inline pair computes it."""
+        call = self.work.op[node] is Op.CALL and str(self.work.data[node]) in _PARTNERS
+        return call and self.inline_sincos
 
     def _compute(self, root: Node) -> None:
         """Forms of everything that the root needs, arguments first."""
@@ -133,8 +138,23 @@ class Schedule:
             if partner is not None and partner in self._local and partner not in self._forms:
                 pair.append(partner)
                 pair.sort(key=lambda x: self.work.data[x] != "sin")
-            for x in pair:
-                self._finish(x)
+            if self._is_trig(node):
+                self._take_both(pair)
+            else:
+                for x in pair:
+                    self._finish(x)
+
+    def _take_both(self, nodes: list[Node]) -> None:
+        """Sine and cosine, or one of them, by one call."""
+        (angle,) = self.work.args[nodes[0]]
+        self._promote(angle, _LONGEST_PART)
+        value = text(self._forms[angle])
+        places = {"sin": "NULL", "cos": "NULL"}
+        for node in nodes:
+            function = str(self.work.data[node])
+            places[function] = self._name(node, f"PK_F({function})({value})")
+            self._forms[node] = atom(places[function])
+        self.statements.append(Statement(TRIG, " ".join(places.values()), value))
 
     def _finish(self, node: Node) -> None:
         self._forms[node] = self._form(node)

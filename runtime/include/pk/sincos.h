@@ -1,0 +1,188 @@
+/* Sine and cosine of one angle together, inline, in float and double: no call and no branch, so
+ * that a loop over angles becomes vector code. Error at most 1.5 units in the last place of each
+ * result, also next to the multiples of pi/2. In long double and __float128, and where the
+ * compiler computes in excess precision, libm's.
+ *
+ *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
+ *
+ * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
+ * Functions" (1980): pi/2 in parts, k times each of them subtracted exactly while that matters.
+ * With fma() that is so of parts of full length, three of which do. Without it, k times
+ * a part must fit the significand: 33 bits a part and k < 2^20; in float 14 bits and 2^10. What
+ * the later subtractions lose is kept and added to sin r. Beyond PK_SINCOS_MAX libm takes over.
+ *
+ * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
+ *
+ *     sin r = r + r z S(z),  cos r = 1 - z/2 + z^2 C(z),  z = r^2
+ *
+ * MIT-0: pkgen pastes this text into the files that it generates; see LICENSE.
+ */
+#ifndef PK_SINCOS_H
+#define PK_SINCOS_H
+
+#if !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && defined FLT_EVAL_METHOD
+#if FLT_EVAL_METHOD == 0
+#define PK_SINCOS_INLINE
+#endif
+#endif
+
+#ifdef PK_SINCOS_INLINE
+#include <string.h>
+
+/* fma() in hardware; elsewhere it is a library call. (clang does not define FP_FAST_FMA.) */
+#if defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA
+#define PK_SINCOS_FMA(a, b, c) PK_F(fma)(a, b, c)
+#define PK_SINCOS_HAS_FMA
+#else
+#define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
+/* Adding PK_SINCOS_ROUND rounds to an integer, which then is in the last bits. */
+#ifdef PK_FLOAT
+#define PK_SINCOS_ROUND PK_C(0x1.8p23)
+#define PK_SINCOS_SIGN 31
+#ifdef PK_SINCOS_HAS_FMA
+#define PK_SINCOS_MAX PK_C(0x1p15)
+#define PK_SINCOS_P1 PK_C(0x1.921fb4p0)
+#define PK_SINCOS_P2 PK_C(0x1.4442dp-24)
+#define PK_SINCOS_P3 PK_C(0x1.84698ap-48)
+#else
+#define PK_SINCOS_MAX PK_C(0x1.8p10)
+#define PK_SINCOS_P1 PK_C(0x1.9218p0)
+#define PK_SINCOS_P2 PK_C(0x1.ed5p-14)
+#define PK_SINCOS_P3 PK_C(0x1.10bp-30)
+#define PK_SINCOS_P4 PK_C(0x1.184698p-44)
+#endif
+#else
+#define PK_SINCOS_ROUND PK_C(0x1.8p52)
+#define PK_SINCOS_SIGN 63
+#ifdef PK_SINCOS_HAS_FMA
+#define PK_SINCOS_MAX PK_C(0x1p30)
+#define PK_SINCOS_P1 PK_C(0x1.921fb54442d18p0)
+#define PK_SINCOS_P2 PK_C(0x1.1a62633145c06p-54)
+#define PK_SINCOS_P3 PK_C(0x1.c1cd129024e09p-107)
+#else
+#define PK_SINCOS_MAX PK_C(0x1.8p20)
+#define PK_SINCOS_P1 PK_C(0x1.921fb544p0)
+#define PK_SINCOS_P2 PK_C(0x1.0b4611a6p-34)
+#define PK_SINCOS_P3 PK_C(0x1.3198a2ep-69)
+#define PK_SINCOS_P4 PK_C(0x1.b839a252049c1p-104)
+#endif
+#endif
+
+/* S and C as pairs of terms: half the latency of Horner's rule. */
+PK_INLINE static pk_real pk_sincos_s(pk_real z)
+{
+#ifdef PK_FLOAT
+    const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.1106c6p-7), z, -PK_C(0x1.555544p-3));
+    return PK_SINCOS_FMA(-PK_C(0x1.991c2ap-13), z * z, s0);
+#else
+    const pk_real z2 = z * z;
+    const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.111111110f750p-7), z, -PK_C(0x1.5555555555548p-3));
+    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558f2372p-19), z, -PK_C(0x1.a01a019bed585p-13));
+    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3d70e473fp-33), z, -PK_C(0x1.ae5e4e8f2f8a1p-26));
+    return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, s4, s2), s0);
+#endif
+}
+
+PK_INLINE static pk_real pk_sincos_c(pk_real z)
+{
+#ifdef PK_FLOAT
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c0c26p-10), z, PK_C(0x1.55554ap-5));
+    return PK_SINCOS_FMA(PK_C(0x1.99e71ep-16), z * z, c0);
+#else
+    const pk_real z2 = z * z;
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14f00p-10), z, PK_C(0x1.555555555554ap-5));
+    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7dffaf17p-22), z, PK_C(0x1.a01a019c75bd2p-16));
+    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8fa0a19b00cc8p-37), z, PK_C(0x1.1ee9d033e2655p-29));
+    return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, c4, c2), c0);
+#endif
+}
+
+/* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
+PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    const pk_real size = PK_F(fabs)(x);
+    const pk_real rounded =
+        PK_SINCOS_FMA(size, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND); /* 2/pi */
+    const pk_real k = rounded - PK_SINCOS_ROUND;
+    pk_bits j, sign, s_bits, c_bits, differ;
+    pk_real r, z, s, c, lost; /* the last: what r lacks */
+
+#ifdef PK_SINCOS_HAS_FMA
+    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, size);
+    const pk_real r2 = PK_F(fma)(-k, PK_SINCOS_P2, r1);
+    r = PK_F(fma)(-k, PK_SINCOS_P3, r2);
+    lost = PK_F(fma)(-k, PK_SINCOS_P3, r2 - r);
+    z = r * r;
+    s = r + PK_F(fma)(r * z, pk_sincos_s(z), lost);
+    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1); /* 0.4 units from `lost` */
+#else
+    const pk_real r1 = size - k * PK_SINCOS_P1;
+    const pk_real r2 = r1 - k * PK_SINCOS_P2;
+    const pk_real r3 = r2 - k * PK_SINCOS_P3;
+    pk_real half, high;
+    lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r3) - k * PK_SINCOS_P3) - k * PK_SINCOS_P4;
+    r = r3 + lost;
+    lost += r3 - r;
+    z = r * r;
+    s = r + (lost + r * z * pk_sincos_s(z));
+    half = PK_C(0.5) * z;
+    high = 1 - half;
+    c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
+#endif
+
+    memcpy(&j, &rounded, sizeof j);
+    memcpy(&sign, &x, sizeof sign);
+    memcpy(&s_bits, &s, sizeof s_bits);
+    memcpy(&c_bits, &c, sizeof c_bits);
+    sign = ((sign >> PK_SINCOS_SIGN) ^ (j >> 1)) << PK_SINCOS_SIGN;
+    differ = (s_bits ^ c_bits) & (0 - (j & 1));
+    s_bits ^= differ ^ sign;
+    c_bits ^= differ ^ ((j + 1) >> 1 << PK_SINCOS_SIGN);
+    if (sine)
+        memcpy(sine, &s_bits, sizeof s_bits);
+    if (cosine)
+        memcpy(cosine, &c_bits, sizeof c_bits);
+}
+
+/* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
+PK_INLINE static pk_bits pk_sincos_far(pk_real x)
+{
+    return !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+}
+
+#endif
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+#ifdef PK_SINCOS_INLINE
+    if (!pk_sincos_far(x)) {
+        pk_sincos_bounded(x, sine, cosine);
+        return;
+    }
+#endif
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
+}
+
+/* Without a branch, unless carefully: then what is returned is not 0 where the results must not
+ * be used. */
+PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
+                                               pk_real *cosine)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass != PK_CAREFULLY) {
+        pk_sincos_bounded(x, sine, cosine);
+        return pk_sincos_far(x);
+    }
+#else
+    (void)pass;
+#endif
+    pk_sincos(x, sine, cosine);
+    return 0;
+}
+
+#endif
