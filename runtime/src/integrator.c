@@ -106,7 +106,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params);
     const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
-    const size_t work = system->n_inputs + lane + method->size(method, n);
+    const size_t inputs = system->n_inputs * (1 + PK_LANES);
+    const size_t work = inputs + lane + method->size(method, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
 }
@@ -157,7 +158,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->state = (pk_real *)block;
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;
-    it->lane = it->u + system->n_inputs;
+    it->lane = it->u + system->n_inputs * (1 + PK_LANES);
     it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
@@ -184,7 +185,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     if (it->status < 0)
         return it->status;
     /* What a method does not carry stays 0, and inputs that nobody fills. */
-    memset(it->next, 0, (PK_PARTS * n + it->problem.system->n_inputs) * sizeof *q);
+    memset(it->next, 0,
+           (PK_PARTS * n + it->problem.system->n_inputs * (1 + PK_LANES)) * sizeof *q);
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
     it->trouble = PK_DONE;

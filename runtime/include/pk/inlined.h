@@ -27,7 +27,9 @@
 #define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->u)
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a)                                              \
     PK_MODEL(acceleration)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, a)
-#define PK_STEPPER_LANES(it, t, q, v, u, a) pk_eval_lanes(it, t, q, v, u, a)
+#define PK_STEPPER_LANES(it, t, q, v, u, a)                                                     \
+    PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t,  \
+                           q, v, u, a)
 
 #define PK_INLINED_STEP(method, call)                                                           \
     static enum pk_status PK_STEPPER(method)(struct pk_integrator * it, pk_real limit)          \

@@ -89,14 +89,6 @@ struct pk_system {
      * positive (or not a number): M is singular or indefinite there, and a is not written. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
-    /* The same for PK_LANES states side by side: q[i*PK_LANES + l] is coordinate i of lane l. Bit l
-     * of what is returned is set where acceleration() fails; a of that lane is not to be used. For
-     * members(), each lane has its own parameters, P[k*PK_LANES + l]: the struct NAME_params of
-     * lane l as an array of pk_real. NULL: none. */
-    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
-                                const pk_real *v, const pk_real *u, pk_real *a);
-    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
-                                  const pk_real *v, const pk_real *u, pk_real *a);
     void (*mass)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                  const pk_real *u, pk_real *M);
     void (*force)(const void *params, pk_real t, const pk_real *q, const pk_real *v,

@@ -114,12 +114,11 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
     pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
     const pk_real *old_q = pk_part(it->state, n, PK_LOW_Q);
     const pk_real *old_v = pk_part(it->state, n, PK_LOW_X);
-    pk_real left[PK_GAUSS_S], *a = pk_part(it->next, n, PK_A), *p = pk_part(it->next, n, PK_P);
+    pk_real left[PK_GAUSS_S];
     for (int l = 0; l < PK_GAUSS_S; l++)
         left[l] = y->hb[l] * (1 - pk_gauss8_c[l]);
     for (size_t i = 0; i < n; i++) {
         const pk_real *ai = w->a + i * PK_GAUSS_S;
-        p[i] = a[i] = 0;
         low_q[i] = old_q[i];
         low_v[i] = old_v[i];
         w->start[i] = it->q[i];

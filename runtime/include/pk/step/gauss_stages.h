@@ -31,7 +31,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     w.q = x, x += m;
     w.v = x, x += m;
     w.poly = x, x += m;
-    w.u = x, x += it->problem.system->n_inputs * PK_GAUSS_S;
+    w.u = it->u + it->problem.system->n_inputs;
     w.weight = x, x += n;
     w.start = x, x += 2 * n;
     w.h = x++, w.rate = x++, w.decay = x++;
