@@ -29,7 +29,7 @@
 /* Measured over the models and others for the least work at a given final error. */
 #define PK_GAUSS_SAFETY PK_C(0.9)
 #define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* accepted up to 10 tolerances, */
-#define PK_GAUSS_RESOLVED PK_C(0.3)                 /* asked once corrections are below .3 a_7 */
+#define PK_GAUSS_RESOLVED PK_C(10.0) /* asked once what is left, squared, is below 10 a_7^2 */
 #define PK_GAUSS_GROW PK_C(3.0)
 #define PK_GAUSS_SHRINK PK_C(0.2)
 #define PK_GAUSS_RATE PK_C(0.15) /* a contraction that costs as much as it gains */
@@ -85,12 +85,13 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrat
                             y->change2 <= PK_C(1e8) * PK_EPS * PK_EPS * y->size2;
         const int done = (rate < 1 && left2 <= (1 - rate) * (1 - rate)) ||
                          y->change2 <= round || stalled;
-        if (done || (!asked && y->count < 4 && left2 < PK_C(0.0025) * y->size2)) {
+        /* The coefficients at which the step would not be accepted; asked when resolved. */
+        const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
+        if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
             pk_real six2, seven2;
             PK_STEPPER(gauss_coefficients)(it, w, &six2, &seven2);
-            asked = left2 < PK_GAUSS_RESOLVED * PK_GAUSS_RESOLVED * pk_max(six2, seven2);
-            const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2;
-            if (done || (asked && (six2 > d6 || seven2 > d6 * d))) {
+            asked = 1;
+            if (done || six2 > d6 || seven2 > d7) {
                 pk_gauss_judge(y, six2, seven2);
                 if (done || y->error_log > PK_GAUSS_ACCEPT_LOG)
                     return PK_DONE;

@@ -8,6 +8,13 @@
 #include <pk/step/state.h>
 #include <pk/step/tableau.h>
 
+/* gcc unrolls a loop over eight lanes before it looks for vectors, and then finds few. */
+#if defined __GNUC__ && !defined __clang__
+#define PK_GAUSS_LOOP _Pragma("GCC unroll 1")
+#else
+#define PK_GAUSS_LOOP
+#endif
+
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work. Arrays of n by 8 but for those said otherwise. */
@@ -43,6 +50,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
 static inline void pk_gauss_rows(const pk_real *restrict M, const pk_real *restrict x,
                                  pk_real *restrict y)
 {
+    PK_GAUSS_LOOP
     for (int l = 0; l < PK_GAUSS_S; l++)
         y[l] = ((M[l] * x[0] + M[8 + l] * x[1]) + (M[16 + l] * x[2] + M[24 + l] * x[3])) +
                ((M[32 + l] * x[4] + M[40 + l] * x[5]) + (M[48 + l] * x[6] + M[56 + l] * x[7]));
@@ -52,6 +60,11 @@ static inline pk_real pk_gauss_dot(const pk_real *restrict b, const pk_real *res
 {
     return ((b[0] * x[0] + b[1] * x[1]) + (b[2] * x[2] + b[3] * x[3])) +
            ((b[4] * x[4] + b[5] * x[5]) + (b[6] * x[6] + b[7] * x[7]));
+}
+
+static inline pk_real pk_gauss_sum(const pk_real *restrict x)
+{
+    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
 }
 
 /* What one trial step has come to. Norms are in units of the tolerance, root mean square. */
@@ -67,11 +80,12 @@ struct pk_gauss_trial {
 /* The error from the last two Legendre coefficients: |a_k| = |a| theta^k, error |a| theta^16. */
 static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_real seven2)
 {
-    const pk_real tiny = PK_TINY / PK_EPS;
-    const pk_real a = PK_F(log)(y->size2 + tiny);
-    const pk_real six = (PK_F(log)(six2 + tiny) - a) / 12;
-    const pk_real seven = (PK_F(log)(seven2 + tiny) - a) / 14;
-    const pk_real theta = six > seven ? six : seven;
+    const pk_real six = six2 / (y->size2 + PK_TINY) + PK_TINY;
+    const pk_real seven = seven2 / (y->size2 + PK_TINY) + PK_TINY;
+    const pk_real six3 = six * six * six, seven3 = seven * seven * seven;
+    const pk_real a = PK_F(log)(y->size2 + PK_TINY);
+    const pk_real theta = six3 * six3 * six > seven3 * seven3 ? PK_F(log)(six) / 12
+                                                             : PK_F(log)(seven) / 14;
     y->theta_log = theta;
     y->error_log = a / 2 + 16 * theta;
     y->growth = PK_F(exp)(-y->error_log / 17);
@@ -118,14 +132,17 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
         const pk_real h = y->h, q0 = it->q[i], v0 = it->v[i], hv = h * v0;
         pk_real L[PK_GAUSS_S], dq[PK_GAUSS_S];
         pk_real *restrict q = w->q + i * PK_GAUSS_S, *restrict v = w->v + i * PK_GAUSS_S;
-        for (int l = 0; l < PK_GAUSS_S; l++)
+        PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
             L[l] = y->hb[l] * w->a[i * PK_GAUSS_S + (size_t)l];
         pk_gauss_rows(pk_gauss8_mu2, L, dq);
-        for (int l = 0; l < PK_GAUSS_S; l++)
+        PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
             q[l] = q0 + (pk_gauss8_c[l] * hv + h * dq[l]);
         if (rates) {
             pk_gauss_rows(pk_gauss8_mu, L, v);
-            for (int l = 0; l < PK_GAUSS_S; l++)
+            PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
                 v[l] += v0;
         }
     }
@@ -188,18 +205,18 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
         pk_real *restrict a = w->a + i * PK_GAUSS_S;
         const pk_real *restrict b = w->next_a + i * PK_GAUSS_S;
         const pk_real weight = w->weight[i];
-        for (int l = 0; l < PK_GAUSS_S; l++) {
+        PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++) {
             const pk_real s = weight * b[l], d = weight * (b[l] - a[l]);
             size[l] += s * s;
             change[l] += d * d;
             a[l] = b[l];
         }
     }
-    static const pk_real ones[PK_GAUSS_S] = {1, 1, 1, 1, 1, 1, 1, 1};
     const pk_real mean = PK_C(1.0) / (pk_real)(PK_GAUSS_S * n);
     const pk_real before = y->change2;
-    y->size2 = mean * pk_gauss_dot(ones, size);
-    y->change2 = mean * pk_gauss_dot(ones, change);
+    y->size2 = mean * pk_gauss_sum(size);
+    y->change2 = mean * pk_gauss_sum(change);
     if (y->count > 0)
         y->rate = pk_max(PK_F(sqrt)(y->change2 / before), PK_C(1e-4));
     return pk_finite(y->change2) && pk_finite(y->size2);
