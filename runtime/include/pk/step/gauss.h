@@ -71,10 +71,9 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrat
     enum pk_status status = PK_STEPPER(gauss_predict)(it, w, y);
     for (y->count = 0; status >= 0; y->count++) {
         PK_STEPPER(gauss_stages)(it, w, y, rates);
-        status = PK_STEPPER(gauss_evaluate)(it, w, y);
+        status = PK_STEPPER(gauss_evaluate)(it, y->t, w->q, w->v, w->u, w->next_a);
         if (status < 0)
             break;
-        it->count.iterations++;
         if (y->count == 0)
             PK_STEPPER(gauss_weights)(it, w, y);
         if (!PK_STEPPER(gauss_compare)(it, w, y))
@@ -124,6 +123,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
         low_v[i] = old_v[i];
         w->start[i] = it->q[i];
         w->start[n + i] = it->v[i];
+        w->last_weight[i] = w->weight[i];
         q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))),
                       &low_q[i]);
         v[i] = pk_sum(it->v[i], pk_gauss_dot(y->hb, ai), &low_v[i]);

@@ -22,7 +22,8 @@ struct pk_gauss_lanes {
     pk_real *a, *next_a, *q, *v; /* the iterate, the next one, the stages */
     pk_real *u;                  /* inputs at the stages */
     pk_real *poly;               /* Taylor coefficients of the last step's a at its end, in h */
-    pk_real *weight, *start;     /* n: of errors in a; 2 n: q and v where the last step began */
+    pk_real *weight;             /* n: of errors in a */
+    pk_real *start, *last_weight; /* 2 n: q and v where the last step began; n: its weights */
     pk_real *h, *rate, *decay;   /* of the last step: its size, the contraction of its iteration,
                                     and the theta^2 up to which a next one is accepted */
     pk_real *dense;              /* of gauss_dense.c */
@@ -41,6 +42,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     w.u = it->u + it->problem.system->n_inputs;
     w.weight = x, x += n;
     w.start = x, x += 2 * n;
+    w.last_weight = x, x += n;
     w.h = x++, w.rate = x++, w.decay = x++;
     w.dense = x;
     return w;
@@ -164,32 +166,33 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* a at the stages into next_a. A lane that failed is asked again alone, for the reason. */
-static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it,
-                                                        const struct pk_gauss_lanes *w,
-                                                        const struct pk_gauss_trial *y)
+/* a in all lanes. One that failed is asked again alone, for the reason. */
+static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
+                                                        const pk_real *q, const pk_real *v,
+                                                        pk_real *u, pk_real *a)
 {
     const size_t n = PK_STEPPER_N(it), m = it->problem.system->n_inputs;
     for (int l = 0; m && l < PK_GAUSS_S; l++) {
-        const pk_real *u = PK_STEPPER_INPUT(it, y->t[l]);
+        const pk_real *u1 = PK_STEPPER_INPUT(it, t[l]);
         for (size_t i = 0; i < m; i++)
-            w->u[i * PK_GAUSS_S + (size_t)l] = u[i];
+            u[i * PK_GAUSS_S + (size_t)l] = u1[i];
     }
-    unsigned long long failed = PK_STEPPER_LANES(it, y->t, w->q, w->v, w->u, w->next_a);
+    unsigned long long failed = PK_STEPPER_LANES(it, t, q, v, u, a);
     it->count.evaluations += PK_GAUSS_S;
+    it->count.iterations++;
     for (size_t l = 0; failed; l++, failed >>= 1)
         if (failed & 1) {
-            pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
-            pk_real *a = pk_part(it->next, n, PK_A);
+            pk_real *q1 = pk_part(it->next, n, PK_Q), *v1 = pk_part(it->next, n, PK_V);
+            pk_real *a1 = pk_part(it->next, n, PK_A);
             for (size_t i = 0; i < n; i++) {
-                q[i] = w->q[i * PK_GAUSS_S + l];
-                v[i] = w->v[i * PK_GAUSS_S + l];
+                q1[i] = q[i * PK_GAUSS_S + l];
+                v1[i] = v[i * PK_GAUSS_S + l];
             }
-            const enum pk_status status = PK_STEPPER(acceleration)(it, y->t[l], q, v, a);
+            const enum pk_status status = PK_STEPPER(acceleration)(it, t[l], q1, v1, a1);
             if (status < 0)
                 return status;
             for (size_t i = 0; i < n; i++)
-                w->next_a[i * PK_GAUSS_S + l] = a[i];
+                a[i * PK_GAUSS_S + l] = a1[i];
         }
     return PK_DONE;
 }
