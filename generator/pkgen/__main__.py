@@ -44,10 +44,16 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", dest="directory", default=".", metavar="DIR", help="default: here")
     parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
+    _libm_argument(parser)
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
     parser.add_argument(
         "--dump", choices=STAGES, metavar="STAGE", help="show a stage's result as text"
     )
+
+
+def _libm_argument(parser: argparse.ArgumentParser) -> None:
+    help_ = "sine and cosine of the C library, not the inline pair"
+    parser.add_argument("--libm", action="store_true", help=help_)
 
 
 def _run_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,6 +68,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--atol", metavar="A", help="default: that of --rtol")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
     add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
+    _libm_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
 

@@ -45,11 +45,13 @@ def compile_to_c(options: argparse.Namespace) -> int:
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
         with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
-            text = dump(options.dump, source, parsing.sizes(options.size), kernels)
+            text = dump(
+                options.dump, source, parsing.sizes(options.size), kernels, options.libm
+            )
         print(text)
         return DONE
     compilation = compile_within_limits(
-        options, source, kernels=kernels, self_test=options.self_test
+        options, source, kernels=kernels, self_test=options.self_test, libm=options.libm
     )
     parsing.refuse_scene(compilation.model, options.scene)
     directory = Path(options.directory)

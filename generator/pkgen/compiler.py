@@ -45,6 +45,7 @@ def stages(
     sizes: Mapping[str, int],
     kernels: frozenset[str] | None = None,
     self_test: bool = False,
+    libm: bool = False,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -60,7 +61,7 @@ def stages(
     yield structure
     equations, report = reduce.reduce(equations, structure)
     yield equations, report
-    program = lower.lower(equations, structure, kernels)
+    program = lower.lower(equations, structure, kernels, libm=libm)
     yield program
     yield render.render(program, self_test=self_test)
 
@@ -71,13 +72,15 @@ def compile_model(
     sizes: Mapping[str, int] | None = None,
     kernels: frozenset[str] | None = None,
     self_test: bool = False,
+    libm: bool = False,
 ) -> Compilation:
     """Compile a model to C.
 
     `sizes` overrides `size` statements; `kernels` names those to emit (None: all);
-    `self_test` adds a program that checks the kernels against each other.
+    `self_test` adds a program that checks the kernels against each other; with `libm` sine and
+    cosine are the library's, not the inline pair.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test)
+    made = stages(source, sizes or {}, kernels, self_test, libm)
     _, (model, warnings), _, structure, (equations, report), program, files = made
     return Compilation(model, warnings, equations, structure, report, program, files)

@@ -15,10 +15,14 @@ from .source import Diagnostic, Source, Span
 
 
 def dump(
-    stage: str, source: Source, sizes: Mapping[str, int], kernels: frozenset[str] | None
+    stage: str,
+    source: Source,
+    sizes: Mapping[str, int],
+    kernels: frozenset[str] | None,
+    libm: bool = False,
 ) -> str:
     """What a stage makes of a model, as text; the later stages are not run."""
-    made = next(islice(stages(source, sizes, kernels), STAGES.index(stage), None))
+    made = next(islice(stages(source, sizes, kernels, libm=libm), STAGES.index(stage), None))
     return as_text(made, source)
 
 

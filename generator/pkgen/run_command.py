@@ -26,7 +26,7 @@ from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     output = parsing.output(options.output)
-    compilation = compile_within_limits(options)
+    compilation = compile_within_limits(options, libm=options.libm)
     parsing.refuse_scene(compilation.model, options.scene)
     parsing.refuse_deferred(compilation.model)
     settings = parsing.settings(options, compilation)

@@ -6,10 +6,11 @@
  *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
  *
  * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
- * Functions" (1980): pi/2 in parts, k times each of them subtracted exactly while that matters.
- * With fma() that is so of parts of full length, three of which do. Without it, k times
- * a part must fit the significand: 33 bits a part and k < 2^20; in float 14 bits and 2^10. What
- * the later subtractions lose is kept and added to sin r. Beyond PK_SINCOS_MAX libm takes over.
+ * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
+ * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
+ * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2: no double below
+ * 2^21 is nearer to one than about 2^-55. Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -37,32 +38,31 @@
 #define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
 #endif
 
-/* Adding PK_SINCOS_ROUND rounds to an integer, which then is in the last bits. */
+/* pi/2 = P1 + P2 + P3 (+ P4). Adding PK_SINCOS_ROUND rounds to an integer, which then is in the
+ * last bits. */
 #ifdef PK_FLOAT
+#define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_ROUND PK_C(0x1.8p23)
 #define PK_SINCOS_SIGN 31
 #ifdef PK_SINCOS_HAS_FMA
-#define PK_SINCOS_MAX PK_C(0x1p15)
 #define PK_SINCOS_P1 PK_C(0x1.921fb4p0)
-#define PK_SINCOS_P2 PK_C(0x1.4442dp-24)
-#define PK_SINCOS_P3 PK_C(0x1.84698ap-48)
+#define PK_SINCOS_P2 PK_C(0x1.444p-24)
+#define PK_SINCOS_P3 PK_C(0x1.68c234p-39)
 #else
-#define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_P1 PK_C(0x1.9218p0)
 #define PK_SINCOS_P2 PK_C(0x1.ed5p-14)
 #define PK_SINCOS_P3 PK_C(0x1.10bp-30)
 #define PK_SINCOS_P4 PK_C(0x1.184698p-44)
 #endif
 #else
+#define PK_SINCOS_MAX PK_C(0x1.8p20)
 #define PK_SINCOS_ROUND PK_C(0x1.8p52)
 #define PK_SINCOS_SIGN 63
 #ifdef PK_SINCOS_HAS_FMA
-#define PK_SINCOS_MAX PK_C(0x1p30)
 #define PK_SINCOS_P1 PK_C(0x1.921fb54442d18p0)
-#define PK_SINCOS_P2 PK_C(0x1.1a62633145c06p-54)
-#define PK_SINCOS_P3 PK_C(0x1.c1cd129024e09p-107)
+#define PK_SINCOS_P2 PK_C(0x1.1a626331p-54)
+#define PK_SINCOS_P3 PK_C(0x1.1701b839a2520p-88)
 #else
-#define PK_SINCOS_MAX PK_C(0x1.8p20)
 #define PK_SINCOS_P1 PK_C(0x1.921fb544p0)
 #define PK_SINCOS_P2 PK_C(0x1.0b4611a6p-34)
 #define PK_SINCOS_P3 PK_C(0x1.3198a2ep-69)
@@ -102,29 +102,27 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 /* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
-    const pk_real size = PK_F(fabs)(x);
-    const pk_real rounded =
-        PK_SINCOS_FMA(size, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND); /* 2/pi */
-    const pk_real k = rounded - PK_SINCOS_ROUND;
-    pk_bits j, sign, s_bits, c_bits, differ;
-    pk_real r, z, s, c, lost; /* the last: what r lacks */
+    const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
+    const pk_real k = rounded - PK_SINCOS_ROUND; /* x over pi/2, to the nearest integer */
+    pk_bits j, s_bits, c_bits, differ;
+    pk_real z, s, c;
 
+    /* x - k pi/2 is r and what r lacks of it, `lost`. The cosine can do without that: at most 0.4
+     * of its units. Signs of zeros are chosen so that the sine of -0 is -0. */
 #ifdef PK_SINCOS_HAS_FMA
-    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, size);
-    const pk_real r2 = PK_F(fma)(-k, PK_SINCOS_P2, r1);
-    r = PK_F(fma)(-k, PK_SINCOS_P3, r2);
-    lost = PK_F(fma)(-k, PK_SINCOS_P3, r2 - r);
+    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
+    const pk_real r = r1 - k * PK_SINCOS_P2;
+    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, (r1 - r) - k * PK_SINCOS_P2);
     z = r * r;
-    s = r + PK_F(fma)(r * z, pk_sincos_s(z), lost);
-    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1); /* 0.4 units from `lost` */
+    s = r + PK_F(fma)(PK_F(fma)(r, z, 0), pk_sincos_s(z), lost);
+    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1);
 #else
-    const pk_real r1 = size - k * PK_SINCOS_P1;
+    const pk_real r1 = x - k * PK_SINCOS_P1;
     const pk_real r2 = r1 - k * PK_SINCOS_P2;
-    const pk_real r3 = r2 - k * PK_SINCOS_P3;
+    const pk_real r = r2 - k * PK_SINCOS_P3;
+    const pk_real lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r) - k * PK_SINCOS_P3)
+        - k * PK_SINCOS_P4;
     pk_real half, high;
-    lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r3) - k * PK_SINCOS_P3) - k * PK_SINCOS_P4;
-    r = r3 + lost;
-    lost += r3 - r;
     z = r * r;
     s = r + (lost + r * z * pk_sincos_s(z));
     half = PK_C(0.5) * z;
@@ -132,13 +130,12 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
 #endif
 
+    /* j mod 4 is k mod 4. Where it is odd, sine and cosine change places. */
     memcpy(&j, &rounded, sizeof j);
-    memcpy(&sign, &x, sizeof sign);
     memcpy(&s_bits, &s, sizeof s_bits);
     memcpy(&c_bits, &c, sizeof c_bits);
-    sign = ((sign >> PK_SINCOS_SIGN) ^ (j >> 1)) << PK_SINCOS_SIGN;
     differ = (s_bits ^ c_bits) & (0 - (j & 1));
-    s_bits ^= differ ^ sign;
+    s_bits ^= differ ^ (j >> 1 << PK_SINCOS_SIGN);
     c_bits ^= differ ^ ((j + 1) >> 1 << PK_SINCOS_SIGN);
     if (sine)
         memcpy(sine, &s_bits, sizeof s_bits);
