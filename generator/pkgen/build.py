@@ -44,6 +44,7 @@ INLINED = {
     "symplectic_euler": "SPLITTING",
     "verlet": "SPLITTING",
     "yoshida4": "SPLITTING",
+    "gauss": "GAUSS",
 }
 STANDARD = "-std=c11"
 TIMEOUT_SECONDS = 300

@@ -20,6 +20,8 @@ UNTIL = 10.0
 RTOL = 1e-10
 ROUND_OFF = 2.0**-52
 ROWS = 1000
+# Measured over the models: above it dop853 takes less time to the same error than gauss.
+GAUSS_RTOL = 1e-5
 
 
 class UsageError(Exception):
@@ -105,7 +107,7 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     until = values.positive("--until", options.until, values.time) or UNTIL
     every = values.positive("--every", options.every, values.time)
     return Settings(
-        method=options.method,
+        method=options.method or default_method(compilation, rtol or RTOL),
         until=until,
         every=_interval(until, step) if every is None else every,
         step=step,
@@ -118,6 +120,12 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         start_q=values.started(starts, equations.coordinates, 0),
         start_v=values.started(starts, equations.coordinates, 1),
     )
+
+
+def default_method(compilation: Compilation, rtol: float) -> str:
+    """gauss is the fastest where the equations are smooth and the tolerance is not loose; across
+    a kink its error estimate means nothing."""
+    return "gauss" if compilation.structure.smooth and rtol <= GAUSS_RTOL else "dop853"
 
 
 def _interval(until: float, step: float | None) -> float:

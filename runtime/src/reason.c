@@ -23,7 +23,7 @@ static const struct {
     {PK_SEPARABLE, "separable: M constant, forces independent of the rates"},
     {PK_MASS_CONSTANT, "of constant M"},
     {PK_QUADRATIC, "of second degree in the rates"},
-    {PK_SMOOTH, "smooth: no abs, min, max or step in the equations"},
+    {PK_SMOOTH, "smooth, without abs, min, max or step (use dop853, or stop and restart at kinks)"},
     {PK_VARIATIONAL, "variational: no forces besides those of L"},
     {PK_AUTONOMOUS, "autonomous: no explicit time and no inputs"},
     {PK_CONSERVATIVE, "conservative: its energy is constant"},
