@@ -55,7 +55,7 @@ static struct parts parts_of(struct pk_integrator *it)
 {
     const size_t n = it->n;
     struct parts d;
-    pk_real *x = pk_gauss_lanes(it, n).dense;
+    pk_real *x = pk_gauss_lanes(it, n, it->work).dense;
     d.P = x, x += TERMS * NODES;
     d.to_alpha = x, x += NODES * NODES;
     d.q = x, x += NODES * n;
@@ -196,7 +196,7 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
 
 enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->work);
     const struct parts d = parts_of(it);
     const size_t n = it->n;
     const pk_real x = (t - it->last_t) / *w.h;

@@ -15,6 +15,7 @@ struct pk_gauss {
 extern const struct pk_method pk_euler, pk_rk4, pk_dopri5, pk_dop853;
 extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
+extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
 extern const struct pk_method pk_gauss_adaptive;
 
 size_t pk_gauss_size(const struct pk_method *method, size_t n);

@@ -192,13 +192,13 @@ static void gauss_tables(void)
             t.b[i] = table->b[i];
             t.c[i] = table->c[i];
             for (int j = 0; j < s; j++) {
-                t.a[i][j] = table->mu[i * s + j] * table->b[j];
+                t.a[i][j] = table->mu[j * s + i] * table->b[j];
                 CU_ASSERT(fabs(table->mu[i * s + j] + table->mu[j * s + i] - 1) < 1e-15);
                 /* symmetry: a_{s+1-i,s+1-j} + a_ij = b_j */
-                CU_ASSERT(fabs(table->mu[(s - 1 - i) * s + s - 1 - j] + table->mu[i * s + j] -
+                CU_ASSERT(fabs(table->mu[(s - 1 - j) * s + s - 1 - i] + table->mu[j * s + i] -
                                1) < 1e-15);
                 if (j < i) /* what makes 1 - mu exact */
-                    CU_ASSERT(table->mu[i * s + j] > 0.5 && table->mu[i * s + j] < 2);
+                    CU_ASSERT(table->mu[j * s + i] > 0.5 && table->mu[j * s + i] < 2);
             }
         }
         CU_ASSERT(s == method->stages && 2 * s == method->order);

@@ -137,7 +137,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
 static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = PK_STEPPER_N(it);
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->work);
     const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);

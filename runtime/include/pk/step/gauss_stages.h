@@ -29,11 +29,10 @@ struct pk_gauss_lanes {
     pk_real *dense;              /* of gauss_dense.c */
 };
 
-static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n)
+static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n, pk_real *x)
 {
     struct pk_gauss_lanes w;
     const size_t m = n * PK_GAUSS_S;
-    pk_real *x = it->work;
     w.a = x, x += m;
     w.next_a = x, x += m;
     w.q = x, x += m;
