@@ -230,11 +230,11 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
     return 1;
 }
 
-static enum pk_status check_step(struct pk_integrator *it, pk_real limit)
+static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fixed)
 {
     if (it->options.max_steps && it->count.steps >= it->options.max_steps)
         return PK_TOO_MANY_STEPS;
-    if (it->method->traits & PK_ADAPTIVE)
+    if (!fixed)
         return PK_DONE;
     it->trouble = PK_DONE; /* only trial steps leave it behind */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
@@ -243,6 +243,35 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit)
         return PK_STEP_UNDERFLOW;
     }
     return PK_DONE;
+}
+
+enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed)
+{
+    const enum pk_status status = check_step(it, limit, fixed);
+    if (status < 0)
+        return status;
+    const int direction = limit > it->t ? 1 : -1;
+    if (direction != it->direction) {
+        it->direction = direction;
+        it->anchor = it->t;
+        it->grid = 0;
+        it->h = 0;
+    }
+    it->off_grid = fixed && choose_fixed(it, limit);
+    return PK_DONE;
+}
+
+void pk_step_made(struct pk_integrator *it, int fixed)
+{
+    it->last_t = it->t;
+    it->t = it->next_t;
+    it->count.steps++;
+    if (it->off_grid) {
+        it->anchor = it->t;
+        it->grid = 0;
+    } else if (fixed) {
+        it->grid += PK_C(1.0);
+    }
 }
 
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
@@ -256,19 +285,10 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
 
-    enum pk_status status = check_step(it, limit);
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    enum pk_status status = pk_step_choose(it, limit, fixed);
     if (status < 0)
         return it->status = status;
-    const int direction = left > 0 ? 1 : -1;
-    if (direction != it->direction) {
-        it->direction = direction;
-        it->anchor = it->t;
-        it->grid = 0;
-        it->h = 0;
-    }
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
-    const int off_grid = fixed && choose_fixed(it, limit);
-
     status = it->step(it, limit);
     if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
         status = PK_NOT_FINITE;
@@ -282,15 +302,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     it->v = pk_part(it->state, n, PK_V);
     if (it->p)
         it->p = pk_part(it->state, n, PK_P);
-    it->last_t = it->t;
-    it->t = it->next_t;
-    it->count.steps++;
-    if (off_grid) {
-        it->anchor = it->t;
-        it->grid = 0;
-    } else if (fixed) {
-        it->grid += PK_C(1.0);
-    }
+    pk_step_made(it, fixed);
     return it->status = status;
 }
 

@@ -24,6 +24,11 @@ size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
 enum pk_status pk_check_options(struct pk_integrator *it);
 
+/* The time of a step towards `limit`, which is not it->t, before it is made: it->next_t and, where
+ * steps are fixed, it->h. And after. */
+enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
+void pk_step_made(struct pk_integrator *it, int fixed);
+
 /* Kernels through the integrator: inputs filled, calls counted, failures named. */
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, pk_real *a);

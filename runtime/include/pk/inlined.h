@@ -2,8 +2,8 @@
  * ahead of its struct pk_system, once for each model in a file. The text of a step,
  * pk/step/FAMILY.h, is the same that the library compiles over function pointers; here the number
  * of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
- * _SPLITTING, _GAUSS ask for a family; without any of them nothing is compiled, and the library's steps
- * are used.
+ * _SPLITTING, _GAUSS ask for a family, and -DPK_INLINE_ENSEMBLE for that family's steps of whole
+ * blocks of members too; without any of them nothing is compiled, and the library's steps are used.
  *
  * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
  * number of coordinates is not the constant PK_MODEL(N). Steps are written over
@@ -13,10 +13,12 @@
  *     PK_STEPPER_INPUT(it, t)         the inputs at t
  *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or 1 + the coordinate that failed
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
+ *     PK_BLOCK_...                    see pk/step/ensemble.h
  */
 #include <pk/step/state.h>
 
 #undef PK_INLINE_STEPPERS
+#undef PK_INLINE_BLOCK_STEPPERS
 #ifndef PK_STEPPER
 #define PK_STEPPER(x) PK_MODEL(step_##x)
 #ifdef PK_MODEL_N
@@ -30,6 +32,14 @@
 #define PK_STEPPER_LANES(it, t, q, v, u, a)                                                     \
     PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t,  \
                            q, v, u, a)
+
+/* Members a block: state, stages and parameters of few coordinates then stay in the first cache. */
+#ifndef PK_INLINE_LANES
+#define PK_INLINE_LANES (PK_MODEL(N) <= 4 ? 64 : PK_MODEL(N) <= 8 ? 32 : 16)
+#endif
+#define PK_BLOCK_LANES(b) ((void)(b), (size_t)PK_INLINE_LANES)
+#define PK_BLOCK_N(b) ((void)(b), (size_t)PK_MODEL(N))
+#define PK_BLOCK_MEMBERS(b, q, v, a) PK_STEPPER(members)((b)->P, (b)->t, q, v, (b)->u, a)
 
 #define PK_INLINED_STEP(method, call)                                                           \
     static enum pk_status PK_STEPPER(method)(struct pk_integrator * it, pk_real limit)          \
@@ -45,6 +55,14 @@
 #define PK_INLINED_GAUSS(method) PK_INLINED_STEP(method##_adaptive, PK_STEPPER(gauss)(it, limit))
 #define PK_INLINED_GAUSS_ENTRY(method) {#method, PK_STEPPER(method##_adaptive)},
 #define PK_INLINED_ENTRY(method) {#method, PK_STEPPER(method)},
+#define PK_INLINED_BLOCK(method, call)                                                          \
+    static unsigned long long PK_STEPPER(block_##method)(struct pk_block * b) { return call; }
+#define PK_INLINED_BLOCK_RUNGE_KUTTA(method) \
+    PK_INLINED_BLOCK(method, PK_STEPPER(block_erk)(b, &pk_##method##_table))
+#define PK_INLINED_BLOCK_SPLITTING(method) \
+    PK_INLINED_BLOCK(method, PK_STEPPER(block_splitting)(b, &pk_##method##_table))
+#define PK_INLINED_BLOCK_ENTRY(method) \
+    {#method, PK_INLINE_LANES, PK_STEPPER(block_##method)},
 #endif
 
 #if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
@@ -85,4 +103,36 @@ static const struct pk_stepper PK_STEPPER(steppers)[] = {
     {NULL, NULL}};
 #else
 #define PK_INLINE_STEPPERS NULL
+#endif
+
+#if defined PK_INLINE_ENSEMBLE
+#define PK_INLINE_BLOCK_STEPPERS PK_STEPPER(block_steppers)
+static unsigned long long PK_STEPPER(members)(const pk_real *P, const pk_real *t, const pk_real *q,
+                                              const pk_real *v, const pk_real *u, pk_real *a)
+{
+    return PK_MODEL(members_inline)(PK_INLINE_LANES, P, t, q, v, u, a);
+}
+#include <pk/step/ensemble.h>
+#ifdef PK_INLINE_ERK
+PK_ERK_METHODS(PK_INLINED_BLOCK_RUNGE_KUTTA)
+#endif
+#ifdef PK_INLINE_EMBEDDED
+PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_RUNGE_KUTTA)
+#endif
+#ifdef PK_INLINE_SPLITTING
+PK_SPLITTING_METHODS(PK_INLINED_BLOCK_SPLITTING)
+#endif
+static const struct pk_block_stepper PK_STEPPER(block_steppers)[] = {
+#ifdef PK_INLINE_ERK
+    PK_ERK_METHODS(PK_INLINED_BLOCK_ENTRY)
+#endif
+#ifdef PK_INLINE_EMBEDDED
+    PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_ENTRY)
+#endif
+#ifdef PK_INLINE_SPLITTING
+    PK_SPLITTING_METHODS(PK_INLINED_BLOCK_ENTRY)
+#endif
+    {NULL, 0, NULL}};
+#else
+#define PK_INLINE_BLOCK_STEPPERS NULL
 #endif

@@ -51,8 +51,9 @@ struct pk_options {
     unsigned long max_steps; /* 0: no bound */
     enum pk_iteration iteration;
     pk_real newton_tol; /* relative correction that ends an iteration, < 1; 0: the next one is
-                           foreseen to be far below round-off, the choice for long runs */
-    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point */
+                           foreseen to be far below round-off, the choice for long runs,
+                           or for gauss what is left of a step's error below its tolerance */
+    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point, 30 for gauss */
 };
 
 struct pk_counters {
@@ -82,6 +83,7 @@ struct pk_integrator {
     pk_real h;                /* signed step, made or to be made */
     pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
     pk_real error;            /* adaptive: of the last accepted step, in units of the tolerance */
+    int off_grid;             /* fixed steps: the one being made is shorter, and ends the grid */
     int ready;                /* a start was accepted; without it nothing steps */
     int direction;            /* +1, -1, 0 before the first step */
     int flags;                /* the method's own */

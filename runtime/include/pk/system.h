@@ -59,6 +59,14 @@ struct pk_stepper {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
 };
 
+/* The same for many members of an ensemble side by side; see pk/ensemble.h. */
+struct pk_block;
+struct pk_block_stepper {
+    const char *method; /* NULL ends the list */
+    size_t lanes;       /* members a block, at most 64 */
+    unsigned long long (*step)(struct pk_block *block);
+};
+
 struct pk_system {
     unsigned abi; /* PK_ABI */
     const char *name;
@@ -126,6 +134,7 @@ struct pk_system {
 
     /* NULL: none compiled in. To be NULL in a copy of a system whose kernels are replaced. */
     const struct pk_stepper *steppers;
+    const struct pk_block_stepper *block_steppers;
     size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
                                             is chosen at run time; NULL: n */
 };

@@ -12,10 +12,7 @@
 #ifndef PK_STEP_EMBEDDED_H
 #define PK_STEP_EMBEDDED_H
 
-#include <pk/step/dop853.h>
-#include <pk/step/dopri5.h>
-
-#define PK_EMBEDDED_METHODS(X) X(dopri5) X(dop853)
+#include <pk/step/tables.h>
 
 /* The work: stages, derivatives at the end and of the extra stages, an argument, the interpolant,
  * and two numbers. The step's start is what it->next holds after the step. */
@@ -29,7 +26,7 @@ static inline int pk_embedded_dense_rows(const struct pk_tableau *table)
     return 4 + table->rows;
 }
 
-static PK_FORCE_INLINE struct pk_embedded_work
+static PK_INLINE struct pk_embedded_work
 pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n)
 {
     struct pk_embedded_work w;
@@ -53,7 +50,7 @@ static inline pk_real pk_embedded_tolerance(const struct pk_integrator *it, pk_r
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 
 /* The error of the step in units of the tolerance, root mean square. */
-static PK_FORCE_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
+static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
                                                  const struct pk_tableau *table,
                                                  const struct pk_embedded_work *w, pk_real h)
 {
@@ -79,7 +76,7 @@ static PK_FORCE_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
 #endif
 
 /* One trial of size h to it->next_t: the new state, its derivative, its error. */
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
+static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
                                                           const struct pk_tableau *table,
                                                           const struct pk_embedded_work *w,
                                                           pk_real h)
@@ -117,7 +114,7 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *
     return PK_DONE;
 }
 
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
+static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
                                                            const struct pk_tableau *table,
                                                            pk_real limit)
 {

@@ -5,29 +5,10 @@
  * with a compensated sum for y1. Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving
  * Ordinary Differential Equations I, II.1. Written over the macros of pk/inlined.h.
  */
-#ifndef PK_STEP_ERK_H
-#define PK_STEP_ERK_H
-
-#include <pk/step/tableau.h>
-
-static const pk_real pk_euler_c[] = {PK_C(0.0)};
-static const pk_real pk_euler_b[] = {PK_C(1.0)};
-static const struct pk_tableau pk_euler_table = {
-    .stages = 1, .c = pk_euler_c, .a = NULL, .b = pk_euler_b};
-
-static const pk_real pk_rk4_c[] = {PK_C(0.0), PK_C(0.5), PK_C(0.5), PK_C(1.0)};
-static const pk_real pk_rk4_a[] = {PK_C(0.5), PK_C(0.0), PK_C(0.5),
-                                   PK_C(0.0), PK_C(0.0), PK_C(1.0)};
-static const pk_real pk_rk4_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(1.0) / PK_C(3.0),
-                                   PK_C(1.0) / PK_C(3.0), PK_C(1.0) / PK_C(6.0)};
-static const struct pk_tableau pk_rk4_table = {
-    .stages = 4, .c = pk_rk4_c, .a = pk_rk4_a, .b = pk_rk4_b};
-
-#define PK_ERK_METHODS(X) X(euler) X(rk4)
-#endif
+#include <pk/step/tables.h>
 
 /* Stage i > 0: its argument into it->next, its slope into k. */
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
+static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
                                                             const struct pk_tableau *table, int i)
 {
     const size_t m = 2 * PK_STEPPER_N(it);
@@ -36,7 +17,7 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator
     return PK_STEPPER(slope)(it, it->t + table->c[i] * it->h, it->next, k + (size_t)i * m);
 }
 
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
+static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
                                                       const struct pk_tableau *table)
 {
     const size_t n = PK_STEPPER_N(it), m = 2 * n;

@@ -82,8 +82,10 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrat
         const pk_real round = PK_C(16.0) * PK_EPS * PK_EPS * y->size2;
         const int stalled = y->count > 2 && rate > PK_C(0.5) &&
                             y->change2 <= PK_C(1e8) * PK_EPS * PK_EPS * y->size2;
-        const int done = (rate < 1 && left2 <= (1 - rate) * (1 - rate)) ||
-                         y->change2 <= round || stalled;
+        const pk_real asked_for = it->options.newton_tol;
+        const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
+                                        : rate < 1 && left2 <= (1 - rate) * (1 - rate);
+        const int done = close || y->change2 <= round || stalled;
         /* The coefficients at which the step would not be accepted; asked when resolved. */
         const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
         if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {

@@ -9,11 +9,6 @@
 
 #include <pk/integrator.h>
 
-#if defined __GNUC__
-#define PK_FORCE_INLINE inline __attribute__((always_inline))
-#else
-#define PK_FORCE_INLINE inline
-#endif
 #define PK_EPS PK_EPSILON
 #if defined PK_FLOAT
 #define PK_TINY FLT_MIN

@@ -56,7 +56,7 @@ struct pk_splitting {
 #endif
 
 /* sum a_j k_j over rows of m numbers, without the zeros of a sparse table. */
-static PK_FORCE_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
+static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
                                           size_t i)
 {
     pk_real sum = 0;
@@ -72,7 +72,7 @@ static PK_FORCE_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_
 }
 
 /* y = y0 + h sum a_j k_j. */
-static PK_FORCE_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h,
+static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h,
                                            const pk_real *a, int count, const pk_real *k, size_t m)
 {
     size_t i = 0;
@@ -97,6 +97,30 @@ static PK_FORCE_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_rea
     }
     for (; i < m; i++)
         y[i] = y0[i] + h * pk_row_sum(a, count, k, m, i);
+}
+
+/* v += kappa a and then q += delta v, from one place to another, each number once: sums wait for
+ * one another less than passes would. */
+static PK_INLINE void pk_kick_drift(size_t n, pk_real kappa, const pk_real *a, pk_real delta,
+                                    const pk_real *from, pk_real *to)
+{
+    PK_LANE_LOOP
+    for (size_t k = 0; k < n; k++) {
+        pk_real low_v = from[PK_LOW_X * n + k], low_q = from[PK_LOW_Q * n + k];
+        const pk_real v = pk_sum(from[PK_V * n + k], kappa * a[k], &low_v);
+        to[PK_Q * n + k] = pk_sum(from[PK_Q * n + k], delta * v, &low_q);
+        to[PK_V * n + k] = v;
+        to[PK_LOW_X * n + k] = low_v;
+        to[PK_LOW_Q * n + k] = low_q;
+    }
+}
+
+/* v += kappa a alone: the end of a step. */
+static PK_INLINE void pk_kick(size_t n, pk_real kappa, const pk_real *a, pk_real *to)
+{
+    PK_LANE_LOOP
+    for (size_t k = 0; k < n; k++)
+        to[PK_V * n + k] = pk_sum(to[PK_V * n + k], kappa * a[k], &to[PK_LOW_X * n + k]);
 }
 
 #endif

@@ -1,0 +1,77 @@
+/* Many trajectories of one system, each with its own start, parameters and inputs.
+ *
+ *     struct pk_ensemble e = {.system = &pendulum_system, .method = pk_method_find("rk4"), ...};
+ *     size_t size = pk_ensemble_size(&e);                 (bytes, for one thread)
+ *     pk_ensemble_run(&e, first, count, block, size);     (each thread its own members and block)
+ *
+ * Explicit methods with a fixed step advance many members side by side, in vector lanes: euler,
+ * rk4, symplectic_euler, verlet, yoshida4, and dopri5 and dop853 where options.h is given, which
+ * is then kept. Any other method integrates one member after the other by pk_integrator, adaptive
+ * ones with steps of their own. A member's result is the same in any company and any thread; with
+ * -ffp-contract=off it is what pk_integrator gives for it alone, to the bit.
+ *
+ * A member that fails stops alone: its status says why, its results up to then are valid. Nothing
+ * is allocated.
+ */
+#ifndef PK_ENSEMBLE_H
+#define PK_ENSEMBLE_H
+
+#include <stddef.h>
+
+#include <pk/integrator.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct pk_ensemble {
+    const struct pk_system *system;
+    const struct pk_method *method;
+    struct pk_options options;
+    size_t members;
+
+    /* Of member i: number i of params_size bytes each, prepared; q0[i * n], v0[i * n], and inputs
+     * u[i * n_inputs], constant in time (NULL: zero). n is that of member 0 for all. */
+    const void *params;
+    const pk_real *q0, *v0, *u;
+
+    /* Rows: the times at which results are wanted, one after the other away from t0. Steps end
+     * there. For a fixed step, last_h is that of the last interval; 0: options.h. */
+    pk_real t0;
+    size_t rows;
+    const pk_real *t;
+    pk_real last_h;
+
+    /* Results, the caller's memory: q[(i * rows + row) * n], the same for v; and of each member how
+     * many rows there are, its last valid time, and why it ended. */
+    pk_real *q, *v;
+    size_t *done;
+    pk_real *last_t;
+    enum pk_status *status;
+
+    /* Asked between rows where it is not NULL; not 0: members end there with PK_STOPPED_USER. */
+    int (*stop)(void *context);
+    void *context;
+};
+
+/* Bytes of the block that one thread wants, a multiple of 64, 0 if a pointer is null. It is to be
+ * aligned for pk_real; at 64 bytes it is fastest. */
+size_t pk_ensemble_size(const struct pk_ensemble *e);
+
+/* Members first, ..., first + count - 1. PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL, and then no member
+ * was touched; else PK_DONE, or the status of the first member that did not arrive. */
+enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,
+                               void *block, size_t size);
+
+/* All members, by `threads` threads of OpenMP (libpk_omp.a, compiled with -fopenmp; without it,
+ * one after the other). The block is for all of them: threads * pk_ensemble_size(). */
+enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
+                                       size_t size);
+/* How many threads there are to be had; 1 without OpenMP. */
+size_t pk_ensemble_threads(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,120 @@
+/* Ensembles: which route a member takes, and the way of one member from row to row. Blocks of
+ * members in lanes: block.c.
+ */
+#include <string.h>
+
+#include "ensemble.h"
+
+static const struct pk_block_stepper *find(const struct pk_block_stepper *list, const char *method)
+{
+    for (; list && list->method; list++)
+        if (strcmp(list->method, method) == 0)
+            return list;
+    return NULL;
+}
+
+/* NULL: one member after the other. */
+static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
+{
+    const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
+    if (!(e->options.h > 0))
+        return NULL;
+    return own ? own : find(pk_block_steppers, e->method->name);
+}
+
+struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member)
+{
+    struct pk_problem problem = {.system = e->system};
+    problem.params = (const char *)e->params + member * e->system->params_size;
+    return problem;
+}
+
+size_t pk_ensemble_size(const struct pk_ensemble *e)
+{
+    if (!e || !e->system || !e->method || !e->params || e->system->abi != PK_ABI)
+        return 0;
+    const struct pk_problem problem = pk_ensemble_problem(e, 0);
+    const struct pk_block_stepper *s = stepper(e);
+    const size_t n = pk_system_count(e->system, problem.params);
+    return pk_ensemble_padded(pk_integrator_size(&problem, e->method)) +
+           (s ? pk_block_size(e, n, s->lanes) : 0);
+}
+
+static void constant_input(void *context, pk_real t, pk_real *u)
+{
+    const struct pk_constant_input *input = (const struct pk_constant_input *)context;
+    (void)t;
+    memcpy(u, input->u, input->count * sizeof *u);
+}
+
+enum pk_status pk_ensemble_begin(const struct pk_ensemble *e, size_t member,
+                                 struct pk_integrator *it, struct pk_constant_input *input,
+                                 void *block)
+{
+    struct pk_problem problem = pk_ensemble_problem(e, member);
+    const struct pk_problem first = pk_ensemble_problem(e, 0);
+    const size_t n = pk_system_count(e->system, first.params);
+    e->done[member] = 0;
+    e->last_t[member] = e->t0;
+    if (pk_system_count(e->system, problem.params) != n)
+        return PK_BAD_ARGUMENT;
+    if (e->u) {
+        input->count = e->system->n_inputs;
+        input->u = e->u + member * input->count;
+        problem.input = constant_input;
+        problem.context = input;
+    }
+    return pk_integrator_init(it, &problem, e->method, &e->options, e->t0, e->q0 + member * n,
+                              e->v0 + member * n, block, pk_integrator_size(&problem, e->method));
+}
+
+int pk_ensemble_stopped(const struct pk_ensemble *e) { return e->stop && e->stop(e->context); }
+
+int pk_ensemble_last_interval(const struct pk_ensemble *e, size_t row)
+{
+    return row + 1 == e->rows && e->last_h > 0;
+}
+
+static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *block)
+{
+    struct pk_integrator it = {0};
+    struct pk_constant_input input;
+    enum pk_status status = pk_ensemble_begin(e, member, &it, &input, block);
+    for (size_t row = 0; row < e->rows && status == PK_DONE; row++) {
+        if (pk_ensemble_last_interval(e, row) && !(e->method->traits & PK_ADAPTIVE))
+            pk_integrator_set_step(&it, e->last_h);
+        status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : pk_integrator_to(&it, e->t[row]);
+        e->last_t[member] = it.t;
+        if (status == PK_DONE) {
+            const size_t at = (member * e->rows + row) * it.n;
+            memcpy(e->q + at, it.q, it.n * sizeof *it.q);
+            memcpy(e->v + at, it.v, it.n * sizeof *it.v);
+            e->done[member]++;
+        }
+    }
+    pk_integrator_free(&it);
+    return e->status[member] = status;
+}
+
+enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,
+                               void *block, size_t size)
+{
+    if (!e || !e->system || !e->method || !e->params || !e->q0 || !e->v0 || !e->q || !e->v ||
+        !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
+        first > e->members || count > e->members - first)
+        return PK_BAD_ARGUMENT;
+    if (size < pk_ensemble_size(e) || (size_t)block % _Alignof(pk_real))
+        return PK_BLOCK_TOO_SMALL;
+    const struct pk_block_stepper *s = stepper(e);
+    const size_t W = s ? s->lanes : 1;
+    for (size_t i = 0; i < count; i += W) {
+        if (s)
+            pk_block_run(e, s, first + i, count - i < W ? count - i : W, (char *)block);
+        else
+            run_one(e, first + i, block);
+    }
+    for (size_t i = first; i < first + count; i++)
+        if (e->status[i] != PK_DONE)
+            return e->status[i];
+    return PK_DONE;
+}

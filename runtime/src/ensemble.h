@@ -1,0 +1,34 @@
+/* What the two routes of an ensemble share: one member after the other (ensemble.c), and blocks of
+ * members in lanes (block.c).
+ */
+#ifndef PK_SRC_ENSEMBLE_H
+#define PK_SRC_ENSEMBLE_H
+
+#include <pk/ensemble.h>
+
+#include "internal.h"
+
+/* The inputs of one member: the context of its problem. */
+struct pk_constant_input {
+    const pk_real *u;
+    size_t count;
+};
+
+struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member);
+/* An integrator at the member's start, or why it may not start. */
+enum pk_status pk_ensemble_begin(const struct pk_ensemble *e, size_t member,
+                                 struct pk_integrator *it, struct pk_constant_input *input,
+                                 void *block);
+int pk_ensemble_stopped(const struct pk_ensemble *e);
+/* Whether the interval before this row is the last and has a step of its own. */
+int pk_ensemble_last_interval(const struct pk_ensemble *e, size_t row);
+static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
+
+/* Steps of blocks for any system, PK_LANES members each. */
+extern const struct pk_block_stepper pk_block_steppers[];
+/* Bytes of a block, behind those of an integrator. */
+size_t pk_block_size(const struct pk_ensemble *e, size_t n, size_t W);
+void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,
+                  size_t count, char *memory);
+
+#endif
