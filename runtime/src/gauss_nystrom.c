@@ -88,9 +88,10 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
             return PK_NOT_FINITE;
         idle = change < least ? 0 : idle + 1;
         least = pk_min(least, change);
-        if (!(change > 0) || (idle > 1 && least <= PK_GAUSS_ROUND))
+        /* Corrections of a slow iteration rise and fall, since its eigenvalues are complex. */
+        if (!(change > 0) || (idle > (least <= 16 * PK_EPS ? 1 : 5) && least <= PK_GAUSS_ROUND))
             break;
-        if (idle > 4 || count > 200) {
+        if (idle > 9 || count > 200) {
             it->detail = least;
             return PK_NO_CONVERGENCE;
         }

@@ -89,6 +89,7 @@ int main(int argc, char **argv)
     CU_add_test(CU_add_suite("instance", NULL, NULL), "generic or inlined", right_instance);
     add_tables();
     add_order();
+    add_gauss();
     add_geometry();
     add_status();
     add_silence();

@@ -44,7 +44,8 @@ struct pk_options {
     pk_real h;    /* fixed step, or an adaptive method's first one (0: it chooses). Positive,
                      finite, whatever the direction. */
     pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| a step, root mean square over
-                     q and v; finite, not both 0. Below some 10 PK_EPSILON it buys nothing. */
+                     q and v; finite, not both 0. Below some 10 PK_EPSILON it buys nothing,
+                     and gauss takes 2 PK_EPSILON at least. */
     pk_real atol;
     pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
     pk_real h_max; /* adaptive; 0: none. A last step may be 1% longer. */

@@ -57,12 +57,12 @@ static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real 
 }
 
 /* One trial of size y->h: PK_DONE with what it came to, or why it broke down. */
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it,
+static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it,
                                                               const struct pk_gauss_lanes *w,
                                                               struct pk_gauss_trial *y)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations : 30;
-    const int rates = !(it->problem.system->facts & PK_SEPARABLE);
+    const int with_v = !(it->problem.system->facts & PK_SEPARABLE);
     int asked = 0;
     for (int l = 0; l < PK_GAUSS_S; l++) {
         y->hb[l] = y->h * pk_gauss8_b[l];
@@ -70,7 +70,7 @@ static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrat
     }
     enum pk_status status = PK_STEPPER(gauss_predict)(it, w, y);
     for (y->count = 0; status >= 0; y->count++) {
-        PK_STEPPER(gauss_stages)(it, w, y, rates);
+        PK_STEPPER(gauss_stages)(it, w, y, with_v);
         status = PK_STEPPER(gauss_evaluate)(it, y->t, w->q, w->v, w->u, w->next_a);
         if (status < 0)
             break;
@@ -136,7 +136,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
     *w->decay = PK_F(exp)(2 * (y->theta_log + (PK_GAUSS_ACCEPT_LOG - y->error_log) / 16));
 }
 
-static PK_FORCE_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_real limit)
+static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = PK_STEPPER_N(it);
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->work);

@@ -126,7 +126,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
 /* Coordinates and rates at the stages, from their accelerations. */
 static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
-                                            const struct pk_gauss_trial *y, int rates)
+                                            const struct pk_gauss_trial *y, int with_v)
 {
     const size_t n = PK_STEPPER_N(it);
     for (size_t i = 0; i < n; i++) {
@@ -140,7 +140,7 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
         PK_GAUSS_LOOP
     for (int l = 0; l < PK_GAUSS_S; l++)
             q[l] = q0 + (pk_gauss8_c[l] * hv + h * dq[l]);
-        if (rates) {
+        if (with_v) {
             pk_gauss_rows(pk_gauss8_mu, L, v);
             PK_GAUSS_LOOP
     for (int l = 0; l < PK_GAUSS_S; l++)
