@@ -45,9 +45,7 @@ def compile_to_c(options: argparse.Namespace) -> int:
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
         with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
-            text = dump(
-                options.dump, source, parsing.sizes(options.size), kernels, options.libm
-            )
+            text = dump(options.dump, source, parsing.sizes(options.size), kernels, options.libm)
         print(text)
         return DONE
     compilation = compile_within_limits(
