@@ -81,15 +81,14 @@ static void legendre(pk_real y, int count, pk_real *P, int stride)
 
 static pk_real node_at(int l) { return l < 8 ? node[l] : 1 - node[NODES - 1 - l]; }
 
-void pk_gauss_dense_init(struct pk_integrator *it)
+static void fill(const struct parts *d)
 {
-    const struct parts d = parts_of(it);
     for (int l = 0; l < NODES; l++) {
         const pk_real y = l < 8 ? 2 * node[l] - 1 : 1 - 2 * node[NODES - 1 - l];
-        legendre(y, TERMS, d.P + l, NODES);
+        legendre(y, TERMS, d->P + l, NODES);
         for (int k = 0; k < NODES; k++)
-            d.to_alpha[k * NODES + l] =
-                (pk_real)(2 * k + 1) * weight[l < 8 ? l : NODES - 1 - l] * d.P[k * NODES + l];
+            d->to_alpha[k * NODES + l] =
+                (pk_real)(2 * k + 1) * weight[l < 8 ? l : NODES - 1 - l] * d->P[k * NODES + l];
     }
 }
 
@@ -163,6 +162,8 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
 {
     const size_t n = it->n, half = PK_GAUSS_S * n;
     pk_real before = 0;
+    if (!(d->P[0] > 0)) /* P_0 is 1: the block is zero until the first output */
+        fill(d);
     begin(it, w, d);
     collocate(it, w, d);
     for (int count = 0; count < 30; count++) {

@@ -5,7 +5,6 @@
 #include "internal.h"
 
 size_t pk_gauss_dense_size(size_t n);
-void pk_gauss_dense_init(struct pk_integrator *it);
 enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 
 #endif

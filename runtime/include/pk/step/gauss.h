@@ -195,7 +195,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
     }
     const pk_real next = pk_abs(y.h) * grow;
     const int cut = lands && !rejected && y.growth >= PK_GAUSS_GROW; /* says nothing of the next */
-    it->error = PK_F(exp)(y.error_log);
+    const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
+    it->error = 1 / (g8 * g8 * y.growth + PK_TINY);
     it->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
             : sign * (cut ? pk_max(next, planned) : next);
     it->flags = PK_HAVE_STEP;
