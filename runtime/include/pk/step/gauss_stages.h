@@ -15,6 +15,8 @@
 #define PK_GAUSS_LOOP
 #endif
 
+#define PK_GAUSS_RATE_LEAST PK_C(0.1)
+
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work. Arrays of n by 8 but for those said otherwise. */
@@ -117,9 +119,8 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(pk_gauss8_powers, x, w->a + i * PK_GAUSS_S);
     }
-    y->rate = *w->rate * r * r;
-    if (!(y->rate < PK_C(0.5)))
-        y->rate = PK_C(0.5);
+    /* Till it is measured: never so small that a first iterate passes unseen for the last. */
+    y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
 
