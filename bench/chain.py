@@ -1,13 +1,18 @@
-"""How long an N-link pendulum takes to derive and emit, and how many operations it costs.
+"""What an N-link pendulum costs: to derive and emit, in operations, to compile.
 
-    .venv/bin/python bench/chain.py [N ...]        (default 2 5 10 20 50)
+    .venv/bin/python bench/chain.py [--all] [N ...]        (default 20 100)
 
-M and f alone, the start of the process aside; the median of five compilations. gcc is timed at
--O2. The figures of 2026 for the same work by SymPy stand in docs/architecture.md.
+M and f alone, or with --all every kernel; the start of the process aside. Times are CPU times, so
+that what else the machine does hardly counts: the median of five compilations, one where N > 20;
+of gcc at -O2, once. Ends with a line of JSON, from which the table of the README is made. The
+figures of 2026 for the same work by SymPy stand in docs/architecture.md.
 """
 
 from __future__ import annotations
 
+import json
+import platform
+import resource
 import statistics
 import subprocess
 import sys
@@ -15,10 +20,11 @@ import tempfile
 import time
 from pathlib import Path
 
-from pkgen.compiler import compile_model
+from pkgen.compiler import STAGES, stages
 from pkgen.source import Source
 
 KERNELS = frozenset({"mass", "force"})
+COMMAND = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "-c", "chain.c", "-o", "chain.o"]
 MODEL = """model chain
 size N = {n}
 param m = 1 [kg]
@@ -32,35 +38,54 @@ let y[i = 1..N] = y[i-1] - l*cos(theta[i])
 kinetic   sum(m/2*(x[i]'^2 + y[i]'^2), i = 1..N)
 potential sum(m*g*y[i], i = 1..N)
 """
+DERIVED = STAGES.index("derive")
 
 
 def main() -> None:
-    sizes = [int(a) for a in sys.argv[1:]] or [2, 5, 10, 20, 50]
-    compile_model(Source("warm-up", MODEL.format(n=2)), kernels=KERNELS)
-    print(f"{'N':>4} {'derive and emit':>16} {'operations':>11} {'C lines':>8} {'gcc -O2':>9}")
+    kernels = None if "--all" in sys.argv else KERNELS
+    sizes = [int(a) for a in sys.argv[1:] if a.isdigit()] or [20, 100]
+    compiled(2, kernels)  # templates and parser are made once
+    print(f"{'N':>4} {'derive':>9} {'derive and emit':>16} {'operations':>11} {'gcc -O2':>9}")
+    rows = []
     for n in sizes:
-        source = Source("chain.lag", MODEL.format(n=n))
-        times = []
-        for _ in range(5 if n <= 20 else 1):
-            start = time.perf_counter()
-            compilation = compile_model(source, kernels=KERNELS)
-            times.append(time.perf_counter() - start)
-        operations = sum(sum(k.operations.values()) for k in compilation.program.kernels)
-        lines = compilation.files["chain.c"].count("\n")
+        runs = [compiled(n, kernels) for _ in range(5 if n <= 20 else 1)]
+        program, files = runs[-1][1][-2:]
+        row = {
+            "n": n,
+            "derive_seconds": statistics.median(ends[DERIVED] for ends, _ in runs),
+            "emit_seconds": statistics.median(ends[-1] for ends, _ in runs),
+            "operations": sum(sum(k.operations.values()) for k in program.kernels),
+            "gcc_seconds": compiling(files),
+        }
+        rows.append(row)
         print(
-            f"{n:4} {statistics.median(times):14.3f} s {operations:11,} {lines:8,}"
-            f" {compiling(compilation.files):7.2f} s"
+            f"{n:4} {row['derive_seconds']:7.3f} s {row['emit_seconds']:14.3f} s"
+            f" {row['operations']:11,} {row['gcc_seconds']:7.2f} s"
         )
+    kernel_names = "all" if kernels is None else sorted(kernels)
+    made_on = {"python": platform.python_version(), "gcc": " ".join(COMMAND[:4])}
+    print(json.dumps({"kernels": kernel_names, **made_on, "rows": rows}))
+
+
+def compiled(n: int, kernels: frozenset[str] | None) -> tuple[list[float], list]:
+    """The CPU time until the end of each stage, and what each made."""
+    start = time.process_time()
+    ends, made = [], []
+    for product in stages(Source("chain.lag", MODEL.format(n=n)), {}, kernels):
+        ends.append(time.process_time() - start)
+        made.append(product)
+    return ends, made
 
 
 def compiling(files: dict[str, str]) -> float:
+    """CPU seconds of the C compiler."""
     with tempfile.TemporaryDirectory() as directory:
         for name, text in files.items():
             Path(directory, name).write_text(text)
-        start = time.perf_counter()
-        command = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "-c", "chain.c", "-o", "chain.o"]
-        subprocess.run(command, cwd=directory, check=True)
-        return time.perf_counter() - start
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(COMMAND, cwd=directory, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 if __name__ == "__main__":

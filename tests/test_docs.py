@@ -43,6 +43,18 @@ def test_commands_in_the_docs_run(text: str, tmp_path: Path) -> None:
             assert done.returncode == 0, f"{line}\n{done.stderr}"
 
 
+def test_the_ensemble_in_the_docs_runs(tmp_path: Path) -> None:
+    (table,) = blocks(ROOT / "docs/language.md", "csv")
+    (tmp_path / "members.csv").write_text(table)
+    model = ROOT / "models/double_pendulum.lag"
+    done = run_pkgen("run", model, "--ensemble", tmp_path / "members.csv", "--until", "0.5")
+    assert done.returncode == 0, done.stderr
+    assert [row.split(",")[:2] for row in done.stdout.splitlines()[1:]] == [
+        ["1", "0.5"],
+        ["2", "0.5"],
+    ]
+
+
 def test_the_embedding_example_runs(tmp_path: Path) -> None:
     run_pkgen(ROOT / "models/double_pendulum.lag", "-o", tmp_path)
     program = tmp_path / "embed"

@@ -62,6 +62,14 @@ missing=
 has_header gsl/gsl_odeiv2.h || missing="$missing libgsl-dev"
 has_header CUnit/CUnit.h || missing="$missing libcunit1-dev"
 [ -z "$missing" ] || apt_install $missing
+# Lane kernels are also compiled for NEON and run in an emulator; without, that test is skipped.
+cross=aarch64-linux-gnu
+if [ -z "${PKGEN_PREFIX:-}" ] && [ "$(uname -m)" != aarch64 ]; then
+    if ! command -v $cross-gcc >/dev/null || ! command -v qemu-aarch64 >/dev/null; then
+        (apt_install gcc-$cross libc6-dev-arm64-cross qemu-user) 2>>"$log" ||
+            say "not to be had here: gcc-$cross and qemu-user; NEON will not be tested"
+    fi
+fi
 
 from_registry() {
     # Some Debian machines have python3 without venv and pip; those come from apt.

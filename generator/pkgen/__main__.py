@@ -15,8 +15,7 @@ from collections.abc import Callable
 from . import __version__, commands, run_command
 from .build import BuildError
 from .compiler import STAGES
-from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE
-from .options import UsageError
+from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE, UsageError
 from .resources import ResourcesExceeded
 from .source import ModelError
 
@@ -72,6 +71,8 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     add("--atol", metavar="A", help="default: that of --rtol")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
+    add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
+    add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
     _libm_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")

@@ -47,6 +47,7 @@ INLINED = {
     "gauss": "GAUSS",
 }
 STANDARD = "-std=c11"
+LINK_WITH = "link"  # the file beside the libraries with what their users link with
 TIMEOUT_SECONDS = 300
 KEPT_PROGRAMS = 100
 
@@ -143,18 +144,37 @@ def runtime_library(tools: Toolchain) -> Path:
 
 
 def _build_runtime(tools: Toolchain, directory: Path) -> None:
-    libraries = {"libpk.a": ["src"] + (["gsl"] if tools.has_gsl else []), "librun.a": ["run"]}
+    libraries = {
+        "libpk.a": ["src"] + (["gsl"] if tools.has_gsl else []),
+        "librun.a": ["run", "omp"],
+    }
     ar = shutil.which("ar")
     if ar is None:
         raise BuildError("'ar' is missing; install binutils")
     with _staging(directory.parent) as staging:
+        threads = _threads(tools, staging)
+        (staging / LINK_WITH).write_text(shlex.join(threads), encoding="utf-8")
         for library, parts in libraries.items():
             objects = []
             for path in (p for part in parts for p in sorted((RUNTIME / part).glob("*.c"))):
                 objects.append(f"{path.stem}.o")
-                _compile(tools, ["-c", *_gsl(tools), str(path), "-o", objects[-1]], staging)
+                more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
+                _compile(tools, ["-c", *more, str(path), "-o", objects[-1]], staging)
             _run([ar, "rcs", library, *objects], staging)
         _publish(staging, directory)
+
+
+def _threads(tools: Toolchain, directory: Path) -> list[str]:
+    """Flags for OpenMP, where the compiler can link with it."""
+    (directory / "omp.c").write_text(
+        "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n",
+        encoding="utf-8",
+    )
+    try:
+        _compile(tools, ["-fopenmp", "omp.c", "-o", "omp"], directory)
+    except BuildError:
+        return []
+    return ["-fopenmp"]
 
 
 def _gsl(tools: Toolchain) -> list[str]:
@@ -169,16 +189,20 @@ const struct pk_system *const run_system = &{name}_system;
 """
 
 
-def build_program(files: dict[str, str], name: str, method: str | None = None) -> Path:
+def build_program(
+    files: dict[str, str], name: str, method: str | None = None, *, ensemble: bool = False
+) -> Path:
     """A program that integrates the model NAME, from its generated files, by any method; by
-    `method` fastest.
+    `method` fastest, and by blocks of an ensemble's members.
 
     Raises BuildError with what the compiler said.
     """
     tools = find_toolchain()
     library = runtime_library(tools)
     family = INLINED.get(method or "")
-    parts = (library.name, family, sorted(files.items()))
+    inlined = [f"-DPK_INLINE_{family}"] if family else []
+    inlined += ["-DPK_INLINE_ENSEMBLE"] if family and ensemble else []
+    parts = (library.name, inlined, sorted(files.items()))
     digest = hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
     directory = cache_directory() / "programs" / f"{name[:40]}-{digest}"
     program = directory / "program"
@@ -187,9 +211,9 @@ def build_program(files: dict[str, str], name: str, method: str | None = None) -
             for file_name, text in files.items():
                 (staging / file_name).write_text(text, encoding="utf-8")
             (staging / "choice.c").write_text(CHOICE.format(name=name), encoding="utf-8")
-            inlined = [f"-DPK_INLINE_{family}"] if family else []
             libraries = [str(library / archive) for archive in ("librun.a", "libpk.a")]
             libraries += [*tools.gsl_libs, "-lm"]
+            libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
             sources = [f"{name}.c", "choice.c", "-o", "program", *libraries]
             _compile(tools, ["-DPK_RUNTIME", *inlined, "-I.", *sources], staging)
             _publish(staging, directory)

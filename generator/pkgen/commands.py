@@ -13,7 +13,7 @@ from . import limits
 from . import options as parsing
 from .back.kernels import KERNELS
 from .build import driver_methods
-from .compiler import Compilation, compile_model
+from .compiler import Compilation, check_model, compile_model
 from .dump import dump
 from .exits import DONE
 from .front.read import read
@@ -75,10 +75,13 @@ def _replace(path: Path, text: str) -> None:
 
 def check(options: argparse.Namespace) -> int:
     """Report the errors and warnings of a model, and write nothing."""
-    compilation = compile_within_limits(options)
+    source = read(options.model)
+    with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
+        warnings = check_model(source, sizes=parsing.sizes(options.size))
     if options.json:
-        warnings = [w.record(compilation.model.source) for w in compilation.warnings]
-        print(json.dumps({"diagnostics": warnings}))
+        print(json.dumps({"diagnostics": [w.record(source) for w in warnings]}))
+    else:
+        _warn(source, warnings)
     return DONE
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 from .back import lower, render
 from .back.program import Program
@@ -64,6 +65,18 @@ def stages(
     program = lower.lower(equations, structure, kernels, libm=libm)
     yield program
     yield render.render(program, self_test=self_test)
+
+
+def check_model(
+    source: Source, *, sizes: Mapping[str, int] | None = None
+) -> tuple[Diagnostic, ...]:
+    """The warnings about a model of which there are no errors; no C is made of it.
+
+    Raises ModelError as compile_model() does: what comes after `reduce` finds nothing more.
+    """
+    made = stages(source, sizes or {})
+    _, (_, warnings), _, _, _ = islice(made, STAGES.index("reduce") + 1)
+    return warnings
 
 
 def compile_model(

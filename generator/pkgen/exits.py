@@ -6,3 +6,7 @@ USAGE = 2
 COMPILER_FAILED = 3
 NUMERICS_FAILED = 4  # the C driver ends with it
 INTERRUPTED = 130
+
+
+class UsageError(Exception):
+    """The command line asks for what there is not."""

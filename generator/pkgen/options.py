@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .compiler import Compilation
 from .equations import Quantity
+from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
@@ -22,10 +23,6 @@ ROUND_OFF = 2.0**-52
 ROWS = 1000
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
 GAUSS_RTOL = 1e-5
-
-
-class UsageError(Exception):
-    """The command line asks for what there is not."""
 
 
 def sizes(assignments: Iterable[str]) -> dict[str, int]:
@@ -106,10 +103,12 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         )
     until = values.positive("--until", options.until, values.time) or UNTIL
     every = values.positive("--every", options.every, values.time)
+    if every is None and options.ensemble is None:
+        every = _interval(until, step)
     return Settings(
         method=options.method or default_method(compilation, rtol or RTOL),
         until=until,
-        every=_interval(until, step) if every is None else every,
+        every=every,
         step=step,
         rtol=rtol or RTOL,
         atol=values.positive("--atol", options.atol, "") or rtol or RTOL,
@@ -126,6 +125,15 @@ def default_method(compilation: Compilation, rtol: float) -> str:
     """gauss is the fastest where the equations are smooth and the tolerance is not loose; across
     a kink its error estimate means nothing."""
     return "gauss" if compilation.structure.smooth and rtol <= GAUSS_RTOL else "dop853"
+
+
+def threads(options: argparse.Namespace) -> int | None:
+    """How many threads an ensemble is to use; None: all there are."""
+    if options.threads is None:
+        return None
+    if options.ensemble is None:
+        raise UsageError("--threads is for --ensemble: one trajectory has one thread")
+    return _count("--threads", options.threads)
 
 
 def _interval(until: float, step: float | None) -> float:

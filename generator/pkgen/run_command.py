@@ -13,17 +13,30 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from . import ensemble as members
 from . import options as parsing
 from .commands import compile_within_limits
 from .compiler import Compilation
+from .ensemble import Ensemble
 from .exits import DONE
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
 # The share of steps that an iteration may hold back before it is worth a word.
 HELD = 0.75
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What is run: a model, its settings, and the members of an ensemble if it is one."""
+
+    compilation: Compilation
+    settings: Settings
+    ensemble: Ensemble | None
+    threads: int | None
 
 
 def run(options: argparse.Namespace) -> int:
@@ -32,31 +45,34 @@ def run(options: argparse.Namespace) -> int:
     compilation = compile_within_limits(options, libm=options.libm)
     parsing.refuse_scene(compilation.model, options.scene)
     parsing.refuse_deferred(compilation.model)
-    settings = parsing.settings(options, compilation)
+    asked = _Run(
+        compilation,
+        parsing.settings(options, compilation),
+        members.read(options.ensemble, compilation) if options.ensemble else None,
+        parsing.threads(options),
+    )
     if output is None and not options.json:
         sys.stdout.flush()
-        outcome = _simulate(compilation, settings, sys.stdout.fileno())
+        outcome = _simulate(asked, sys.stdout.fileno())
     else:
-        outcome = _to_file(options, compilation, settings, output)
+        outcome = _to_file(options, asked, output)
     _tell(options, outcome)
     return outcome.code
 
 
-def _to_file(
-    options: argparse.Namespace, compilation: Compilation, settings: Settings, output: Path | None
-) -> Outcome:
+def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> Outcome:
     """Run with the rows in a file: the one asked for, or a scratch file to read them from."""
     with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
         as_is = output is not None and output.suffix == ".csv"
         rows = output if as_is else Path(scratch) / "rows.csv"
         with open(rows, "wb") as file:
-            outcome = _simulate(compilation, settings, file)
+            outcome = _simulate(asked, file)
         if output is None:
-            print(json.dumps(_result(compilation, settings, outcome, rows), indent=1))
+            print(json.dumps(_result(asked, outcome, rows), indent=1))
             return outcome
         if not as_is:
             csv_to_npy(rows, output)
-    description = sidecar(compilation, settings, outcome, output.name)
+    description = _describe(asked, outcome, output.name)
     beside = output.with_name(output.name + ".json")
     beside.write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")
     if options.json:
@@ -64,19 +80,28 @@ def _to_file(
     return outcome
 
 
-def _result(
-    compilation: Compilation, settings: Settings, outcome: Outcome, rows: Path
-) -> dict[str, object]:
+def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
+    return sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
+
+
+def _result(asked: _Run, outcome: Outcome, rows: Path) -> dict[str, object]:
     """Everything of a run in one JSON object, its rows included."""
-    result = sidecar(compilation, settings, outcome, "rows")
+    result = _describe(asked, outcome, "rows")
     with open(rows, newline="", encoding="utf-8") as file:
         result["rows"] = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
     return result
 
 
-def _simulate(compilation: Compilation, settings: Settings, output: IO[bytes] | int) -> Outcome:
-    with _progress(compilation.model.name) as on_progress:
-        return simulate(compilation, settings, output, on_progress)
+def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
+    with _progress(asked.compilation.model.name) as on_progress:
+        return simulate(
+            asked.compilation,
+            asked.settings,
+            output,
+            on_progress,
+            asked.ensemble,
+            asked.threads,
+        )
 
 
 @contextmanager
@@ -100,6 +125,13 @@ def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
     if options.json or outcome.code != DONE:
         return
     report = outcome.report
+    if "members" in report:
+        print(
+            f"{report['method']}: {report['done']} members by {report['threads']} threads, "
+            f"{1000 * report['seconds']:.3g} ms with their rows",
+            file=sys.stderr,
+        )
+        return
     print(
         f"{report['method']}: t = {report['t']:g} after {report['steps']} steps, "
         f"{report['rejections']} rejected, {report['evaluations']} evaluations, "

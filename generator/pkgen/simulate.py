@@ -20,6 +20,7 @@ from typing import IO
 from . import __version__
 from .build import build_program
 from .compiler import Compilation
+from .ensemble import Ensemble
 from .equations import Quantity
 
 
@@ -29,7 +30,7 @@ class Settings:
 
     method: str
     until: float
-    every: float
+    every: float | None  # None: an ensemble's final states alone
     step: float | None
     rtol: float
     atol: float
@@ -45,12 +46,13 @@ class Settings:
         said = [
             f"method {self.method}",
             f"until {self.until.hex()}",
-            f"every {self.every.hex()}",
             f"rtol {self.rtol.hex()}",
             f"atol {self.atol.hex()}",
             f"iteration {self.iteration}",
             f"max_steps {self.max_steps}",
         ]
+        if self.every is not None:
+            said.append(f"every {self.every.hex()}")
         if self.step is not None:
             said.append(f"step {self.step.hex()}")
         said += [f"param {i} {x.hex()}" for i, x in self.parameters]
@@ -69,12 +71,14 @@ class Outcome:
     messages: str
 
 
-def columns(compilation: Compilation) -> list[Quantity]:
+def columns(compilation: Compilation, ensemble: Ensemble | None = None) -> list[Quantity]:
     """The columns of the CSV, in order."""
     equations = compilation.equations
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
+    member = [Quantity("member", "", "row of the ensemble's file, from 1")] if ensemble else []
     return [
+        *member,
         time,
         *equations.coordinates,
         *equations.rates,
@@ -88,19 +92,28 @@ def simulate(
     settings: Settings,
     output: IO[bytes] | int,
     on_progress: Callable[[float], None] | None = None,
+    ensemble: Ensemble | None = None,
+    threads: int | None = None,
 ) -> Outcome:
     """Run the model, its CSV going to `output`. Raises BuildError if C cannot be compiled."""
-    program = build_program(compilation.files, compilation.model.name, settings.method)
+    program = build_program(
+        compilation.files,
+        compilation.model.name,
+        settings.method,
+        ensemble=ensemble is not None,
+    )
     with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
         report_path = Path(scratch) / "report.json"
         lines = [*settings.lines(), f"report {report_path}"]
         lines.append(f"progress {1 if on_progress else 0}")
+        if ensemble:
+            lines += ensemble.settings(Path(scratch) / "members", threads)
         child = subprocess.Popen(
             [program], stdin=subprocess.PIPE, stdout=output, stderr=subprocess.PIPE, text=True
         )
         messages = _converse(child, "\n".join(lines) + "\n", on_progress)
         report = json.loads(report_path.read_text()) if report_path.exists() else {}
-    return Outcome(child.returncode, report, messages)
+    return Outcome(child.returncode, report, ensemble.placed(messages) if ensemble else messages)
 
 
 def _converse(
@@ -136,17 +149,22 @@ def _forward(child: subprocess.Popen[str]) -> None:
 
 
 def sidecar(
-    compilation: Compilation, settings: Settings, outcome: Outcome, data: str
+    compilation: Compilation,
+    settings: Settings,
+    outcome: Outcome,
+    data: str,
+    ensemble: Ensemble | None = None,
 ) -> dict[str, object]:
     """What stands beside an output file: units, settings and the report."""
+    of = {"ensemble": os.path.basename(ensemble.path)} if ensemble else {}
     return {
         "pkgen": __version__,
         "model": compilation.model.name,
         "source": os.path.basename(compilation.model.source.path),
         "source_sha256": compilation.model.source.sha256,
         "data": data,
-        "columns": [asdict(c) for c in columns(compilation)],
-        "settings": asdict(settings),
+        "columns": [asdict(c) for c in columns(compilation, ensemble)],
+        "settings": {**asdict(settings), **of},
         "report": outcome.report,
     }
 

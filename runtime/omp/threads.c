@@ -1,5 +1,5 @@
-/* Ensembles in threads of OpenMP; without -fopenmp, in one. Each thread takes a few blocks of members
- * at a time, since members may differ in cost.
+/* Ensembles in threads of OpenMP; without -fopenmp, in one. Each thread takes a few blocks of
+ * members at a time, since members may differ in cost.
  */
 #include <pk/ensemble.h>
 

@@ -19,7 +19,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "output.h"
+#include "ensemble.h"
 
 static volatile sig_atomic_t interrupted;
 
@@ -29,7 +29,9 @@ static void on_interrupt(int number)
     interrupted = 1;
 }
 
-static double now(void)
+int run_interrupted(void) { return interrupted; }
+
+double run_now(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -43,20 +45,25 @@ static void constant_input(void *context, pk_real t, pk_real *u)
     memcpy(u, run->settings.u, run->problem.system->n_inputs * sizeof *u);
 }
 
-static void progress(const struct run *run, int force)
+void run_progress(const struct run *run, double part, int force)
 {
     static double last;
-    const double t = now();
+    const double t = run_now();
     if (!run->settings.progress || (!force && t - last < 0.1))
         return;
     last = t;
-    fprintf(stderr, "progress %.4g\n", (double)(run->it.t / run->settings.until));
+    fprintf(stderr, "progress %.4g\n", part);
     fflush(stderr);
+}
+
+static void progress(const struct run *run, int force)
+{
+    run_progress(run, (double)(run->it.t / run->settings.until), force);
 }
 
 /* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
  * as whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
-static pk_real intervals(pk_real whole, pk_real part)
+pk_real run_intervals(pk_real whole, pk_real part)
 {
     const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
     const pk_real slack = ratio < PK_C(1e9) && round < PK_C(1e-12) ? PK_C(1e-12) : round;
@@ -96,7 +103,7 @@ static void integrate_landing(struct run *run, pk_real count)
             /* A tail that is a whole interval but for the round-off of t keeps its step. */
             const pk_real tail = t - it->t, rounding = 4 * PK_EPSILON * t;
             if (tail < run->settings.every - rounding)
-                pk_integrator_set_step(it, tail / intervals(tail, run->settings.options.h));
+                pk_integrator_set_step(it, tail / run_intervals(tail, run->settings.options.h));
         }
         while (it->t < t)
             if (!step(run, t))
@@ -135,13 +142,14 @@ static void integrate_each_step(struct run *run)
 static int choose(struct run *run, pk_real *count)
 {
     struct settings *s = &run->settings;
-    const int fixed = !(s->method->traits & PK_ADAPTIVE);
-    if (s->every < 0)
-        s->every = s->until / 1000;
+    const int fixed = s->ensemble ? ensemble_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
+    s->has_every = s->every >= 0;
+    if (!s->has_every)
+        s->every = s->ensemble ? s->until : s->until / 1000;
     if (s->every > s->until)
         s->every = s->until;
-    if (!fixed && !(s->every > 0)) {
-        fprintf(stderr, "run: every 0 (each step) is for methods of a fixed step\n");
+    if ((!fixed || s->ensemble) && !(s->every > 0)) {
+        fprintf(stderr, "run: every 0 (each step) is for one run of a method of a fixed step\n");
         return 2;
     }
     const pk_real interval = s->every > 0 ? s->every : s->until;
@@ -151,13 +159,13 @@ static int choose(struct run *run, pk_real *count)
                 (double)(10 * PK_EPSILON * s->until));
         return 2;
     }
-    *count = s->every > 0 ? intervals(s->until, s->every) : 0;
+    *count = s->every > 0 ? run_intervals(s->until, s->every) : 0;
     if (fixed && !(s->options.h > 0)) {
         fprintf(stderr, "run: method %s has a fixed step: give it by --step\n", s->method->name);
         return 2;
     }
     if (fixed)
-        s->options.h = interval / intervals(interval, s->options.h);
+        s->options.h = interval / run_intervals(interval, s->options.h);
     if (s->land < 0)
         s->land = s->method->dense_order < s->method->order;
     if (!(s->method->traits & PK_DENSE))
@@ -239,7 +247,12 @@ int main(int argc, char **argv)
     setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is a write that fails, and is reported */
     signal(SIGINT, on_interrupt);
-    const double began = now();
+    const double began = run_now();
+    if (run.settings.ensemble) {
+        code = ensemble_run(&run, count);
+        settings_free(&run.settings);
+        return code;
+    }
     code = start(&run);
     if (run.it.state) {
         output_header(&run, stdout);
@@ -254,7 +267,7 @@ int main(int argc, char **argv)
                 integrate_dense(&run, count);
         }
     }
-    run.seconds = now() - began;
+    run.seconds = run_now() - began;
     progress(&run, 1);
     code = finish(&run, code);
     pk_integrator_free(&run.it);

@@ -75,7 +75,7 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         run->write_failed = errno ? errno : EIO;
 }
 
-static void json_text(FILE *file, const char *text)
+void output_text(FILE *file, const char *text)
 {
     fputc('"', file);
     for (; *text; text++) {
@@ -90,7 +90,7 @@ static void json_text(FILE *file, const char *text)
     fputc('"', file);
 }
 
-static void json_real(FILE *file, pk_real x)
+void output_real(FILE *file, pk_real x)
 {
     if (x - x == PK_C(0.0))
         fprintf(file, "%.17g", (double)x);
@@ -103,7 +103,7 @@ static void json_array(FILE *file, const char *key, const pk_real *x, size_t cou
     fprintf(file, "\"%s\": [", key);
     for (size_t i = 0; x && i < count; i++) {
         fputs(i ? ", " : "", file);
-        json_real(file, x[i]);
+        output_real(file, x[i]);
     }
     fputs("]", file);
 }
@@ -111,16 +111,16 @@ static void json_array(FILE *file, const char *key, const pk_real *x, size_t cou
 static void json_drift(FILE *file, const char *name, const struct pk_drift *drift)
 {
     fputs("{\"name\": ", file);
-    json_text(file, name);
+    output_text(file, name);
     fputs(", \"max\": ", file);
-    json_real(file, pk_drift_max(drift));
+    output_real(file, pk_drift_max(drift));
     fputs(", \"final\": ", file);
-    json_real(file, pk_drift_final(drift));
+    output_real(file, pk_drift_final(drift));
     fputs(", \"slope\": ", file);
-    json_real(file, pk_drift_slope(drift));
+    output_real(file, pk_drift_slope(drift));
     /* What the three are relative to: where it is round-off, so is the drift. */
     fputs(", \"scale\": ", file);
-    json_real(file, drift->scale);
+    output_real(file, drift->scale);
     fputs("}", file);
 }
 
@@ -157,17 +157,17 @@ static void json_run(struct run *run, FILE *file)
     char reason[512];
 
     fputs("{\n  \"model\": ", file);
-    json_text(file, run->problem.system->name);
+    output_text(file, run->problem.system->name);
     fputs(",\n  \"source_hash\": ", file);
-    json_text(file, run->problem.system->source_hash);
+    output_text(file, run->problem.system->source_hash);
     pk_integrator_reason(it, reason, sizeof reason);
     fprintf(file, ",\n  \"status\": \"%s\",\n  \"code\": %d,\n  \"text\": ",
             pk_status_name(it->status), (int)it->status);
-    json_text(file, pk_status_text(it->status));
+    output_text(file, pk_status_text(it->status));
     fputs(",\n  \"reason\": ", file);
-    json_text(file, reason);
+    output_text(file, reason);
     fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
-    json_real(file, it->t);
+    output_real(file, it->t);
     fputs(",\n  ", file);
     json_array(file, "q", it->q, it->n);
     fputs(", ", file);
@@ -177,20 +177,20 @@ static void json_run(struct run *run, FILE *file)
     if (method->traits & PK_ADAPTIVE)
         fputs("null", file);
     else
-        json_real(file, run->settings.options.h);
+        output_real(file, run->settings.options.h);
     fputs(",\n  \"not_finite\": ", file);
     if (run->not_finite)
-        json_text(file, run->not_finite);
+        output_text(file, run->not_finite);
     else
         fputs("null", file);
     fputs(",\n  \"step_min\": ", file);
-    json_real(file, run->h_min);
+    output_real(file, run->h_min);
     fputs(",\n  \"step_max\": ", file);
-    json_real(file, run->h_max);
+    output_real(file, run->h_max);
     fputs(",\n  \"rtol\": ", file);
-    json_real(file, run->settings.options.rtol);
+    output_real(file, run->settings.options.rtol);
     fputs(",\n  \"atol\": ", file);
-    json_real(file, run->settings.options.atol);
+    output_real(file, run->settings.options.atol);
     fprintf(file,
             ",\n  \"rows\": %lu,\n  \"steps\": %lu,\n  \"rejections\": %lu,\n"
             "  \"evaluations\": %lu,\n  \"jacobians\": %lu,\n  \"factorisations\": %lu,\n"
@@ -244,7 +244,7 @@ int output_methods(FILE *file)
         fputs(", \"requires\": ", file);
         json_flags(file, m->needs, facts, sizeof facts / sizeof *facts);
         fputs(", \"doc\": ", file);
-        json_text(file, m->doc);
+        output_text(file, m->doc);
         fputs("}\n", file);
     }
     return fflush(file) || ferror(file);

@@ -27,6 +27,9 @@ void output_header(struct run *run, FILE *file);
 void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v);
 /* 0, or a message on standard error. */
 int output_report(struct run *run, const char *path);
+/* Pieces of JSON. */
+void output_text(FILE *file, const char *text);
+void output_real(FILE *file, pk_real x);
 /* One JSON object a line. */
 int output_methods(FILE *file);
 

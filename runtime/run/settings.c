@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "settings.h"
+#include "ensemble.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
@@ -32,7 +32,7 @@ const struct pk_method *run_method_find(const char *name)
     return NULL;
 }
 
-static int usage(size_t line, const char *message, const char *word)
+int settings_usage(size_t line, const char *message, const char *word)
 {
     fprintf(stderr, "run: settings line %zu: %s%s%s\n", line, message, word ? ": " : "",
             word ? word : "");
@@ -52,7 +52,7 @@ static int parse_real(const char *word, pk_real *x)
     return *end == '\0' && *x - *x == PK_C(0.0);
 }
 
-static int parse_index(const char *word, size_t count, size_t *index)
+int settings_index(const char *word, size_t count, size_t *index)
 {
     char *end = NULL;
     if (!word || *word < '0' || *word > '9')
@@ -77,10 +77,10 @@ static int set_param(struct settings *s, const struct pk_system *system, size_t 
 {
     size_t index;
     pk_real x;
-    if (!parse_index(word[1], system->n_parameters, &index))
-        return usage(line, "no such parameter", word[1]);
+    if (!settings_index(word[1], system->n_parameters, &index))
+        return settings_usage(line, "no such parameter", word[1]);
     if (!parse_real(word[2], &x))
-        return usage(line, "not a number", word[2]);
+        return settings_usage(line, "not a number", word[2]);
     memcpy((char *)s->params + system->parameters[index].offset, &x, sizeof x);
     s->given[index] = 1;
     return 0;
@@ -93,11 +93,11 @@ static int set_start(struct settings *s, const struct pk_system *system, size_t 
     pk_real x;
     const int rate = word[1] && strcmp(word[1], "v") == 0;
     if (!word[1] || (!rate && strcmp(word[1], "q") != 0))
-        return usage(line, "start wants q or v", word[1]);
-    if (!parse_index(word[2], system->n, &index))
-        return usage(line, "no such coordinate", word[2]);
+        return settings_usage(line, "start wants q or v", word[1]);
+    if (!settings_index(word[2], system->n, &index))
+        return settings_usage(line, "no such coordinate", word[2]);
     if (!parse_real(word[3], &x))
-        return usage(line, "not a number", word[3]);
+        return settings_usage(line, "not a number", word[3]);
     (rate ? s->v : s->q)[index] = x;
     s->start_given[rate ? system->n + index : index] = 1;
     return 0;
@@ -119,50 +119,53 @@ static int set_number(struct settings *s, const struct pk_system *system, size_t
         if (strcmp(word[0], table[i].name) != 0)
             continue;
         if (!parse_real(word[1], table[i].x))
-            return usage(line, "not a number", word[1]);
+            return settings_usage(line, "not a number", word[1]);
         if (*table[i].x < 0 || (!table[i].zero_too && !(*table[i].x > 0)))
-            return usage(line, "must be positive", word[0]);
+            return settings_usage(line, "must be positive", word[0]);
         s->has_rtol |= table[i].x == &s->options.rtol;
         s->has_atol |= table[i].x == &s->options.atol;
         return 0;
     }
-    return usage(line, "unknown setting", word[0]);
+    return settings_usage(line, "unknown setting", word[0]);
 }
 
 static int set(struct settings *s, const struct pk_system *system, size_t line,
                char *const word[])
 {
     size_t index;
+    int code;
     if (strcmp(word[0], "param") == 0)
         return set_param(s, system, line, word);
     if (strcmp(word[0], "start") == 0)
         return set_start(s, system, line, word);
     if (strcmp(word[0], "input") == 0) {
-        if (!parse_index(word[1], system->n_inputs, &index))
-            return usage(line, "no such input", word[1]);
-        return parse_real(word[2], &s->u[index]) ? 0 : usage(line, "not a number", word[2]);
+        if (!settings_index(word[1], system->n_inputs, &index))
+            return settings_usage(line, "no such input", word[1]);
+        return parse_real(word[2], &s->u[index])
+                   ? 0
+                   : settings_usage(line, "not a number", word[2]);
     }
     if (!word[1])
-        return usage(line, "a value is missing", word[0]);
+        return settings_usage(line, "a value is missing", word[0]);
     if (strcmp(word[0], "method") == 0) {
         s->method = run_method_find(word[1]);
-        return s->method ? 0 : usage(line, "unknown method", word[1]);
+        return s->method ? 0 : settings_usage(line, "unknown method", word[1]);
     }
     if (strcmp(word[0], "iteration") == 0) {
         if (strcmp(word[1], "newton") != 0 && strcmp(word[1], "fixed") != 0)
-            return usage(line, "iteration is newton or fixed", word[1]);
+            return settings_usage(line, "iteration is newton or fixed", word[1]);
         s->options.iteration = word[1][0] == 'f' ? PK_FIXED_POINT : PK_NEWTON;
         return 0;
     }
     if (strcmp(word[0], "rows") == 0) {
         if (strcmp(word[1], "land") != 0 && strcmp(word[1], "dense") != 0)
-            return usage(line, "rows is land or dense", word[1]);
+            return settings_usage(line, "rows is land or dense", word[1]);
         s->land = word[1][0] == 'l';
         return 0;
     }
     if (strcmp(word[0], "max_steps") == 0) {
-        if (!parse_index(word[1], (size_t)-1, &index))
-            return usage(line, "not a count", word[1]);
+        if (!settings_index(word[1], (size_t)-1, &index))
+            return settings_usage(line, "not a count", word[1]);
         s->options.max_steps = (unsigned long)index;
         return 0;
     }
@@ -170,26 +173,35 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
         s->progress = word[1][0] == '1';
         return 0;
     }
+    if (ensemble_setting(s, system, line, word, &code))
+        return code;
     return set_number(s, system, line, word);
 }
 
-/* A line as up to four words; the path of `report` may hold blanks and is the rest of its line. */
+static void set_path(char **path, const char *text)
+{
+    free(*path);
+    *path = (char *)allocate(strlen(text) + 1, 1);
+    strcpy(*path, text);
+}
+
+/* A line as up to four words; a path may hold blanks and is the rest of its line. */
 static int set_line(struct settings *s, const struct pk_system *system, size_t line, char *text)
 {
     char *word[5] = {NULL};
     text[strcspn(text, "\r\n")] = '\0';
-    if (strncmp(text, "report ", 7) == 0) {
-        free(s->report);
-        s->report = (char *)allocate(strlen(text + 7) + 1, 1);
-        strcpy(s->report, text + 7);
-        return 0;
-    }
+    if (strncmp(text, "report ", 7) == 0)
+        return set_path(&s->report, text + 7), 0;
+    if (strncmp(text, "ensemble ", 9) == 0)
+        return set_path(&s->ensemble, text + 9), 0;
     size_t count = 0;
     for (char *w = strtok(text, " \t"); w && count < 5; w = strtok(NULL, " \t"))
         word[count++] = w;
     if (count == 0)
         return 0;
-    return count == 5 ? usage(line, "too many words", word[4]) : set(s, system, line, word);
+    if (count == 5)
+        return settings_usage(line, "too many words", word[4]);
+    return set(s, system, line, word);
 }
 
 static int finish(struct settings *s, const struct pk_system *system)
@@ -217,9 +229,9 @@ static int finish(struct settings *s, const struct pk_system *system)
     if (s->has_rtol && !s->has_atol)
         s->options.atol = s->options.rtol;
     if (!s->method)
-        return usage(0, "no method", NULL);
+        return settings_usage(0, "no method", NULL);
     if (!(s->until > 0))
-        return usage(0, "no until", NULL);
+        return settings_usage(0, "no until", NULL);
     return 0;
 }
 
@@ -240,7 +252,7 @@ int settings_read(struct settings *s, const struct pk_system *system, FILE *file
     system->defaults(s->params);
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, file); line++) {
         if (!strchr(text, '\n') && !feof(file))
-            code = usage(line, "line too long", NULL);
+            code = settings_usage(line, "line too long", NULL);
         else
             code = set_line(s, system, line, text);
     }
@@ -256,4 +268,6 @@ void settings_free(struct settings *s)
     free(s->u);
     free(s->start_given);
     free(s->report);
+    free(s->ensemble);
+    free(s->columns);
 }

@@ -4,6 +4,10 @@
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
  *     max_steps N | param INDEX X | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense
+ *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
+ *
+ * The file of an ensemble says what differs from member to member: a row of doubles, as they are
+ * in memory, for each; in a row a number for each `column`, in their order.
  */
 #ifndef RUN_SETTINGS_H
 #define RUN_SETTINGS_H
@@ -15,11 +19,17 @@
 /* The model that the program runs. */
 extern const struct pk_system *const run_system;
 
+/* A column of an ensemble's file. */
+struct column {
+    char kind; /* p of a parameter, i of an input, q, v */
+    size_t index;
+};
+
 struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
-    int has_rtol, has_atol;
+    int has_rtol, has_atol, has_every;
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;
@@ -27,7 +37,14 @@ struct settings {
     unsigned char *given; /* which parameters were set */
     pk_real *q, *v, *u;
     unsigned char *start_given; /* 2 n flags */
+    char *ensemble; /* a path, or NULL: one trajectory */
+    size_t members, threads, n_columns;
+    struct column *columns;
 };
+
+/* For one more setting: what is wrong with its line, and an index below `count`. */
+int settings_usage(size_t line, const char *message, const char *word);
+int settings_index(const char *word, size_t count, size_t *index);
 
 /* 0, or the process's exit code, with a message on standard error. */
 int settings_read(struct settings *settings, const struct pk_system *system, FILE *file);

@@ -29,6 +29,11 @@ struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member
     return problem;
 }
 
+int pk_ensemble_fixed(const struct pk_ensemble *e)
+{
+    return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
+}
+
 size_t pk_ensemble_size(const struct pk_ensemble *e)
 {
     if (!e || !e->system || !e->method || !e->params || e->system->abi != PK_ABI)

@@ -32,19 +32,44 @@ def cost(equations) -> int:
 
 # The measured count with a little room; a form that costs more has lost something.
 @pytest.mark.parametrize(
-    ("count", "own", "most", "seconds"),
-    [(10, False, 330, 0.3), (10, True, 370, 0.3), (20, False, 1080, 1.0), (20, True, 1160, 1.0)],
+    ("count", "own", "most"),
+    [(10, False, 330), (10, True, 370), (20, False, 1080), (20, True, 1160), (50, False, 5700)],
 )
-def test_links(count, own, most, seconds):
-    start = time.perf_counter()
+def test_links(count, own, most):
     equations = derive(links(count, own), MASS_AND_FORCE)
-    taken = time.perf_counter() - start
     assert count**2 < cost(equations) <= most
-    assert taken < 2 * seconds  # with room for a busy machine
 
 
-def test_fifty_links():
-    assert cost(derive(links(50), MASS_AND_FORCE)) < 6_000
+def test_large_models_take_no_more_nodes_than_they_need():
+    """What derivation costs, without a clock: M has 1,275 entries, of four operations each."""
+    equations = derive(links(50), MASS_AND_FORCE)
+    assert 4 * 1275 < len(equations.graph) < 14 * 1275
+
+
+def test_second_derivatives_are_shared():
+    """d(dL/dq)/dv is the transpose of dp/dq, d(dL/dq)/dq symmetric."""
+    equations = derive(links(10))
+    n = len(equations.force)
+    for i in range(n):
+        for j in range(n):
+            assert equations.pdot_v[i][j] == equations.p_q[j][i]
+            assert equations.pdot_q[i][j] == equations.pdot_q[j][i]
+    entries = [e for m in (equations.p_q, equations.pdot_q) for row in m for e in row]
+    assert 500 < operations(equations.graph, entries) < 950
+
+
+def test_what_is_cheap_to_solve_is_unrolled_whatever_its_size():
+    kernels = MASS_AND_FORCE | {"acceleration"}
+    assert derive(links(20), kernels).acceleration is not None
+    assert derive(links(21), kernels).acceleration is None
+    # 60 masses on a rail, each with an M_ii of its own: a division each.
+    beads = model(
+        sizes={"N": 60},
+        coords=("q[1..N]",),
+        kinetic="S('i', 1, N, (2 + sin(q[i]))*D(q[i])**2)",
+        potential="S('i', 2, N, (q[i] - q[i-1])**4)",
+    )
+    assert derive(beads, kernels).acceleration is not None
 
 
 def test_double_pendulum_is_as_short_as_by_hand():
@@ -217,6 +242,14 @@ OK = dict(coords=("x",), kinetic="D(x)**2")
         (
             dict(coords=("x", "y", "z"), kinetic="(D(x) + D(y) + D(z))**2"),
             "'y' has no inertia of its own",
+        ),
+        (
+            dict(
+                sizes={"N": 25},
+                coords=("q[1..N]",),
+                kinetic="S('i', 1, N, cos(q[i])*D(q[i]))**2 + D(q[1])**2",
+            ),
+            "'q[3]' has no inertia of its own",
         ),
         (OK | dict(potential="x/0"), "division by zero"),
         (OK | dict(potential="x/(1 - 1)"), "division by zero"),

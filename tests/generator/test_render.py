@@ -87,6 +87,7 @@ def test_system_table_names_every_kernel(files):
     header = (ROOT / "runtime/include/pk/system.h").read_text()
     body = header[header.index("struct pk_system {") :]
     members = re.findall(r"\(\*(\w+)\)\(", body)
+    members.remove("count")  # of families kept as loops alone
     assert len(members) == 18
     for member in members:
         assert re.search(rf"\.{member} = \w+", table), member

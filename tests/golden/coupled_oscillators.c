@@ -87,7 +87,7 @@ static pk_bits coupled_oscillators_acceleration_pass(enum pk_pass pass,
     const pk_real q2 = q[1];
     const pk_real q3 = q[2];
 
-    bad |= !(p->m > 0);
+    bad |= (pk_bits)!(p->m > 0);
     if (pass != PK_IN_LANE && bad)
         return 1;
 
@@ -332,7 +332,7 @@ void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk
     dLdq[2] = t1 - p->c_[3] * q3;
 }
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv. 3 operations: 3 neg. */
+/* dp/dq, d(pdot)/dq, d(pdot)/dv. 2 operations: 2 neg. */
 void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
                                   pk_real *restrict p_q, pk_real *restrict pdot_q,
@@ -345,17 +345,17 @@ void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk
 
     for (size_t k = 0; k < 9; k++)
         p_q[k] = 0;
-    pdot_q[0] = -p->c_[3];
-    pdot_q[1] = p->kc;
-    pdot_q[2] = 0;
-    pdot_q[3] = p->kc;
-    pdot_q[4] = -p->c_[4];
-    pdot_q[5] = p->kc;
-    pdot_q[6] = 0;
-    pdot_q[7] = p->kc;
-    pdot_q[8] = -p->c_[3];
     for (size_t k = 0; k < 9; k++)
         pdot_v[k] = 0;
+    pdot_q[0] = -p->c_[3];
+    pdot_q[8] = pdot_q[0];
+    pdot_q[1] = p->kc;
+    pdot_q[3] = pdot_q[1];
+    pdot_q[5] = pdot_q[1];
+    pdot_q[7] = pdot_q[1];
+    pdot_q[2] = 0;
+    pdot_q[6] = 0;
+    pdot_q[4] = -p->c_[4];
 }
 
 /* h = v.p - L. 18 operations: 6 +, 2 -, 10 *. */
@@ -596,6 +596,7 @@ const struct pk_system coupled_oscillators_system = {
     .potential = coupled_oscillators_sys_potential,
     .observe = NULL,
     .conserve = NULL,
-    .steppers = PK_INLINE_STEPPERS
+    .steppers = PK_INLINE_STEPPERS,
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };
 #endif

@@ -13,10 +13,11 @@
  *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
  *
  * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
- * Functions" (1980): pi/2 in parts, k times each of them subtracted exactly while that matters.
- * With fma() that is so of parts of full length, three of which do. Without it, k times
- * a part must fit the significand: 33 bits a part and k < 2^20; in float 14 bits and 2^10. What
- * the later subtractions lose is kept and added to sin r. Beyond PK_SINCOS_MAX libm takes over.
+ * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
+ * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
+ * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -44,32 +45,31 @@
 #define PK_SINCOS_FMA(a, b, c) ((a) * (b) + (c))
 #endif
 
-/* Adding PK_SINCOS_ROUND rounds to an integer, which then is in the last bits. */
+/* pi/2 = P1 + P2 + P3 (+ P4). Adding PK_SINCOS_ROUND rounds to an integer, which then is in the
+ * last bits. */
 #ifdef PK_FLOAT
+#define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_ROUND PK_C(0x1.8p23)
 #define PK_SINCOS_SIGN 31
 #ifdef PK_SINCOS_HAS_FMA
-#define PK_SINCOS_MAX PK_C(0x1p15)
 #define PK_SINCOS_P1 PK_C(0x1.921fb4p0)
-#define PK_SINCOS_P2 PK_C(0x1.4442dp-24)
-#define PK_SINCOS_P3 PK_C(0x1.84698ap-48)
+#define PK_SINCOS_P2 PK_C(0x1.444p-24)
+#define PK_SINCOS_P3 PK_C(0x1.68c234p-39)
 #else
-#define PK_SINCOS_MAX PK_C(0x1.8p10)
 #define PK_SINCOS_P1 PK_C(0x1.9218p0)
 #define PK_SINCOS_P2 PK_C(0x1.ed5p-14)
 #define PK_SINCOS_P3 PK_C(0x1.10bp-30)
 #define PK_SINCOS_P4 PK_C(0x1.184698p-44)
 #endif
 #else
+#define PK_SINCOS_MAX PK_C(0x1.8p20)
 #define PK_SINCOS_ROUND PK_C(0x1.8p52)
 #define PK_SINCOS_SIGN 63
 #ifdef PK_SINCOS_HAS_FMA
-#define PK_SINCOS_MAX PK_C(0x1p30)
 #define PK_SINCOS_P1 PK_C(0x1.921fb54442d18p0)
-#define PK_SINCOS_P2 PK_C(0x1.1a62633145c06p-54)
-#define PK_SINCOS_P3 PK_C(0x1.c1cd129024e09p-107)
+#define PK_SINCOS_P2 PK_C(0x1.1a626331p-54)
+#define PK_SINCOS_P3 PK_C(0x1.1701b839a2520p-88)
 #else
-#define PK_SINCOS_MAX PK_C(0x1.8p20)
 #define PK_SINCOS_P1 PK_C(0x1.921fb544p0)
 #define PK_SINCOS_P2 PK_C(0x1.0b4611a6p-34)
 #define PK_SINCOS_P3 PK_C(0x1.3198a2ep-69)
@@ -86,8 +86,8 @@ PK_INLINE static pk_real pk_sincos_s(pk_real z)
 #else
     const pk_real z2 = z * z;
     const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.111111110f750p-7), z, -PK_C(0x1.5555555555548p-3));
-    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558f2372p-19), z, -PK_C(0x1.a01a019bed585p-13));
-    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3d70e473fp-33), z, -PK_C(0x1.ae5e4e8f2f8a1p-26));
+    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558eb5ddp-19), z, -PK_C(0x1.a01a019bed4e5p-13));
+    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3c5be351dp-33), z, -PK_C(0x1.ae5e4e8ac796ap-26));
     return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, s4, s2), s0);
 #endif
 }
@@ -96,12 +96,12 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 {
 #ifdef PK_FLOAT
     const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c0c26p-10), z, PK_C(0x1.55554ap-5));
-    return PK_SINCOS_FMA(PK_C(0x1.99e71ep-16), z * z, c0);
+    return PK_SINCOS_FMA(PK_C(0x1.99e684p-16), z * z, c0);
 #else
     const pk_real z2 = z * z;
-    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14f00p-10), z, PK_C(0x1.555555555554ap-5));
-    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7dffaf17p-22), z, PK_C(0x1.a01a019c75bd2p-16));
-    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8fa0a19b00cc8p-37), z, PK_C(0x1.1ee9d033e2655p-29));
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14e00p-10), z, PK_C(0x1.555555555554ap-5));
+    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7cd25aefp-22), z, PK_C(0x1.a01a019c5c32cp-16));
+    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8f99c237a1f64p-37), z, PK_C(0x1.1ee9c32a6292ep-29));
     return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, c4, c2), c0);
 #endif
 }
@@ -109,43 +109,41 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 /* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
-    const pk_real size = PK_F(fabs)(x);
-    const pk_real rounded =
-        PK_SINCOS_FMA(size, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND); /* 2/pi */
-    const pk_real k = rounded - PK_SINCOS_ROUND;
-    pk_bits j, sign, s_bits, c_bits, differ;
-    pk_real r, z, s, c, lost; /* the last: what r lacks */
+    const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
+    const pk_real k = rounded - PK_SINCOS_ROUND; /* x over pi/2, to the nearest integer */
+    pk_bits j, s_bits, c_bits, differ;
+    pk_real z, s, c;
 
+    /* x - k pi/2 is r and what r lacks of it, `lost`. With fma() the cosine does without: that is
+     * 0.4 of its units. So that the sine of -0 is -0, `lost` is -0 then, and r z, by adding 0, is
+     * not. */
 #ifdef PK_SINCOS_HAS_FMA
-    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, size);
-    const pk_real r2 = PK_F(fma)(-k, PK_SINCOS_P2, r1);
-    r = PK_F(fma)(-k, PK_SINCOS_P3, r2);
-    lost = PK_F(fma)(-k, PK_SINCOS_P3, r2 - r);
+    const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
+    const pk_real r = r1 - k * PK_SINCOS_P2;
+    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, -((r - r1) + k * PK_SINCOS_P2));
     z = r * r;
-    s = r + PK_F(fma)(r * z, pk_sincos_s(z), lost);
-    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1); /* 0.4 units from `lost` */
+    s = r + PK_F(fma)(PK_F(fma)(r, z, 0), pk_sincos_s(z), lost);
+    c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1);
 #else
-    const pk_real r1 = size - k * PK_SINCOS_P1;
+    const pk_real r1 = x - k * PK_SINCOS_P1;
     const pk_real r2 = r1 - k * PK_SINCOS_P2;
-    const pk_real r3 = r2 - k * PK_SINCOS_P3;
+    const pk_real r = r2 - k * PK_SINCOS_P3;
+    const pk_real lost = -(((r2 - r1) + k * PK_SINCOS_P2) + ((r - r2) + k * PK_SINCOS_P3)
+                           + k * PK_SINCOS_P4);
     pk_real half, high;
-    lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r3) - k * PK_SINCOS_P3) - k * PK_SINCOS_P4;
-    r = r3 + lost;
-    lost += r3 - r;
     z = r * r;
-    s = r + (lost + r * z * pk_sincos_s(z));
+    s = r + ((r * z + 0) * pk_sincos_s(z) + lost);
     half = PK_C(0.5) * z;
     high = 1 - half;
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
 #endif
 
+    /* j mod 4 is k mod 4. Where it is odd, sine and cosine change places. */
     memcpy(&j, &rounded, sizeof j);
-    memcpy(&sign, &x, sizeof sign);
     memcpy(&s_bits, &s, sizeof s_bits);
     memcpy(&c_bits, &c, sizeof c_bits);
-    sign = ((sign >> PK_SINCOS_SIGN) ^ (j >> 1)) << PK_SINCOS_SIGN;
     differ = (s_bits ^ c_bits) & (0 - (j & 1));
-    s_bits ^= differ ^ sign;
+    s_bits ^= differ ^ (j >> 1 << PK_SINCOS_SIGN);
     c_bits ^= differ ^ ((j + 1) >> 1 << PK_SINCOS_SIGN);
     if (sine)
         memcpy(sine, &s_bits, sizeof s_bits);
@@ -156,29 +154,15 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
 /* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
-    return !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+    return (pk_bits)!(PK_F(fabs)(x) <= PK_SINCOS_MAX);
 }
 
 #endif
-
-PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
-{
-#ifdef PK_SINCOS_INLINE
-    if (!pk_sincos_far(x)) {
-        pk_sincos_bounded(x, sine, cosine);
-        return;
-    }
-#endif
-    if (sine)
-        *sine = PK_F(sin)(x);
-    if (cosine)
-        *cosine = PK_F(cos)(x);
-}
 
 /* Without a branch, unless carefully: then what is returned is not 0 where the results must not
  * be used. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
-                                               pk_real *cosine)
+                                        pk_real *cosine)
 {
 #ifdef PK_SINCOS_INLINE
     if (pass != PK_CAREFULLY) {
@@ -188,8 +172,50 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
-    pk_sincos(x, sine, cosine);
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
     return 0;
+}
+
+/* The same of two angles. Outside of lanes they are packed into one vector: a short loop. */
+PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
+                                          pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass == PK_ONCE) {
+        const pk_real angle[2] = {x, y};
+        pk_real s[2], c[2];
+        int i;
+
+        for (i = 0; i < 2; i++)
+            pk_sincos_bounded(angle[i], &s[i], &c[i]);
+        if (sin_x)
+            *sin_x = s[0];
+        if (cos_x)
+            *cos_x = c[0];
+        if (sin_y)
+            *sin_y = s[1];
+        if (cos_y)
+            *cos_y = c[1];
+        return pk_sincos_far(x) | pk_sincos_far(y);
+    }
+#endif
+    return pk_sincos_pass(pass, x, sin_x, cos_x) | pk_sincos_pass(pass, y, sin_y, cos_y);
+}
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    if (pk_sincos_pass(PK_ONCE, x, sine, cosine))
+        (void)pk_sincos_pass(PK_CAREFULLY, x, sine, cosine);
+}
+
+PK_INLINE static void pk_sincos_2(pk_real x, pk_real y, pk_real *sin_x, pk_real *cos_x,
+                                  pk_real *sin_y, pk_real *cos_y)
+{
+    if (pk_sincos_pass_2(PK_ONCE, x, y, sin_x, cos_x, sin_y, cos_y))
+        (void)pk_sincos_pass_2(PK_CAREFULLY, x, y, sin_x, cos_x, sin_y, cos_y);
 }
 
 #endif
@@ -294,13 +320,13 @@ static pk_bits heavy_top_acceleration_pass(enum pk_pass pass, const struct heavy
     const pk_real D_0 = p->I1 * sin_theta * sin_theta;
     const pk_real M_0_0 = p->I3 * cos_theta * cos_theta + D_0;
 
-    bad |= !(D_0 > PK_PIVOT_MIN * M_0_0);
+    bad |= (pk_bits)!(D_0 > PK_PIVOT_MIN * M_0_0);
     if (pass != PK_IN_LANE && bad)
         return 1;
-    bad |= !(p->I1 > 0);
+    bad |= (pk_bits)!(p->I1 > 0);
     if (pass != PK_IN_LANE && bad)
         return 2;
-    bad |= !(p->I3 > 0);
+    bad |= (pk_bits)!(p->I3 > 0);
     if (pass != PK_IN_LANE && bad)
         return 3;
 
@@ -561,7 +587,7 @@ void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_re
     dLdq[2] = 0;
 }
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv. 22 operations: 2 +, 2 -, 14 *, 2 neg, 1 cos, 1 sin. */
+/* dp/dq, d(pdot)/dq, d(pdot)/dv. 21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *restrict p_q,
                         pk_real *restrict pdot_q, pk_real *restrict pdot_v)
@@ -574,25 +600,16 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
     const pk_real psi_dot = v[2];
 
     p_q[0] = 0;
-    pk_real sin_theta, cos_theta;
-    pk_sincos(theta, &sin_theta, &cos_theta);
-    const pk_real t1 = p->I3 * psi_dot;
-    const pk_real t2 = sin_theta * (p->c_[10] * phi_dot * cos_theta - t1);
-    p_q[1] = t2;
     p_q[2] = 0;
     p_q[3] = 0;
     p_q[4] = 0;
     p_q[5] = 0;
     p_q[6] = 0;
-    const pk_real t3 = p->I3 * phi_dot * sin_theta;
-    p_q[7] = -t3;
     p_q[8] = 0;
     pdot_q[0] = 0;
     pdot_q[1] = 0;
     pdot_q[2] = 0;
     pdot_q[3] = 0;
-    const pk_real t4 = p->c_[4] * sin_theta * sin_theta + p->c_[3] * cos_theta * cos_theta;
-    pdot_q[4] = p->c_[2] * cos_theta + phi_dot * (phi_dot * t4 - t1 * cos_theta);
     pdot_q[5] = 0;
     pdot_q[6] = 0;
     pdot_q[7] = 0;
@@ -600,12 +617,19 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
     pdot_v[0] = 0;
     pdot_v[1] = 0;
     pdot_v[2] = 0;
-    pdot_v[3] = t2;
     pdot_v[4] = 0;
-    pdot_v[5] = -t3;
     pdot_v[6] = 0;
     pdot_v[7] = 0;
     pdot_v[8] = 0;
+    pk_real sin_theta, cos_theta;
+    pk_sincos(theta, &sin_theta, &cos_theta);
+    const pk_real t1 = p->I3 * psi_dot;
+    p_q[1] = sin_theta * (p->c_[10] * phi_dot * cos_theta - t1);
+    pdot_v[3] = p_q[1];
+    p_q[7] = -p->I3 * phi_dot * sin_theta;
+    pdot_v[5] = p_q[7];
+    const pk_real t2 = p->c_[4] * sin_theta * sin_theta + p->c_[3] * cos_theta * cos_theta;
+    pdot_q[4] = p->c_[2] * cos_theta + phi_dot * (phi_dot * t2 - t1 * cos_theta);
 }
 
 /* h = v.p - L. 15 operations: 4 +, 9 *, 1 cos, 1 sin. */
@@ -665,7 +689,7 @@ pk_real heavy_top_kinetic(const struct heavy_top_params *p, pk_real t, const pk_
     return p->c_[0] * t1 + p->c_[1] * t2 * t2;
 }
 
-/* V. 2 operations: 1 *, 1 cos. */
+/* V. 2 operations: 1 *, 1 cos, 0 sin. */
 pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u)
 {
@@ -680,7 +704,7 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
     return p->c_[2] * cos_theta;
 }
 
-/* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos. */
+/* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos, 0 sin. */
 void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *restrict out)
 {
@@ -869,6 +893,7 @@ const struct pk_system heavy_top_system = {
     .potential = heavy_top_sys_potential,
     .observe = NULL,
     .conserve = heavy_top_sys_conserve,
-    .steppers = PK_INLINE_STEPPERS
+    .steppers = PK_INLINE_STEPPERS,
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };
 #endif

@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import MODELS, ROOT
+from conftest import MODELS
+from page import write_section
 
 pytestmark = pytest.mark.long
 
@@ -26,9 +27,7 @@ potential -mu/sqrt(x^2 + y^2)
 start x = 0.4, y' = 2
 """
 PERIODS, PER_PERIOD = 1_000_000, 50
-ROUND_OFF = """
-# A million periods
-
+ROUND_OFF = """\
 Kepler, e = .6, gauss8 in {0} steps a period: root mean square of the relative energy error over the
 last tenth of so many periods, seen at the start's phase. A random walk: the error over n periods
 is fitted by n^{1:.2f}. The textbook form of the method, without compensated sums and with h a_ij
@@ -39,9 +38,8 @@ does not.)
 | periods | error |
 |---|---|
 """
-PAGE = ROOT / "docs" / "long-runs.md"
-INTRODUCTION = f"""# A million steps
-
+TITLE = "A million steps"
+INTRODUCTION = f"""\
 Drift of each model's constants over {STEPS:,} steps of {STEP} s, from its own start: the largest,
 and in brackets what a straight line through it gains over the run. Written by `make test-long`
 (`PKGEN_UPDATE=1 make test-long`), which demands that gauss4 stays below 1e-12, that the energy
@@ -69,10 +67,7 @@ def drifts(pkgen, model: Path, method: str, out: Path) -> dict[str, tuple[float,
 def page():
     lines: list[str] = []
     yield lines
-    if os.environ.get("PKGEN_UPDATE"):
-        table = "\n".join(sorted(line for line in lines if line.startswith("|")))
-        rest = "".join(line for line in lines if not line.startswith("|"))
-        PAGE.write_text(INTRODUCTION + table + "\n" + rest)
+    write_section(TITLE, INTRODUCTION + "\n".join(sorted(lines)))
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.stem)
@@ -90,7 +85,7 @@ def test_a_million_steps(pkgen, model: Path, page: list[str], tmp_path: Path) ->
     assert largest > 1e-12 and abs(gained) > largest / 20
 
 
-def test_a_million_periods(pkgen, page: list[str], tmp_path: Path) -> None:
+def test_a_million_periods(pkgen, tmp_path: Path) -> None:
     model, out = tmp_path / "kepler.lag", tmp_path / "rows.csv"
     model.write_text(KEPLER)
     period = 2 * math.pi
@@ -115,9 +110,10 @@ def test_a_million_periods(pkgen, page: list[str], tmp_path: Path) -> None:
         (math.log(n) - centre) * (math.log(e) - mean) for n, e in zip(ends, errors, strict=True)
     )
     slope /= sum((math.log(n) - centre) ** 2 for n in ends)
-    page.append(
+    write_section(
+        "A million periods",
         ROUND_OFF.format(PER_PERIOD, slope)
-        + "".join(f"| {n:,} | {e:.1e} |\n" for n, e in zip(ends, errors, strict=True))
+        + "".join(f"| {n:,} | {e:.1e} |\n" for n, e in zip(ends, errors, strict=True)),
     )
     assert 1e-15 < errors[-1] < 5e-13 and slope < 0.6
 

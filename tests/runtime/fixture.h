@@ -42,5 +42,6 @@ void add_silence(void);
 void add_control(void);
 void add_limits(void);
 void add_diagnostics(void);
+void add_ensemble(void);
 
 #endif

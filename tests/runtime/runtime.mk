@@ -11,21 +11,30 @@ RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/include/pk/step/*.h \
              runtime/src/*.h runtime/run/*.h tests/runtime/*.h)
 RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c)))
 RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
+# The one part with OpenMP, where the compiler has it.
+RT_OPENMP := $(shell echo 'int main(void) { return 0; }' | \
+               $(CC) -fopenmp -x c - -o /dev/null 2>/dev/null && echo -fopenmp)
+RT_OMP = $(RT_DIR)/libpk_omp.a
 RT_TEST_C = $(sort $(wildcard tests/runtime/*.c))
 RT_TEST_O = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_TEST_C))
 RT_SYSTEMS_C = $(sort $(wildcard tests/runtime/systems_*.c))
-RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING -DPK_INLINE_GAUSS
+RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING -DPK_INLINE_GAUSS \
+            -DPK_INLINE_ENSEMBLE
 RT_SYSTEMS_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/inlined/%.o,$(RT_SYSTEMS_C))
 RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 
 .PHONY: runtime test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
 
-runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
+runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a $(RT_OMP)
 
 $(RT_DIR)/libpk.a: $(RT_CORE)
 	rm -f $@ && ar rcsD $@ $^
 $(RT_DIR)/libpk_gsl.a: $(RT_GSL)
 	rm -f $@ && ar rcsD $@ $^
+$(RT_DIR)/libpk_omp.a: runtime/omp/threads.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_CFLAGS) $(RT_OPENMP) -c $< -o $(RT_DIR)/threads.o
+	rm -f $@ && ar rcsD $@ $(RT_DIR)/threads.o
 $(RT_DIR)/%.o: runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_CFLAGS) -c $< -o $@
@@ -33,24 +42,24 @@ $(RT_TESTS)/%.o: tests/runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_CFLAGS) -Iruntime/src -c $< -o $@
 
-$(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
-	$(CC) $(RT_EXTRA) $^ -lcunit -lgsl -lgslcblas -lm -o $@
+$(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
 # The same tests over steps that are compiled together with their systems.
 $(RT_TESTS)/inlined/%.o: tests/runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_CFLAGS) $(RT_INLINE) -c $< -o $@
 $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTEMS_INLINED) \
-                             $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
-	$(CC) $(RT_EXTRA) $^ -lcunit -lgsl -lgslcblas -lm -o $@
+                             $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
 # The driver around a hand-written system, for its own tests.
-$(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
+$(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
                    $(wildcard runtime/run/*.c) $(RT_HEADERS)
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
 	    'const struct pk_system *const run_system = &$*_system;' >$@.c
 	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -Iruntime/run -Itests/runtime runtime/run/*.c $@.c \
-	    $(RT_SYSTEMS) \
+	    $(RT_SYSTEMS) $(RT_OMP) $(RT_OPENMP) \
 	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.

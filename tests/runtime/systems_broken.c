@@ -2,7 +2,7 @@
 #include "systems_make.h"
 
 POINT_MASS(broken, 0, PK_F(sqrt)(LIMIT(params) - t), 0)
-SIZES(broken, 1, 0);
+SIZES(broken, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) broken_##x
 #include <pk/inlined.h>
@@ -52,7 +52,7 @@ static pk_real folded_energy(ARGS)
     UNUSED;
     return (LIMIT(params) - q[0]) * v[0] * v[0] / 2;
 }
-SIZES(folded, 1, 0);
+SIZES(folded, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) folded_##x
 #include <pk/inlined.h>

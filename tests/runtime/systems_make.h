@@ -35,8 +35,9 @@ static const struct pk_quantity rates[] = {{"x'", "", ""}, {"y,1'", "", ""}};
 static const struct pk_quantity momenta[] = {{"p_x", "", ""}, {"p_y", "", ""}};
 static const unsigned char none_cyclic[] = {0, 0};
 
-/* What pk/inlined.h wants: constants, and lanes, here one after the other. */
+/* What pk/inlined.h wants: constants, and lane kernels, here lane by lane. */
 #define SIZES(NAME, N, INPUTS)                                                               \
+    enum { NAME##_N = N, NAME##_INPUTS = INPUTS };                                           \
     static inline unsigned long long NAME##_lanes_inline(                                   \
         size_t W, const void *params, const pk_real *t, const pk_real *q, const pk_real *v, \
         const pk_real *u, pk_real *a)                                                       \
@@ -55,7 +56,34 @@ static const unsigned char none_cyclic[] = {0, 0};
         }                                                                                   \
         return failed;                                                                      \
     }                                                                                       \
-    enum { NAME##_N = N, NAME##_INPUTS = INPUTS }
+    PK_INLINE                                                                                \
+    static unsigned long long NAME##_members_inline(size_t W, const pk_real *P,              \
+                                                    const pk_real *t, const pk_real *q,      \
+                                                    const pk_real *v, const pk_real *u,      \
+                                                    pk_real *a)                              \
+    {                                                                                        \
+        unsigned long long failed = 0;                                                       \
+        for (size_t l = 0; l < W; l++) {                                                     \
+            const struct test_params params = {P[l], P[W + l]};                              \
+            pk_real q1[N], v1[N], a1[N], u1[INPUTS + 1] = {0};                               \
+            for (size_t i = 0; i < N; i++)                                                   \
+                q1[i] = q[i * W + l], v1[i] = v[i * W + l];                                  \
+            for (int i = 0; i < INPUTS; i++)                                                 \
+                u1[i] = u[(size_t)i * W + l];                                                \
+            if (NAME##_acceleration(&params, t[l], q1, v1, u1, a1))                          \
+                failed |= 1ull << l;                                                         \
+            else                                                                             \
+                for (size_t i = 0; i < N; i++)                                               \
+                    a[i * W + l] = a1[i];                                                    \
+        }                                                                                    \
+        return failed;                                                                       \
+    }                                                                                        \
+    static unsigned long long NAME##_members(const pk_real *P, const pk_real *t,             \
+                                             const pk_real *q, const pk_real *v,             \
+                                             const pk_real *u, pk_real *a)                   \
+    {                                                                                        \
+        return NAME##_members_inline(PK_LANES, P, t, q, v, u, a);                            \
+    }
 
 #define SYSTEM(NAME, N, FACTS, GRAVITY, LIMIT0, CYCLIC, START_Q, START_V, ...)               \
     static void NAME##_defaults(void *params)                                               \
@@ -95,7 +123,9 @@ static const unsigned char none_cyclic[] = {0, 0};
                                             .gradient = NAME##_gradient,                    \
                                             .jacobian = NAME##_jacobian,                    \
                                             .energy = NAME##_energy,                        \
+                                            .members = NAME##_members,                      \
                                             .steppers = PK_INLINE_STEPPERS,                 \
+                                            .block_steppers = PK_INLINE_BLOCK_STEPPERS,     \
                                             __VA_ARGS__}
 
 #define LIST(...) {__VA_ARGS__}

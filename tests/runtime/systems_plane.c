@@ -64,7 +64,7 @@ static pk_real double_pendulum_energy(ARGS)
     return v[0] * v[0] + v[1] * v[1] / 2 + PK_F(cos)(q[0] - q[1]) * v[0] * v[1] -
            G(params) * (2 * PK_F(cos)(q[0]) + PK_F(cos)(q[1]));
 }
-SIZES(double_pendulum, 2, 0);
+SIZES(double_pendulum, 2, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) double_pendulum_##x
 #include <pk/inlined.h>
@@ -116,7 +116,7 @@ static void kepler_conserve(ARGS, pk_real *out)
     UNUSED;
     out[0] = q[0] * v[1] - q[1] * v[0];
 }
-SIZES(kepler, 2, 0);
+SIZES(kepler, 2, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) kepler_##x
 #include <pk/inlined.h>
@@ -141,7 +141,7 @@ static int arenstorf_acceleration(ARGS, pk_real *a)
 #define arenstorf_gradient kepler_gradient
 #define arenstorf_jacobian kepler_jacobian
 #define arenstorf_energy kepler_energy
-SIZES(arenstorf, 2, 0);
+SIZES(arenstorf, 2, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) arenstorf_##x
 #include <pk/inlined.h>

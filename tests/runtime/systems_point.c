@@ -7,14 +7,14 @@ static const struct pk_quantity inputs[] = {{"u", "", ""}};
 
 POINT_MASS(pendulum, -G(params) * PK_F(cos)(q[0]), -G(params) * PK_F(sin)(q[0]),
            -G(params) * PK_F(cos)(q[0]))
-SIZES(pendulum, 1, 0);
+SIZES(pendulum, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) pendulum_##x
 #include <pk/inlined.h>
 SYSTEM(pendulum, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(2.385)), LIST(PK_C(0.13)), );
 
 POINT_MASS(oscillator, G(params) * q[0] * q[0] / 2, -G(params) * q[0], -G(params))
-SIZES(oscillator, 1, 0);
+SIZES(oscillator, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) oscillator_##x
 #include <pk/inlined.h>
@@ -22,7 +22,7 @@ SYSTEM(oscillator, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(
 
 POINT_MASS(driven, G(params) * q[0] * q[0] / 2 - q[0] * PK_F(cos)(3 * t),
            -G(params) * q[0] + PK_F(cos)(3 * t), -G(params))
-SIZES(driven, 1, 0);
+SIZES(driven, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) driven_##x
 #include <pk/inlined.h>
@@ -37,7 +37,7 @@ void driven_exact(pk_real t, pk_real *q, pk_real *v)
 }
 
 POINT_MASS(pushed, 0, u[0], 0)
-SIZES(pushed, 1, 1);
+SIZES(pushed, 1, 1)
 #undef PK_MODEL
 #define PK_MODEL(x) pushed_##x
 #include <pk/inlined.h>

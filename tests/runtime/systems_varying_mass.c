@@ -41,7 +41,7 @@ static pk_real relativistic_energy(ARGS)
     UNUSED;
     return lorentz(v) + G(params) * q[0] * q[0] / 2;
 }
-SIZES(relativistic, 1, 0);
+SIZES(relativistic, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) relativistic_##x
 #include <pk/inlined.h>
@@ -93,7 +93,7 @@ static pk_real forced_energy(ARGS)
     return E_OF_T * (1 + q[0] * q[0]) * v[0] * v[0] / 2 +
            G(params) * PK_F(cos)(t) * q[0] * q[0] / 2;
 }
-SIZES(forced, 1, 0);
+SIZES(forced, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) forced_##x
 #include <pk/inlined.h>

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Iterable
+from typing import NamedTuple
 
 PLUS, MINUS = 1, -1
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(NamedTuple):
     """A sum of (sign, text) terms if there is not exactly one term of `terms`; otherwise a
     product sign * above / below. An atom is a product of one factor."""
 
@@ -83,14 +83,12 @@ def text(form: Form) -> str:
     return "".join(parts)
 
 
-def count_operations(expression: str, prefix: str) -> Counter[str]:
-    """Operations in an expression's text, constants such as 1/3 aside: what is shown is what is
+def count_operations(expressions: Iterable[str], prefix: str) -> Counter[str]:
+    """Operations in expressions' text, constants such as 1/3 aside: what is shown is what is
     counted. `prefix` starts the names of the model's own helper functions."""
-    expression = _RATIO.sub("1", expression)
-    if _RATIO.fullmatch(f"({expression})"):
-        return Counter()
+    text = "\n".join(x for x in expressions if not _RATIO.fullmatch(f"({x})"))
     operations: Counter[str] = Counter()
-    for sign, macro, helper, minus in _OPERATION.findall(expression):
+    for sign, macro, helper, minus in _OPERATION.findall(_RATIO.sub("1", text)):
         if sign:
             operations[sign] += 1
         elif minus:
@@ -103,7 +101,7 @@ def count_operations(expression: str, prefix: str) -> Counter[str]:
 
 
 _RATIO = re.compile(r"\(PK_C\([^()]*\) / PK_C\([^()]*\)\)")
-_OPERATION = re.compile(r" ([-+*/]) |PK_F\((\w+)\)|(\w+)\(|(?:^|(?<=[( ]))(-)(?=\S)")
+_OPERATION = re.compile(r" ([-+*/]) |PK_F\((\w+)\)|\b(\w+)\(|(?:^|(?<=[( ]))(-)(?=\S)", re.M)
 
 
 def _fraction(above: tuple[str, ...], below: tuple[str, ...]) -> str:

@@ -123,11 +123,18 @@ def _acceleration_targets(equations: Equations) -> list[Target]:
 
 
 def _jacobian(equations: Equations) -> list[Target]:
-    return (
-        _matrix_stores("p_q", equations.p_q or ())
-        + _matrix_stores("pdot_q", equations.pdot_q or ())
-        + _matrix_stores("pdot_v", equations.pdot_v or ())
-    )
+    """An entry that is in several places, as the second derivatives of L are, is copied."""
+    matrices = {name: getattr(equations, name) or () for name in ("p_q", "pdot_q", "pdot_v")}
+    targets = [t for name, matrix in matrices.items() for t in _matrix_stores(name, matrix)]
+    places: dict[Node, list[str]] = {}
+    for target in targets:
+        for node in target.nodes:
+            places.setdefault(node, []).append(target.where)
+    fills = [target for target in targets if target.kind == FILL]
+    return fills + [
+        Target(STORE, where, (node,), also=tuple(copies))
+        for node, (where, *copies) in places.items()
+    ]
 
 
 def _specs() -> Iterator[KernelSpec]:

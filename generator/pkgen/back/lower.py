@@ -7,7 +7,6 @@ the parameter struct. The rest of the work is in `rewrite.py` (powers, products)
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -69,6 +68,7 @@ class _Lowering:
         self.work = Workspace(equations.graph)
         self.fields, self.parameter_names = _fields(equations)
         self.symbols = _local_names(equations)
+        self.leaves: dict[Node, str] = {}
         self.hoisted: dict[Node, int] = {}
         self.helpers: set[str] = set()
 
@@ -143,12 +143,12 @@ class _Lowering:
         solves: bool = False,
     ) -> Kernel:
         parts, work = blocks(schedule.statements, loads, [o.name for o in outputs])
-        operations: Counter[str] = Counter()
+        operations = count_operations((s.text for s in schedule.statements), self.prefix)
         for statement in schedule.statements:
-            operations += count_operations(statement.text, self.prefix)
             if statement.kind == TRIG:
-                pair = zip(("sin", "cos"), statement.target.split(), strict=True)
-                operations.update(function for function, name in pair if name != "NULL")
+                names = statement.target.split()
+                operations["sin"] += sum(name != "NULL" for name in names[::2])
+                operations["cos"] += sum(name != "NULL" for name in names[1::2])
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
     def _leaf(self, node: Node) -> str | None:
@@ -158,10 +158,15 @@ class _Lowering:
         return self._symbol(node)
 
     def _symbol(self, node: Node) -> str | None:
+        if not self.work.is_leaf(node):
+            return None
+        if node not in self.leaves:
+            self.leaves[node] = self._leaf_text(node)
+        return self.leaves[node]
+
+    def _leaf_text(self, node: Node) -> str:
         if self.work.op[node] is Op.NUMBER:
             return number_text(self.work.data[node])
-        if self.work.op[node] is not Op.SYMBOL:
-            return None
         symbol = self.work.data[node]
         assert isinstance(symbol, Symbol)
         if symbol.kind is Kind.PARAMETER:

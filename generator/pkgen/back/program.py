@@ -14,7 +14,8 @@ from ..equations import Equations, Structure
 
 # The kinds of a statement, and how each is shown in a dump.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
-TRIG = "trig"  # sine and cosine of TEXT into the two names in TARGET; NULL: not needed
+TRIG = "trig"  # sine and cosine into the names in TARGET; NULL: not needed. TEXT: one angle, or
+# two with a semicolon between
 LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
 STORE = "store"  # TARGET = TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;

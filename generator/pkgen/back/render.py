@@ -4,22 +4,21 @@ and lists, made here.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 import pkgen_runtime
 
 from .. import __version__
-from ..equations import Quantity
+from . import lanes, tables
 from .ctext import comment, fold, fold_call, paragraph, string
-from .describe import entries, families, field_says, operations_rows
+from .describe import entries, operations_rows
 from .kernels import KERNELS
-from .names import family_of
-from .program import Block, Kernel, Program, Statement, operations_text
+from .program import Block, Kernel, Program, operations_text
+
+if TYPE_CHECKING:
+    import jinja2
 
 # Which field of Structure proves which of enum pk_fact, in the order of that enum.
 FACTS = [
@@ -85,6 +84,8 @@ def _refuse_parts(program: Program) -> None:
 
 @cache
 def _environment() -> jinja2.Environment:
+    import jinja2  # only where there is C to write: it takes longer to load than a model to check
+
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
         undefined=jinja2.StrictUndefined,
@@ -128,11 +129,11 @@ def _context(program: Program) -> dict[str, Any]:
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
         "n_hoisted": program.hoisted,
-        "indices": _indices(program),
-        "fields": _fields(program),
-        "parameters": _parameters(program),
+        "indices": tables.indices(program),
+        "fields": tables.fields(program),
+        "parameters": tables.parameters(program),
         "any_follows": any(p.follows for p in equations.parameters),
-        "tables": _tables(program),
+        "tables": tables.tables(program),
         "start": _kernel(program, program.start),
         "prepare": _kernel(program, program.prepare),
         "kernels": kernels,
@@ -147,30 +148,8 @@ def _context(program: Program) -> dict[str, Any]:
             {"name": kernel, "present": kernel in present} for kernel in SYSTEM_KERNELS
         ],
         "has_parts": int({"kinetic", "potential"} <= present),
-        "input_rates": _input_rates(equations.inputs),
-        "lane_arguments": f"const struct {model.name}_params *p, {_LANES}",
-        "member_arguments": f"const pk_real *P, {_LANES}",
-        "used_fields": _used_fields(program),
-        "places": _places,
-    }
-
-
-_LANES = "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"
-
-
-def _places(array: str, count: int) -> str:
-    """q[0 * W + l], q[1 * W + l], ..."""
-    return ", ".join(f"{array}[{i} * W + l]" for i in range(count))
-
-
-def _used_fields(program: Program) -> list[tuple[str, int]]:
-    """The members of struct NAME_params that the acceleration reads: C text and place."""
-    places = {name: k for k, name in enumerate(program.parameter_names)}
-    places |= {f"c_[{k}]": len(places) + k for k in range(program.hoisted)}
-    kernel = program.kernel("acceleration")
-    texts = " ".join(s.text for s in kernel.statements) if kernel else ""
-    used = set(re.findall(r"p->(\w+(?:\[\d+\])?)", texts))
-    return [(name, k) for name, k in places.items() if name in used]
+        "input_rates": tables.input_rates(equations.inputs),
+    } | lanes.context(program)
 
 
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
@@ -202,92 +181,12 @@ def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
             groups.append([])
         last = part
         groups[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
+    outputs = [o.name for o in kernel.outputs if o.name in block.uses]
     return {
         "groups": groups,
         "checks": int(block.checks),
-        "arguments": [a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses],
-        "outputs": [o.name for o in kernel.outputs if o.name in block.uses],
+        "arguments": [
+            a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses and a not in outputs
+        ],
+        "outputs": outputs,
     }
-
-
-def _quantity(quantity: Quantity) -> dict[str, str]:
-    return {
-        "name": quantity.name,
-        "unit": quantity.unit,
-        "description": quantity.description,
-    }
-
-
-def _tables(program: Program) -> list[dict[str, Any]]:
-    e = program.equations
-    rows: list[tuple[str, str, Sequence[Quantity]]] = [
-        ("coordinates", "N", e.coordinates),
-        ("rates", "N", e.rates),
-        ("momentum_names", "N", e.momenta_names),
-        ("inputs", "INPUTS", e.inputs),
-        ("observed", "OBSERVED", e.observed_names),
-        ("conserved", "CONSERVED", e.conserved_names),
-    ]
-    return [
-        {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}
-        for name, count, quantities in rows
-    ]
-
-
-def _indices(program: Program) -> list[dict[str, Any]]:
-    """Named indices, one for a plain quantity or the first of a family."""
-    e = program.equations
-    rows: list[tuple[str, Sequence[Quantity], str]] = [
-        ("q", e.coordinates, "into q, v, momenta, ..."),
-        ("p", [slot.quantity for slot in e.parameters], "into the table of parameters"),
-        ("u", e.inputs, "into u"),
-        ("o", e.observed_names, "into the observed outputs"),
-        ("c", e.conserved_names, "into the quantities claimed to be constant"),
-    ]
-    return [
-        {"stem": stem, "says": says, "rows": families(quantities)}
-        for stem, quantities, says in rows
-        if quantities
-    ]
-
-
-def _fields(program: Program) -> list[dict[str, Any]]:
-    return [
-        {"c_name": field.c_name, "length": field.length, "says": field_says(program, field)}
-        for field in program.fields
-    ]
-
-
-def _parameters(program: Program) -> list[dict[str, Any]]:
-    rows = []
-    for index, slot in enumerate(program.equations.parameters):
-        c_name = program.parameter_names[index]
-        bounds, default = program.bounds[index], program.defaults[index]
-        rows.append(
-            _quantity(slot.quantity)
-            | {
-                "index": index,
-                "c_name": c_name,
-                "field": family_of(c_name),
-                "position": slot.position,
-                "follows": int(slot.follows),
-                "lo_open": int(slot.lo_open or bounds.lo is None),
-                "hi_open": int(slot.hi_open or bounds.hi is None),
-                "lo": bounds.lo or "-PK_INFINITY",
-                "hi": bounds.hi or "PK_INFINITY",
-                "bounds_need": _locals(bounds.statements),
-                "default": default.text,
-                "default_needs": _locals(default.statements),
-            }
-        )
-    return rows
-
-
-def _locals(statements: Sequence[Statement]) -> list[dict[str, str]]:
-    return [{"kind": s.kind, "target": s.target, "text": s.text} for s in statements]
-
-
-def _input_rates(inputs: Sequence[Quantity]) -> list[int]:
-    """For each input the index of its time derivative, or -1 where that is not an input."""
-    places = {quantity.name: i for i, quantity in enumerate(inputs)}
-    return [places.get(quantity.name + "'", -1) for quantity in inputs]

@@ -15,9 +15,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ..middle.graph import Graph, Kind, Node, Op, Symbol
+from ..middle.graph import VARIABLE, Graph, Node, Op
 
 _ONE = Fraction(1)
+_MINUS_ONE = Fraction(-1)
 
 
 class Workspace:
@@ -27,35 +28,30 @@ class Workspace:
         self.op = list(graph.op)
         self.args = list(graph.args)
         self.data = list(graph.data)
-        self._known: dict[tuple[object, ...], Node] = {}
-        self.fixed: list[bool] = []  # depends on parameters alone (or on nothing)
-        for node in range(len(self.op)):
-            self._known[self.op[node], self.args[node], self.data[node]] = node
-            self.fixed.append(self._is_fixed(node))
-
-    def _is_fixed(self, node: Node) -> bool:
-        if self.op[node] is Op.SYMBOL:
-            symbol = self.data[node]
-            assert isinstance(symbol, Symbol)
-            return symbol.kind in (Kind.PI, Kind.PARAMETER)
-        return all(self.fixed[a] for a in self.args[node])
+        self._known = graph.tables()
+        # Whether a node depends on parameters alone (or on nothing).
+        self.fixed = [not mask & VARIABLE for mask in graph.depends]
 
     def node(self, op: Op, args: tuple[Node, ...], data: object = None) -> Node:
-        key = (op, args, data)
-        known = self._known.get(key)
-        if known is None:
-            known = self._known[key] = len(self.op)
-            self.op.append(op)
-            self.args.append(args)
-            self.data.append(data)
-            self.fixed.append(self._is_fixed(known))
-        return known
+        key = args if data is None else (args, data)
+        known = self._known[op].get(key)
+        return self._new(op, args, data, key) if known is None else known
+
+    def _new(self, op: Op, args: tuple[Node, ...], data: object, key: object) -> Node:
+        node = self._known[op][key] = len(self.op)
+        self.op.append(op)
+        self.args.append(args)
+        self.data.append(data)
+        self.fixed.append(all(self.fixed[a] for a in args))
+        return node
 
     def find(self, op: Op, args: tuple[Node, ...], data: object) -> Node | None:
-        return self._known.get((op, args, data))
+        return self._known[op].get((args, data))
 
     def number(self, value: Fraction) -> Node:
-        return self.node(Op.NUMBER, (), value)
+        key = value.numerator, value.denominator
+        known = self._known[Op.NUMBER].get(key)
+        return self._new(Op.NUMBER, (), value, key) if known is None else known
 
     def add(self, a: Node, b: Node) -> Node:
         return self.node(Op.ADD, (a, b))
@@ -147,7 +143,7 @@ def _sign_outermost(work: Workspace, node: Node) -> Node:
         assert isinstance(value, Fraction)
         if value < 0 and value != -1:
             magnitude = work.multiply(work.number(-value), work.args[node][1])
-            return work.multiply(work.number(Fraction(-1)), magnitude)
+            return work.multiply(work.number(_MINUS_ONE), magnitude)
     return node
 
 
@@ -192,34 +188,34 @@ def _sum(work: Workspace, terms: list[Node], gather: bool) -> Node:
 def _product(
     work: Workspace, factors: list[tuple[Node, bool]], new: dict[Node, Node], gather: bool
 ) -> Node:
-    coefficient = _ONE
+    sign, magnitude = 1, _ONE
     fixed: list[Node] = []
     above: list[Node] = []
     below: list[Node] = []
     for old, divides in factors:
         x = new[old]
         while (core := work.negated(x)) is not None:
-            coefficient, x = -coefficient, core
+            sign, x = -sign, core
         if work.op[x] is Op.NUMBER:
             value = work.data[x]
             assert isinstance(value, Fraction)
-            coefficient = coefficient / value if divides and value else coefficient * value
+            if value < 0:
+                sign, value = -sign, -value
+            magnitude = magnitude / value if divides and value else magnitude * value
         elif gather and work.fixed[x]:
             fixed.append(power(work, x, Fraction(-1)) if divides else x)
         else:
             (below if divides else above).append(x)
-    magnitude = work.number(abs(coefficient))
+    number = [] if magnitude is _ONE or magnitude == 1 else [work.number(magnitude)]
     if fixed:
         # Sorted, so that the same constant met in another order is the same node.
-        fixed.sort()
-        constants = fixed if abs(coefficient) == 1 else [magnitude, *fixed]
-        above.insert(0, _chain(work.multiply, constants))
-    elif abs(coefficient) != 1 or not (above or below):
-        above.insert(0, magnitude)
+        above.insert(0, _chain(work.multiply, number + sorted(fixed)))
+    elif number or not (above or below):
+        above.insert(0, work.number(magnitude))
     if below:
         above.append(work.reciprocal(_chain(work.multiply, below)))
     product = _chain(work.multiply, above)
-    return work.multiply(work.number(Fraction(-1)), product) if coefficient < 0 else product
+    return work.multiply(work.number(_MINUS_ONE), product) if sign < 0 else product
 
 
 def _chain(join, items: list[Node]) -> Node:

@@ -58,10 +58,14 @@ class Schedule:
     helpers: set[str] = field(default_factory=set)
     _forms: dict[Node, Form] = field(default_factory=dict)
     _local: set[Node] = field(default_factory=set)
+    _angles: dict[Node, None] = field(default_factory=dict)  # known from the start, not yet used
 
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
         self._local = self._locals(targets)
+        trig = [x for x in sorted(self._local) if self._is_trig(x)]
+        angles = [a for x in trig for a in self.work.args[x] if self.leaf(a) is not None]
+        self._angles = dict.fromkeys(angles)
         for target in targets:
             for node in target.nodes:
                 self._compute(node)
@@ -84,11 +88,13 @@ class Schedule:
         stack: list[Node] = []
 
         def use(node: Node) -> None:
-            while (core := self.work.negated(node)) is not None and self.leaf(node) is None:
+            while node not in uses and self.leaf(node) is None:
+                core = self.work.negated(node)
+                if core is None:
+                    stack.append(node)
+                    break
                 node = core
             uses[node] = uses.get(node, 0) + 1
-            if uses[node] == 1 and self.leaf(node) is None:
-                stack.append(node)
 
         for target in targets:
             for node in target.nodes:
@@ -98,7 +104,7 @@ class Schedule:
                 use(a)
         local = {node for node, count in uses.items() if count > 1}
         local |= self.kept & uses.keys()
-        for node in list(uses):
+        for node in uses:
             if self._partner(node) in uses or self._is_trig(node):
                 local.add(node)
         if self.known_after:  # an output can be read back: it needs no local
@@ -133,28 +139,41 @@ class Schedule:
                 stack.extend(reversed(missing))
                 continue
             stack.pop()
+            if self.work.op[node] is not Op.CALL:
+                self._finish(node)
+                continue
+            if self._is_trig(node):
+                self._take_sines(*self.work.args[node])
+                continue
             pair = [node]
             partner = self._partner(node)
             if partner is not None and partner in self._local and partner not in self._forms:
                 pair.append(partner)
                 pair.sort(key=lambda x: self.work.data[x] != "sin")
-            if self._is_trig(node):
-                self._take_both(pair)
-            else:
-                for x in pair:
-                    self._finish(x)
+            for x in pair:
+                self._finish(x)
 
-    def _take_both(self, nodes: list[Node]) -> None:
-        """Sine and cosine, or one of them, by one call."""
-        (angle,) = self.work.args[nodes[0]]
+    def _take_sines(self, angle: Node) -> None:
+        """Sine and cosine, as far as they are needed, by one call of the inline pair; with them
+        those of another angle, if it is known: two are packed into one vector."""
         self._promote(angle, _LONGEST_PART)
-        value = text(self._forms[angle])
-        places = {"sin": "NULL", "cos": "NULL"}
-        for node in nodes:
-            function = str(self.work.data[node])
-            places[function] = self._name(node, f"PK_F({function})({value})")
-            self._forms[node] = atom(places[function])
-        self.statements.append(Statement(TRIG, " ".join(places.values()), value))
+        self._angles.pop(angle, None)
+        angles = [angle]
+        if self._angles:
+            angles.append(next(iter(self._angles)))
+            self._compute(angles[1])
+            del self._angles[angles[1]]
+        values, places = [], []
+        for x in angles:
+            values.append(text(self._forms[x]))
+            for function in _PARTNERS:
+                node = self.work.find(Op.CALL, (x,), function)
+                if node is None or node not in self._local:
+                    places.append("NULL")
+                    continue
+                places.append(self._name(node, f"PK_F({function})({values[-1]})"))
+                self._forms[node] = atom(places[-1])
+        self.statements.append(Statement(TRIG, " ".join(places), "; ".join(values)))
 
     def _finish(self, node: Node) -> None:
         self._forms[node] = self._form(node)
@@ -189,6 +208,8 @@ class Schedule:
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
+        if sum(self._forms[a].length for a in args) <= longest:
+            return
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)

@@ -14,6 +14,7 @@ from ..functions import FUNCTIONS
 from .differentiate import reachable
 from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .normal import WORK, Normal
+from .residues import Varying
 
 RATES = BIT[Kind.RATE]
 TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
@@ -24,15 +25,15 @@ def analyze(equations: Equations) -> Structure:
     seen = _Seen(equations.graph)
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
-    constant = not seen.mask(triangle, VARIABLE)
+    constant = not seen.occurs(triangle, VARIABLE)
     unforced = all(node == ZERO for node in equations.applied)
-    steady = not seen.mask([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
+    steady = not seen.occurs([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
     jumping = _jumping(equations)
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
-        quadratic=not seen.mask(triangle, RATES),
-        separable=constant and not seen.mask(equations.force, RATES),
+        quadratic=not seen.occurs(triangle, RATES),
+        separable=constant and not seen.occurs(equations.force, RATES),
         autonomous=steady,
         conservative=unforced and steady and not jumping,
         variational=unforced,
@@ -47,6 +48,7 @@ class _Seen:
     def __init__(self, g: Graph):
         self.graph = g
         self.normal = Normal(g, work=2 * WORK)
+        self.varying = Varying(g)
 
     def atoms(self, node: Node) -> list[Node]:
         """The node's atoms where it has a normal form; else the node itself."""
@@ -55,15 +57,13 @@ class _Seen:
             return [node]
         return sorted({base for monomial in polynomial for base, _ in monomial})
 
-    def mask(self, nodes: Iterable[Node], wanted: int) -> int:
-        """Which of the kinds of symbol in `wanted` occur in any of the nodes."""
+    def occurs(self, nodes: Iterable[Node], mask: int) -> bool:
+        """Whether a symbol of one of these kinds occurs in any of the nodes."""
         g = self.graph
-        result = 0
-        for node in nodes:
-            if g.depends[node] & wanted & ~result:
-                for atom in self.atoms(node):
-                    result |= g.depends[atom] & wanted
-        return result
+        nodes = [node for node in nodes if g.depends[node] & mask]
+        return any(self.varying(node, mask) for node in nodes) or any(
+            g.depends[atom] & mask for node in nodes for atom in self.atoms(node)
+        )
 
 
 def _jumping(equations: Equations) -> frozenset[int]:
@@ -88,17 +88,18 @@ def _jumping(equations: Equations) -> frozenset[int]:
 def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple[bool, ...]:
     """No coordinate q_i in L up to an identity, and nothing applied along it."""
     g = equations.graph
-    symbols = {
-        g.data[node].index
-        for node in reachable(g, seen.atoms(equations.lagrangian), BIT[Kind.COORDINATE])
-        if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
-    }
-    return tuple(
-        applied == ZERO and i not in jumping and (slope == ZERO or i not in symbols)
-        for i, (slope, applied) in enumerate(
-            zip(equations.gradient, equations.applied, strict=True)
-        )
-    )
+    n = len(equations.coordinates)
+    free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
+    open_ = {i for i in free if equations.gradient[i] != ZERO}
+    acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
+    if open_ - acting:
+        atoms = seen.atoms(equations.lagrangian)
+        acting |= {
+            g.data[node].index
+            for node in reachable(g, atoms, BIT[Kind.COORDINATE])
+            if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
+        } & open_
+    return tuple(i in free and i not in acting for i in range(n))
 
 
 def _smooth(equations: Equations) -> bool:

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from . import policies
 from .count import operations
-from .graph import BIT, MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node
+from .graph import BIT, MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
+from .residues import Varying
 
 Term = tuple[Node, Monomial]  # a scale and a monomial of what varies
 
@@ -25,19 +26,26 @@ def fewest(g: Graph, outputs: list[Node], thorough: bool = True) -> list[Node]:
     return min(forms(g, outputs, thorough), key=lambda form: operations(g, form))
 
 
-def forms(g: Graph, outputs: list[Node], thorough: bool = True) -> list[list[Node]]:
-    """The outputs as they are first, then in each other form that could be had."""
+def forms(
+    g: Graph, outputs: list[Node], thorough: bool = True, short_kept: bool = False
+) -> list[list[Node]]:
+    """The outputs as they are first, then in each other form that could be had.
+
+    With `short_kept` an output in which nothing can be saved stays as it is, which is quick.
+    """
     tried = [(policies.shared, SHARED_WORK)] + ([(policies.shifts, WORK)] if thorough else [])
-    found = [rewritten(g, outputs, policy, work) for policy, work in tried]
+    found = [rewritten(g, outputs, policy, work, short_kept) for policy, work in tried]
     return [list(outputs), *(form for form in found if form is not None)]
 
 
 def settled(g: Graph, outputs: list[Node]) -> list[Node]:
     """What is constant (or zero) by an identity, as the constant that it is."""
     normal = Normal(g)
+    seen = Varying(g)
     result = []
     for output in outputs:
-        polynomial = normal(output) if g.depends[output] & VARIABLE else None
+        maybe = g.depends[output] & VARIABLE and not seen(output, VARIABLE)
+        polynomial = normal(output) if maybe else None
         if polynomial is not None and not varies(g, polynomial):
             output = normal.plain(polynomial)
         result.append(output)
@@ -49,7 +57,11 @@ def varies(g: Graph, polynomial: Polynomial) -> bool:
 
 
 def rewritten(
-    g: Graph, outputs: list[Node], policy: policies.Policy, work: int
+    g: Graph,
+    outputs: list[Node],
+    policy: policies.Policy,
+    work: int,
+    short_kept: bool = False,
 ) -> list[Node] | None:
     """The outputs expanded and factored; None if that is too much work."""
     normal = Normal(g, policy(g, outputs), canonical=False, work=work)
@@ -57,7 +69,7 @@ def rewritten(
     for output in outputs:
         if output in result:
             continue
-        if not g.depends[output] & VARIABLE:
+        if not g.depends[output] & VARIABLE or (short_kept and _is_short(g, output)):
             result[output] = output
             continue
         polynomial = normal(output)
@@ -65,6 +77,19 @@ def rewritten(
             return None
         result[output] = factored(g, normal, squares_merged(g, polynomial))
     return [result[output] for output in outputs]
+
+
+def _is_short(g: Graph, output: Node) -> bool:
+    """A few terms without a square or any factor in common: nothing cancels, nothing comes out."""
+    if g.depends[output] & BIT[Kind.RATE]:
+        return False
+    bases: set[Node] = set()
+    for _, rest in g.terms(g.split(output)[1]) or ((ONE, output),):
+        for base, exponent in g.key(rest):
+            if exponent != 1 or base in bases or g.op[base] is Op.ADD:
+                return False
+            bases.add(base)
+    return True
 
 
 def factored(g: Graph, normal: Normal, polynomial: Polynomial) -> Node:

@@ -15,35 +15,32 @@ def operations(g: Graph, outputs: Iterable[Node]) -> int:
     """
     outputs = [n for n in outputs if g.depends[n] & VARIABLE]
     order = reachable(g, outputs, VARIABLE)
-    uses = dict.fromkeys(order, 0)
-    for node in outputs:
-        uses[node] += 2
-    multiplied: dict[Node, int] = {}
-    signs_needed: set[Node] = set(outputs)
-    for node in order:
-        for a in g.args[node]:
-            if a in uses:
-                uses[a] += 1
-            if g.op[node] is not Op.ADD:
-                signs_needed.add(a)
-            if g.op[node] is Op.MULTIPLY:
-                multiplied[a] = multiplied.get(a, 0) + 1
     total = 0
+    signs: dict[Node, bool] = {}  # whether something other than a sum uses it
+    inverses: dict[Node, list[Op | None]] = {}  # what uses it
     for node in order:
         op = g.op[node]
         if op is Op.SYMBOL:
             continue
         if op is Op.MULTIPLY and g.args[node][0] == MINUS_ONE:
-            total += node in signs_needed
+            signs[node] = False
         elif op is Op.POWER:
             exponent = g.data[node]
-            if exponent.denominator != 1:
+            if exponent == -1:
+                inverses[node] = []
+            elif exponent.denominator != 1:
                 total += 1
-            elif exponent == -1:
-                total += not (uses[node] == 1 and multiplied.get(node) == 1)
             else:
                 n = abs(int(exponent))
                 total += n.bit_length() + n.bit_count() - 2 + (exponent < 0)
         else:
             total += 1
-    return total
+    users = [(g.op[node], g.args[node]) for node in order] if signs or inverses else []
+    users += [(None, outputs)]
+    for op, used in users:
+        for a in used:
+            if a in signs and op is not Op.ADD:
+                signs[a] = True
+            elif a in inverses:
+                inverses[a].append(op)
+    return total + sum(signs.values()) + sum(x != [Op.MULTIPLY] for x in inverses.values())

@@ -84,16 +84,14 @@ def partials(g: Graph, node: Node) -> tuple[Node, ...]:
 
 def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
     """Nodes below the outputs that depend on something in the mask, in topological order."""
-    seen = set()
-    stack = [n for n in outputs if mask == -1 or g.depends[n] & mask]
+    args, depends = g.args, g.depends
+    seen = {n for n in outputs if mask == -1 or depends[n] & mask}
+    stack = list(seen)
     while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        stack.extend(
-            a for a in g.args[node] if a not in seen and (mask == -1 or g.depends[a] & mask)
-        )
+        for a in args[stack.pop()]:
+            if a not in seen and (mask == -1 or depends[a] & mask):
+                seen.add(a)
+                stack.append(a)
     return sorted(seen)
 
 
@@ -139,10 +137,14 @@ class Forward:
 
 def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
     """The derivative of a node given those of its arguments."""
+    op = g.op[node]
+    if op is Op.ADD:
+        return g.add(*of_arguments)
+    if op is Op.MULTIPLY:
+        (a, b), (of_a, of_b) = g.args[node], of_arguments
+        return g.add(g.multiply(b, of_a), g.multiply(a, of_b))
     if all(d == ZERO for d in of_arguments):
         return ZERO
-    if g.op[node] is Op.ADD:
-        return g.add(*of_arguments)
     terms = zip(partials(g, node), of_arguments, strict=True)
     return g.sum(g.multiply(p, d) for p, d in terms if d != ZERO)
 

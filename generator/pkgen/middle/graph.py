@@ -138,7 +138,7 @@ class Graph(Nodes):
             return self._number_or(Op.MULTIPLY, a, b, self.data[a] * self.data[b])
         p, r = self._split(a, domain)
         s, u = self._split(b, domain)
-        scale = self.multiply(p, s)
+        scale = s if p == ONE else p if s == ONE else self.multiply(p, s)
         if r == ONE or u == ONE:
             return self._scaled(scale, u if r == ONE else r)
         return self._scaled(scale, self._product(r, u))
@@ -169,7 +169,7 @@ class Graph(Nodes):
         if self._reciprocals:
             factors = self._without_reciprocals(factors)
         if len(factors) == len(left) + len(right):
-            return self._node(Op.MULTIPLY, (a, b) if a < b else (b, a), None)
+            return self._node(Op.MULTIPLY, (a, b) if a < b else (b, a), None, factors)
         return self._product_of(factors)
 
     def _product_of(self, factors: Factors) -> Node:

@@ -15,6 +15,8 @@ Found = dict[Factors, tuple[Node, Node]]  # scale and rest by the monomial of th
 
 def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
     """Like terms added, where that leaves no more terms than the longer sum has."""
+    if not _may_merge(g, left, right):
+        return None
     terms = {g._factors[r]: (p, r) for p, r in left}
     bound = max(len(left), len(right))
     for p, r in right:
@@ -32,6 +34,19 @@ def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None
     return list(terms.values()) if len(terms) <= bound else None
 
 
+def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
+    """Whether the sums have a monomial in common, or one of them a square to merge."""
+    known = [g._factors[r] for _, r in left]
+    for _, r in right:
+        if g._factors[r] in known or _squared(g, r):
+            return True
+    return any(_squared(g, r) for _, r in left)
+
+
+def _squared(g: Graph, rest: Node) -> bool:
+    return any(exponent >= 2 and base in g._partner for base, exponent in g._factors[rest])
+
+
 def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:
     """R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2, whatever the factor R is."""
     for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, scale, rest):
@@ -40,7 +55,7 @@ def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:
             _merge_into(g, terms, new_scale, new_rest)
             return True
     for key, (other_scale, other) in terms.items():
-        if not g._squared[other] or g.negate(scale) != other_scale:
+        if not _squared(g, other) or g.negate(scale) != other_scale:
             continue
         for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, other_scale, other):
             if other_key == g._factors[rest] and wanted_scale == scale:
@@ -54,12 +69,10 @@ def _square_partners(
     g: Graph, scale: Node, rest: Node
 ) -> Iterator[tuple[Factors, Node, Node, Node]]:
     """(key, scale) of each term that, added to this one, makes the one (scale, rest)."""
-    if not g._squared[rest]:
-        return
     factors = g._factors[rest]
     for base, exponent in factors:
-        partner = g._partner.get(base)
-        if partner is None or exponent < 2:
+        partner = g._partner.get(base) if exponent >= 2 else None
+        if partner is None:
             continue
         common = merged(factors, ((base, -2),))
         swapped = merged(common, ((partner, 2),))

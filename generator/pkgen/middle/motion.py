@@ -16,8 +16,9 @@ from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from .quantities import error, indexed, symbols
 from .solve import Solution, solve
 
+COORDINATES = BIT[Kind.COORDINATE]
 RATES = BIT[Kind.RATE]
-STATE = BIT[Kind.COORDINATE] | RATES
+STATE = COORDINATES | RATES
 
 
 class Wanted:
@@ -59,7 +60,7 @@ def motion_of(x: Expander, energies: Energies) -> Motion:
     forces = _generalized_forces(x, count)
     applied = tuple(g.subtract(f, drag.get(rate, ZERO)) for f, rate in zip(forces, v, strict=True))
     pdot = tuple(map(g.add, slope, applied))
-    mass = _mass(g, momenta, v)
+    mass = _symmetric_matrix(g, momenta, v, RATES)
     coasting = Forward(g, VARIABLE, lambda node: _coast(x, node))
     force = tuple(g.subtract(there, coasting(p)) for there, p in zip(pdot, momenta, strict=True))
     return Motion(momenta, slope, applied, pdot, mass, force)
@@ -72,16 +73,16 @@ def _coast(x: Expander, node: Node) -> Node:
     return x.derivative(node)
 
 
-def _mass(g: Graph, momenta: Row, v: Row) -> Matrix:
-    """M is symmetric: the triangle i >= j is derived and mirrored."""
-    n = len(v)
-    rows: list[list[Node]] = [[ZERO] * n for _ in range(n)]
-    columns = Columns(g, momenta, RATES)
-    for j, rate in enumerate(v):
-        column = columns.column(rate, from_output=j)
+def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
+    """A symmetric matrix of derivatives: the triangle i >= j is derived and mirrored."""
+    n = len(by)
+    matrix: list[list[Node]] = [[ZERO] * n for _ in range(n)]
+    columns = Columns(g, rows, mask)
+    for j, symbol in enumerate(by):
+        column = columns.column(symbol, from_output=j)
         for i in range(j, n):
-            rows[i][j] = rows[j][i] = column.get(momenta[i], ZERO)
-    return tuple(map(tuple, rows))
+            matrix[i][j] = matrix[j][i] = column.get(rows[i], ZERO)
+    return tuple(map(tuple, matrix))
 
 
 def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solution | None]:
@@ -100,7 +101,7 @@ def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solut
         if wanted("gradient"):
             slope = fewest(g, settled(g, slope))
     found = []
-    for form in forms(g, outputs, thorough):
+    for form in forms(g, outputs, thorough, short_kept=not thorough):
         mass, force = _symmetric(form, n), tuple(form[-n:])
         solution = solve(g, mass, force) if wanted("acceleration") else None
         cost = operations(g, [*form, *(solution[0] if solution else ())])
@@ -129,17 +130,38 @@ def _symmetric(triangle: list[Node], n: int) -> Matrix:
 
 
 def jacobians_of(g: Graph, motion: Motion) -> tuple[Matrix, Matrix, Matrix]:
+    """dp/dq, d(pdot)/dq, d(pdot)/dv, of which the second derivatives of L are symmetric:
+
+    d(dL/dq_i)/dq_j as it stands, and d(dL/dq_i)/dv_j = dp_j/dq_i.
+    """
     n = len(motion.momenta)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    p_q = _matrix(g, motion.momenta, q, BIT[Kind.COORDINATE])
-    pdot_q = _matrix(g, motion.pdot, q, BIT[Kind.COORDINATE])
-    pdot_v = _matrix(g, motion.pdot, v, RATES)
-    entries = [entry for matrix in (p_q, pdot_q, pdot_v) for row in matrix for entry in row]
-    if len(reachable(g, entries)) > THOROUGH:
-        return p_q, pdot_q, pdot_v
-    found = fewest(g, settled(g, entries))
-    rows = [tuple(found[i : i + n]) for i in range(0, len(found), n)]
+    p_q = _matrix(g, motion.momenta, q, COORDINATES)
+    p_q_transposed = tuple(zip(*p_q, strict=True))
+    if all(node == ZERO for node in motion.applied):
+        ways = [(_symmetric_matrix(g, motion.pdot, q, COORDINATES), p_q_transposed)]
+    else:
+        second = _symmetric_matrix(g, motion.gradient, q, COORDINATES)
+        applied_q = _matrix(g, motion.applied, q, COORDINATES)
+        applied_v = _matrix(g, motion.applied, v, RATES)
+        ways = [(_sum(g, second, applied_q), _sum(g, p_q_transposed, applied_v))]
+        # What is applied may cancel a part of the gradient: then pdot itself is shorter.
+        if len(reachable(g, motion.pdot)) <= THOROUGH:
+            direct = _matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES)
+            ways.append(direct)
+    found = []
+    for way in ways:
+        entries = [entry for matrix in (p_q, *way) for row in matrix for entry in row]
+        if len(reachable(g, entries)) <= THOROUGH:
+            entries = fewest(g, settled(g, entries))
+        found.append(entries)
+    best = found[0] if len(found) == 1 else min(found, key=lambda x: operations(g, x))
+    rows = [tuple(best[i : i + n]) for i in range(0, len(best), n)]
     return tuple(rows[:n]), tuple(rows[n : 2 * n]), tuple(rows[2 * n :])
+
+
+def _sum(g: Graph, a: Matrix, b: Matrix) -> Matrix:
+    return tuple(tuple(map(g.add, x, y)) for x, y in zip(a, b, strict=True))
 
 
 def _matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:

@@ -69,13 +69,12 @@ class Nodes:
         self.data: list[object] = []
         self.depends: list[int] = []  # a mask of BIT
         self.limit = limit
-        self._known: dict[tuple[object, ...], Node] = {}
+        self._known: tuple[dict[object, Node], ...] = tuple({} for _ in Op)
         self._domain: list[int] = []
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
         self._terms: list[Terms | None] = []
-        self._squared: list[bool] = []  # has a factor sin^2 or cos^2
         self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
         self._negatives: dict[Node, Node] = {}
         self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
@@ -85,12 +84,18 @@ class Nodes:
     def __len__(self) -> int:
         return len(self.op)
 
+    def tables(self) -> tuple[dict[object, Node], ...]:
+        """A copy of the nodes by op: a number by (numerator, denominator), what has data by
+        (args, data), the rest by args."""
+        return tuple(map(dict, self._known))
+
     # -- leaves -------------------------------------------------------------------------------
 
     def number(self, value: Fraction | int) -> Node:
-        value = Fraction(value)
-        known = self._known.get((Op.NUMBER._value_, (), value))
-        return self._node(Op.NUMBER, (), value) if known is None else known
+        # Looked up by two integers, since to hash a fraction is slow.
+        key = value.numerator, value.denominator
+        known = self._known[Op.NUMBER].get(key)
+        return self._new(Op.NUMBER, (), Fraction(value), key) if known is None else known
 
     def symbol(self, symbol: Symbol) -> Node:
         return self._node(Op.SYMBOL, (), symbol)
@@ -125,6 +130,10 @@ class Nodes:
         """The monomial of a node whose scale is 1."""
         return self._factors[rest]
 
+    def terms(self, rest: Node) -> Terms | None:
+        """A node whose scale is 1 as a sum of a few (scale, rest); None if there are too many."""
+        return self._terms[rest]
+
     # -- a node as terms and as scale times rest ------------------------------------------------
 
     def _split(self, node: Node, domain: int) -> tuple[Node, Node]:
@@ -141,6 +150,8 @@ class Nodes:
             scale, rest = self._scale[node], self._rest[node]
             terms = self._terms[rest]
             if terms is not None and scale != ONE:
+                if len(terms) == 1 and terms[0][0] == ONE:
+                    return ((scale, terms[0][1]),)
                 return tuple((self.multiply(scale, p), r) for p, r in terms)
         return terms
 
@@ -151,68 +162,100 @@ class Nodes:
             return self._node(op, (a, b), None)
         return self.number(value)
 
-    def _node(self, op: Op, args: tuple[Node, ...], data: object) -> Node:
-        key = (op._value_, args, data)
-        node = self._known.get(key)
-        if node is None:
-            node = len(self.op)
-            if self.limit is not None and node >= self.limit:
-                raise TooLarge
-            self._known[key] = node
-            self.op.append(op)
-            self.args.append(args)
-            self.data.append(data)
-            depends = BIT[data.kind] if op is Op.SYMBOL else 0
-            for a in args:
-                depends |= self.depends[a]
-            self.depends.append(depends)
-            self._enter(node, op, args, data)
+    def _node(
+        self, op: Op, args: tuple[Node, ...], data: object, factors: Factors | None = None
+    ) -> Node:
+        """`factors` is the monomial of a product, where the caller has it already."""
+        key = args if data is None else (args, data)
+        node = self._known[op].get(key)
+        return self._new(op, args, data, key, factors) if node is None else node
+
+    def _new(
+        self,
+        op: Op,
+        args: tuple[Node, ...],
+        data: object,
+        key: object,
+        factors: Factors | None = None,
+    ) -> Node:
+        node = len(self.op)
+        if self.limit is not None and node >= self.limit:
+            raise TooLarge
+        self._known[op][key] = node
+        self.op.append(op)
+        self.args.append(args)
+        self.data.append(data)
+        depends = BIT[data.kind] if op is Op.SYMBOL else 0
+        for a in args:
+            depends |= self.depends[a]
+        self.depends.append(depends)
+        domain = 0 if op is Op.NUMBER else 2 if depends & VARIABLE else 1
+        self._domain.append(domain)
+        self._enter(node, op, args, data, domain, factors)
         return node
 
-    def _enter(self, node: Node, op: Op, args: tuple[Node, ...], data: object) -> None:
+    def _enter(
+        self,
+        node: Node,
+        op: Op,
+        args: tuple[Node, ...],
+        data: object,
+        domain: int,
+        factors: Factors | None,
+    ) -> None:
         """The node as scale, rest and monomial; as a sum, its terms."""
-        domain = 0 if op is Op.NUMBER else 2 if self.depends[node] & VARIABLE else 1
-        self._domain.append(domain)
-        scaled = op is Op.MULTIPLY and self._domain[args[0]] < domain > self._domain[args[0]]
-        scaled = scaled and self._domain[args[1]] == domain
-        self._scale.append(node if domain == 0 else args[0] if scaled else ONE)
-        self._rest.append(ONE if domain == 0 else args[1] if scaled else node)
-        factors: Factors = ((node, 1),)
-        if domain == 0 or scaled:
-            factors = ()
-        elif op is Op.MULTIPLY and self._domain[args[0]] == self._domain[args[1]] == domain:
-            product = merged(self._factors[args[0]], self._factors[args[1]])
-            if len(product) <= FACTORS:
-                factors = product
-        elif op is Op.POWER and self._domain[args[0]] == domain:
-            inner = self._factors[args[0]]
-            if self._scale[args[0]] == ONE and data.denominator == 1:
-                factors = tuple((b, e * data.numerator) for b, e in inner)
-            elif self._scale[args[0]] == ONE:
+        scale, rest = ONE, node
+        terms: Terms | None = ((ONE, node),)
+        product, factors = factors, ((node, 1),)
+        if domain == 0:
+            scale, rest, factors = node, ONE, ()
+        elif op is Op.MULTIPLY:
+            left, right = self._domain[args[0]], self._domain[args[1]]
+            if left < domain == right:
+                (scale, rest), terms, factors = args, None, ()
+            elif left == right == domain:
+                product = product or merged(self._factors[args[0]], self._factors[args[1]])
+                if len(product) <= FACTORS:
+                    factors = product
+        elif op is Op.ADD:
+            terms = self._sum_terms(args, domain)
+        elif op is Op.POWER:
+            if self._domain[args[0]] == domain and self._scale[args[0]] == ONE:
                 factors = ((args[0], data),)
-        elif op is Op.CALL and data == "sqrt":
-            factors = ((args[0], Fraction(1, 2)),)
+                if data.denominator == 1:
+                    inner = self._factors[args[0]]
+                    factors = tuple((b, e * data.numerator) for b, e in inner)
+        elif op is Op.CALL:
+            factors = self._enter_call(node, args, data, factors)
+        self._scale.append(scale)
+        self._rest.append(rest)
         self._factors.append(factors)
-        self._squared.append(any(e >= 2 and self.data[b] in SQUARES for b, e in factors))
-        terms: Terms | None = None if scaled else ((ONE, node),)
-        if op is Op.ADD and domain:
-            left = self._terms_of(args[0], domain)
-            right = self._terms_of(args[1], domain)
-            terms = None
-            if left is not None and right is not None:
-                # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
-                both = left + right
-                if len(both) <= TERMS and len({self._factors[r] for _, r in both}) == len(both):
-                    terms = both
         self._terms.append(terms)
-        if op is Op.CALL and data in SQUARES:
-            partner = self._known.get((Op.CALL._value_, args, SQUARES[data]))
+
+    def _sum_terms(self, args: tuple[Node, ...], domain: int) -> Terms | None:
+        left = self._terms_of(args[0], domain)
+        right = self._terms_of(args[1], domain)
+        if left is None or right is None or len(left) + len(right) > TERMS:
+            return None
+        # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
+        both = left + right
+        return both if len({self._factors[r] for _, r in both}) == len(both) else None
+
+    def _enter_call(
+        self, node: Node, args: tuple[Node, ...], function: object, factors: Factors
+    ) -> Factors:
+        """The monomial of a call; what belongs to it is remembered."""
+        if function in SQUARES:
+            partner = self._known[Op.CALL].get((args, SQUARES[function]))
             if partner is not None:
                 self._partner[node], self._partner[partner] = partner, node
-        if op is Op.CALL and data == "reciprocal":
+        elif function == "sqrt":
+            return ((args[0], Fraction(1, 2)),)
+        elif function == "reciprocal":
             inner = self._factors[args[0]]
             if self._scale[args[0]] == ONE and len(inner) == 1:
                 self._reciprocals[node] = inner[0]
+        return factors
 
 
 def merged(left: Factors, right: Factors) -> Factors:
@@ -221,6 +264,10 @@ def merged(left: Factors, right: Factors) -> Factors:
         return right
     if not right:
         return left
+    if left[-1][0] < right[0][0]:
+        return left + right
+    if right[-1][0] < left[0][0]:
+        return right + left
     powers = dict(left)
     for base, exponent in right:
         powers[base] = powers.get(base, 0) + exponent

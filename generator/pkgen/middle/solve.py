@@ -10,12 +10,14 @@ Reference: G. Golub, C. Van Loan, Matrix Computations, 4th edition, sections 4.1
 from __future__ import annotations
 
 from .graph import ZERO, Graph, Node
+from .residues import PRIME, Residues
 
 Row = tuple[Node, ...]
 Solution = tuple[Row, Row]  # accelerations and pivots, each by coordinate
 
-UNROLLED_COORDINATES = 20  # beyond, a loop in C is as fast
-UNROLLED_NODES = 30_000  # added by the solution
+# Up to 20 coordinates with a dense M. There the loop in C is as fast for one state, but unrolled
+# code takes lanes several times as fast; beyond, it compiles for too long.
+UNROLLED_OPERATIONS = 4_000
 
 
 class SingularMass(Exception):
@@ -29,10 +31,10 @@ class SingularMass(Exception):
 def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
     """The accelerations and the pivots; None if too large to unroll."""
     n = len(force)
-    if n > UNROLLED_COORDINATES:
+    order, cost = elimination_order(g, mass)
+    if cost > UNROLLED_OPERATIONS:
+        _check_residues(g, mass)
         return None
-    start = len(g)
-    order = elimination_order(g, mass)
     inverses: list[Node] = []
     pivots: list[Node] = [ZERO] * n
     # By position in the order: lower[i][j] = l_ij and scaled[i][j] = l_ij d_j.
@@ -55,8 +57,6 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
             else:
                 pivots[order[i]] = entry
                 inverses.append(g.power(entry, -1))
-        if len(g) - start > UNROLLED_NODES:
-            return None
     forward: list[Node] = []
     for i in range(n):
         entry = force[order[i]]
@@ -92,21 +92,43 @@ def _below(
     return found
 
 
-def elimination_order(g: Graph, mass: tuple[Row, ...]) -> list[int]:
+def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
+    """Raises SingularMass where M is singular modulo a prime, which M at no state should be."""
+    residue = Residues(g)
+    rows = [[residue(entry) for entry in row] for row in mass]
+    if any(None in row for row in rows):
+        return
+    for k, top in enumerate(rows):
+        if top[k] == 0:
+            if any(row[k] for row in rows[k + 1 :]):
+                return  # indefinite: a pivot fails at run time
+            raise SingularMass(k)
+        inverse = pow(top[k], -1, PRIME)
+        for row in rows[k + 1 :]:
+            if row[k]:
+                factor = row[k] * inverse % PRIME
+                row[k:] = [(x - factor * y) % PRIME for x, y in zip(row[k:], top[k:], strict=True)]
+
+
+def elimination_order(g: Graph, mass: tuple[Row, ...]) -> tuple[list[int], int]:
+    """In which order the coordinates are eliminated, and the operations that this costs."""
     n = len(mass)
     neighbours = [{j for j in range(n) if j != i and mass[i][j] != ZERO} for i in range(n)]
     settled = [g.is_constant(mass[i][i]) for i in range(n)]
     left = list(range(n))
     order: list[int] = []
+    cost = 0
     while left:
         # A pivot stays constant until something that varies is subtracted from it.
         chosen = min(left, key=lambda i: (not settled[i], len(neighbours[i]), i))
         left.remove(chosen)
         order.append(chosen)
         around = sorted(neighbours[chosen])
+        cost += 1 + 4 * len(around)  # of the substitutions
         for i in around:
             neighbours[i].update(around)
             neighbours[i] -= {i, chosen}
             if not (settled[chosen] and g.is_constant(mass[i][chosen])):
                 settled[i] = False
-    return order
+                cost += len(around) + 2
+    return order, cost

@@ -58,6 +58,9 @@ struct pk_ensemble {
  * aligned for pk_real; at 64 bytes it is fastest. */
 size_t pk_ensemble_size(const struct pk_ensemble *e);
 
+/* Whether all members take the fixed steps options.h. */
+int pk_ensemble_fixed(const struct pk_ensemble *e);
+
 /* Members first, ..., first + count - 1. PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL, and then no member
  * was touched; else PK_DONE, or the status of the first member that did not arrive. */
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,

@@ -3,6 +3,7 @@
 #define PK_PK_H
 
 #include <pk/diagnostics.h>
+#include <pk/ensemble.h>
 #include <pk/integrator.h>
 #include <pk/method.h>
 #include <pk/real.h>

@@ -9,8 +9,8 @@
  * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
- * parts do, not four. The last one counts where |x| is next to a multiple of pi/2: no double below
- * 2^21 is nearer to one than about 2^-55. Beyond PK_SINCOS_MAX libm takes over.
+ * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -79,8 +79,8 @@ PK_INLINE static pk_real pk_sincos_s(pk_real z)
 #else
     const pk_real z2 = z * z;
     const pk_real s0 = PK_SINCOS_FMA(PK_C(0x1.111111110f750p-7), z, -PK_C(0x1.5555555555548p-3));
-    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558f2372p-19), z, -PK_C(0x1.a01a019bed585p-13));
-    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3d70e473fp-33), z, -PK_C(0x1.ae5e4e8f2f8a1p-26));
+    const pk_real s2 = PK_SINCOS_FMA(PK_C(0x1.71de3558eb5ddp-19), z, -PK_C(0x1.a01a019bed4e5p-13));
+    const pk_real s4 = PK_SINCOS_FMA(PK_C(0x1.5d8c3c5be351dp-33), z, -PK_C(0x1.ae5e4e8ac796ap-26));
     return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, s4, s2), s0);
 #endif
 }
@@ -89,12 +89,12 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 {
 #ifdef PK_FLOAT
     const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c0c26p-10), z, PK_C(0x1.55554ap-5));
-    return PK_SINCOS_FMA(PK_C(0x1.99e71ep-16), z * z, c0);
+    return PK_SINCOS_FMA(PK_C(0x1.99e684p-16), z * z, c0);
 #else
     const pk_real z2 = z * z;
-    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14f00p-10), z, PK_C(0x1.555555555554ap-5));
-    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7dffaf17p-22), z, PK_C(0x1.a01a019c75bd2p-16));
-    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8fa0a19b00cc8p-37), z, PK_C(0x1.1ee9d033e2655p-29));
+    const pk_real c0 = PK_SINCOS_FMA(-PK_C(0x1.6c16c16c14e00p-10), z, PK_C(0x1.555555555554ap-5));
+    const pk_real c2 = PK_SINCOS_FMA(-PK_C(0x1.27e4f7cd25aefp-22), z, PK_C(0x1.a01a019c5c32cp-16));
+    const pk_real c4 = PK_SINCOS_FMA(-PK_C(0x1.8f99c237a1f64p-37), z, PK_C(0x1.1ee9c32a6292ep-29));
     return PK_SINCOS_FMA(z2, PK_SINCOS_FMA(z2, c4, c2), c0);
 #endif
 }
@@ -107,12 +107,13 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     pk_bits j, s_bits, c_bits, differ;
     pk_real z, s, c;
 
-    /* x - k pi/2 is r and what r lacks of it, `lost`. The cosine can do without that: at most 0.4
-     * of its units. Signs of zeros are chosen so that the sine of -0 is -0. */
+    /* x - k pi/2 is r and what r lacks of it, `lost`. With fma() the cosine does without: that is
+     * 0.4 of its units. So that the sine of -0 is -0, `lost` is -0 then, and r z, by adding 0, is
+     * not. */
 #ifdef PK_SINCOS_HAS_FMA
     const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
     const pk_real r = r1 - k * PK_SINCOS_P2;
-    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, (r1 - r) - k * PK_SINCOS_P2);
+    const pk_real lost = PK_F(fma)(-k, PK_SINCOS_P3, -((r - r1) + k * PK_SINCOS_P2));
     z = r * r;
     s = r + PK_F(fma)(PK_F(fma)(r, z, 0), pk_sincos_s(z), lost);
     c = PK_F(fma)(z, PK_F(fma)(z, pk_sincos_c(z), -PK_C(0.5)), 1);
@@ -120,11 +121,11 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     const pk_real r1 = x - k * PK_SINCOS_P1;
     const pk_real r2 = r1 - k * PK_SINCOS_P2;
     const pk_real r = r2 - k * PK_SINCOS_P3;
-    const pk_real lost = ((r1 - r2) - k * PK_SINCOS_P2) + ((r2 - r) - k * PK_SINCOS_P3)
-        - k * PK_SINCOS_P4;
+    const pk_real lost = -(((r2 - r1) + k * PK_SINCOS_P2) + ((r - r2) + k * PK_SINCOS_P3)
+                           + k * PK_SINCOS_P4);
     pk_real half, high;
     z = r * r;
-    s = r + (lost + r * z * pk_sincos_s(z));
+    s = r + ((r * z + 0) * pk_sincos_s(z) + lost);
     half = PK_C(0.5) * z;
     high = 1 - half;
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
@@ -146,29 +147,15 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
 /* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
-    return !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+    return (pk_bits)!(PK_F(fabs)(x) <= PK_SINCOS_MAX);
 }
 
 #endif
-
-PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
-{
-#ifdef PK_SINCOS_INLINE
-    if (!pk_sincos_far(x)) {
-        pk_sincos_bounded(x, sine, cosine);
-        return;
-    }
-#endif
-    if (sine)
-        *sine = PK_F(sin)(x);
-    if (cosine)
-        *cosine = PK_F(cos)(x);
-}
 
 /* Without a branch, unless carefully: then what is returned is not 0 where the results must not
  * be used. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
-                                               pk_real *cosine)
+                                        pk_real *cosine)
 {
 #ifdef PK_SINCOS_INLINE
     if (pass != PK_CAREFULLY) {
@@ -178,8 +165,50 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
-    pk_sincos(x, sine, cosine);
+    if (sine)
+        *sine = PK_F(sin)(x);
+    if (cosine)
+        *cosine = PK_F(cos)(x);
     return 0;
+}
+
+/* The same of two angles. Outside of lanes they are packed into one vector: a short loop. */
+PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
+                                          pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
+{
+#ifdef PK_SINCOS_INLINE
+    if (pass == PK_ONCE) {
+        const pk_real angle[2] = {x, y};
+        pk_real s[2], c[2];
+        int i;
+
+        for (i = 0; i < 2; i++)
+            pk_sincos_bounded(angle[i], &s[i], &c[i]);
+        if (sin_x)
+            *sin_x = s[0];
+        if (cos_x)
+            *cos_x = c[0];
+        if (sin_y)
+            *sin_y = s[1];
+        if (cos_y)
+            *cos_y = c[1];
+        return pk_sincos_far(x) | pk_sincos_far(y);
+    }
+#endif
+    return pk_sincos_pass(pass, x, sin_x, cos_x) | pk_sincos_pass(pass, y, sin_y, cos_y);
+}
+
+PK_INLINE static void pk_sincos(pk_real x, pk_real *sine, pk_real *cosine)
+{
+    if (pk_sincos_pass(PK_ONCE, x, sine, cosine))
+        (void)pk_sincos_pass(PK_CAREFULLY, x, sine, cosine);
+}
+
+PK_INLINE static void pk_sincos_2(pk_real x, pk_real y, pk_real *sin_x, pk_real *cos_x,
+                                  pk_real *sin_y, pk_real *cos_y)
+{
+    if (pk_sincos_pass_2(PK_ONCE, x, y, sin_x, cos_x, sin_y, cos_y))
+        (void)pk_sincos_pass_2(PK_CAREFULLY, x, y, sin_x, cos_x, sin_y, cos_y);
 }
 
 #endif

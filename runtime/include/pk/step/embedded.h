@@ -50,9 +50,8 @@ static inline pk_real pk_embedded_tolerance(const struct pk_integrator *it, pk_r
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 
 /* The error of the step in units of the tolerance, root mean square. */
-static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
-                                                 const struct pk_tableau *table,
-                                                 const struct pk_embedded_work *w, pk_real h)
+static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struct pk_tableau *table,
+                                           const struct pk_embedded_work *w, pk_real h)
 {
     const pk_real *y0 = it->state, *y1 = it->next;
     const int count = table->stages + (table->e3 ? 0 : 1);
@@ -77,9 +76,8 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it,
 
 /* One trial of size h to it->next_t: the new state, its derivative, its error. */
 static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
-                                                          const struct pk_tableau *table,
-                                                          const struct pk_embedded_work *w,
-                                                          pk_real h)
+                                                    const struct pk_tableau *table,
+                                                    const struct pk_embedded_work *w, pk_real h)
 {
     enum pk_status status;
     pk_real *y = it->next;
@@ -115,8 +113,7 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
 }
 
 static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
-                                                           const struct pk_tableau *table,
-                                                           pk_real limit)
+                                                     const struct pk_tableau *table, pk_real limit)
 {
     const struct pk_embedded_work w = pk_embedded_parts(it, table, PK_STEPPER_N(it));
     const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);

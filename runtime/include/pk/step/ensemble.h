@@ -64,8 +64,7 @@ static PK_INLINE void pk_block_combine(pk_real *restrict y, const pk_real *restr
 /* The same with a compensated sum. */
 static PK_INLINE void pk_block_sum(pk_real *restrict y, const pk_real *restrict y0,
                                    pk_real *restrict low, const pk_real *restrict low0, pk_real h,
-                                   const pk_real *b, int count, const pk_real *restrict k,
-                                   size_t m)
+                                   const pk_real *b, int count, const pk_real *restrict k, size_t m)
 {
     PK_LANE_LOOP
     for (size_t i = 0; i < m; i++) {

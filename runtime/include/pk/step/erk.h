@@ -9,7 +9,7 @@
 
 /* Stage i > 0: its argument into it->next, its slope into k. */
 static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
-                                                            const struct pk_tableau *table, int i)
+                                                      const struct pk_tableau *table, int i)
 {
     const size_t m = 2 * PK_STEPPER_N(it);
     pk_real *k = it->work;
@@ -18,7 +18,7 @@ static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
 }
 
 static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
-                                                      const struct pk_tableau *table)
+                                                const struct pk_tableau *table)
 {
     const size_t n = PK_STEPPER_N(it), m = 2 * n;
     const pk_real h = it->h, *y0 = it->state, *low0 = pk_part(it->state, n, PK_LOW_Q);

@@ -13,7 +13,7 @@ static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, 
 
 /* k = (v, a) at y. */
 static PK_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
-                                                        const pk_real *y, pk_real *k)
+                                                  const pk_real *y, pk_real *k)
 {
     const size_t n = PK_STEPPER_N(it);
     for (size_t i = 0; i < n; i++)

@@ -12,7 +12,7 @@
 #include <pk/step/tables.h>
 
 static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
-                                                            const struct pk_splitting *table)
+                                                      const struct pk_splitting *table)
 {
     const size_t n = PK_STEPPER_N(it);
     const pk_real h = it->h, *from = it->state, *a = from + PK_A * n;

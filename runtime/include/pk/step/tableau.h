@@ -57,7 +57,7 @@ struct pk_splitting {
 
 /* sum a_j k_j over rows of m numbers, without the zeros of a sparse table. */
 static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
-                                          size_t i)
+                                    size_t i)
 {
     pk_real sum = 0;
     int any = 0;
@@ -72,8 +72,8 @@ static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *
 }
 
 /* y = y0 + h sum a_j k_j. */
-static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h,
-                                           const pk_real *a, int count, const pk_real *k, size_t m)
+static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, const pk_real *a,
+                                     int count, const pk_real *k, size_t m)
 {
     size_t i = 0;
     for (; i + 4 <= m; i += 4) { /* four sums at once hide their latency */

@@ -1,0 +1,94 @@
+"""What the templates see of a model's quantities: tables of names, indices, parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..equations import Quantity
+from .describe import families, field_says
+from .names import family_of
+from .program import Program, Statement
+
+
+def _quantity(quantity: Quantity) -> dict[str, str]:
+    return {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "description": quantity.description,
+    }
+
+
+def tables(program: Program) -> list[dict[str, Any]]:
+    e = program.equations
+    rows: list[tuple[str, str, Sequence[Quantity]]] = [
+        ("coordinates", "N", e.coordinates),
+        ("rates", "N", e.rates),
+        ("momentum_names", "N", e.momenta_names),
+        ("inputs", "INPUTS", e.inputs),
+        ("observed", "OBSERVED", e.observed_names),
+        ("conserved", "CONSERVED", e.conserved_names),
+    ]
+    return [
+        {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}
+        for name, count, quantities in rows
+    ]
+
+
+def indices(program: Program) -> list[dict[str, Any]]:
+    """Named indices, one for a plain quantity or the first of a family."""
+    e = program.equations
+    rows: list[tuple[str, Sequence[Quantity], str]] = [
+        ("q", e.coordinates, "into q, v, momenta, ..."),
+        ("p", [slot.quantity for slot in e.parameters], "into the table of parameters"),
+        ("u", e.inputs, "into u"),
+        ("o", e.observed_names, "into the observed outputs"),
+        ("c", e.conserved_names, "into the quantities claimed to be constant"),
+    ]
+    return [
+        {"stem": stem, "says": says, "rows": families(quantities)}
+        for stem, quantities, says in rows
+        if quantities
+    ]
+
+
+def fields(program: Program) -> list[dict[str, Any]]:
+    return [
+        {"c_name": field.c_name, "length": field.length, "says": field_says(program, field)}
+        for field in program.fields
+    ]
+
+
+def parameters(program: Program) -> list[dict[str, Any]]:
+    rows = []
+    for index, slot in enumerate(program.equations.parameters):
+        c_name = program.parameter_names[index]
+        bounds, default = program.bounds[index], program.defaults[index]
+        rows.append(
+            _quantity(slot.quantity)
+            | {
+                "index": index,
+                "c_name": c_name,
+                "field": family_of(c_name),
+                "position": slot.position,
+                "follows": int(slot.follows),
+                "lo_open": int(slot.lo_open or bounds.lo is None),
+                "hi_open": int(slot.hi_open or bounds.hi is None),
+                "lo": bounds.lo or "-PK_INFINITY",
+                "hi": bounds.hi or "PK_INFINITY",
+                "bounds_need": _locals(bounds.statements),
+                "default": default.text,
+                "default_needs": _locals(default.statements),
+            }
+        )
+    return rows
+
+
+def _locals(statements: Sequence[Statement]) -> list[dict[str, str]]:
+    return [{"kind": s.kind, "target": s.target, "text": s.text} for s in statements]
+
+
+def input_rates(inputs: Sequence[Quantity]) -> list[int]:
+    """For each input the index of its time derivative, or -1 where that is not an input."""
+    places = {quantity.name: i for i, quantity in enumerate(inputs)}
+    return [places.get(quantity.name + "'", -1) for quantity in inputs]

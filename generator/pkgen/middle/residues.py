@@ -1,0 +1,126 @@
+"""Proofs that an expression does vary: its values modulo a prime, in two worlds.
+
+Symbols get residues, sin and cos of an angle a point of the circle x^2 + y^2 = 1 that belongs to
+the residue of the angle, any other function a residue that belongs to its arguments'. Every
+identity that `normal.py` knows holds between such values. So where two worlds, which differ in
+some symbols alone, give an expression different values, its normal form contains one of these
+symbols, and need not be computed; equal values prove nothing.
+Reference: J. T. Schwartz, Fast probabilistic algorithms for verification of polynomial
+identities, J. ACM 27 (1980) 701-717.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..functions import FUNCTIONS
+from .graph import BIT, EVEN, ODD, Graph, Node, Op
+from .nodes import SQUARES
+
+PRIME = 2**61 - 1  # 3 modulo 4, so that -1 has no root and 1 + x^2 is never 0
+_PLAIN = {0, 1, PRIME - 1}  # where a function may have an exact value
+_INDEX = {name: -1 - index for index, name in enumerate(FUNCTIONS)}
+
+
+class Residues:
+    """Values of nodes of one graph modulo PRIME; None where there is none.
+
+    `moved` says of which kinds the symbols have other values than in the world with moved = 0.
+    """
+
+    def __init__(self, g: Graph, moved: int = 0):
+        self.graph = g
+        self.moved = moved
+        self.known: dict[Node, int | None] = {}
+
+    def __call__(self, output: Node) -> int | None:
+        g, known = self.graph, self.known
+        stack = [output]
+        while stack:
+            node = stack[-1]
+            if node in known:
+                stack.pop()
+                continue
+            missing = [a for a in g.args[node] if a not in known]
+            if missing:
+                stack.extend(missing)
+                continue
+            stack.pop()
+            values = [known[a] for a in g.args[node]]
+            known[node] = None if None in values else self._of(g.op[node], g.data[node], values)
+        return known[output]
+
+    def _of(self, op: Op, data, values: list[int]) -> int | None:
+        if op is Op.ADD:
+            return (values[0] + values[1]) % PRIME
+        if op is Op.MULTIPLY:
+            return values[0] * values[1] % PRIME
+        if op is Op.NUMBER:
+            return _fraction(data)
+        if op is Op.SYMBOL:
+            moved = 1 if BIT[data.kind] & self.moved else 0
+            return _mixed(1 + data.kind, data.index, moved)
+        if op is Op.POWER:
+            return _power(values[0], data)
+        return _call(data, values)
+
+
+class Varying:
+    """Whether nodes of one graph can be seen to vary with symbols of some kinds."""
+
+    def __init__(self, g: Graph):
+        self.graph = g
+        self.worlds: dict[int, Residues] = {0: Residues(g)}
+
+    def __call__(self, node: Node, mask: int) -> bool:
+        """True is a proof that a symbol of the mask is in the normal form; False is none."""
+        if not self.graph.depends[node] & mask:
+            return False
+        here = self.worlds[0](node)
+        if here is None:
+            return False
+        if mask not in self.worlds:
+            self.worlds[mask] = Residues(self.graph, mask)
+        there = self.worlds[mask](node)
+        return there is not None and here != there
+
+    def is_nonzero(self, node: Node) -> bool:
+        """True is a proof that the normal form is not 0; False is none."""
+        return bool(self.worlds[0](node))
+
+
+def _fraction(value: Fraction) -> int | None:
+    if value.denominator % PRIME == 0:
+        return None
+    return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
+
+
+def _mixed(*values: int) -> int:
+    """A residue that belongs to these and has no simple relation to them."""
+    result = 2385
+    for value in values:
+        result = pow(result * 48271 + value, 5, PRIME)
+    return result
+
+
+def _power(base: int, exponent: Fraction) -> int | None:
+    if exponent.denominator != 1 or (base == 0 and exponent < 0):
+        return None  # a root is beyond what is seen here
+    return pow(base, exponent.numerator, PRIME)
+
+
+def _call(function: str, arguments: list[int]) -> int | None:
+    """A function is odd or even here where the graph makes it so."""
+    if function == "sqrt" or not _PLAIN.isdisjoint(arguments):
+        return None
+    argument, sign = arguments[0], 1
+    if (function in ODD or function in EVEN) and argument > PRIME // 2:
+        argument, sign = PRIME - argument, -1 if function in ODD else 1
+    if function == "reciprocal":
+        return sign * pow(argument, -1, PRIME) % PRIME
+    if function in SQUARES:
+        half = _mixed(0, argument)  # the tangent of half the angle
+        scale = pow(1 + half * half, -1, PRIME)
+        value = 2 * half if function == "sin" else 1 - half * half
+        return sign * value * scale % PRIME
+    return sign * _mixed(_INDEX[function], argument, *arguments[1:]) % PRIME

@@ -1,0 +1,223 @@
+/* An ensemble as `pkgen run --ensemble` asks for it: members by the thousand, a batch in memory
+ * at a time, rows in the order of members whatever thread made them. Every member's parameters
+ * are checked before the first one runs.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ensemble.h"
+#include "members.h"
+
+int ensemble_setting(struct settings *s, const struct pk_system *system, size_t line,
+                     char *const word[], int *code)
+{
+    const struct {
+        const char *name;
+        size_t count;
+    } kinds[] = {{"param", system->n_parameters},
+                 {"input", system->n_inputs},
+                 {"q", pk_system_count(system, s->params)},
+                 {"v", pk_system_count(system, s->params)}};
+    const int members = strcmp(word[0], "members") == 0;
+    size_t index;
+    *code = 0;
+    if (members || strcmp(word[0], "threads") == 0) {
+        if (!settings_index(word[1], (size_t)-1, members ? &s->members : &s->threads))
+            *code = settings_usage(line, "not a count", word[1]);
+        return 1;
+    }
+    if (strcmp(word[0], "column") != 0)
+        return 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        if (strcmp(word[1], kinds[i].name) != 0)
+            continue;
+        struct column *columns =
+            (struct column *)realloc(s->columns, (s->n_columns + 1) * sizeof *columns);
+        if (!columns || !settings_index(word[2], kinds[i].count, &index)) {
+            *code = settings_usage(line, "no such quantity", word[2]);
+            return 1;
+        }
+        s->columns = columns;
+        columns[s->n_columns++] = (struct column){kinds[i].name[0], index};
+        return 1;
+    }
+    *code = settings_usage(line, "a column is of param, input, q or v", word[1]);
+    return 1;
+}
+
+int ensemble_fixed(const struct settings *s)
+{
+    const struct pk_ensemble e = {
+        .system = run_system, .method = s->method, .options = s->options};
+    return pk_ensemble_fixed(&e);
+}
+
+struct tally {
+    size_t done, failed, stopped, first_failed;
+    enum pk_status status;
+    pk_real t;
+};
+
+static int stop(void *context)
+{
+    (void)context;
+    return run_interrupted();
+}
+
+/* A member's row; the driver's own columns take its parameters and inputs. */
+static void write_row(struct batch *b, struct run *run, size_t i, size_t member, pk_real t,
+                      const pk_real *q, const pk_real *v)
+{
+    void *const params = run->settings.params;
+    pk_real *const u = run->settings.u;
+    run->settings.params = b->params + i * b->system->params_size;
+    run->settings.u = b->u + i * b->system->n_inputs;
+    fprintf(stdout, "%zu,", member + 1);
+    output_row(run, stdout, t, q, v);
+    run->settings.params = params;
+    run->settings.u = u;
+}
+
+static void write_batch(struct batch *b, struct run *run, size_t first, size_t count,
+                        struct tally *tally)
+{
+    const struct pk_ensemble *e = &b->e;
+    for (size_t i = 0; i < count; i++) {
+        if (run->settings.has_every && e->status[i] != PK_BAD_ARGUMENT &&
+            e->status[i] != PK_REFUSED)
+            write_row(b, run, i, first + i, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+        for (size_t row = 0; row < e->done[i]; row++) {
+            const size_t at = (i * e->rows + row) * b->n;
+            write_row(b, run, i, first + i, b->t[row], e->q + at, e->v + at);
+        }
+        tally->done += e->status[i] == PK_DONE;
+        tally->stopped += e->status[i] > 0;
+        if (e->status[i] < 0 && tally->failed++ == 0) {
+            tally->first_failed = first + i;
+            tally->status = e->status[i];
+            tally->t = e->last_t[i];
+        }
+    }
+}
+
+static int report(const struct run *run, const struct batch *b, const struct tally *tally)
+{
+    const struct settings *s = &run->settings;
+    FILE *file = fopen(s->report, "w");
+    if (!file) {
+        fprintf(stderr, "run: cannot write %s: %s\n", s->report, strerror(errno));
+        return 1;
+    }
+    fputs("{\n  \"model\": ", file);
+    output_text(file, b->system->name);
+    fputs(",\n  \"source_hash\": ", file);
+    output_text(file, b->system->source_hash);
+    fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n  \"step\": ", s->method->name,
+            s->method->order);
+    if (ensemble_fixed(s))
+        output_real(file, s->options.h);
+    else
+        fputs("null", file);
+    fprintf(file,
+            ",\n  \"members\": %zu,\n  \"done\": %zu,\n  \"failed\": %zu,\n  \"first_failed\": ",
+            s->members, tally->done, tally->failed);
+    if (tally->failed) {
+        fprintf(file, "{\"member\": %zu, \"status\": \"%s\", \"text\": \"%s\", \"t\": ",
+                tally->first_failed + 1, pk_status_name(tally->status),
+                pk_status_text(tally->status));
+        output_real(file, tally->t);
+        fputs("}", file);
+    } else {
+        fputs("null", file);
+    }
+    fprintf(file,
+            ",\n  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
+            "  \"seconds\": %.6g\n}\n",
+            run->interrupted ? "true" : "false", run->rows, b->threads, run->seconds);
+    const int failed = ferror(file);
+    return fclose(file) || failed;
+}
+
+/* What is said at the end, and the exit code. */
+static int finish(struct run *run, const struct batch *b, const struct tally *tally)
+{
+    int code = 0;
+    errno = 0;
+    if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
+        run->write_failed = errno ? errno : EIO;
+    if (tally->failed) {
+        fprintf(stderr,
+                "run: %s: %zu of %zu members failed, first member %zu: %s; "
+                "last valid time %.17g\n",
+                run->settings.method->name, tally->failed, run->settings.members,
+                tally->first_failed + 1, pk_status_text(tally->status), (double)tally->t);
+        code = 4;
+    }
+    if (run->not_finite) {
+        fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
+                run->not_finite, run->bad_rows, run->rows, run->bad_t);
+        code = 4;
+    }
+    if (run->write_failed) {
+        fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
+        code = 2;
+    }
+    run->interrupted = run_interrupted();
+    if (run->interrupted) {
+        fprintf(stderr, "run: interrupted after %zu of %zu members\n", tally->done,
+                run->settings.members);
+        code = 130;
+    }
+    if (run->settings.report && report(run, b, tally) && code == 0)
+        code = 2;
+    return code;
+}
+
+int ensemble_run(struct run *run, pk_real count)
+{
+    struct batch b = {0};
+    struct tally tally = {0};
+    struct settings *s = &run->settings;
+    const size_t rows = (size_t)count;
+    const double began = run_now();
+    int code = 0;
+
+    run->problem.system = run_system;
+    b.file = fopen(s->ensemble, "rb");
+    if (!b.file || s->members == 0) {
+        fprintf(stderr, "run: cannot read %s\n", s->ensemble);
+        return 2;
+    }
+    members_allocate(&b, run, rows, stop);
+    for (size_t k = 0; k < rows; k++)
+        b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
+    if (rows > 1 && ensemble_fixed(s)) {
+        const pk_real tail = s->until - b.t[rows - 2];
+        if (tail < s->every - 4 * PK_EPSILON * s->until)
+            b.e.last_h = tail / run_intervals(tail, s->options.h);
+    }
+    code = members_check(&b);
+    if (code == 0) {
+        fputs("member,", stdout);
+        output_header(run, stdout);
+    }
+    for (size_t first = 0; code == 0 && first < s->members && !run_interrupted();
+         first += b.size) {
+        const size_t left = s->members - first;
+        b.e.members = left < b.size ? left : b.size;
+        code = members_read(&b, first, b.e.members);
+        if (code)
+            break;
+        pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
+        write_batch(&b, run, first, b.e.members, &tally);
+        run_progress(run, (double)(first + b.e.members) / (double)s->members, 0);
+        if (run->write_failed)
+            break;
+    }
+    run->seconds = run_now() - began;
+    if (code == 0)
+        code = finish(run, &b, &tally);
+    members_release(&b, run);
+    return code;
+}

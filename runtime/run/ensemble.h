@@ -1,0 +1,21 @@
+/* An ensemble in place of one trajectory: `member,t,...` rows, a report of who arrived. */
+#ifndef RUN_ENSEMBLE_H
+#define RUN_ENSEMBLE_H
+
+#include "output.h"
+
+/* Reads the lines members, column, threads into the settings. 1 if it was one of them. */
+int ensemble_setting(struct settings *s, const struct pk_system *system, size_t line,
+                     char *const word[], int *code);
+/* Whether the members take fixed steps. */
+int ensemble_fixed(const struct settings *s);
+/* All of it, rows at `count` intervals of settings.every; the process's exit code. */
+int ensemble_run(struct run *run, pk_real count);
+
+/* Of main.c. */
+int run_interrupted(void);
+double run_now(void);
+void run_progress(const struct run *run, double part, int force);
+pk_real run_intervals(pk_real whole, pk_real part);
+
+#endif

@@ -1,0 +1,86 @@
+/* Kernels through an integrator: inputs filled, calls counted, failures named with their cause. */
+#include "generic.h"
+
+int pk_all_finite(const pk_real *x, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!pk_finite(x[i]))
+            return 0;
+    return 1;
+}
+
+const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
+{
+    if (it->problem.system->n_inputs && it->problem.input)
+        it->problem.input(it->problem.context, t, it->u);
+    return it->u;
+}
+
+enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                    const pk_real *v, pk_real *a)
+{
+    return generic_acceleration(it, t, q, v, a);
+}
+
+enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, int failed)
+{
+    /* A state that has run away makes M no number: that is the cause to name. */
+    if (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n))
+        return PK_NOT_FINITE;
+    it->where = (size_t)failed - 1;
+    it->detail = t;
+    return PK_SINGULAR_MASS;
+}
+
+unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
+                                 const pk_real *v, const pk_real *u, pk_real *a)
+{
+    const struct pk_system *system = it->problem.system;
+    if (system->lanes)
+        return system->lanes(it->problem.params, t, q, v, u, a);
+    const size_t n = it->n, m = system->n_inputs;
+    pk_real *q1 = it->lane, *v1 = q1 + n, *a1 = v1 + n, *u1 = a1 + n;
+    unsigned long long failed = 0;
+    for (size_t l = 0; l < PK_LANES; l++) {
+        for (size_t i = 0; i < n; i++) {
+            q1[i] = q[i * PK_LANES + l];
+            v1[i] = v[i * PK_LANES + l];
+        }
+        for (size_t i = 0; i < m; i++)
+            u1[i] = u[i * PK_LANES + l];
+        if (system->acceleration(it->problem.params, t[l], q1, v1, u1, a1))
+            failed |= 1ull << l;
+        for (size_t i = 0; i < n; i++)
+            a[i * PK_LANES + l] = a1[i];
+    }
+    return failed;
+}
+
+void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                       pk_real *p, pk_real *pdot)
+{
+    const pk_real *u = pk_eval_input(it, t);
+    it->problem.system->canonical(it->problem.params, t, q, v, u, p, pdot);
+    it->count.evaluations++;
+}
+
+/* The cause is what a trial step met just ahead, or else what a straight line from here meets
+ * there: steps may shrink before a singular M without ever reaching it. */
+enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
+{
+    const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
+    pk_real *q = pk_part(it->next, it->n, PK_Q), *a = pk_part(it->next, it->n, PK_A);
+    if (it->trouble == PK_DONE || !(pk_abs(it->trouble_t - it->t) <= near)) {
+        it->trouble_t = it->t + (pk_real)it->direction * near;
+        for (size_t i = 0; i < it->n; i++)
+            q[i] = it->q[i] + (pk_real)it->direction * near * it->v[i];
+        if (pk_eval_acceleration(it, it->trouble_t, q, it->v, a) != PK_SINGULAR_MASS) {
+            it->detail = h;
+            return PK_STEP_UNDERFLOW;
+        }
+        it->trouble = PK_SINGULAR_MASS;
+    }
+    it->detail = it->trouble_t;
+    return it->trouble;
+}

@@ -1,0 +1,162 @@
+"""`pkgen run --ensemble`: members as single runs, what files may say, what wrong ones are told."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+DOUBLE = ROOT / "models/double_pendulum.lag"
+MEMBERS = [("0.5", "1", "0"), ("30 [deg]", "2 [kg]", "-1e-1"), ("pi/2", "3", "0.25 [rad/s]")]
+HEADER = "theta1,m1,theta2'\n"
+
+
+@pytest.fixture
+def ensemble(tmp_path: Path):
+    def write(text: str, name: str = "members.csv") -> Path:
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def table(text: str) -> list[list[str]]:
+    return list(csv.reader(text.splitlines()))
+
+
+def single(pkgen, member, *options: str) -> list[list[str]]:
+    theta1, m1, rate2 = member
+    start = ("--start", f"theta1={theta1}", "--start", f"theta2'={rate2}")
+    done = pkgen("run", DOUBLE, "--set", f"m1={m1}", *start, *options)
+    assert done.returncode == 0, done.stderr
+    return table(done.stdout)[1:]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--method", "rk4", "--step", "0.01"],
+        ["--method", "gauss2", "--step", "0.05"],
+        ["--method", "dop853", "--rtol", "1e-9", "--set", "l2=0.7"],
+    ],
+)
+def test_members_are_single_runs(pkgen, ensemble, options: list[str]) -> None:
+    path = ensemble(HEADER + "".join(",".join(m) + "\n" for m in MEMBERS))
+    # A last interval that is shorter than the others.
+    options = [*options, "--until", "1.1", "--every", "0.4"]
+    done = pkgen("run", DOUBLE, "--ensemble", path, *options)
+    assert done.returncode == 0, done.stderr
+    rows = table(done.stdout)
+    assert rows[0] == ["member", "t", "theta1", "theta2", "theta1'", "theta2'", "energy"]
+    for number, member in enumerate(MEMBERS, 1):
+        mine = [row[1:] for row in rows[1:] if row[0] == str(number)]
+        assert mine == single(pkgen, member, *options) and len(mine) == 4
+    assert rows[1:] == sorted(rows[1:], key=lambda row: (int(row[0]), float(row[1])))
+
+
+def test_final_states_alone_by_any_number_of_threads(pkgen, ensemble, tmp_path: Path) -> None:
+    many = "".join(f"{0.01 * i},{1 + i % 7}\n" for i in range(200))
+    path = ensemble("theta1,m1\n" + many)
+    options = ["--ensemble", path, "--method", "rk4", "--step", "0.01", "--until", "1"]
+    said = [pkgen("run", DOUBLE, *options, "--threads", n).stdout for n in ("1", "2", "5")]
+    assert said[0] == said[1] == said[2]
+    assert [row[:2] for row in table(said[0])[1:]] == [[str(i + 1), "1"] for i in range(200)]
+    done = pkgen("run", DOUBLE, *options, "-o", tmp_path / "out.csv")
+    assert done.returncode == 0 and (tmp_path / "out.csv").read_text() == said[0]
+    beside = json.loads((tmp_path / "out.csv.json").read_text())
+    assert beside["columns"][0]["name"] == "member" and beside["settings"]["ensemble"] == path.name
+    report = beside["report"]
+    assert (report["members"], report["done"], report["failed"]) == (200, 200, 0)
+    assert report["step"] == 0.01 and report["rows"] == 200
+
+
+def test_families_and_inputs_are_named_as_in_set(pkgen, ensemble, tmp_path: Path) -> None:
+    model = tmp_path / "pushed.lag"
+    model.write_text(
+        "model pushed\nsize N = 2\nparam k = 1\ncoord q[1..N]\ninput u\n"
+        "kinetic sum(q[i]'^2/2, i = 1..N)\npotential k*sum(q[i]^2/2, i = 1..N)\nforce q[1] = u\n"
+    )
+    path = ensemble('"q[1]","q[2]\'",u\n0.5,1,0\n\n0.5,1,2\n')
+    options = ["--method", "verlet", "--step", "0.01", "--until", "1"]
+    done = pkgen("run", model, "--ensemble", path, *options)
+    assert done.returncode == 0, done.stderr
+    rows = table(done.stdout)[1:]
+    alone = ["--start", "q[1]=0.5", "--start", "q[2]'=1", "--set", "u=2"]
+    assert rows[1][1:] == table(pkgen("run", model, *alone, *options).stdout)[-1]
+    assert rows[0][2] != rows[1][2] and rows[0][3] == rows[1][3]
+
+
+def test_a_member_that_fails_is_told_and_the_others_go_on(pkgen, ensemble, tmp_path) -> None:
+    model = tmp_path / "heavy.lag"
+    # L = (1 - q) q'^2/2: singular where q reaches 1.
+    model.write_text("model heavy\ncoord q\nkinetic (1 - q)*q'^2/2\nstart q' = 0.5\n")
+    path = ensemble("q,q'\n" + "0.1,0.1\n" * 70 + "0.9,0.5\n0.1,0.2\n0.8,0.6\n")
+    options = ["--ensemble", path, "--method", "rk4", "--step", "0.001", "--until", "0.5"]
+    done = pkgen("run", model, *options, "-o", tmp_path / "x.csv")
+    assert done.returncode == 4
+    assert "2 of 73 members failed, first member 71: the mass matrix is singular" in done.stderr
+    assert "last valid time 0." in done.stderr
+    assert {row[0] for row in table((tmp_path / "x.csv").read_text())[1:]} == {
+        str(i) for i in range(1, 74) if i not in (71, 73)
+    }
+    report = json.loads((tmp_path / "x.csv.json").read_text())["report"]
+    assert (report["done"], report["failed"], report["first_failed"]["member"]) == (71, 2, 71)
+    assert report["first_failed"]["status"] == "PK_SINGULAR_MASS"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "members.csv: the file is empty; its first line names columns, e.g. theta1'"),
+        ("theta1\n", "members.csv: no rows below the header"),
+        ("theta1,thet2\n1,2\n", "members.csv:1: column thet2: the model has no such"),
+        ("theta1,thet2\n1,2\n", "did you mean 'theta2'?"),
+        ("theta1,theta1\n1,2\n", "members.csv:1: column theta1 stands there twice"),
+        ("theta1,\n1,2\n", "members.csv:1: a column has no name"),
+        ("theta1,m1\n1,2\n\n1\n", "members.csv:4: 1 values where the header has 2 columns"),
+        ("theta1,m1\n1,\n", "members.csv:2: column m1: a value is missing"),
+        ("theta1,m1\n1,2\n1,heavy\n", "members.csv:3: column m1: heavy:"),
+        ("theta1,m1\n1,2 [m]\n", "members.csv:2: column m1: 2 [m]:"),
+        ("theta1,m1\n1,1e999\n", "members.csv:2: column m1: 1e999 is not finite"),
+        ("theta1,m1\n1,2\n\n1,-3\n", "members.csv:4: m1 is outside its bounds"),
+        ('theta1,m1\n1,"2\n', "members.csv: not CSV"),
+    ],
+)
+def test_wrong_files_are_told_with_their_place(pkgen, ensemble, text: str, said: str) -> None:
+    done = pkgen("run", DOUBLE, "--ensemble", ensemble(text), "--method", "rk4", "--step", "0.1")
+    assert done.returncode == 2 and said in done.stderr, done.stderr
+    assert done.stdout == ""
+
+
+def test_wrong_uses_are_told(pkgen, ensemble, tmp_path: Path) -> None:
+    path = ensemble("theta1\n1\n")
+    done = pkgen("run", DOUBLE, "--threads", "2")
+    assert done.returncode == 2 and "--threads is for --ensemble" in done.stderr
+    done = pkgen("run", DOUBLE, "--ensemble", path, "--threads", "0")
+    assert done.returncode == 2 and "--threads 0: must be positive" in done.stderr
+    done = pkgen("run", DOUBLE, "--ensemble", tmp_path / "nowhere.csv")
+    assert done.returncode == 2 and "nowhere.csv: No such file" in done.stderr
+    (tmp_path / "latin.csv").write_bytes(b"theta1\n\xff\n")
+    done = pkgen("run", DOUBLE, "--ensemble", tmp_path / "latin.csv")
+    assert done.returncode == 2 and "not text in UTF-8" in done.stderr
+    done = pkgen("run", DOUBLE, "--ensemble", path, "--method", "verlet", "--step", "0.1")
+    assert done.returncode == 4 and "does not apply" in done.stderr
+    assert len(done.stdout.splitlines()) == 1
+
+
+def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:
+    """A compiler that cannot link OpenMP still runs ensembles."""
+    compiler = tmp_path / "cc"
+    compiler.write_text('#!/bin/sh\nfor x; do [ "$x" = -fopenmp ] && exit 1; done\nexec gcc "$@"\n')
+    compiler.chmod(0o755)
+    env = {**os.environ, "CC": str(compiler), "PKGEN_CACHE": str(tmp_path / "cache")}
+    path = ensemble("theta1\n1\n2\n")
+    options = ["--ensemble", path, "--method", "rk4", "--step", "0.1", "--until", "1"]
+    done = pkgen("run", DOUBLE, *options, "--threads", "2", env=env)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == pkgen("run", DOUBLE, *options).stdout
