@@ -61,7 +61,12 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
     add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
     add("--until", metavar="T", help="duration (default 10)")
-    add("--method", default="dop853", metavar="NAME", help="default dop853; see pkgen methods")
+    add(
+        "--method",
+        metavar="NAME",
+        help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
+        "for --rtol above 1e-5",
+    )
     add("--step", metavar="H", help="of a method with fixed steps")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     add("--atol", metavar="A", help="default: that of --rtol")

@@ -44,6 +44,7 @@ INLINED = {
     "symplectic_euler": "SPLITTING",
     "verlet": "SPLITTING",
     "yoshida4": "SPLITTING",
+    "gauss": "GAUSS",
 }
 STANDARD = "-std=c11"
 LINK_WITH = "link"  # the file beside the libraries with what their users link with

@@ -25,6 +25,9 @@ from .ensemble import Ensemble
 from .exits import DONE
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
+# The share of steps that an iteration may hold back before it is worth a word.
+HELD = 0.75
+
 
 @dataclass(frozen=True)
 class _Run:
@@ -140,6 +143,13 @@ def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
         f"{1000 * report['seconds']:.3g} ms",
         file=sys.stderr,
     )
+    if report["held"] > HELD * report["steps"]:
+        print(
+            f"{report['method']}: its iteration, not its error, kept {report['held']} of "
+            f"{report['steps']} steps short: the model is stiff at this tolerance; --method gauss4 "
+            "(fixed steps, Newton) or dop853 may take less time",
+            file=sys.stderr,
+        )
     for drift in report["drifts"]:
         print(
             f"drift({drift['name']}) max {drift['max']:.2e}, final {drift['final']:.2e}, "

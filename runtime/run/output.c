@@ -201,9 +201,9 @@ static void json_run(struct run *run, FILE *file)
     fprintf(file,
             ",\n  \"rows\": %lu,\n  \"steps\": %lu,\n  \"rejections\": %lu,\n"
             "  \"evaluations\": %lu,\n  \"jacobians\": %lu,\n  \"factorisations\": %lu,\n"
-            "  \"iterations\": %lu,\n  \"seconds\": %.6g,\n",
+            "  \"iterations\": %lu,\n  \"held\": %lu,\n  \"seconds\": %.6g,\n",
             run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
-            c->iterations, run->seconds);
+            c->iterations, c->held, run->seconds);
     json_drifts(run, file);
 }
 

@@ -10,6 +10,8 @@
  * products h b_i are made so that they sum to h, and mu_ij + mu_ji = 1 exactly; both sums are
  * compensated. Here is the step; the equations are solved in newton.c.
  *
+ * gauss8 has its stages in the lanes of one kernel where the system is separable: gauss_nystrom.c.
+ *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3,
  * VI.4, VIII.6; M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861.
  */
@@ -21,7 +23,8 @@ size_t pk_gauss_size(const struct pk_method *method, size_t n)
 {
     const struct pk_gauss *table = (const struct pk_gauss *)method->table;
     const size_t s = (size_t)table->stages, m = s * n;
-    return 7 * m + 5 * s * n * n + m * m + n * n + 3 * n + 3 * s * s + 2 * s + 8;
+    return 7 * m + 5 * s * n * n + m * m + n * n + 3 * n + 4 * s * s + 2 * s + 9 +
+           (s == PK_LANES ? pk_gauss_nystrom_size(n) : 0);
 }
 
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
@@ -50,7 +53,9 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
     w.predict = x, x += s * (s + 1);
     w.hb = x, x += s;
     w.h = x++, w.lu_h = x++, w.ratio = x++, w.last_h = x++, w.best = x++;
-    w.wait = x++, w.patience = x;
+    w.wait = x++, w.patience = x++, w.slow_h = x++;
+    w.mu_columns = x, x += s * s;
+    w.rest = x;
     return w;
 }
 
@@ -60,10 +65,12 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
     pk_real *p = pk_part(it->state, it->n, PK_P);
     for (size_t i = 0; i < w.s; i++)
         for (size_t j = 0; j <= i; j++) { /* the lower triangle holds the larger of each pair */
-            w.mu[i * w.s + j] = i == j ? PK_C(0.5) : w.table->mu[i * w.s + j];
+            w.mu[i * w.s + j] = i == j ? PK_C(0.5) : w.table->mu[j * w.s + i];
             w.mu[j * w.s + i] = PK_C(1.0) - w.mu[i * w.s + j];
+            w.mu_columns[j * w.s + i] = w.mu[i * w.s + j];
+            w.mu_columns[i * w.s + j] = w.mu[j * w.s + i];
         }
-    *w.h = *w.lu_h = *w.ratio = *w.last_h = *w.best = *w.wait = *w.patience = 0;
+    *w.slow_h = *w.h = *w.lu_h = *w.ratio = *w.last_h = *w.best = *w.wait = *w.patience = 0;
     pk_eval_canonical(it, it->t, it->q, it->v, p, w.F);
     it->p = p;
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
@@ -175,6 +182,15 @@ enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
     (void)limit;
     if (it->h > *w.h || it->h < *w.h)
         set_step(&w, it->h);
+    if (s == PK_LANES && it->problem.system->facts & PK_SEPARABLE &&
+        (it->h > *w.slow_h || it->h < *w.slow_h)) {
+        const enum pk_status status = pk_gauss_nystrom_step(it, &w);
+        if (status != PK_NO_CONVERGENCE)
+            return status;
+        *w.slow_h = it->h; /* too long for fixed points, and not for Newton */
+        memset(pk_part(it->state, n, PK_LOW_X), 0, n * sizeof *w.V); /* it was that of v */
+        it->flags = 0;
+    }
     predict(it, &w);
     enum pk_status status = pk_gauss_solve(it, &w);
     if (status < 0) {

@@ -20,6 +20,8 @@ struct pk_gauss_work {
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
     pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;
     pk_real *mu, *hA, *hb, *predict;
+    pk_real *mu_columns, *rest; /* of gauss8: mu for the lanes; work of gauss_nystrom.c */
+    pk_real *slow_h;            /* the step at which that did not converge */
     /* The step that hA, and that lu, was made for; that of the predictor over the last one's;
      * iterations with a new matrix; steps for which it is still to be made anew, and how many
      * these were. */
@@ -27,6 +29,8 @@ struct pk_gauss_work {
 };
 
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
+size_t pk_gauss_nystrom_size(size_t n);
+enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *w);
 /* Stage rates V, and Q, P, F at them, from the V given as a guess. */
 enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w);
 

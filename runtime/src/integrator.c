@@ -22,7 +22,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params);
     const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
-    const size_t work = system->n_inputs + lane + method->size(method, n);
+    const size_t inputs = system->n_inputs * (1 + PK_LANES);
+    const size_t work = inputs + lane + method->size(method, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
 }
@@ -63,7 +64,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
     if (method->needs & ~system->facts)
         return fail(it, PK_REFUSED, 0);
-    if (system->count && !system->jacobian && (method->traits & PK_IMPLICIT))
+    if (system->count && !system->jacobian && (method->traits & PK_JACOBIANS))
         return fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
@@ -75,7 +76,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->state = (pk_real *)block;
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;
-    it->lane = it->u + system->n_inputs;
+    it->lane = it->u + system->n_inputs * (1 + PK_LANES);
     it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
@@ -95,14 +96,21 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
         return fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
         return fail(it, PK_BAD_ARGUMENT, BAD_STATE);
-    memmove(pk_part(it->state, n, PK_Q), q, n * sizeof *q);
-    memmove(pk_part(it->state, n, PK_V), v, n * sizeof *v);
+    /* Steps exchange the two blocks; the check below needs all that lies behind the state. */
+    pk_real *const first = it->state < it->next ? it->state : it->next;
+    memmove(pk_part(first, n, PK_Q), q, n * sizeof *q);
+    memmove(pk_part(first, n, PK_V), v, n * sizeof *v);
+    it->state = first;
+    it->next = first + PK_PARTS * n;
+    it->q = pk_part(first, n, PK_Q);
+    it->v = pk_part(first, n, PK_V);
     memset(pk_part(it->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
     it->status = pk_check_params(it, it->next); /* all behind the state is free here */
     if (it->status < 0)
         return it->status;
     /* What a method does not carry stays 0, and inputs that nobody fills. */
-    memset(it->next, 0, (PK_PARTS * n + it->problem.system->n_inputs) * sizeof *q);
+    memset(it->next, 0,
+           (PK_PARTS * n + it->problem.system->n_inputs * (1 + PK_LANES)) * sizeof *q);
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
     it->trouble = PK_DONE;

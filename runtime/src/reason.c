@@ -23,7 +23,7 @@ static const struct {
     {PK_SEPARABLE, "separable: M constant, forces independent of the rates"},
     {PK_MASS_CONSTANT, "of constant M"},
     {PK_QUADRATIC, "of second degree in the rates"},
-    {PK_SMOOTH, "smooth: no abs, min, max or step in the equations"},
+    {PK_SMOOTH, "smooth, without abs, min, max or step (use dop853, or stop and restart at kinks)"},
     {PK_VARIATIONAL, "variational: no forces besides those of L"},
     {PK_AUTONOMOUS, "autonomous: no explicit time and no inputs"},
     {PK_CONSERVATIVE, "conservative: its energy is constant"},
@@ -45,7 +45,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             if (it->method->needs & ~system->facts & fact_text[i].fact)
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
-        if (system->count && (it->method->traits & PK_IMPLICIT))
+        if (system->count && (it->method->traits & PK_JACOBIANS))
             return snprintf(text, size,
                             "%s needs Jacobians; %s keeps its families as loops and has none",
                             it->method->name, system->name);

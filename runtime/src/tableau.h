@@ -15,6 +15,8 @@ struct pk_gauss {
 extern const struct pk_method pk_euler, pk_rk4, pk_dopri5, pk_dop853;
 extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
+extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
+extern const struct pk_method pk_gauss_adaptive;
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);

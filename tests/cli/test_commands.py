@@ -266,9 +266,46 @@ def test_interrupt(tmp_path: Path) -> None:
     assert len(table) >= 1 and all(len(row) == len(names) for row in table)
 
 
+KINKED = """model bumper
+param m = 1 [kg] in (0, inf)
+param k = 30 [N/m]
+coord x [m]
+kinetic m/2*x'^2
+potential k/2*max(x, 0)^2
+start x = -0.3
+"""
+
+
+def test_the_default_method(pkgen, tmp_path: Path) -> None:
+    kinked = tmp_path / "bumper.lag"
+    kinked.write_text(KINKED)
+
+    def method(*arguments: object) -> str:
+        done = pkgen("run", *arguments, "--until", "1", "--json")
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)["report"]["method"]
+
+    assert method(DOUBLE) == "gauss" and method(DOUBLE, "--rtol", "1e-5") == "gauss"
+    assert method(DOUBLE, "--rtol", "1.1e-5") == "dop853"
+    assert method(kinked) == "dop853"
+    done = pkgen("run", kinked, "--method", "gauss")
+    assert done.returncode == 4
+    assert "abs, min, max or step" in done.stderr and "dop853" in done.stderr
+
+
+def test_many_rows_do_not_shorten_the_steps_of_gauss(pkgen) -> None:
+    def report(every: float) -> dict:
+        done = pkgen("run", DOUBLE, "--until", "5", "--every", every, "--json")
+        return json.loads(done.stdout)
+
+    few, many = report(5), report(0.001)
+    assert len(many["rows"]) == 5001 and many["report"]["steps"] == few["report"]["steps"]
+    assert many["rows"][-1] == few["rows"][-1]
+
+
 def test_methods(pkgen) -> None:
     listed = {m["name"]: m for m in json.loads(pkgen("methods", "--json").stdout)}
-    wanted = "euler symplectic_euler verlet yoshida4 rk4 dopri5 dop853 gauss1 gauss2 gauss3 gauss4"
+    wanted = "euler symplectic_euler verlet yoshida4 rk4 dopri5 dop853 gauss1 gauss4 gauss8 gauss"
     assert set(wanted.split()) <= set(listed)
     assert {"gsl_rk8pd", "gsl_msadams"} <= set(listed)
     assert (listed["gauss4"]["order"], listed["verlet"]["order"]) == (8, 2)

@@ -51,6 +51,12 @@ def test_dop853(pkgen, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", REFERENCES)
+def test_gauss(pkgen, name: str) -> None:
+    assert 0 < final_error(pkgen, name, "--method", "gauss", "--rtol", "1e-13") < BOUNDS[name]
+    assert final_error(pkgen, name, "--method", "gauss", "--rtol", "1e-5") > BOUNDS[name]
+
+
+@pytest.mark.parametrize("name", REFERENCES)
 def test_gauss4(pkgen, name: str) -> None:
     step = GAUSS_STEPS[name]
     assert 0 < final_error(pkgen, name, "--method", "gauss4", "--step", step) < BOUNDS[name]

@@ -35,6 +35,7 @@ double fit_slope(const double *x, const double *y, int count);
 
 void add_tables(void);
 void add_order(void);
+void add_gauss(void);
 void add_geometry(void);
 void add_status(void);
 void add_silence(void);

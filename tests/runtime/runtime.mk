@@ -18,7 +18,8 @@ RT_OMP = $(RT_DIR)/libpk_omp.a
 RT_TEST_C = $(sort $(wildcard tests/runtime/*.c))
 RT_TEST_O = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_TEST_C))
 RT_SYSTEMS_C = $(sort $(wildcard tests/runtime/systems_*.c))
-RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING -DPK_INLINE_ENSEMBLE
+RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING -DPK_INLINE_GAUSS \
+            -DPK_INLINE_ENSEMBLE
 RT_SYSTEMS_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/inlined/%.o,$(RT_SYSTEMS_C))
 RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 

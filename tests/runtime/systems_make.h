@@ -38,6 +38,24 @@ static const unsigned char none_cyclic[] = {0, 0};
 /* What pk/inlined.h wants: constants, and lane kernels, here lane by lane. */
 #define SIZES(NAME, N, INPUTS)                                                               \
     enum { NAME##_N = N, NAME##_INPUTS = INPUTS };                                           \
+    static inline unsigned long long NAME##_lanes_inline(                                   \
+        size_t W, const void *params, const pk_real *t, const pk_real *q, const pk_real *v, \
+        const pk_real *u, pk_real *a)                                                       \
+    {                                                                                       \
+        unsigned long long failed = 0;                                                      \
+        for (size_t l = 0; l < W; l++) {                                                    \
+            pk_real q1[N], v1[N], a1[N], u1[INPUTS + 1];                                    \
+            for (size_t i = 0; i < N; i++)                                                  \
+                q1[i] = q[i * W + l], v1[i] = v[i * W + l], a1[i] = 0;                      \
+            for (size_t i = 0; i + 1 < sizeof u1 / sizeof *u1; i++)                         \
+                u1[i] = u[i * W + l];                                                       \
+            if (NAME##_acceleration(params, t[l], q1, v1, u1, a1))                          \
+                failed |= 1ull << l;                                                        \
+            for (size_t i = 0; i < N; i++)                                                  \
+                a[i * W + l] = a1[i];                                                       \
+        }                                                                                   \
+        return failed;                                                                      \
+    }                                                                                       \
     PK_INLINE                                                                                \
     static unsigned long long NAME##_members_inline(size_t W, const pk_real *P,              \
                                                     const pk_real *t, const pk_real *q,      \

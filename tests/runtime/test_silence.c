@@ -124,8 +124,8 @@ static void parameters(void)
 static void no_atol(void)
 {
     static struct fixture f;
-    static const char *const names[] = {"dopri5", "dop853"};
-    for (int i = 0; i < 2; i++) {
+    static const char *const names[] = {"dopri5", "dop853", "gauss"};
+    for (int i = 0; i < 3; i++) {
         fixture_set(&f, &pendulum_system);
         f.v0[0] = 0;
         f.options.atol = 0;
@@ -137,8 +137,8 @@ static void no_atol(void)
 static void round_off_of_time(void)
 {
     static struct fixture f;
-    static const char *const names[] = {"dopri5", "dop853"};
-    for (int i = 0; i < 2; i++) {
+    static const char *const names[] = {"dopri5", "dop853", "gauss"};
+    for (int i = 0; i < 3; i++) {
         fixture_set(&f, &broken_system); /* no number past 1, and the end 2 ulp past it */
         f.params.limit = 1;
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
@@ -156,7 +156,8 @@ static void round_off_of_time(void)
         f.options.rtol = 1e-300; /* not to be met: the step is at fault, not the motion */
         f.options.atol = 0;
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
-        CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_STEP_UNDERFLOW);
+        /* gauss, whose estimate does not see round-off, stops at 2 PK_EPSILON. */
+        CU_ASSERT(pk_integrator_to(&f.it, 1) == (i < 2 ? PK_STEP_UNDERFLOW : PK_DONE));
     }
 }
 
@@ -202,15 +203,18 @@ static void after_a_sliver(void)
 /* A reset leaves nothing of before: the same numbers as a new integrator's. */
 static void reset_is_fresh(void)
 {
-    static const char *const names[] = {"verlet", "rk4", "dop853", "gauss1", "gauss4"};
+    static const char *const names[] = {"verlet", "rk4", "dop853", "gauss1", "gauss4",
+                                        "gauss8", "gauss"};
     static struct fixture f, g;
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 7; i++) {
         fixture_set(&f, &kepler_system);
         f.options.h = 0.01;
         g = f;
         g.problem.params = &g.params;
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE && fixture_init(&g, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE);
+        if (f.it.count.steps % 2 == 0) /* an odd number: the two blocks have changed places */
+            CU_ASSERT(pk_integrator_step(&f.it, 4) == PK_DONE);
         CU_ASSERT(pk_integrator_reset(&f.it, 0, f.q0, f.v0) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE && pk_integrator_to(&g.it, 2) == PK_DONE);
         CU_ASSERT(memcmp(f.it.q, g.it.q, sizeof f.q0) == 0);

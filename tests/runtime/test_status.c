@@ -77,7 +77,7 @@ static enum pk_status run_to_failure(struct fixture *f, double t_end)
 
 static const char *const all[] = {"euler",  "symplectic_euler", "verlet", "yoshida4",  "rk4",
                                   "dopri5", "dop853",           "gauss1", "gauss2",    "gauss3",
-                                  "gauss4", "gsl_rk8pd",        "gsl_msadams"};
+                                  "gauss4", "gauss8",           "gauss",  "gsl_rk8pd", "gsl_msadams"};
 enum { ALL = sizeof all / sizeof *all };
 
 static void not_finite(void)
@@ -102,8 +102,8 @@ static void not_finite(void)
 static void singular_mass(void)
 {
     static struct fixture f;
-    static const char *const names[] = {"rk4", "dopri5", "dop853", "gsl_rk8pd"};
-    for (int i = 0; i < 4; i++) {
+    static const char *const names[] = {"rk4", "dopri5", "dop853", "gsl_rk8pd", "gauss"};
+    for (int i = 0; i < 5; i++) {
         fixture_set(&f, &folded_system);
         f.options.h = 0.01;
         CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);

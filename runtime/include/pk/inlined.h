@@ -2,8 +2,8 @@
  * ahead of its struct pk_system, once for each model in a file. The text of a step,
  * pk/step/FAMILY.h, is the same that the library compiles over function pointers; here the number
  * of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
- * _SPLITTING ask for a family, and -DPK_INLINE_ENSEMBLE for that family's steps of whole blocks of
- * members too; without any of them nothing is compiled, and the library's steps are used.
+ * _SPLITTING, _GAUSS ask for a family, and -DPK_INLINE_ENSEMBLE for that family's steps of whole
+ * blocks of members too; without any of them nothing is compiled, and the library's steps are used.
  *
  * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
  * number of coordinates is not the constant PK_MODEL(N). Steps are written over
@@ -52,6 +52,8 @@
     PK_INLINED_STEP(method, PK_STEPPER(embedded)(it, &pk_##method##_table, limit))
 #define PK_INLINED_SPLITTING(method) \
     PK_INLINED_STEP(method, PK_STEPPER(splitting)(it, &pk_##method##_table))
+#define PK_INLINED_GAUSS(method) PK_INLINED_STEP(method##_adaptive, PK_STEPPER(gauss)(it, limit))
+#define PK_INLINED_GAUSS_ENTRY(method) {#method, PK_STEPPER(method##_adaptive)},
 #define PK_INLINED_ENTRY(method) {#method, PK_STEPPER(method)},
 #define PK_INLINED_BLOCK(method, call)                                                          \
     static unsigned long long PK_STEPPER(block_##method)(struct pk_block * b) { return call; }
@@ -63,7 +65,8 @@
     {#method, PK_INLINE_LANES, PK_STEPPER(block_##method)},
 #endif
 
-#if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING
+#if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
+    defined PK_INLINE_GAUSS
 #define PK_INLINE_STEPPERS PK_STEPPER(steppers)
 #include <pk/step/evaluate.h>
 
@@ -79,6 +82,10 @@ PK_EMBEDDED_METHODS(PK_INLINED_EMBEDDED)
 #include <pk/step/splitting.h>
 PK_SPLITTING_METHODS(PK_INLINED_SPLITTING)
 #endif
+#ifdef PK_INLINE_GAUSS
+#include <pk/step/gauss.h>
+PK_GAUSS_METHODS(PK_INLINED_GAUSS)
+#endif
 
 static const struct pk_stepper PK_STEPPER(steppers)[] = {
 #ifdef PK_INLINE_ERK
@@ -89,6 +96,9 @@ static const struct pk_stepper PK_STEPPER(steppers)[] = {
 #endif
 #ifdef PK_INLINE_SPLITTING
     PK_SPLITTING_METHODS(PK_INLINED_ENTRY)
+#endif
+#ifdef PK_INLINE_GAUSS
+    PK_GAUSS_METHODS(PK_INLINED_GAUSS_ENTRY)
 #endif
     {NULL, NULL}};
 #else

@@ -44,21 +44,24 @@ struct pk_options {
     pk_real h;    /* fixed step, or an adaptive method's first one (0: it chooses). Positive,
                      finite, whatever the direction. */
     pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| a step, root mean square over
-                     q and v; finite, not both 0. Below some 10 PK_EPSILON it buys nothing. */
+                     q and v; finite, not both 0. Below some 10 PK_EPSILON it buys nothing,
+                     and gauss takes 2 PK_EPSILON at least. */
     pk_real atol;
     pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
     pk_real h_max; /* adaptive; 0: none. A last step may be 1% longer. */
     unsigned long max_steps; /* 0: no bound */
     enum pk_iteration iteration;
     pk_real newton_tol; /* relative correction that ends an iteration, < 1; 0: the next one is
-                           foreseen to be far below round-off, the choice for long runs */
-    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point */
+                           foreseen to be far below round-off, the choice for long runs,
+                           or for gauss what is left of a step's error below its tolerance */
+    int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point, 30 for gauss */
 };
 
 struct pk_counters {
     unsigned long steps, rejections;
     unsigned long evaluations; /* of the acceleration, or of p and pdot at one stage */
     unsigned long jacobians, factorisations, iterations;
+    unsigned long held; /* steps of `gauss` that its iteration, not its error, kept short */
 };
 
 struct pk_integrator {
@@ -75,7 +78,7 @@ struct pk_integrator {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
     size_t n;
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
-    pk_real *u, *work;
+    pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
     pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
     pk_real next_t, last_t;   /* end of the step being made; start of the last one made */
     pk_real h;                /* signed step, made or to be made */

@@ -21,7 +21,8 @@ enum pk_trait {
     PK_SYMMETRIC = 1u << 1,
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
-    PK_DENSE = 1u << 4 /* pk_integrator_dense() works */
+    PK_DENSE = 1u << 4,    /* pk_integrator_dense() works */
+    PK_JACOBIANS = 1u << 5 /* calls the system's mass and jacobian */
 };
 
 struct pk_integrator;

@@ -1,0 +1,204 @@
+/* The adaptive Gauss-Legendre method of 8 stages, order 16, on q'' = a(t, q, q'): its stages are
+ * the lanes of one kernel. With the accelerations a_j at the stages as unknowns,
+ *
+ *     L_j = h b_j a_j,   V_i = v0 + sum mu_ij L_j,   Q_i = q0 + h (c_i v0 + sum (A^2)_ij/b_j L_j)
+ *     v1 = v0 + sum L_j,   q1 = q0 + h (v0 + sum (1 - c_j) L_j)
+ *
+ * by fixed-point iteration: every lane of an iterate is evaluated at once. It starts from the
+ * polynomial through the last step's a_j, extrapolated, and ends where its error, foreseen from
+ * its rate, is below the tolerance. Sums into q and v are compensated.
+ *
+ * Step control as in IAS15: with theta, the decay of the polynomial's Legendre coefficients as
+ * its last two tell it, the error is h |a| theta^16. It is asked as soon as the iterates resolve
+ * those coefficients, so that a step too long costs little. Where the iteration contracts slowly,
+ * that holds the step back (it->count.held).
+ *
+ * In (q, q') with M(q) this form is symmetric, not symplectic, and no step is fixed anyway; for
+ * long runs see gauss1 to gauss8, which are symplectic in (q, p).
+ *
+ * References: H. Rein, D. S. Spiegel, MNRAS 446 (2015) 1424; M. Antonana, J. Makazaga, A. Murua,
+ * Numer. Algorithms 76 (2017) 861; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
+ * Differential Equations I, II.4 (4.14) for the first step. Over the macros of pk/inlined.h.
+ */
+#include <pk/step/gauss_stages.h>
+
+#ifndef PK_STEP_GAUSS_H
+#define PK_STEP_GAUSS_H
+#define PK_GAUSS_METHODS(X) X(gauss)
+
+/* Measured over the models and others for the least work at a given final error. */
+#define PK_GAUSS_SAFETY PK_C(0.9)
+#define PK_GAUSS_ACCEPT_LOG PK_C(2.302585092994046) /* accepted up to 10 tolerances, */
+#define PK_GAUSS_RESOLVED PK_C(10.0) /* asked once what is left, squared, is below 10 a_7^2 */
+#define PK_GAUSS_GROW PK_C(3.0)
+#define PK_GAUSS_SHRINK PK_C(0.2)
+#define PK_GAUSS_RATE PK_C(0.15) /* a contraction that costs as much as it gains */
+#endif
+
+/* From constant a over the first step, h0 = .01 |y|/|y'|, ten of which are tried. */
+static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real limit)
+{
+    const size_t n = PK_STEPPER_N(it);
+    const pk_real *a = pk_part(it->next, n, PK_A);
+    const pk_real span = pk_abs(limit - it->t);
+    pk_real d0 = 0, d1 = 0;
+    if (it->options.h > 0)
+        return pk_min(it->options.h, span);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real q = pk_abs(it->q[i]), v = pk_abs(it->v[i]);
+        const pk_real of_q = it->options.atol + it->options.rtol * q + PK_TINY;
+        const pk_real of_v = it->options.atol + it->options.rtol * v + PK_TINY;
+        d0 += (q / of_q) * (q / of_q) + (v / of_v) * (v / of_v);
+        d1 += (v / of_q) * (v / of_q) + (a[i] / of_v) * (a[i] / of_v);
+    }
+    const pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.1) * PK_F(sqrt)(d0 / d1)
+                                                         : PK_C(1e-6) * span;
+    return h > 0 && pk_finite(h) ? pk_min(h, span) : PK_C(1e-6) * span;
+}
+
+/* One trial of size y->h: PK_DONE with what it came to, or why it broke down. */
+static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it,
+                                                              const struct pk_gauss_lanes *w,
+                                                              struct pk_gauss_trial *y)
+{
+    const int most = it->options.max_iterations > 0 ? it->options.max_iterations : 30;
+    const int with_v = !(it->problem.system->facts & PK_SEPARABLE);
+    int asked = 0;
+    for (int l = 0; l < PK_GAUSS_S; l++) {
+        y->hb[l] = y->h * pk_gauss8_b[l];
+        y->t[l] = it->t + y->h * pk_gauss8_c[l];
+    }
+    enum pk_status status = PK_STEPPER(gauss_predict)(it, w, y);
+    for (y->count = 0; status >= 0; y->count++) {
+        PK_STEPPER(gauss_stages)(it, w, y, with_v);
+        status = PK_STEPPER(gauss_evaluate)(it, y->t, w->q, w->v, w->u, w->next_a);
+        if (status < 0)
+            break;
+        if (y->count == 0)
+            PK_STEPPER(gauss_weights)(it, w, y);
+        if (!PK_STEPPER(gauss_compare)(it, w, y))
+            return PK_NOT_FINITE;
+        const pk_real rate = y->rate, left2 = y->change2 * rate * rate;
+        const pk_real round = PK_C(16.0) * PK_EPS * PK_EPS * y->size2;
+        const int stalled = y->count > 2 && rate > PK_C(0.5) &&
+                            y->change2 <= PK_C(1e8) * PK_EPS * PK_EPS * y->size2;
+        const pk_real asked_for = it->options.newton_tol;
+        const int close = asked_for > 0 ? y->change2 <= asked_for * asked_for * y->size2
+                                        : rate < 1 && left2 <= (1 - rate) * (1 - rate);
+        const int done = close || y->change2 <= round || stalled;
+        /* The coefficients at which the step would not be accepted; asked when resolved. */
+        const pk_real d = *w->decay, d6 = (d * d * d) * (d * d * d) * y->size2, d7 = d6 * d;
+        if (done || (!asked && left2 < PK_GAUSS_RESOLVED * d7)) {
+            pk_real six2, seven2;
+            PK_STEPPER(gauss_coefficients)(it, w, &six2, &seven2);
+            asked = 1;
+            if (done || six2 > d6 || seven2 > d7) {
+                pk_gauss_judge(y, six2, seven2);
+                if (done || y->error_log > PK_GAUSS_ACCEPT_LOG)
+                    return PK_DONE;
+            }
+        }
+        if (y->count >= most || (y->count >= 3 && rate > PK_C(0.7))) {
+            it->detail = PK_F(sqrt)(y->change2 / (y->size2 + PK_TINY));
+            return PK_NO_CONVERGENCE;
+        }
+    }
+    return status;
+}
+
+/* The new state, and what the next step is predicted from. */
+static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
+                                            const struct pk_gauss_lanes *w,
+                                            const struct pk_gauss_trial *y)
+{
+    const size_t n = PK_STEPPER_N(it);
+    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
+    const pk_real *old_q = pk_part(it->state, n, PK_LOW_Q);
+    const pk_real *old_v = pk_part(it->state, n, PK_LOW_X);
+    pk_real left[PK_GAUSS_S];
+    for (int l = 0; l < PK_GAUSS_S; l++)
+        left[l] = y->hb[l] * (1 - pk_gauss8_c[l]);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real *ai = w->a + i * PK_GAUSS_S;
+        low_q[i] = old_q[i];
+        low_v[i] = old_v[i];
+        w->start[i] = it->q[i];
+        w->start[n + i] = it->v[i];
+        w->last_weight[i] = w->weight[i];
+        q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))),
+                      &low_q[i]);
+        v[i] = pk_sum(it->v[i], pk_gauss_dot(y->hb, ai), &low_v[i]);
+        pk_gauss_rows(pk_gauss8_taylor, ai, w->poly + i * PK_GAUSS_S);
+    }
+    *w->h = y->h;
+    *w->rate = y->rate;
+    *w->decay = PK_F(exp)(2 * (y->theta_log + (PK_GAUSS_ACCEPT_LOG - y->error_log) / 16));
+}
+
+static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_real limit)
+{
+    const size_t n = PK_STEPPER_N(it);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->work);
+    const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
+    const pk_real least =
+        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    struct pk_gauss_trial y;
+    int rejected = 0, lands;
+
+    if (!(it->h > 0) && !(it->h < 0)) {
+        it->flags = 0; /* a first step, or one that turns back: nothing to predict it from */
+        const enum pk_status status =
+            PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->next, n, PK_A));
+        if (status < 0)
+            return status;
+        if (!pk_all_finite(pk_part(it->next, n, PK_A), n))
+            return PK_NOT_FINITE;
+        it->h = sign * PK_STEPPER(gauss_first)(it, limit);
+        *w.decay = 0;
+    }
+    pk_real planned = pk_abs(it->h);
+    for (;;) {
+        if (it->options.h_max > 0)
+            planned = pk_min(planned, it->options.h_max);
+        if (!(planned > least) && (left > least || rejected))
+            return pk_underflow(it, planned); /* also a step that shrank while being accepted */
+        lands = planned * PK_C(1.01) >= left || !(left > least);
+        y.h = sign * (lands ? left : planned);
+        it->next_t = lands ? limit : it->t + y.h;
+        const enum pk_status status = PK_STEPPER(gauss_trial)(it, &w, &y);
+        if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
+            break;
+        if (status < 0) {
+            if (status != PK_NO_CONVERGENCE) { /* that is no cause but a step too long */
+                it->trouble = status;
+                it->trouble_t = it->next_t;
+            }
+            y.growth = PK_C(0.5);
+        } else {
+            y.growth = pk_max(PK_GAUSS_SHRINK, pk_min(PK_C(0.9), PK_GAUSS_SAFETY * y.growth));
+        }
+        planned = pk_abs(y.h) * y.growth;
+        rejected = 1;
+        it->count.rejections++;
+        it->h = sign * planned;
+    }
+    PK_STEPPER(gauss_accept)(it, &w, &y);
+    /* The next step: by the error, and by the iteration where that contracts too slowly. */
+    pk_real grow = PK_GAUSS_SAFETY * pk_min(y.growth, PK_GAUSS_GROW);
+    const pk_real slow = y.count > 0 ? PK_F(sqrt)(PK_GAUSS_RATE / y.rate) : PK_GAUSS_GROW;
+    if (rejected)
+        grow = pk_min(grow, PK_C(1.0));
+    if (slow < grow) {
+        grow = pk_max(slow, PK_GAUSS_SHRINK);
+        it->count.held++;
+    }
+    const pk_real next = pk_abs(y.h) * grow;
+    const int cut = lands && !rejected && y.growth >= PK_GAUSS_GROW; /* says nothing of the next */
+    const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
+    it->error = 1 / (g8 * g8 * y.growth + PK_TINY);
+    it->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
+            : sign * (cut ? pk_max(next, planned) : next);
+    it->flags = PK_HAVE_STEP;
+    return PK_DONE;
+}

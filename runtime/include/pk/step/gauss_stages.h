@@ -1,0 +1,241 @@
+/* One trial step of the adaptive Gauss method: its equations, see pk/step/gauss.h, evaluated in
+ * the lanes of one kernel. Written over the macros of pk/inlined.h.
+ */
+#ifndef PK_STEP_GAUSS_STAGES_H
+#define PK_STEP_GAUSS_STAGES_H
+
+#include <pk/step/gauss_tables.h>
+#include <pk/step/state.h>
+#include <pk/step/tableau.h>
+
+/* gcc unrolls a loop over eight lanes before it looks for vectors, and then finds few. */
+#if defined __GNUC__ && !defined __clang__
+#define PK_GAUSS_LOOP _Pragma("GCC unroll 1")
+#else
+#define PK_GAUSS_LOOP
+#endif
+
+#define PK_GAUSS_RATE_LEAST PK_C(0.1)
+
+enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
+
+/* The work. Arrays of n by 8 but for those said otherwise. */
+struct pk_gauss_lanes {
+    pk_real *a, *next_a, *q, *v; /* the iterate, the next one, the stages */
+    pk_real *u;                  /* inputs at the stages */
+    pk_real *poly;               /* Taylor coefficients of the last step's a at its end, in h */
+    pk_real *weight;             /* n: of errors in a */
+    pk_real *start, *last_weight; /* 2 n: q and v where the last step began; n: its weights */
+    pk_real *h, *rate, *decay;   /* of the last step: its size, the contraction of its iteration,
+                                    and the theta^2 up to which a next one is accepted */
+    pk_real *dense;              /* of gauss_dense.c */
+};
+
+static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n, pk_real *x)
+{
+    struct pk_gauss_lanes w;
+    const size_t m = n * PK_GAUSS_S;
+    w.a = x, x += m;
+    w.next_a = x, x += m;
+    w.q = x, x += m;
+    w.v = x, x += m;
+    w.poly = x, x += m;
+    w.u = it->u + it->problem.system->n_inputs;
+    w.weight = x, x += n;
+    w.start = x, x += 2 * n;
+    w.last_weight = x, x += n;
+    w.h = x++, w.rate = x++, w.decay = x++;
+    w.dense = x;
+    return w;
+}
+
+/* y = M x: one sum for each lane, of two halves so that their latencies overlap. */
+static inline void pk_gauss_rows(const pk_real *restrict M, const pk_real *restrict x,
+                                 pk_real *restrict y)
+{
+    PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
+        y[l] = ((M[l] * x[0] + M[8 + l] * x[1]) + (M[16 + l] * x[2] + M[24 + l] * x[3])) +
+               ((M[32 + l] * x[4] + M[40 + l] * x[5]) + (M[48 + l] * x[6] + M[56 + l] * x[7]));
+}
+
+static inline pk_real pk_gauss_dot(const pk_real *restrict b, const pk_real *restrict x)
+{
+    return ((b[0] * x[0] + b[1] * x[1]) + (b[2] * x[2] + b[3] * x[3])) +
+           ((b[4] * x[4] + b[5] * x[5]) + (b[6] * x[6] + b[7] * x[7]));
+}
+
+static inline pk_real pk_gauss_sum(const pk_real *restrict x)
+{
+    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
+}
+
+/* What one trial step has come to. Norms are in units of the tolerance, root mean square. */
+struct pk_gauss_trial {
+    pk_real h, hb[PK_GAUSS_S], t[PK_GAUSS_S];
+    pk_real size2, change2;      /* of a; of its last correction; squared */
+    pk_real rate;                /* by which corrections shrink */
+    pk_real theta_log, error_log; /* logarithms of theta and of the error */
+    pk_real growth;              /* by which the step may grow */
+    int count;
+};
+
+/* The error from the last two Legendre coefficients: |a_k| = |a| theta^k, error |a| theta^16. */
+static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_real seven2)
+{
+    const pk_real six = six2 / (y->size2 + PK_TINY) + PK_TINY;
+    const pk_real seven = seven2 / (y->size2 + PK_TINY) + PK_TINY;
+    const pk_real six3 = six * six * six, seven3 = seven * seven * seven;
+    const pk_real a = PK_F(log)(y->size2 + PK_TINY);
+    const pk_real theta = six3 * six3 * six > seven3 * seven3 ? PK_F(log)(six) / 12
+                                                             : PK_F(log)(seven) / 14;
+    y->theta_log = theta;
+    y->error_log = a / 2 + 16 * theta;
+    y->growth = PK_F(exp)(-y->error_log / 17);
+}
+
+#endif
+
+/* The first iterate: the last polynomial at 1 + r c_l, or the acceleration at the start. */
+static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
+                                                       const struct pk_gauss_lanes *w,
+                                                       struct pk_gauss_trial *y)
+{
+    const size_t n = PK_STEPPER_N(it);
+    if (!(it->flags & PK_HAVE_STEP)) {
+        pk_real *a0 = pk_part(it->next, n, PK_A);
+        const enum pk_status status = PK_STEPPER(acceleration)(it, it->t, it->q, it->v, a0);
+        for (size_t i = 0; i < n * PK_GAUSS_S; i++)
+            w->a[i] = a0[i / PK_GAUSS_S];
+        y->rate = PK_C(0.5);
+        return status;
+    }
+    const pk_real r = y->h / *w->h;
+    pk_real power[PK_GAUSS_S] = {1}, x[PK_GAUSS_S];
+    for (int k = 1; k < PK_GAUSS_S; k++)
+        power[k] = power[k - 1] * r;
+    for (size_t i = 0; i < n; i++) {
+        for (int k = 0; k < PK_GAUSS_S; k++)
+            x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
+        pk_gauss_rows(pk_gauss8_powers, x, w->a + i * PK_GAUSS_S);
+    }
+    /* Till it is measured: never so small that a first iterate passes unseen for the last. */
+    y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
+    return PK_DONE;
+}
+
+/* Coordinates and rates at the stages, from their accelerations. */
+static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
+                                            const struct pk_gauss_lanes *w,
+                                            const struct pk_gauss_trial *y, int with_v)
+{
+    const size_t n = PK_STEPPER_N(it);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real h = y->h, q0 = it->q[i], v0 = it->v[i], hv = h * v0;
+        pk_real L[PK_GAUSS_S], dq[PK_GAUSS_S];
+        pk_real *restrict q = w->q + i * PK_GAUSS_S, *restrict v = w->v + i * PK_GAUSS_S;
+        PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
+            L[l] = y->hb[l] * w->a[i * PK_GAUSS_S + (size_t)l];
+        pk_gauss_rows(pk_gauss8_mu2, L, dq);
+        PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
+            q[l] = q0 + (pk_gauss8_c[l] * hv + h * dq[l]);
+        if (with_v) {
+            pk_gauss_rows(pk_gauss8_mu, L, v);
+            PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++)
+                v[l] += v0;
+        }
+    }
+}
+
+/* Errors of a count as what they do to v or q in a step, whichever is worse. */
+static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
+                                             const struct pk_gauss_lanes *w,
+                                             const struct pk_gauss_trial *y)
+{
+    const size_t n = PK_STEPPER_N(it);
+    const pk_real h = pk_abs(y->h), atol = it->options.atol;
+    const pk_real rtol = pk_max(it->options.rtol, 2 * PK_EPS);
+    for (size_t i = 0; i < n; i++) {
+        const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
+        const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(w->q[last]));
+        const pk_real v = pk_max(pk_abs(it->v[i]), h * pk_abs(w->next_a[last]));
+        w->weight[i] = pk_max(h / (atol + rtol * v + PK_TINY), h * h / (atol + rtol * q + PK_TINY));
+    }
+}
+
+/* a in all lanes. One that failed is asked again alone, for the reason. */
+static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
+                                                        const pk_real *q, const pk_real *v,
+                                                        pk_real *u, pk_real *a)
+{
+    const size_t n = PK_STEPPER_N(it), m = it->problem.system->n_inputs;
+    for (int l = 0; m && l < PK_GAUSS_S; l++) {
+        const pk_real *u1 = PK_STEPPER_INPUT(it, t[l]);
+        for (size_t i = 0; i < m; i++)
+            u[i * PK_GAUSS_S + (size_t)l] = u1[i];
+    }
+    unsigned long long failed = PK_STEPPER_LANES(it, t, q, v, u, a);
+    it->count.evaluations += PK_GAUSS_S;
+    it->count.iterations++;
+    for (size_t l = 0; failed; l++, failed >>= 1)
+        if (failed & 1) {
+            pk_real *q1 = pk_part(it->next, n, PK_Q), *v1 = pk_part(it->next, n, PK_V);
+            pk_real *a1 = pk_part(it->next, n, PK_A);
+            for (size_t i = 0; i < n; i++) {
+                q1[i] = q[i * PK_GAUSS_S + l];
+                v1[i] = v[i * PK_GAUSS_S + l];
+            }
+            const enum pk_status status = PK_STEPPER(acceleration)(it, t[l], q1, v1, a1);
+            if (status < 0)
+                return status;
+            for (size_t i = 0; i < n; i++)
+                a[i * PK_GAUSS_S + l] = a1[i];
+        }
+    return PK_DONE;
+}
+
+/* Takes next_a over into a; their difference and size. 0 where one is not finite. */
+static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
+                                            const struct pk_gauss_lanes *w,
+                                            struct pk_gauss_trial *y)
+{
+    const size_t n = PK_STEPPER_N(it);
+    pk_real change[PK_GAUSS_S] = {0}, size[PK_GAUSS_S] = {0};
+    for (size_t i = 0; i < n; i++) {
+        pk_real *restrict a = w->a + i * PK_GAUSS_S;
+        const pk_real *restrict b = w->next_a + i * PK_GAUSS_S;
+        const pk_real weight = w->weight[i];
+        PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S; l++) {
+            const pk_real s = weight * b[l], d = weight * (b[l] - a[l]);
+            size[l] += s * s;
+            change[l] += d * d;
+            a[l] = b[l];
+        }
+    }
+    const pk_real mean = PK_C(1.0) / (pk_real)(PK_GAUSS_S * n);
+    const pk_real before = y->change2;
+    y->size2 = mean * pk_gauss_sum(size);
+    y->change2 = mean * pk_gauss_sum(change);
+    if (y->count > 0)
+        y->rate = pk_max(PK_F(sqrt)(y->change2 / before), PK_C(1e-4));
+    return pk_finite(y->change2) && pk_finite(y->size2);
+}
+
+static inline void PK_STEPPER(gauss_coefficients)(struct pk_integrator *it,
+                                                  const struct pk_gauss_lanes *w, pk_real *six2,
+                                                  pk_real *seven2)
+{
+    const size_t n = PK_STEPPER_N(it);
+    *six2 = *seven2 = 0;
+    for (size_t i = 0; i < n; i++) {
+        const pk_real *a = w->a + i * PK_GAUSS_S;
+        const pk_real six = w->weight[i] * pk_gauss_dot(pk_gauss8_legendre6, a);
+        const pk_real seven = w->weight[i] * pk_gauss_dot(pk_gauss8_legendre7, a);
+        *six2 += six * six / (pk_real)n;
+        *seven2 += seven * seven / (pk_real)n;
+    }
+}

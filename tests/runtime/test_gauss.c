@@ -1,0 +1,248 @@
+/* The adaptive Gauss method, and gauss8 in the lanes: what their sources promise. Orders are in
+ * quad/order.c, and with the other methods' what every method must keep.
+ */
+#include <stdlib.h>
+
+#include "fixture.h"
+#include "generic.h"
+
+#include <pk/step/gauss_stages.h>
+
+static const double start_q[] = {1.3, -0.9}, start_v[] = {0.2, 0.4};
+
+/* A reference: gauss8 at short steps, in (q, p), from a start to t. */
+static void exact(struct fixture *f, const struct pk_system *system, const double *q,
+                  const double *v, double t, int steps)
+{
+    fixture_set(f, system);
+    memcpy(f->q0, q, system->n * sizeof *q);
+    memcpy(f->v0, v, system->n * sizeof *v);
+    f->options.h = t / steps;
+    CU_ASSERT_FATAL(fixture_init(f, "gauss8") == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(&f->it, t) == PK_DONE);
+}
+
+static void tolerance(void)
+{
+    static const struct pk_system *const systems[] = {&pendulum_system, &double_pendulum_system,
+                                                      &kepler_system, &relativistic_system};
+    static struct fixture f, e, d;
+    for (size_t s = 0; s < 4; s++) {
+        double tol[8], error[8], worse = 0;
+        int count = 0;
+        fixture_set(&f, systems[s]);
+        exact(&e, systems[s], f.q0, f.v0, 5, 2000);
+        for (double t = 1e-5; t > 5e-12; t /= 10) {
+            CU_ASSERT(fixture_run(&f, systems[s], "gauss", t, 5) == PK_DONE && f.it.t == 5);
+            CU_ASSERT(fixture_run(&d, systems[s], "dop853", t, 5) == PK_DONE);
+            tol[count] = t;
+            error[count] = fixture_distance(&f, e.it.q, e.it.v);
+            worse = fmax(worse, error[count] / fixture_distance(&d, e.it.q, e.it.v));
+            CU_ASSERT(error[count] > 0 && error[count] < 1e4 * t);
+            count++;
+        }
+        const double slope = fit_slope(tol, error, count);
+        printf("\n    %s: error ~ tol^%.2f, %.1e at tol 1e-11, of dop853's at most %.1f",
+               systems[s]->name, slope, error[count - 1], worse);
+        CU_ASSERT(slope > 0.75 && slope < 1.25 && worse < 60);
+    }
+}
+
+/* The stages' own polynomial, integrated from the step's start. */
+static void stage_polynomial(struct fixture *f, double t, double *q, double *v)
+{
+    const size_t n = f->it.n;
+    const struct pk_gauss_lanes w = pk_gauss_lanes(&f->it, n, f->it.work);
+    const double h = *w.h, x = (t - f->it.last_t) / h - 1;
+    for (size_t i = 0; i < n; i++) {
+        const double *c = w.poly + i * PK_GAUSS_S;
+        double once = 0, twice = 0, first = 0;
+        for (int k = 0; k < PK_GAUSS_S; k++) { /* of x^k, from -1 */
+            const double sign = k % 2 ? 1 : -1;
+            once += c[k] * (pow(x, k + 1) - sign) / (k + 1);
+            first += c[k] * sign / (k + 1);
+            twice += c[k] * (pow(x, k + 2) + sign) / ((k + 1) * (k + 2));
+        }
+        v[i] = w.start[n + i] + h * once;
+        q[i] = w.start[i] + h * (x + 1) * w.start[n + i] + h * h * (twice - first * (x + 1));
+    }
+}
+
+static void dense(void)
+{
+    static struct fixture f, e;
+    for (double tol = 1e-6; tol > 5e-13; tol /= 1000) {
+        double inside = 0, stages = 0, ends = 0;
+        fixture_set(&f, &double_pendulum_system);
+        f.options.rtol = f.options.atol = tol;
+        CU_ASSERT_FATAL(fixture_init(&f, "gauss") == PK_DONE);
+        while (f.it.t < 3) {
+            double q0[2], v0[2], q[2], v[2];
+            const double t0 = f.it.t;
+            memcpy(q0, f.it.q, sizeof q0);
+            memcpy(v0, f.it.v, sizeof v0);
+            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 10) == PK_DONE);
+            const unsigned long before = f.it.count.evaluations;
+            for (int k = 1; k <= 4; k++) {
+                const double t = k == 4 ? f.it.t : t0 + k * (f.it.t - t0) / 4;
+                exact(&e, &double_pendulum_system, q0, v0, t - t0, 20);
+                CU_ASSERT_FATAL(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
+                double *worst = k == 4 ? &ends : &inside;
+                *worst = fmax(*worst, fixture_distance(&e, q, v));
+                stage_polynomial(&f, t, q, v);
+                if (k < 4)
+                    stages = fmax(stages, fixture_distance(&e, q, v));
+            }
+            CU_ASSERT(f.it.count.evaluations > before); /* paid once, however many rows */
+            const unsigned long after = f.it.count.evaluations;
+            CU_ASSERT(pk_integrator_dense(&f.it, t0, q, v) == PK_DONE);
+            CU_ASSERT(q[0] == q0[0] && v[1] == v0[1] && f.it.count.evaluations == after);
+        }
+        printf("\n    tolerance %.0e: ends %.1e, inside %.1e, stage polynomial %.1e", tol, ends,
+               inside, stages);
+        CU_ASSERT(inside > 0 && inside < 10 * tol && stages > 30 * inside);
+    }
+    double q[2], v[2];
+    CU_ASSERT(pk_integrator_dense(&f.it, f.it.t + 1, q, v) == PK_BAD_ARGUMENT);
+}
+
+static void backward(void)
+{
+    static struct fixture f;
+    CU_ASSERT(fixture_run(&f, &double_pendulum_system, "gauss", 1e-12, 3) == PK_DONE);
+    CU_ASSERT(fixture_distance(&f, f.q0, f.v0) > 0.1);
+    CU_ASSERT(pk_integrator_to(&f.it, -2) == PK_DONE && f.it.t == -2);
+    CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE && f.it.t == 0);
+    const double there_and_back = fixture_distance(&f, f.q0, f.v0);
+    CU_ASSERT(there_and_back > 0 && there_and_back < 1e-9);
+}
+
+static void ramp(void *context, pk_real t, pk_real *u)
+{
+    u[0] = *(const double *)context * t * t * t;
+}
+
+/* Explicit time, rates in the forces, an input: each would be lost unseen in a wrong lane. */
+static void forces(void)
+{
+    static struct fixture f, e;
+    double q, v, slope = 2.385;
+    driven_exact(7, &q, &v);
+    CU_ASSERT(fixture_run(&f, &driven_system, "gauss", 1e-12, 7) == PK_DONE);
+    CU_ASSERT(fixture_distance(&f, &q, &v) < 1e-10);
+    fixture_set(&f, &forced_system);
+    exact(&e, &forced_system, f.q0, f.v0, 4, 1000);
+    CU_ASSERT(fixture_run(&f, &forced_system, "gauss", 1e-12, 4) == PK_DONE);
+    CU_ASSERT(fixture_distance(&f, e.it.q, e.it.v) < 1e-10);
+    fixture_set(&f, &pushed_system);
+    f.problem.input = ramp;
+    f.problem.context = &slope;
+    CU_ASSERT_FATAL(fixture_init(&f, "gauss") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE);
+    CU_ASSERT(fabs(f.it.v[0] - f.v0[0] - slope * 81 / 4) < 1e-8);
+    double row_q, row_v;
+    const double t = (f.it.last_t + f.it.t) / 2;
+    CU_ASSERT(pk_integrator_dense(&f.it, t, &row_q, &row_v) == PK_DONE);
+    CU_ASSERT(fabs(row_v - f.v0[0] - slope * t * t * t * t / 4) < 1e-8);
+}
+
+static void refused(void)
+{
+    static struct fixture f;
+    struct pk_system kinked = pendulum_system;
+    char text[300];
+    kinked.facts &= ~(unsigned)PK_SMOOTH;
+    fixture_set(&f, &kinked);
+    CU_ASSERT(fixture_init(&f, "gauss") == PK_REFUSED);
+    pk_integrator_reason(&f.it, text, sizeof text);
+    CU_ASSERT(strstr(text, "abs, min, max or step") && strstr(text, "dop853"));
+    CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
+}
+
+/* A system that is stiff at its tolerance: q'' = -1e6 q + cos 3 t near its slow motion. */
+static void held(void)
+{
+    static struct fixture f;
+    fixture_set(&f, &driven_system);
+    f.params.g = 1e6;
+    f.q0[0] = 1 / (1e6 - 9);
+    f.v0[0] = 0;
+    f.options.rtol = f.options.atol = 1e-3;
+    CU_ASSERT_FATAL(fixture_init(&f, "gauss") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE);
+    CU_ASSERT(f.it.count.held > f.it.count.steps / 2);
+    CU_ASSERT(fabs(f.it.q[0] - cos(3.0) / (1e6 - 9)) < 1e-3);
+    CU_ASSERT(fixture_run(&f, &pendulum_system, "gauss", 1e-10, 10) == PK_DONE);
+    CU_ASSERT(f.it.count.held < f.it.count.steps / 4);
+    /* An iteration that never converges is said, at once and where; the state stays. */
+    fixture_set(&f, &double_pendulum_system);
+    f.options.max_iterations = 1;
+    f.options.newton_tol = 1e-14;
+    f.options.h_min = 1e-3;
+    CU_ASSERT_FATAL(fixture_init(&f, "gauss") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_STEP_UNDERFLOW && f.it.t == 0);
+    CU_ASSERT(fixture_distance(&f, start_q, start_v) == 0 && f.it.count.rejections > 2);
+}
+
+/* No start may fail or be wrong in silence. */
+static void random_starts(void)
+{
+    static struct fixture f, d;
+    double worst = 0;
+    unsigned long long seed = 2385;
+    for (int k = 0; k < 300; k++) {
+        double x[4];
+        for (int i = 0; i < 4; i++) {
+            seed = seed * 6364136223846793005ull + 1442695040888963407ull;
+            x[i] = ((double)(seed >> 11) / 9007199254740992.0 - 0.5) * 6;
+        }
+        for (int i = 0; i < 2; i++) {
+            struct fixture *one = i ? &d : &f;
+            fixture_set(one, &double_pendulum_system);
+            memcpy(one->q0, x, sizeof one->q0);
+            memcpy(one->v0, x + 2, sizeof one->v0);
+            one->options.rtol = one->options.atol = i ? 1e-13 : 1e-9;
+            CU_ASSERT_FATAL(fixture_init(one, i ? "dop853" : "gauss") == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&one->it, 2) == PK_DONE);
+        }
+        worst = fmax(worst, fixture_distance(&f, d.it.q, d.it.v));
+    }
+    printf("\n    300 starts at 1e-9, t = 2: error at most %.1e", worst);
+    CU_ASSERT(worst > 1e-10 && worst < 1e-5);
+}
+
+/* gauss8 in the lanes against Newton's method on the same equations in (q, p). */
+static void nystrom(void)
+{
+    static struct fixture f, e;
+    struct pk_system general = pendulum_system;
+    general.facts &= ~(unsigned)PK_SEPARABLE;
+    for (int k = 0; k < 2; k++) {
+        fixture_set(&f, &pendulum_system);
+        fixture_set(&e, &general);
+        f.options.h = e.options.h = k ? 9.0 : 0.4; /* the second is too long for fixed points */
+        CU_ASSERT_FATAL(fixture_init(&f, "gauss8") == PK_DONE);
+        CU_ASSERT_FATAL(fixture_init(&e, "gauss8") == PK_DONE);
+        const double until = k ? 9 : 20;
+        CU_ASSERT(pk_integrator_to(&f.it, until) == pk_integrator_to(&e.it, until));
+        CU_ASSERT(k || f.it.count.jacobians == 0);
+        CU_ASSERT(e.it.count.jacobians > 0);
+        printf("\n    h = %g: %.1e from Newton's", (double)f.options.h,
+               fixture_distance(&f, e.it.q, e.it.v));
+        CU_ASSERT(fixture_distance(&f, e.it.q, e.it.v) < 1e-13);
+        CU_ASSERT(fabs(f.it.p[0] - f.it.v[0]) < 1e-14);
+    }
+}
+
+void add_gauss(void)
+{
+    CU_pSuite suite = CU_add_suite("gauss", NULL, NULL);
+    CU_add_test(suite, "error follows the tolerance", tolerance);
+    CU_add_test(suite, "dense output", dense);
+    CU_add_test(suite, "backward", backward);
+    CU_add_test(suite, "time, rates and inputs", forces);
+    CU_add_test(suite, "refused across a kink", refused);
+    CU_add_test(suite, "held back, and no convergence", held);
+    CU_add_test(suite, "random starts", random_starts);
+    CU_add_test(suite, "gauss8 in the lanes", nystrom);
+}
