@@ -238,7 +238,7 @@ static void json_flags(FILE *file, unsigned flags, const char *const *names, siz
 int output_methods(FILE *file)
 {
     static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
-                                         "dense"};
+                                         "dense",      "jacobians"};
     static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
                                         "separable",     "autonomous",    "conservative",
                                         "variational",   "smooth"};

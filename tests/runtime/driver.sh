@@ -94,7 +94,7 @@ check "not too often" [ "$(grep -c '^progress ' "$tmp/err")" -le 9 ]
 check "methods are JSON lines" sh -c "'$dir/run_pendulum' --methods | python3 -c '
 import json, sys
 names = [json.loads(l)[\"name\"] for l in sys.stdin]
-assert len(names) == 13 and \"gsl_msadams\" in names, names'"
+assert len(names) == 18 and \"gauss8\" in names and \"gsl_msadams\" in names, names'"
 
 echo "driver: $count checks passed"
 exit $failed

@@ -64,7 +64,7 @@ static const unsigned char none_cyclic[] = {0, 0};
     {                                                                                        \
         unsigned long long failed = 0;                                                       \
         for (size_t l = 0; l < W; l++) {                                                     \
-            const struct test_params params = {P[l], P[W + l]};                              \
+            const struct test_params params = {P[l], P[W + l], {0}};                         \
             pk_real q1[N], v1[N], a1[N], u1[INPUTS + 1] = {0};                               \
             for (size_t i = 0; i < N; i++)                                                   \
                 q1[i] = q[i * W + l], v1[i] = v[i * W + l];                                  \
