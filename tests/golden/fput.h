@@ -136,9 +136,6 @@ enum pk_pass { PK_IN_LANE, PK_ONCE, PK_CAREFULLY };
 
 /* A pivot of M smaller than this, relative to its diagonal entry, is lost in rounding. */
 #define PK_PIVOT_MIN (16 * PK_EPSILON)
-/* Lane kernels take so many states side by side, as a structure of arrays: q[i * PK_LANES + l] is
- * coordinate i of lane l. Eight doubles are one register of AVX-512, two of AVX2, four of NEON. */
-#define PK_LANES 8
 
 #endif
 

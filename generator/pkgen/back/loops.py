@@ -17,10 +17,9 @@ from ..middle.graph import Kind, Node, Op, Symbol
 from ..middle.loops import LoopEquations, Slot
 from ..middle.loops_expand import unlike_loops
 from ..middle.quantities import input_quantities
-from .expressions import count_operations
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import LOAD, STORE, TRIG, Statement
+from .program import LOAD, STORE, TRIG, Statement, operations_in
 from .rewrite import Workspace, rewrite
 from .schedule import Schedule, Target, number_text
 
@@ -148,12 +147,7 @@ class Lowering:
         self._hoist([b for b in self.blocks if b.where != FIXED])
         for block in self.blocks:
             block.statements = self._written(block)
-            for statement in block.statements:
-                if statement.kind != LOAD:
-                    block.operations += count_operations(statement.text, self.prefix)
-                if statement.kind == TRIG:
-                    pair = zip(("sin", "cos"), statement.target.split(), strict=True)
-                    block.operations.update(name for name, place in pair if place != "NULL")
+            block.operations = operations_in(block.statements, self.prefix)
 
     def _hoist(self, blocks: list[Block]) -> None:
         found: set[Node] = set()

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from ..equations import Equations, Structure
 from ..middle.graph import Kind, Node, Op, Symbol
 from .chunk import blocks
-from .expressions import count_operations
 from .kernels import KERNELS, KernelSpec, needed_kernels
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import (
     LOAD,
     STORE,
-    TRIG,
     Assignment,
     Field,
     Interval,
@@ -28,6 +26,7 @@ from .program import (
     Output,
     Program,
     Statement,
+    operations_in,
 )
 from .rewrite import Workspace, rewrite
 from .schedule import Schedule, Target, number_text
@@ -143,11 +142,7 @@ class _Lowering:
         solves: bool = False,
     ) -> Kernel:
         parts, work = blocks(schedule.statements, loads, [o.name for o in outputs])
-        operations = count_operations((s.text for s in schedule.statements), self.prefix)
-        for statement in schedule.statements:
-            if statement.kind == TRIG:
-                named = enumerate(statement.target.split())
-                operations.update(("sin", "cos")[i % 2] for i, name in named if name != "NULL")
+        operations = operations_in(schedule.statements, self.prefix)
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
     def _leaf(self, node: Node) -> str | None:

@@ -7,10 +7,11 @@ declarations to comments, belongs to the templates. Nothing here refers to the g
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from ..equations import Equations, Structure
+from .expressions import count_operations
 
 # The kinds of a statement, and how each is shown in a dump.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
@@ -159,6 +160,17 @@ class Program:
         lines += [f"default {self.parameter_names[a.index]} = {a.text}" for a in self.defaults]
         lines += [str(kernel) for kernel in (self.prepare, self.start, *self.kernels)]
         return "\n".join(lines)
+
+
+def operations_in(statements: Iterable[Statement], prefix: str) -> Counter[str]:
+    """Operations of statements; `prefix` starts the names of the model's own helper functions."""
+    statements = [s for s in statements if s.kind != LOAD]
+    operations = count_operations((s.text for s in statements), prefix)
+    for statement in statements:
+        if statement.kind == TRIG:
+            named = enumerate(statement.target.split())
+            operations.update(("sin", "cos")[i % 2] for i, name in named if name != "NULL")
+    return operations
 
 
 def operations_text(operations: Counter[str]) -> str:
