@@ -8,14 +8,19 @@
 #include <pk/step/state.h>
 #include <pk/step/tableau.h>
 
-/* gcc unrolls a loop over eight lanes before it looks for vectors, and then finds few. */
-#if defined __GNUC__ && !defined __clang__
+/* Compilers unroll a loop over eight lanes before they look for vectors, and then find few. */
+#if defined __clang__
+#define PK_GAUSS_LOOP _Pragma("clang loop unroll(disable) vectorize_width(4) interleave_count(2)")
+#elif defined __GNUC__
 #define PK_GAUSS_LOOP _Pragma("GCC unroll 1")
 #else
 #define PK_GAUSS_LOOP
 #endif
 
 #define PK_GAUSS_RATE_LEAST PK_C(0.1)
+/* Of the tolerance, so that a final error is no larger than dop853's at the same tolerance: measured
+ * over models and starts from 1e-4 to 1e-15, a half where that falls out worst, a tenth elsewhere. */
+#define PK_GAUSS_SHARE (PK_C(1.0) / PK_C(3.0))
 
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
@@ -156,8 +161,8 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_trial *y)
 {
     const size_t n = PK_STEPPER_N(it);
-    const pk_real h = pk_abs(y->h), atol = it->options.atol;
-    const pk_real rtol = pk_max(it->options.rtol, 2 * PK_EPS);
+    const pk_real h = pk_abs(y->h), atol = PK_GAUSS_SHARE * it->options.atol;
+    const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
         const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(w->q[last]));
