@@ -107,13 +107,7 @@ kinetic sum(m[i]*x[i]'^2/2, i = 1..N) + sum(y[i]'^2/4, i = 0..N+1)
 potential sum((x[i+1] - x[i])^4/4, i = 0..N) + sum((y[i] - x[i])^2, i = 1..N) + y[0]^2 + 3*x[N]^2
 potential sum(cos(y[i+1] - y[i]), i = 0..N)
 """,
-    "ends": """model ends
-size N = 5
-param k = 2
-coord q[1..N]
-kinetic q[N]'^2/3 + sum(q[i]'^2/2, i = 1..N)
-potential k/2*q[1]^2 + k/3*q[N]^3 + sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 1..N-1)
-""",
+    "ends": MODELS["ends"][0],
     "shaken": """model shaken
 size N = 5
 coord q[1..N]
