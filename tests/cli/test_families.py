@@ -146,6 +146,47 @@ def test_methods_with_jacobians_say_that_loops_have_none(pkgen) -> None:
     assert done.returncode == 4 and "keeps its families as loops" in done.stderr
 
 
+GRAVITY = """\
+model gravity
+size N = 20
+coord x[1..N]
+kinetic sum(x[i]'^2/2, i = 1..N)
+potential sum(-1/sqrt(1 + (x[j] - x[i])^2), i = 1..N-1, j = i+1..N)
+start x[i = 1..N] = cos(i)
+"""
+ENDS = """\
+model ends
+size N = 31
+param k = 2
+coord q[1..N]
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential k/2*q[1]^2 + k/2*q[N]^2 + sum((q[i+1] - q[i])^2/2, i = 1..N-1)
+start q[i = 1..N] = sin(pi*i/(N+1))
+"""
+
+
+def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(pkgen, tmp_path: Path) -> None:
+    gravity = tmp_path / "gravity.lag"
+    gravity.write_text(GRAVITY, encoding="utf-8")
+    for model, method in ((FPUT, "dop853"), (gravity, "gauss")):
+        done = pkgen("run", model, "--size", "N=300", "--until", "0.5", "--every", "0.5", "--json")
+        assert done.returncode == 0, done.stderr
+        assert json.loads(done.stdout)["report"]["method"] == method
+
+
+def test_end_terms_of_the_potential_are_explained_and_fused(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "ends.lag"
+    path.write_text(ENDS, encoding="utf-8")
+    done = pkgen("explain", path)
+    assert done.returncode == 0, done.stderr
+    assert "-k*q[i] for i = 1..1" in done.stdout and "-k*q[i] for i = N..N" in done.stdout
+    assert "fused steps      yes" in done.stdout
+    assert "f[q[i]]" in json.loads(pkgen("explain", path, "--json").stdout)["force"]
+    fused = ("--method", "verlet", "--step", "1e-3", "--until", "1", "--every", "1")
+    verlet, dop853 = ran(pkgen, path, *fused)[1], ran(pkgen, path, *fused[4:])[1]
+    assert verlet[1][1:32] == pytest.approx(dop853[1][1:32], abs=1e-6)
+
+
 def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
     done = pkgen("explain", FPUT)
     assert "families         loops in C" in done.stdout

@@ -149,6 +149,17 @@ lagrangian -sum(w[i]^2*w[i-1]^2, i = 1..N)
 start u[i = 1..N] = sin(pi*i/(N+1)), w[i = 0..N] = 0.1*i
 """
 
+# Single members at the ends, in V and in T, with neighbours and without.
+ENDS = """\
+model ends
+size N = 5
+param k = 2
+coord q[1..N], y[1..N]
+kinetic q[N]'^2/3 + sum(q[i]'^2/2 + y[i]'^2/2, i = 1..N)
+potential k/2*q[1]^2 + k/3*q[N]^3 + sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 1..N-1)
+potential sum(y[i]^2/2, i = 1..N) + y[1]^4/4 + k*y[N]
+"""
+
 MODELS = {
     "fput": (FPUT, (1, 2, 3, 31, 200)),
     "ring": (RING, (1, 2, 3, 7, 100)),
@@ -161,6 +172,7 @@ MODELS = {
     "gravity": (GRAVITY, (1, 2, 3, 7)),
     "spin": (SPIN, (1, 2, 3, 8)),
     "lattice": (LATTICE, (1, 2, 3, 8)),
+    "ends": (ENDS, (1, 2, 3, 5, 70)),
 }
 
 # Which stay as they are, and a word of the reason.

@@ -107,6 +107,7 @@ kinetic sum(m[i]*x[i]'^2/2, i = 1..N) + sum(y[i]'^2/4, i = 0..N+1)
 potential sum((x[i+1] - x[i])^4/4, i = 0..N) + sum((y[i] - x[i])^2, i = 1..N) + y[0]^2 + 3*x[N]^2
 potential sum(cos(y[i+1] - y[i]), i = 0..N)
 """,
+    "ends": MODELS["ends"][0],
     "shaken": """model shaken
 size N = 5
 coord q[1..N]

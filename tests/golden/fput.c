@@ -917,9 +917,9 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
 /* Kicks and drifts of splitting methods, v += kappa h a(q, t) and q += delta h v, fused: a chunk of
  * each family is kicked when the next one has drifted, so that a row finds its neighbours drifted
  * as well, and all is read and written once. Several stages follow each other two chunks apart,
- * within the nearest cache: memory is gone through once for fput_STAGES of them.
+ * within the near caches: memory is gone through once for fput_STAGES of them.
  * Sums are not compensated: that would double the traffic. */
-enum { fput_BLOCK = fput_CHUNK * 8, fput_STAGES = 8 };
+enum { fput_BLOCK = fput_CHUNK * 16, fput_STAGES = 16 };
 
 /* The members from .. to - 1 of every family drift. */
 static void fput_drift_block(const struct fput_params *p, pk_real h, pk_real *restrict q,
