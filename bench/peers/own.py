@@ -10,9 +10,9 @@ from functools import cache, partial
 from pathlib import Path
 
 from ..builds import (
+    AS_RUN,
     OUTPUT,
     ROOT,
-    AS_RUN,
     RUNTIME,
     SOURCES,
     Build,
