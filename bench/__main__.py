@@ -1,11 +1,11 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
 
-What is measured      kernels.py, measure.py (methods), ensembles.py, chains.py, longrun.py, derivation.py
-Who takes part        peers/, one adapter each; c/, what is compiled, a folder for each part
-How it is timed       contender.py and turns.py take turns; matching.py: time at equal error
-Against what          models.py (Lagrangians in SymPy), codegen.py (their C), reference.py (exact finals)
-With what             environment.py (the peers' Python), builds.py (compilers, flags), machine.py
-What is said          targets.py (figures to reach), tables.py, chart.py, report.py (docs and README)
+What is measured: kernels.py, measure.py (methods), ensembles.py, chains.py, longrun.py, derivation.py
+Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
+How it is timed: contender.py and turns.py take turns; matching.py: time at equal error
+Against what: models.py (Lagrangians in SymPy), codegen.py (their C), reference.py (exact finals)
+With what: environment.py (the peers' Python), builds.py (compilers, flags), machine.py
+What is said: targets.py (figures to reach), tables.py, chart.py, report.py (docs and README)
 """
 
 from __future__ import annotations
