@@ -1,6 +1,6 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
 
-What is measured: kernels.py, measure.py (methods), ensembles.py, chains.py, longrun.py, derivation.py
+What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
 Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
 How it is timed: contender.py and turns.py take turns; matching.py: time at equal error
 Against what: models.py (Lagrangians in SymPy), codegen.py (their C), reference.py (exact finals)

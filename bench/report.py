@@ -27,7 +27,8 @@ pkgen's kernel, compiled into the same file as their right-hand side; "SymPy cse
 SymPy's C. CVODE is that of the wheel scikit-sundae, called from C;
 Debian's 6.4.1, rebuilt from source by gcc -O2, took 1.03 to 1.08 times as long (double
 pendulum, Adams and BDF, tolerances 1e-6 and 1e-10, in turns, 2026-11-21). PyDy generates right-hand
-sides, no methods: it is among the kernels. "pkgen's own C DOP853" is the faster of inlined and through
+sides, no methods: it is among the kernels. "pkgen's own C DOP853" is the faster of inlined
+and through
 function pointers; pkgen's best method is the best of its others. "pkgen gauss (as pkgen
 run)" has the compiler and the flags of `pkgen run`, without contraction.
 """
