@@ -1,4 +1,12 @@
-"""`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`."""
+"""`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
+
+What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
+Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
+How it is timed: contender.py and turns.py take turns; matching.py: time at equal error
+Against what: models.py (Lagrangians in SymPy), codegen.py (their C), reference.py (exact finals)
+With what: environment.py (the peers' Python), builds.py (compilers, flags), machine.py
+What is said: targets.py (figures to reach), tables.py, chart.py, report.py (docs and README)
+"""
 
 from __future__ import annotations
 
@@ -8,10 +16,10 @@ import sys
 import time
 
 from . import (
+    chains,
     chart,
     derivation,
     ensembles,
-    fput,
     kernels,
     longrun,
     machine,
@@ -87,7 +95,7 @@ def _ensembles(effort, parts, rows) -> None:
 
 
 def _chains(effort, parts, rows) -> None:
-    found, refused = fput.measure(effort, _say)
+    found, refused = chains.measure(effort, _say)
     parts["Chains"] = _with(tables.chains(found), refused)
     rows += targets.chain_rows(found)
 
@@ -110,7 +118,7 @@ def _derivation(parts, rows) -> None:
     try:
         found = derivation.measure()
     except Unavailable as reason:
-        parts["Derivation"] = _with("", {"bench/chain.py": str(reason)})
+        parts["Derivation"] = _with("", {"bench/derivation.py": str(reason)})
         return
     parts["Derivation"] = tables.derivation(found)
     rows += targets.derivation_rows(found)
@@ -123,7 +131,7 @@ def _with(text: str, refused: dict[str, str]) -> str:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m bench")
     parser.add_argument("--quick", action="store_true", help="a few minutes, fewer starts")
     parser.add_argument("--own", action="store_true", help="pkgen's methods alone, for the tests")
     parser.add_argument("--models", help="names, separated by commas; default: all five")

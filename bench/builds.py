@@ -40,20 +40,18 @@ class Build:
         return " ".join((self.cc, *self.flags))
 
 
-def _builds() -> tuple[Build, ...]:
-    found = []
-    for cc in ("gcc", "clang"):
-        if not shutil.which(cc):
-            continue
-        for flags in (("-O2",), ("-O2", *NATIVE), WIDE):
-            for contract in ("off", "fast") if "-march=native" in flags else ("off",):
-                found.append(Build(cc, (*flags, f"-ffp-contract={contract}", *SAFE)))
-    return tuple(found)
-
-
-BUILDS = _builds()
-# `make bench QUICK=1`: one build a compiler.
-QUICK_BUILDS = tuple(b for b in BUILDS if b.flags[:2] == WIDE and "-ffp-contract=fast" in b.flags)
+# As `pkgen run` compiles (FLAGS in its build.py): scalar statements not joined, no contraction.
+RUN_FLAGS = (*WIDE, "-fno-tree-slp-vectorize", "-ffp-contract=off", *SAFE)
+FUSED = (*WIDE, "-ffp-contract=fast", *SAFE)
+COMPILERS = tuple(cc for cc in ("gcc", "clang") if shutil.which(cc))
+AS_RUN = tuple(Build(cc, RUN_FLAGS) for cc in COMPILERS)[:1]
+# `make bench QUICK=1`: the flags that win most often.
+QUICK_BUILDS = (*(Build(cc, FUSED) for cc in COMPILERS), *AS_RUN)
+BUILDS = tuple(
+    Build(cc, flags)
+    for cc in COMPILERS
+    for flags in (("-O2", *NATIVE, "-ffp-contract=fast", *SAFE), FUSED, RUN_FLAGS)
+)
 
 
 def compile_program(

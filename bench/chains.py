@@ -1,159 +1,164 @@
-"""Velocity Verlet on a Fermi-Pasta-Ulam-Tsingou chain (beta): the generated fused step against one
-pass over memory, a callback integrator in C and numpy. All in one run, interleaved, medians.
-
-    .venv/bin/python bench/chains.py [--repeat 15] [N ...]      (default 1000 16000 1000000)
-
-Prints ns a mass-step and ratios; --json prints them as one object. $CC and $CFLAGS as for pkgen.
-The roofline reads and writes q and v once a step; where they fit a cache it is that cache's.
+"""A chain of masses: nanoseconds of a mass-step of velocity Verlet, own and others', against what
+memory allows.
 """
 
 from __future__ import annotations
 
-import argparse
-import ctypes
-import json
-import os
-import re
-import shlex
-import statistics
+import shutil
 import subprocess
-import sys
-import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-import numpy
-from pkgen.compiler import compile_model
-from pkgen.source import Source
+from .builds import OUTPUT, RUNTIME, SOURCES, Build, Unavailable, compile_program, each_build
+from .measure import Effort
+from .peers.own import emit
+from .turns import Runner, Timing, take_turns
 
-MODEL = """\
-model chain
-size  N = 31
-param beta = 0.25
-coord q[1..N]
-fixed q[0] = 0, q[N+1] = 0
-kinetic   sum(q[i]'^2/2, i = 1..N)
-potential sum((q[i+1]-q[i])^2/2 + beta/4*(q[i+1]-q[i])^4, i = 0..N)
-start q[i = 1..N] = sin(pi*i/(N+1))
-"""
-FLAGS = "-std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math"
-STEP, BETA = 0.05, 0.25
-WORK = 4_000_000  # mass-steps that one timing covers at least
-SLOW = {"numpy": 8}  # of which so many fewer are made
+FOLDER = SOURCES / "chains"
+SIZES = (1_000, 10_000, 100_000, 1_000_000)
+MASS_STEPS = 40_000_000  # a turn, and
+FEWEST_STEPS = 100  # what a call costs once is to be spread over many
+H = 0.05
+# All but the roofline make the same steps, up to rounding.
+AGREE = 1e-9
 
 
-class Params(ctypes.Structure):
-    _fields_ = (
-        ("N", ctypes.c_ssize_t),
-        ("beta", ctypes.c_double),
-        ("c_", ctypes.c_double * 16),
-        ("work_", ctypes.c_void_p),
-        ("failed_", ctypes.c_int),
-    )
+def measure(effort: Effort, say) -> tuple[dict[int, dict[str, Timing]], dict[str, str]]:
+    """Timings by size and title; and why who is missing."""
+    quick = effort.starts < 5
+    found, refused = {}, {}
+    for n in (SIZES[0], SIZES[-1]) if quick else SIZES:
+        steps = max(FEWEST_STEPS, MASS_STEPS // n // (4 if quick else 1))
+        runners = []
+        for title, make in _ways().items():
+            try:
+                runners += make(title, effort.builds, n, steps)
+            except Unavailable as reason:
+                refused[title] = str(reason)
+        found[n] = take_turns(runners, 3 if quick else 7, _Agreement())
+    say(f"chains: {len(runners)} builds at {len(found)} sizes")
+    return found, refused
 
 
-def library(directory: Path) -> ctypes.CDLL:
-    for name, text in compile_model(Source("chain.lag", MODEL)).files.items():
-        # Params below has room for any number of hoisted constants.
-        (directory / name).write_text(re.sub(r"pk_real c_\[\d+\]", "pk_real c_[16]", text))
-    cc = shlex.split(os.environ.get("CC", "gcc"))
-    flags = shlex.split(os.environ.get("CFLAGS", FLAGS))
-    sources = ["chain.c", str(Path(__file__).with_name("chains.c"))]
-    command = [*cc, *flags, "-shared", "-fPIC", "-I.", *sources, "-o", "chains.so", "-lm"]
-    subprocess.run(command, cwd=directory, check=True)
-    return ctypes.CDLL(str(directory / "chains.so"))
+class _Agreement:
+    """All runners' places agree with the first's."""
+
+    def __init__(self):
+        self.first = None
+
+    def __call__(self, runner: Runner, places: list[float]) -> None:
+        if not places:
+            return
+        self.first = self.first or places
+        far = max(abs(a - b) for a, b in zip(places, self.first, strict=True))
+        if not far < AGREE:
+            raise SystemExit(f"bench: {runner.title}, {runner.flags}: {places}, not {self.first}")
 
 
-def by_numpy(q: numpy.ndarray, v: numpy.ndarray, steps: int) -> None:
-    """As it is written by hand, without temporary arrays that can be avoided."""
-    bond, force = numpy.empty(len(q) + 1), numpy.empty(len(q) + 1)
-    padded = numpy.zeros(len(q) + 2)
-    padded[1:-1] = q
-    inner = padded[1:-1]
-
-    def kick(h: float) -> None:
-        numpy.subtract(padded[1:], padded[:-1], out=bond)
-        numpy.multiply(bond, bond, out=force)
-        numpy.multiply(force, BETA, out=force)
-        numpy.add(force, 1, out=force)
-        numpy.multiply(force, bond, out=force)
-        numpy.multiply(force, h, out=force)
-        numpy.add(v, force[1:], out=v)
-        numpy.subtract(v, force[:-1], out=v)
-
-    kick(STEP / 2)
-    for k in range(steps):
-        inner += STEP * v
-        kick(STEP if k + 1 < steps else STEP / 2)
-    q[:] = inner
-
-
-def measure(lib: ctypes.CDLL, n: int, repeat: int) -> dict[str, float]:
-    params = Params()
-    lib.chain_sizes(ctypes.byref(params))
-    params.N = n
-    lib.chain_defaults(ctypes.byref(params))
-    arrays = [numpy.zeros(n) for _ in range(3)]
-    q, v, _ = arrays
-    pq, pv, pa = (ctypes.c_void_p(x.ctypes.data) for x in arrays)
-    steps = max(16, WORK // n)
-    h = ctypes.c_double(STEP)
-    ways = {
-        "fused": lambda s: lib.chains_verlet(ctypes.byref(params), h, ctypes.c_long(s), pq, pv),
-        "roofline": lambda s: lib.chains_roofline(
-            ctypes.c_long(n), ctypes.c_double(1e-3), ctypes.c_long(s), pq, pv
-        ),
-        "callback": lambda s: lib.chains_callback(
-            ctypes.byref(params), h, ctypes.c_long(s), pq, pv, pa
-        ),
-        "numpy": lambda s: by_numpy(q, v, s),
+def _ways() -> dict[str, Callable]:
+    return {
+        "roofline, one pass": partial(_c, ("roofline.c",), False),
+        "force callback": partial(_c, ("callback.c", "force.c"), True),
+        "pkgen": _own,
+        "numpy": partial(_python, _numpy),
+        "numba": partial(_python, _numba),
     }
-    times: dict[str, list[float]] = {name: [] for name in ways}
-    ends: dict[str, numpy.ndarray] = {}
-    for _ in range(repeat):
-        for name, way in ways.items():
-            lib.chain_start(ctypes.byref(params), pq, pv)
-            made = max(2, steps // SLOW.get(name, 1))
-            begun = time.perf_counter()
-            way(made)
-            times[name].append((time.perf_counter() - begun) / (made * n) * 1e9)
-    for name in ("fused", "callback", "numpy"):  # that they do the same
-        lib.chain_start(ctypes.byref(params), pq, pv)
-        ways[name](3)
-        ends[name] = q.copy()
-    for name in ("callback", "numpy"):
-        assert numpy.allclose(ends["fused"], ends[name], rtol=0, atol=1e-13), name
-    return {name: statistics.median(t) for name, t in times.items()}
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--repeat", type=int, default=15)
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("sizes", type=int, nargs="*", metavar="N")
-    options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as directory:
-        lib = library(Path(directory))
-        found = {
-            n: measure(lib, n, options.repeat) for n in options.sizes or [1000, 16000, 1000000]
-        }
-    if options.json:
-        json.dump(found, sys.stdout)
-        return
-    print("ns a mass-step; fused over roofline, numpy and callback over fused")
-    for n, t in found.items():
-        print(
-            f"N = {n:8}  fused {t['fused']:.3f}  roofline {t['roofline']:.3f}"
-            f"  callback {t['callback']:.3f}  numpy {t['numpy']:.2f}"
-            f"   {t['fused'] / t['roofline']:.2f}  {t['numpy'] / t['fused']:.1f}"
-            f"  {t['callback'] / t['fused']:.1f}"
-        )
-    sizes = sorted(found)
-    print(
-        f"cost a mass-step from N = {sizes[0]} to {sizes[-1]}:"
-        f" x {found[sizes[-1]]['fused'] / found[sizes[0]]['fused']:.2f}"
-    )
+def _programs(title, builds, make, n: int, steps: int, counts: bool) -> list[Runner]:
+    def run(program: Path):
+        command = [program, str(n), str(steps), repr(H)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise SystemExit(f"bench: {title}: {done.stderr.strip()}")
+        nanoseconds, *places = (float(x) for x in done.stdout.split())
+        return nanoseconds, places if counts else []
+
+    paths = each_build(builds, make)
+    return [
+        Runner(title, str(b), partial(run, path)) for b, path in zip(builds, paths, strict=True)
+    ]
 
 
-if __name__ == "__main__":
-    main()
+def _c(files, counts: bool, title: str, builds: tuple[Build, ...], n: int, steps: int):
+    sources = [FOLDER / name for name in (*files, "main.c")]
+    make = partial(compile_program, sources=sources, defines={}, extra=("-std=c11",))
+    return _programs(title, builds, make, n, steps, counts)
+
+
+def _own(title: str, builds: tuple[Build, ...], n: int, steps: int) -> list[Runner]:
+    folder = OUTPUT / "generated" / "chain"
+    emit(FOLDER / "fput.lag", folder)
+    if "fput_sizes(" not in (folder / "fput.h").read_text():
+        shutil.rmtree(folder)
+        raise Unavailable("this pkgen unrolls families")
+    sources = [FOLDER / "own.c", FOLDER / "main.c", folder / "fput.c"]
+    sources += sorted((RUNTIME / "src").glob("*.c"))
+    defines = {"PK_RUNTIME": "", "PK_INLINE_SPLITTING": ""}
+    extra = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
+    make = partial(compile_program, sources=sources, defines=defines, extra=extra)
+    return _programs(title, builds, make, n, steps, True)
+
+
+def _python(make, title: str, _: tuple[Build, ...], n: int, steps: int) -> list[Runner]:
+    """In this process, a tenth of the steps; agreement is checked with as many."""
+    advance, flags = make()
+    few = max(10, steps // 10)
+
+    def run():
+        import numpy
+
+        q = numpy.sin(numpy.pi * numpy.arange(1, n + 1) / (n + 1))
+        v = numpy.zeros(n)
+        advance(q, v, 2)
+        begin = time.perf_counter()
+        advance(q, v, few)
+        return 1e9 * (time.perf_counter() - begin) / (n * few), []
+
+    return [Runner(title, flags, run)]
+
+
+def _numpy() -> tuple[Callable, str]:
+    try:
+        import numpy
+    except ImportError:
+        raise Unavailable("NumPy is not installed") from None
+
+    def force(q):
+        d = numpy.diff(q, prepend=0.0, append=0.0)
+        f = d * (1 + 0.25 * d * d)
+        return numpy.diff(f)
+
+    def advance(q, v, steps):
+        a = force(q)
+        for _ in range(steps):
+            v += H / 2 * a
+            q += H * v
+            a = force(q)
+            v += H / 2 * a
+
+    return advance, f"NumPy {numpy.__version__}"
+
+
+def _numba() -> tuple[Callable, str]:
+    try:
+        import numba
+    except ImportError:
+        raise Unavailable("numba is not installed") from None
+
+    @numba.njit
+    def advance(q, v, steps):
+        n = len(q)
+        for _ in range(steps):
+            left = q[0] * (1 + 0.25 * q[0] * q[0])
+            for i in range(n):
+                d = (q[i + 1] if i + 1 < n else 0.0) - q[i]
+                right = d * (1 + 0.25 * d * d)
+                v[i] += H * (right - left)
+                left = right
+            for i in range(n):
+                q[i] += H * v[i]
+
+    return advance, f"numba {numba.__version__}, njit, leapfrog in two passes"

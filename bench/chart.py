@@ -109,7 +109,7 @@ def _bars(panel, timings: dict[str, Timing]) -> None:
         panel.text(value, i, f" {value:.1f}", va="center", fontsize=8.5)
         panel.text(0, i + 0.25, timing.kernel.title, va="bottom", fontsize=8.5)
     panel.set_ylim(-0.5, len(rows))
-    panel.spines["left"].set_visible(True)
+    panel.set_xlim(0, 1.15 * max(values))  # room for the longest number
     panel.set_title("double-pendulum acceleration")
     panel.set_xlabel("time of one evaluation (ns)")
     panel.spines[["top", "right"]].set_visible(False)

@@ -49,7 +49,7 @@ def measure(effort: Effort, say) -> tuple[dict[str, Timing], dict[str, str]]:
         except Unavailable as reason:
             refused[kernel.title] = str(reason)
     programs = each_build(effort.builds, partial(_program, kernels))
-    rounds, turns = (20, 3) if effort.starts > 2 else (9, 1)
+    rounds, turns = (20, 3) if effort.starts > 2 else (5, 3)
     found: dict[str, dict[str, list[float]]] = {k.name: {} for k in kernels}
     for _ in range(turns):
         for build, program in zip(effort.builds, programs, strict=True):

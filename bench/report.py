@@ -24,9 +24,13 @@ Whoever comes as C source is built by gcc and clang at several flags (`builds.cs
 build takes part, in each model. Parameters are run-time values, except with `heyoka`, which has
 them compiled in (`heyoka (par)` has not), and the C++ of mechanicsdsl-core. GSL and CVODE call
 pkgen's kernel, compiled into the same file as their right-hand side; "SymPy cse + GSL" calls
-SymPy's C. CVODE is that of the wheel scikit-sundae, called from C. PyDy generates right-hand sides,
-no methods: it is among the kernels. "C DOP853" is pkgen's own, the faster of inlined and through
-function pointers.
+SymPy's C. CVODE is that of the wheel scikit-sundae, called from C;
+Debian's 6.4.1, rebuilt from source by gcc -O2, took 1.03 to 1.08 times as long (double
+pendulum, Adams and BDF, tolerances 1e-6 and 1e-10, in turns, 2026-11-21). PyDy generates right-hand
+sides, no methods: it is among the kernels. "pkgen's own C DOP853" is the faster of inlined
+and through
+function pointers; pkgen's best method is the best of its others. "pkgen gauss (as pkgen
+run)" has the compiler and the flags of `pkgen run`, without contraction.
 """
 
 

@@ -28,6 +28,8 @@ class Row:
 
     @property
     def verdict(self) -> str:
+        if not self.of:
+            return "of a shorter run"
         if self.of == 1:
             return "reached" if self.reached else "not reached"
         return f"reached on {self.reached} of {self.of}"
@@ -119,10 +121,12 @@ def derivation_rows(found: dict[int, dict[str, float]]) -> list[Row]:
 
 def long_rows(run: LongRun) -> list[Row]:
     what = f"Kepler, e = 0.6, gauss8, {run.periods:,} periods, {run.starts} starts: "
-    good = run.rms <= 5e-13 and run.periods >= 1e6
-    error = Row(f"{what}rms relative energy error", "≤ 5e-13", {"": f"{run.rms:.2g}"}, int(good), 1)
-    growth = run.exponent
-    return [error, single(f"{what}growth exponent", "≤ 0.6", growth, growth <= 0.6, "")]
+    asked = int(run.periods >= 1e6)  # a quick run says nothing about a million periods
+    error, growth = {"": f"{run.rms:.2g}"}, {"": f"{run.exponent:.2g}"}
+    return [
+        Row(f"{what}rms relative energy error", "≤ 5e-13", error, int(run.rms <= 5e-13), asked),
+        Row(f"{what}growth exponent", "≤ 0.6", growth, int(run.exponent <= 0.6), asked),
+    ]
 
 
 def _at_most(what: str, most: float, value: float, unit: str) -> Row:
@@ -145,8 +149,8 @@ def _turns(
 def method_rows(comparisons: list[Comparison]) -> list[Row]:
     rows = []
     for error in (1e-10, 1e-12):
-        rows.append(_faster(comparisons, error, "C DOP853", OWN_DOP853, 3))
-        rows.append(_faster(comparisons, error, "GSL rk8pd", ("GSL rk8pd",), 4))
+        rows.append(_faster(comparisons, error, "pkgen's own C DOP853", OWN_DOP853, 3))
+        rows.append(_faster(comparisons, error, "GSL rk8pd on pkgen's kernel", ("GSL rk8pd",), 4))
     cvode = ("CVODE Adams", "CVODE BDF")
     rows.append(_faster(comparisons, 1e-10, "CVODE", cvode, 15))
     rows.append(_faster(comparisons, 1e-10, "SciPy DOP853", ("SciPy DOP853",), 500))
@@ -158,7 +162,15 @@ def method_rows(comparisons: list[Comparison]) -> list[Row]:
         name = "heyoka (par)"
         rows.append(_faster(comparisons, error, f"{name}, run-time parameters", (name,), 1))
     for error, least in ((1e-3, 1.0), (1e-6, 1.4)):
-        rows.append(_faster(comparisons, error, "the best other C method", None, least))
+        rows.append(
+            _faster(
+                comparisons,
+                error,
+                "the best other in C (DOP853, GSL, CVODE, RK4; not heyoka)",
+                None,
+                least,
+            )
+        )
     return rows
 
 

@@ -10,6 +10,7 @@ from functools import cache, partial
 from pathlib import Path
 
 from ..builds import (
+    AS_RUN,
     OUTPUT,
     ROOT,
     RUNTIME,
@@ -41,6 +42,22 @@ def pkgen_python() -> str:
     return os.environ.get("PKGEN_PYTHON") or (str(own) if own.exists() else sys.executable)
 
 
+# As `pkgen run` does it: families of few coordinates are straight-line code.
+_COMPILE = """
+import sys
+from pathlib import Path
+from pkgen.compiler import compile_model
+from pkgen.options import UNROLL
+from pkgen.source import Source
+model, folder, *options = sys.argv[1:]
+made = compile_model(
+    Source(model, Path(model).read_text()), libm="--libm" in options, unroll=UNROLL
+)
+for name, text in made.files.items():
+    Path(folder, name).write_text(text)
+"""
+
+
 @cache
 def generated(name: str, *options: str) -> Path:
     """The folder with NAME.c and NAME.h."""
@@ -52,7 +69,7 @@ def generated(name: str, *options: str) -> Path:
 def emit(model: Path, folder: Path, *options: str) -> None:
     """What pkgen makes of a model, into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    command = [pkgen_python(), "-m", "pkgen", str(model), *options, "-o", str(folder)]
+    command = [pkgen_python(), "-c", _COMPILE, str(model), str(folder), *options]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
         said = done.stderr.strip().splitlines() or ["?"]
@@ -126,8 +143,13 @@ def _open(method: str, inlined: bool, model: Model, builds: tuple[Build, ...]) -
     return programs(builds, make, [method, *parameters(model)])
 
 
+def _open_as_run(method: str, model: Model, _: tuple[Build, ...]) -> list[Program]:
+    return _open(method, True, model, AS_RUN)
+
+
 def contenders() -> list[Contender]:
     found = []
+    run = Contender("pkgen gauss (as pkgen run)", "pkgen", False, partial(_open_as_run, "gauss"))
     for method in FAMILIES:
         for inlined in (True, False) if method in ("gauss", "dop853") else (True,):
             fixed = method in FIXED_STEP
@@ -135,4 +157,4 @@ def contenders() -> list[Contender]:
             ladder = {"ladder": HALVINGS} if fixed else {}
             opened = partial(_open, method, inlined)
             found.append(Contender(name, "pkgen", fixed, opened, **ladder))
-    return found
+    return [run, *found]

@@ -50,7 +50,7 @@ def test_errors_fall_as_tolerances_do(measured) -> None:
 def test_flags_and_verdicts_are_printed(measured) -> None:
     text, output = measured
     assert "-ffp-contract=" in text and "pkgen dop853" in text
-    assert "to 1e-10 against C DOP853" in text
+    assert "to 1e-10 against pkgen's own C DOP853" in text
     lines = [line for line in text.splitlines() if "against CVODE" in line]
     assert len(lines) == 1 and "no peer" in lines[0] and "not reached" in lines[0]
     builds = (output / "builds.csv").read_text()
