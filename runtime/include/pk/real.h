@@ -49,7 +49,8 @@ typedef uint32_t pk_bits;
 typedef uint64_t pk_bits;
 #endif
 
-/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. */
+/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. On x86 gcc 12
+ * makes vector code of lanes from SSE4.2 on, not of plain SSE2: give -march=native. */
 #define PK_LANES 8
 
 #if defined __GNUC__
