@@ -46,6 +46,12 @@ def emit(path: Path, directory: Path, *, libm: bool = False) -> str:
     return program.equations.model.name
 
 
+def lane_loops(lines: list[str]) -> list[tuple[int, int]]:
+    """First and last line of each loop over lanes, counted from 1."""
+    starts = [i + 2 for i, x in enumerate(lines) if x == "    PK_LANE_LOOP"]
+    return [(i, next(k for k, x in enumerate(lines[i:], i + 1) if x == "    }")) for i in starts]
+
+
 def vector_sizes(compiler: str, flags: list[str], source: Path) -> dict[str, list[int]]:
     """The bytes of the vectors that each lane loop was made of, by the compiler's own report."""
     lines = source.read_text().splitlines()
@@ -59,17 +65,15 @@ def vector_sizes(compiler: str, flags: list[str], source: Path) -> dict[str, lis
         cwd=source.parent,
     )
     found: dict[str, list[int]] = {}
-    for form in ("lanes", "members"):
-        head = next(i for i, x in enumerate(lines) if f"_{form}_inline(size_t W" in x)
-        start = next(i for i, x in enumerate(lines[head:], head + 1) if x.startswith("    for ("))
-        end = next(i for i, x in enumerate(lines[start:], start + 1) if x == "    }")
+    for number, (start, end) in enumerate(lane_loops(lines), 1):
         in_loop = rf"{source.name}:(?:{'|'.join(map(str, range(start, end)))}):\d+: "
-        found[form] = [int(x) for x in re.findall(in_loop + r".* using (\d+) byte vectors", said)]
+        sizes = [int(x) for x in re.findall(in_loop + r".* using (\d+) byte vectors", said)]
         widths = re.findall(in_loop + r".*vectorized loop \(vectorization width: (\d+)", said)
-        found[form] += [8 * int(x) for x in widths]
+        sizes += [8 * int(x) for x in widths]
         # clang unrolls a short loop whole before it looks for loops, then packs the stores.
         if re.search(in_loop + r".*Stores SLP vectorized", said):
-            found[form].append(0)
+            sizes.append(0)
+        found[f"loop {number}"] = sizes
     return found
 
 
@@ -77,7 +81,10 @@ def vector_sizes(compiler: str, flags: list[str], source: Path) -> dict[str, lis
 @pytest.mark.parametrize(("compiler", "flags", "size"), MACHINES)
 def test_lane_loops_are_vector_code(compiler, flags, size, path, tmp_path):
     name = emit(path, tmp_path)
-    for sizes in vector_sizes(compiler, flags, tmp_path / f"{name}.c").values():
+    found = vector_sizes(compiler, flags, tmp_path / f"{name}.c")
+    angles = "_angles(" in (tmp_path / f"{name}.c").read_text()
+    assert len(found) == (4 if angles else 2)
+    for sizes in found.values():
         assert size in sizes or (compiler == "clang" and sizes == [0])
 
 
@@ -87,7 +94,7 @@ def test_a_loop_with_calls_of_libm_is_not(compiler, tmp_path):
     """So the reports do say when a loop is not vector code."""
     name = emit(next(p for p in MODELS if p.stem == "double_pendulum"), tmp_path, libm=True)
     found = vector_sizes(compiler, AVX2, tmp_path / f"{name}.c")
-    assert found == {"lanes": [], "members": []} or compiler == "clang"
+    assert found == {"loop 1": [], "loop 2": []} or compiler == "clang"
 
 
 # M is singular at q = 0, in one coordinate whatever the parameters; an input, a coupling.
@@ -167,6 +174,29 @@ def test_a_wrong_lane_is_seen(tmp_path):
         path.write_text(source.replace(right, wrong))
         with pytest.raises(AssertionError, match=r"[1-9]\d* differ"):
             check(["gcc"], [], name, tmp_path)
+
+
+def test_parameters_that_no_state_can_mend_fail_every_lane(tmp_path):
+    """Outside of the loop over lanes: a mass of 0, also where sines are in loops of their own."""
+    for path in MODELS:
+        if path.stem not in ("double_pendulum", "elastic_pendulum"):
+            continue
+        name = emit(path, tmp_path)
+        source = (tmp_path / f"{name}.c").read_text()
+        lanes = source[source.index(f"{name}_lanes_inline(size_t W") :]
+        lanes = lanes[: lanes.index("\n}\n")]
+        pivot = re.search(r"    if \(!\(p->([\w\[\]]+) > 0\)\)\n        return ", lanes)
+        assert pivot
+        (tmp_path / "fail.c").write_text(
+            f'#include <stdio.h>\n#include "{name}.c"\n'
+            "int main(void)\n{\n"
+            f"    struct {name}_params p;\n    pk_real x[8 * {name}_N] = {{0}}, a[8 * {name}_N];\n"
+            f"    {name}_defaults(&p);\n    p.{pivot[1]} = 0;\n"
+            f'    printf("%llx %d\\n", {name}_lanes(&p, x, x, x, x, a),\n'
+            f"           {name}_acceleration(&p, 0, x, x, x, a));\n    return 0;\n}}\n"
+        )
+        run("gcc", *STRICT, *FAST, "-I.", "fail.c", "-o", "fail", "-lm", cwd=tmp_path)
+        assert run(tmp_path / "fail", cwd=tmp_path).split() == ["ff", "1"]
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -87,8 +87,9 @@ static pk_bits coupled_oscillators_acceleration_pass(enum pk_pass pass,
     const pk_real q2 = q[1];
     const pk_real q3 = q[2];
 
-    bad |= (pk_bits)!(p->m > 0);
-    if (pass != PK_IN_LANE && bad)
+    if (pass != PK_IN_LANE)
+        bad |= (pk_bits)!(p->m > 0);
+    if (pass >= PK_ONCE && bad)
         return 1;
 
     const pk_real t1 = p->c_[5] * q2;
@@ -171,8 +172,10 @@ static unsigned long long coupled_oscillators_members_apart(size_t W, const pk_b
     return failed;
 }
 
-/* W <= 64 states side by side in one loop without branches, which a compiler makes vector code
- * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
+ * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
+ * and cosines have a loop of their own, and checks of parameters come after both: before them
+ * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long coupled_oscillators_lanes_inline(size_t W,
     const struct coupled_oscillators_params *p, const pk_real *t, const pk_real *q,
@@ -190,6 +193,8 @@ static unsigned long long coupled_oscillators_lanes_inline(size_t W,
         a[1 * W + l] = a_[1];
         a[2 * W + l] = a_[2];
     }
+    if (!(p->m > 0))
+        return coupled_oscillators_lanes_apart(W, NULL, p, t, q, v, u, a);
     return any ? coupled_oscillators_lanes_apart(W, bad, p, t, q, v, u, a) : 0;
 }
 
@@ -209,13 +214,13 @@ static unsigned long long coupled_oscillators_members_inline(size_t W, const pk_
     PK_LANE_LOOP
     for (size_t l = 0; l < W; l++) {
         const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
-        pk_real a_[3];
         struct coupled_oscillators_params p;
         p.m = P[0 * W + l];
         p.c_[5] = P[8 * W + l];
         p.c_[6] = P[9 * W + l];
         p.c_[7] = P[10 * W + l];
-        bad[l] = coupled_oscillators_acceleration_pass(PK_IN_LANE, &p, t[l], q_, v, u, a_);
+        pk_real a_[3];
+        bad[l] = coupled_oscillators_acceleration_pass(PK_IN_MEMBER, &p, t[l], q_, v, u, a_);
         any |= bad[l];
         a[0 * W + l] = a_[0];
         a[1 * W + l] = a_[1];

@@ -301,35 +301,63 @@ void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, p
     v[1] = PK_C(0.4);
 }
 
+/* Sine and cosine of angles that need no others: sin_theta1, cos_theta1, sin_theta2, cos_theta2. */
+PK_INLINE
+static pk_bits double_pendulum_acceleration_angles(enum pk_pass pass,
+    const struct double_pendulum_params *p, pk_real t, const pk_real *q, const pk_real *v,
+    const pk_real *u, pk_real *restrict sc)
+{
+    pk_bits bad = 0;
+    (void)p;
+    (void)t;
+    (void)v;
+    (void)u;
+
+    const pk_real theta1 = q[0];
+    const pk_real theta2 = q[1];
+
+    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
+    bad |= pk_sincos_pass_2(pass, theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2,
+        &cos_theta2);
+    sc[0] = sin_theta1;
+    sc[1] = cos_theta1;
+    sc[2] = sin_theta2;
+    sc[3] = cos_theta2;
+    return bad;
+}
+
 /* a = q'' with M a = f, by M = L D L^T. 32 operations: 3 +, 4 -, 19 *, 1 /, 1 neg, 2 cos, 2
  * sin. */
 PK_INLINE
 static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
                                                  const struct double_pendulum_params *p,
                                                  pk_real t, const pk_real *q, const pk_real *v,
-                                                 const pk_real *u, pk_real *restrict a)
+                                                 const pk_real *u, const pk_real *sc,
+                                                 pk_real *restrict a)
 {
     pk_bits bad = 0;
     (void)t;
+    (void)q;
     (void)u;
 
-    const pk_real theta1 = q[0];
-    const pk_real theta2 = q[1];
+    const pk_real sin_theta1 = sc[0];
+    const pk_real cos_theta1 = sc[1];
+    const pk_real sin_theta2 = sc[2];
+    const pk_real cos_theta2 = sc[3];
+
     const pk_real theta1_dot = v[0];
     const pk_real theta2_dot = v[1];
 
-    bad |= (pk_bits)!(p->c_[2] > 0);
-    if (pass != PK_IN_LANE && bad)
+    if (pass != PK_IN_LANE)
+        bad |= (pk_bits)!(p->c_[2] > 0);
+    if (pass >= PK_ONCE && bad)
         return 1;
 
-    pk_real sin_theta1, cos_theta1, sin_theta2, cos_theta2;
-    bad |= pk_sincos_pass_2(pass, theta1, theta2, &sin_theta1, &cos_theta1, &sin_theta2,
-        &cos_theta2);
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     const pk_real D_1 = p->c_[3] - p->c_[8] * t1 * t1;
 
     bad |= (pk_bits)!(D_1 > PK_PIVOT_MIN * p->c_[3]);
-    if (pass != PK_IN_LANE && bad)
+    if (pass >= PK_ONCE && bad)
         return 2;
 
     const pk_real t2 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
@@ -346,7 +374,10 @@ PK_RARELY
 static int double_pendulum_acceleration_carefully(const struct double_pendulum_params *p,
     pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return (int)double_pendulum_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, a);
+    pk_real sc[4];
+
+    (void)double_pendulum_acceleration_angles(PK_CAREFULLY, p, t, q, v, u, sc);
+    return (int)double_pendulum_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, sc, a);
 }
 
 PK_INLINE
@@ -354,7 +385,10 @@ static int double_pendulum_acceleration_inline(const struct double_pendulum_para
                                                const pk_real *q, const pk_real *v,
                                                const pk_real *u, pk_real *restrict a)
 {
-    if (double_pendulum_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
+    pk_real sc[4];
+    const pk_bits far = double_pendulum_acceleration_angles(PK_ONCE, p, t, q, v, u, sc);
+
+    if (double_pendulum_acceleration_pass(PK_ONCE, p, t, q, v, u, sc, a) | far)
         return double_pendulum_acceleration_carefully(p, t, q, v, u, a);
     return 0;
 }
@@ -416,25 +450,40 @@ static unsigned long long double_pendulum_members_apart(size_t W, const pk_bits 
     return failed;
 }
 
-/* W <= 64 states side by side in one loop without branches, which a compiler makes vector code
- * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
+ * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
+ * and cosines have a loop of their own, and checks of parameters come after both: before them
+ * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long double_pendulum_lanes_inline(size_t W,
     const struct double_pendulum_params *p, const pk_real *t, const pk_real *q, const pk_real *v,
     const pk_real *u, pk_real *restrict a)
 {
     pk_bits bad[64], any = 0;
+    pk_real sc[4 * 64];
 
     PK_LANE_LOOP
     for (size_t l = 0; l < W; l++) {
         const pk_real q_[2] = {q[0 * W + l], q[1 * W + l]};
+        pk_real sc_[4];
+        bad[l] = double_pendulum_acceleration_angles(PK_IN_LANE, p, t[l], q_, v, u, sc_);
+        sc[0 * W + l] = sc_[0];
+        sc[1 * W + l] = sc_[1];
+        sc[2 * W + l] = sc_[2];
+        sc[3 * W + l] = sc_[3];
+    }
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
         const pk_real v_[2] = {v[0 * W + l], v[1 * W + l]};
+        const pk_real sc_[4] = {sc[0 * W + l], sc[1 * W + l], sc[2 * W + l], sc[3 * W + l]};
         pk_real a_[2];
-        bad[l] = double_pendulum_acceleration_pass(PK_IN_LANE, p, t[l], q_, v_, u, a_);
+        bad[l] |= double_pendulum_acceleration_pass(PK_IN_LANE, p, t[l], q, v_, u, sc_, a_);
         any |= bad[l];
         a[0 * W + l] = a_[0];
         a[1 * W + l] = a_[1];
     }
+    if (!(p->c_[2] > 0))
+        return double_pendulum_lanes_apart(W, NULL, p, t, q, v, u, a);
     return any ? double_pendulum_lanes_apart(W, bad, p, t, q, v, u, a) : 0;
 }
 
@@ -450,12 +499,21 @@ static unsigned long long double_pendulum_members_inline(size_t W, const pk_real
     const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
 {
     pk_bits bad[64], any = 0;
+    pk_real sc[4 * 64];
 
     PK_LANE_LOOP
     for (size_t l = 0; l < W; l++) {
         const pk_real q_[2] = {q[0 * W + l], q[1 * W + l]};
+        pk_real sc_[4];
+        bad[l] = double_pendulum_acceleration_angles(PK_IN_MEMBER, NULL, t[l], q_, v, u, sc_);
+        sc[0 * W + l] = sc_[0];
+        sc[1 * W + l] = sc_[1];
+        sc[2 * W + l] = sc_[2];
+        sc[3 * W + l] = sc_[3];
+    }
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
         const pk_real v_[2] = {v[0 * W + l], v[1 * W + l]};
-        pk_real a_[2];
         struct double_pendulum_params p;
         p.c_[2] = P[7 * W + l];
         p.c_[3] = P[8 * W + l];
@@ -465,7 +523,9 @@ static unsigned long long double_pendulum_members_inline(size_t W, const pk_real
         p.c_[7] = P[12 * W + l];
         p.c_[8] = P[13 * W + l];
         p.c_[9] = P[14 * W + l];
-        bad[l] = double_pendulum_acceleration_pass(PK_IN_LANE, &p, t[l], q_, v_, u, a_);
+        const pk_real sc_[4] = {sc[0 * W + l], sc[1 * W + l], sc[2 * W + l], sc[3 * W + l]};
+        pk_real a_[2];
+        bad[l] |= double_pendulum_acceleration_pass(PK_IN_MEMBER, &p, t[l], q, v_, u, sc_, a_);
         any |= bad[l];
         a[0 * W + l] = a_[0];
         a[1 * W + l] = a_[1];

@@ -30,16 +30,16 @@
  *
  * Families are loops: the code is the same for every size. Operations, constants aside:
  *
- *   force_q: 9 operations: 1 +, 4 -, 4 * a member
- *   canonical_q: 9 operations: 1 +, 4 -, 4 * a member
+ *   force_q: no operations a member
+ *   canonical_q: no operations a member
  *   momenta_q: no operations a member
- *   gradient_q: 9 operations: 1 +, 4 -, 4 * a member
+ *   gradient_q: no operations a member
  *   mass_q: no operations a member
- *   acceleration_q: 1 operation: 1 - a member
- *   energy: 8 operations: 2 +, 1 -, 5 * a member
- *   lagrangian: 8 operations: 1 +, 2 -, 5 * a member
- *   kinetic: 2 operations: 2 * a member
- *   potential: 5 operations: 1 +, 1 -, 3 * a member
+ *   acceleration_q: no operations a member
+ *   energy: no operations a member
+ *   lagrangian: no operations a member
+ *   kinetic: no operations a member
+ *   potential: no operations a member
  *
  * MIT No Attribution (MIT-0)
  *
@@ -111,7 +111,8 @@ typedef uint32_t pk_bits;
 typedef uint64_t pk_bits;
 #endif
 
-/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. */
+/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. On x86 gcc 12
+ * makes vector code of lanes from SSE4.2 on, not of plain SSE2: give -march=native. */
 #define PK_LANES 8
 
 #if defined __GNUC__
@@ -122,9 +123,10 @@ typedef uint64_t pk_bits;
 #define PK_RARELY
 #endif
 
-/* How a kernel that may fail is run: in a lane without any branch, once without slow cases, or
- * carefully, with all of them. */
-enum pk_pass { PK_IN_LANE, PK_ONCE, PK_CAREFULLY };
+/* How a kernel that may fail is run: in a lane without any branch, so too as a member with its own
+ * parameters (those of lanes are checked ahead), once without slow cases, or carefully, with all
+ * of them. */
+enum pk_pass { PK_IN_LANE, PK_IN_MEMBER, PK_ONCE, PK_CAREFULLY };
 
 /* Before a loop whose turns do not depend on each other. (clang sees that by `restrict`, and would
  * warn where it cannot do what a pragma of its own demands.) */

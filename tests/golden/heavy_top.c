@@ -300,34 +300,59 @@ void heavy_top_start(const struct heavy_top_params *p, pk_real *q, pk_real *v)
     v[2] = 18;
 }
 
+/* Sine and cosine of angles that need no others: sin_theta, cos_theta. */
+PK_INLINE
+static pk_bits heavy_top_acceleration_angles(enum pk_pass pass, const struct heavy_top_params *p,
+                                             pk_real t, const pk_real *q, const pk_real *v,
+                                             const pk_real *u, pk_real *restrict sc)
+{
+    pk_bits bad = 0;
+    (void)p;
+    (void)t;
+    (void)v;
+    (void)u;
+
+    const pk_real theta = q[1];
+
+    pk_real sin_theta, cos_theta;
+    bad |= pk_sincos_pass(pass, theta, &sin_theta, &cos_theta);
+    sc[0] = sin_theta;
+    sc[1] = cos_theta;
+    return bad;
+}
+
 /* a = q'' with M a = f, by M = L D L^T. 27 operations: 4 +, 2 -, 18 *, 1 /, 1 cos, 1 sin. */
 PK_INLINE
 static pk_bits heavy_top_acceleration_pass(enum pk_pass pass, const struct heavy_top_params *p,
                                            pk_real t, const pk_real *q, const pk_real *v,
-                                           const pk_real *u, pk_real *restrict a)
+                                           const pk_real *u, const pk_real *sc,
+                                           pk_real *restrict a)
 {
     pk_bits bad = 0;
     (void)t;
+    (void)q;
     (void)u;
 
-    const pk_real theta = q[1];
+    const pk_real sin_theta = sc[0];
+    const pk_real cos_theta = sc[1];
+
     const pk_real phi_dot = v[0];
     const pk_real theta_dot = v[1];
     const pk_real psi_dot = v[2];
 
-    pk_real sin_theta, cos_theta;
-    bad |= pk_sincos_pass(pass, theta, &sin_theta, &cos_theta);
     const pk_real D_0 = p->I1 * sin_theta * sin_theta;
     const pk_real M_0_0 = p->I3 * cos_theta * cos_theta + D_0;
 
     bad |= (pk_bits)!(D_0 > PK_PIVOT_MIN * M_0_0);
-    if (pass != PK_IN_LANE && bad)
+    if (pass >= PK_ONCE && bad)
         return 1;
-    bad |= (pk_bits)!(p->I1 > 0);
-    if (pass != PK_IN_LANE && bad)
+    if (pass != PK_IN_LANE)
+        bad |= (pk_bits)!(p->I1 > 0);
+    if (pass >= PK_ONCE && bad)
         return 2;
-    bad |= (pk_bits)!(p->I3 > 0);
-    if (pass != PK_IN_LANE && bad)
+    if (pass != PK_IN_LANE)
+        bad |= (pk_bits)!(p->I3 > 0);
+    if (pass >= PK_ONCE && bad)
         return 3;
 
     const pk_real inv_sin_theta = 1 / sin_theta;
@@ -345,7 +370,10 @@ static int heavy_top_acceleration_carefully(const struct heavy_top_params *p, pk
                                             const pk_real *q, const pk_real *v, const pk_real *u,
                                             pk_real *a)
 {
-    return (int)heavy_top_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, a);
+    pk_real sc[2];
+
+    (void)heavy_top_acceleration_angles(PK_CAREFULLY, p, t, q, v, u, sc);
+    return (int)heavy_top_acceleration_pass(PK_CAREFULLY, p, t, q, v, u, sc, a);
 }
 
 PK_INLINE
@@ -353,7 +381,10 @@ static int heavy_top_acceleration_inline(const struct heavy_top_params *p, pk_re
                                          const pk_real *q, const pk_real *v, const pk_real *u,
                                          pk_real *restrict a)
 {
-    if (heavy_top_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
+    pk_real sc[2];
+    const pk_bits far = heavy_top_acceleration_angles(PK_ONCE, p, t, q, v, u, sc);
+
+    if (heavy_top_acceleration_pass(PK_ONCE, p, t, q, v, u, sc, a) | far)
         return heavy_top_acceleration_carefully(p, t, q, v, u, a);
     return 0;
 }
@@ -414,8 +445,10 @@ static unsigned long long heavy_top_members_apart(size_t W, const pk_bits *bad, 
     return failed;
 }
 
-/* W <= 64 states side by side in one loop without branches, which a compiler makes vector code
- * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
+ * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
+ * and cosines have a loop of their own, and checks of parameters come after both: before them
+ * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long heavy_top_lanes_inline(size_t W, const struct heavy_top_params *p,
                                                  const pk_real *t, const pk_real *q,
@@ -423,18 +456,29 @@ static unsigned long long heavy_top_lanes_inline(size_t W, const struct heavy_to
                                                  pk_real *restrict a)
 {
     pk_bits bad[64], any = 0;
+    pk_real sc[2 * 64];
 
     PK_LANE_LOOP
     for (size_t l = 0; l < W; l++) {
         const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
+        pk_real sc_[2];
+        bad[l] = heavy_top_acceleration_angles(PK_IN_LANE, p, t[l], q_, v, u, sc_);
+        sc[0 * W + l] = sc_[0];
+        sc[1 * W + l] = sc_[1];
+    }
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
         const pk_real v_[3] = {v[0 * W + l], v[1 * W + l], v[2 * W + l]};
+        const pk_real sc_[2] = {sc[0 * W + l], sc[1 * W + l]};
         pk_real a_[3];
-        bad[l] = heavy_top_acceleration_pass(PK_IN_LANE, p, t[l], q_, v_, u, a_);
+        bad[l] |= heavy_top_acceleration_pass(PK_IN_LANE, p, t[l], q, v_, u, sc_, a_);
         any |= bad[l];
         a[0 * W + l] = a_[0];
         a[1 * W + l] = a_[1];
         a[2 * W + l] = a_[2];
     }
+    if (!(p->I1 > 0 && p->I3 > 0))
+        return heavy_top_lanes_apart(W, NULL, p, t, q, v, u, a);
     return any ? heavy_top_lanes_apart(W, bad, p, t, q, v, u, a) : 0;
 }
 
@@ -450,12 +494,19 @@ static unsigned long long heavy_top_members_inline(size_t W, const pk_real *P, c
     const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
 {
     pk_bits bad[64], any = 0;
+    pk_real sc[2 * 64];
 
     PK_LANE_LOOP
     for (size_t l = 0; l < W; l++) {
         const pk_real q_[3] = {q[0 * W + l], q[1 * W + l], q[2 * W + l]};
+        pk_real sc_[2];
+        bad[l] = heavy_top_acceleration_angles(PK_IN_MEMBER, NULL, t[l], q_, v, u, sc_);
+        sc[0 * W + l] = sc_[0];
+        sc[1 * W + l] = sc_[1];
+    }
+    PK_LANE_LOOP
+    for (size_t l = 0; l < W; l++) {
         const pk_real v_[3] = {v[0 * W + l], v[1 * W + l], v[2 * W + l]};
-        pk_real a_[3];
         struct heavy_top_params p;
         p.I1 = P[0 * W + l];
         p.I3 = P[1 * W + l];
@@ -464,7 +515,9 @@ static unsigned long long heavy_top_members_inline(size_t W, const pk_real *P, c
         p.c_[8] = P[13 * W + l];
         p.c_[9] = P[14 * W + l];
         p.c_[11] = P[16 * W + l];
-        bad[l] = heavy_top_acceleration_pass(PK_IN_LANE, &p, t[l], q_, v_, u, a_);
+        const pk_real sc_[2] = {sc[0 * W + l], sc[1 * W + l]};
+        pk_real a_[3];
+        bad[l] |= heavy_top_acceleration_pass(PK_IN_MEMBER, &p, t[l], q, v_, u, sc_, a_);
         any |= bad[l];
         a[0 * W + l] = a_[0];
         a[1 * W + l] = a_[1];

@@ -1,22 +1,94 @@
-"""What the templates see for lane kernels: W states side by side, each an element of an array."""
+"""What the templates see for lane kernels: W states side by side, each an element of an array.
+
+The acceleration is made in two parts: the angles that need no other sine or cosine, then the rest.
+In lanes each part is a loop of its own: half the instructions between one turn's first and its
+last, so that a processor works on several turns at once. Checks of parameters alone are the same
+in all lanes: they stand after the loops.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
-from .program import Program
+from . import tables
+from .program import CHECK, LOAD, LOCAL, TRIG, Kernel, Program, Statement
 
 _LANES = "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"
+_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
+_MEMBER = re.compile(r"p->(\w+(?:\[\d+\])?)")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Statements that are run together, the arguments that they read, and those they do not."""
+
+    statements: tuple[Statement, ...]
+    uses: tuple[str, ...]
+    unused: tuple[str, ...]
+
+    @staticmethod
+    def of(statements: Iterable[Statement]) -> Part:
+        """With those loads alone that the others read."""
+        body = list(statements)
+        words = _words(s.text for s in body if s.kind != LOAD)
+        body = [s for s in body if s.kind != LOAD or s.target in words]
+        words = _words(s.text for s in body)
+        arguments = ("p", "t", "q", "v", "u")
+        return Part(
+            tuple(body),
+            tuple(a for a in arguments if a in words),
+            tuple(a for a in arguments if a not in words),
+        )
 
 
 def context(program: Program) -> dict[str, Any]:
+    model = program.equations.model.name
+    kernel = program.kernel("acceleration")
+    angles, algebra, pairs = _parts(kernel) if kernel else (Part.of([]), Part.of([]), ())
     return {
-        "lane_arguments": f"const struct {program.equations.model.name}_params *p, {_LANES}",
+        "lane_arguments": f"const struct {model}_params *p, {_LANES}",
         "member_arguments": f"const pk_real *P, {_LANES}",
-        "used_fields": _used_fields(program),
+        "angles": _seen(program, angles),
+        "algebra": _seen(program, algebra),
+        "pairs": list(pairs),
+        "uniform": [s.text for s in algebra.statements if is_uniform(s)],
         "places": _places,
     }
+
+
+def is_uniform(statement: Statement) -> bool:
+    """A check of parameters alone."""
+    words = (w for w in _words([statement.text]) if w != "p" and not w.startswith("PK_"))
+    return statement.kind == CHECK and not any(words)
+
+
+def _parts(kernel: Kernel) -> tuple[Part, Part, tuple[str, ...]]:
+    """Leading angles; the rest; the names of the former's sines and cosines."""
+    made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
+    leading = [s for s in kernel.statements if s.kind == TRIG and not made & _words([s.text])]
+    loads = [s for s in kernel.statements if s.kind == LOAD]
+    rest = [s for s in kernel.statements if s not in leading]
+    pairs = tuple(name for s in leading for name in s.defines)
+    return Part.of([*loads, *leading] if leading else []), Part.of(rest), pairs
+
+
+def _seen(program: Program, part: Part) -> dict[str, Any]:
+    statements = part.statements
+    return {
+        "groups": tables.groups(statements),
+        "in_pass": int(any(s.kind in (CHECK, TRIG) for s in statements)),
+        "uses": list(part.uses),
+        "unused": list(part.unused),
+        "fields": _used_fields(program, part),
+    }
+
+
+def _words(texts: Iterable[str]) -> set[str]:
+    """Names, but not those of members of struct NAME_params."""
+    return {word for text in texts for word in _WORD.findall(_MEMBER.sub("p", text))}
 
 
 def _places(array: str, count: int) -> str:
@@ -24,11 +96,10 @@ def _places(array: str, count: int) -> str:
     return ", ".join(f"{array}[{i} * W + l]" for i in range(count))
 
 
-def _used_fields(program: Program) -> list[tuple[str, int]]:
-    """The members of struct NAME_params that the acceleration reads: C text and place."""
+def _used_fields(program: Program, part: Part) -> list[tuple[str, int]]:
+    """The members of struct NAME_params that it reads: C text and place."""
     places = {name: k for k, name in enumerate(program.parameter_names)}
     places |= {f"c_[{k}]": len(places) + k for k in range(program.hoisted)}
-    kernel = program.kernel("acceleration")
-    texts = " ".join(s.text for s in kernel.statements) if kernel else ""
-    used = set(re.findall(r"p->(\w+(?:\[\d+\])?)", texts))
+    texts = " ".join(s.text for s in part.statements)
+    used = set(_MEMBER.findall(texts))
     return [(name, k) for name, k in places.items() if name in used]

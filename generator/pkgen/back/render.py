@@ -165,24 +165,14 @@ def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
         "blocks": [_block(block, kernel) for block in kernel.blocks],
         "unused": unused,
         "work": kernel.work,
-        "in_pass": int(any(s.kind in ("trig", "check") for s in kernel.statements)),
         "solves": kernel.solves,
     }
 
 
 def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
-    """Statements grouped by what they do, so that a blank line can stand between."""
-    groups: list[list[dict[str, str]]] = []
-    last = None
-    for s in block.statements:
-        part = {"load": 0, "local": 1, "check": 2}.get(s.kind, 1)
-        if part != last and {part, last} != {1}:
-            groups.append([])
-        last = part
-        groups[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
     outputs = [o.name for o in kernel.outputs if o.name in block.uses]
     return {
-        "groups": groups,
+        "groups": tables.groups(block.statements),
         "checks": int(block.checks),
         "arguments": [
             a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses and a not in outputs

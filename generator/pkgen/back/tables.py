@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ..equations import Quantity
@@ -92,3 +92,16 @@ def input_rates(inputs: Sequence[Quantity]) -> list[int]:
     """For each input the index of its time derivative, or -1 where that is not an input."""
     places = {quantity.name: i for i, quantity in enumerate(inputs)}
     return [places.get(quantity.name + "'", -1) for quantity in inputs]
+
+
+def groups(statements: Iterable[Statement]) -> list[list[dict[str, str]]]:
+    """Statements grouped by what they do, so that a blank line can stand between."""
+    found: list[list[dict[str, str]]] = []
+    last = None
+    for s in statements:
+        part = {"load": 0, "local": 1, "check": 2}.get(s.kind, 1)
+        if part != last:
+            found.append([])
+        last = part
+        found[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
+    return found

@@ -49,7 +49,8 @@ typedef uint32_t pk_bits;
 typedef uint64_t pk_bits;
 #endif
 
-/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. */
+/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. On x86 gcc 12
+ * makes vector code of lanes from SSE4.2 on, not of plain SSE2: give -march=native. */
 #define PK_LANES 8
 
 #if defined __GNUC__
@@ -60,9 +61,10 @@ typedef uint64_t pk_bits;
 #define PK_RARELY
 #endif
 
-/* How a kernel that may fail is run: in a lane without any branch, once without slow cases, or
- * carefully, with all of them. */
-enum pk_pass { PK_IN_LANE, PK_ONCE, PK_CAREFULLY };
+/* How a kernel that may fail is run: in a lane without any branch, so too as a member with its own
+ * parameters (those of lanes are checked ahead), once without slow cases, or carefully, with all
+ * of them. */
+enum pk_pass { PK_IN_LANE, PK_IN_MEMBER, PK_ONCE, PK_CAREFULLY };
 
 /* Before a loop whose turns do not depend on each other. (clang sees that by `restrict`, and would
  * warn where it cannot do what a pragma of its own demands.) */
