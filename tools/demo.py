@@ -20,6 +20,7 @@ REFERENCES = json.loads((ROOT / "tests/models/references.json").read_text())
 # so that their drifts can be compared.
 METHODS = {
     "dop853": ["--rtol", "1e-13"],
+    "gauss": ["--rtol", "1e-13"],
     "gauss4": ["--step", "0.005"],
     "gauss1": ["--step", "0.005"],
     "rk4": ["--step", "0.005"],
