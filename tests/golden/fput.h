@@ -30,16 +30,16 @@
  *
  * Families are loops: the code is the same for every size. Operations, constants aside:
  *
- *   force_q: no operations a member
- *   canonical_q: no operations a member
+ *   force_q: 9 operations: 1 +, 4 -, 4 * a member
+ *   canonical_q: 9 operations: 1 +, 4 -, 4 * a member
  *   momenta_q: no operations a member
- *   gradient_q: no operations a member
+ *   gradient_q: 9 operations: 1 +, 4 -, 4 * a member
  *   mass_q: no operations a member
- *   acceleration_q: no operations a member
- *   energy: no operations a member
- *   lagrangian: no operations a member
- *   kinetic: no operations a member
- *   potential: no operations a member
+ *   acceleration_q: 1 operation: 1 - a member
+ *   energy: 8 operations: 2 +, 1 -, 5 * a member
+ *   lagrangian: 8 operations: 1 +, 2 -, 5 * a member
+ *   kinetic: 2 operations: 2 * a member
+ *   potential: 5 operations: 1 +, 1 -, 3 * a member
  *
  * MIT No Attribution (MIT-0)
  *
