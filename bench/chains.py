@@ -18,8 +18,10 @@ from .turns import Runner, Timing, take_turns
 
 FOLDER = SOURCES / "chains"
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
+BEYOND = 8_000_000  # 128 MB of q and v, more than caches hold: there memory is the limit
 MASS_STEPS = 40_000_000  # a turn, and
 FEWEST_STEPS = 100  # what a call costs once is to be spread over many
+FEWEST_BEYOND = 33
 H = 0.05
 # All but the roofline make the same steps, up to rounding.
 AGREE = 1e-9
@@ -29,15 +31,16 @@ def measure(effort: Effort, say) -> tuple[dict[int, dict[str, Timing]], dict[str
     """Timings by size and title; and why who is missing."""
     quick = effort.starts < 5
     found, refused = {}, {}
-    for n in (SIZES[0], SIZES[-1]) if quick else SIZES:
-        steps = max(FEWEST_STEPS, MASS_STEPS // n // (4 if quick else 1))
+    for n in (SIZES[0], SIZES[-1]) if quick else (*SIZES, BEYOND):
+        fewest = FEWEST_BEYOND if n == BEYOND else FEWEST_STEPS
+        steps = max(fewest, MASS_STEPS // n // (4 if quick else 1))
         runners = []
         for title, make in _ways().items():
             try:
                 runners += make(title, effort.builds, n, steps)
             except Unavailable as reason:
                 refused[title] = str(reason)
-        found[n] = take_turns(runners, 3 if quick else 7, _Agreement())
+        found[n] = take_turns(runners, 3 if quick or n == BEYOND else 7, _Agreement())
     say(f"chains: {len(runners)} builds at {len(found)} sizes")
     return found, refused
 

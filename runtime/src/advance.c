@@ -38,7 +38,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
                     q, v);
     if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
         return 0;
-    memset(pk_part(it->next, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
+    memset(pk_part(it->next, n, PK_LOW_Q), 0, (PK_A - PK_LOW_Q) * n * sizeof *q);
     pk_real *before = it->state;
     it->state = it->next;
     it->next = before;
@@ -57,16 +57,19 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
 
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps)
 {
-    const unsigned long all = steps ? steps : (unsigned long)-1;
-    unsigned long left = all;
-    do {
+    unsigned long left = steps ? steps : (unsigned long)-1;
+    if (it->ready && it->direction && it->direction == (limit > it->t) - (limit < it->t))
+        left -= advance(it, limit, left);
+    while (left) {
         /* A step sets the direction and the grid, and meets whatever is wrong. */
         const enum pk_status status = pk_integrator_step(it, limit);
         if (status != PK_DONE)
             return status;
         left--;
-        if (left && (it->t < limit || it->t > limit))
+        if (!(it->t < limit || it->t > limit))
+            break;
+        if (left)
             left -= advance(it, limit, left);
-    } while (left && (it->t < limit || it->t > limit));
+    }
     return PK_DONE;
 }

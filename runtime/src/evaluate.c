@@ -3,7 +3,14 @@
 
 int pk_all_finite(const pk_real *x, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
+    size_t i = 0;
+    for (int bad = 0; i + 8 <= count; i += 8) { /* without a branch: vectorised */
+        for (size_t k = 0; k < 8; k++)
+            bad |= !pk_finite(x[i + k]);
+        if (bad)
+            return 0;
+    }
+    for (; i < count; i++)
         if (!pk_finite(x[i]))
             return 0;
     return 1;

@@ -142,6 +142,22 @@ def test_fused_steps_equal_kicks_and_drifts_one_by_one(name, tmp_path):
                 assert_close(one, other, f"{name} N = {size} {method}", scale=50.0)
 
 
+@pytest.mark.parametrize("name", STEPPED)
+def test_stages_in_flight_equal_single_steps_to_the_bit(name, tmp_path):
+    loops = Looped(STEPPED[name], tmp_path)
+    kick, drift = METHODS["symplectic_euler"]
+    h, t0, steps = 0.0625, 0.5, 37  # sums of them are exact
+    for size in (1, 63, 257, 1000, 3000):
+        at = loops.at(size)
+        generator = random.Random(size)
+        q, v = ([generator.uniform(-0.5, 0.5) for _ in range(at.n)] for _ in range(2))
+        together = fused(at, kick, drift, t0, h, steps, q, v)
+        for k in range(steps):
+            q, v = fused(at, kick, drift, t0 + k * h, h, 1, q, v)
+        assert any(abs(x) > 0.01 for x in q) and all(map(math.isfinite, q))
+        assert together == (q, v), f"{name} N = {size}"
+
+
 def one_by_one(at, kick, drift, t, h, steps, q, v):
     q, v = list(q), list(v)
     for k in range(steps):

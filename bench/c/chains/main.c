@@ -20,7 +20,8 @@ int main(int argc, char **argv)
     if (argc != 4) return 2;
     const size_t n = strtoul(argv[1], NULL, 10);
     const unsigned long steps = strtoul(argv[2], NULL, 10);
-    double *q = malloc(n * sizeof *q), *v = malloc(n * sizeof *v);
+    const size_t bytes = (n * sizeof(double) + 63) / 64 * 64; /* aligned: as pkgen's are */
+    double *q = aligned_alloc(64, bytes), *v = aligned_alloc(64, bytes);
 
     if (!q || !v) return 1;
     for (size_t i = 0; i < n; i++) q[i] = sin(3.141592653589793 * (double)(i + 1) / (double)(n + 1)), v[i] = 0;

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..middle.affine import ROW, Affine, variable
-from ..middle.collect import fewest, settled
+from ..middle.collect import fewest, rewritten, settled
+from ..middle.count import operations
 from ..middle.differentiate import reachable
-from ..middle.graph import ZERO, Kind, Node, Op, Symbol
+from ..middle.graph import MINUS_ONE, ONE, ZERO, Kind, Node, Op, Symbol
 from ..middle.loops import Group, LoopEquations, Part, Row, Slot
 from ..middle.loops_expand import domain
 from ..middle.loops_slots import substitute
+from ..middle.normal import WORK
+from ..middle.policies import linear
 from .loops import WIDEST_BOND
 
 M = variable(ROW)
@@ -128,6 +131,16 @@ class Interior:
     def shortest(self, nodes: list[Node]) -> list[Node]:
         """The same with fewer operations, where that is found quickly."""
         return fewest(self.g, nodes) if nodes else nodes
+
+    def factored(self, node: Node) -> Node:
+        """The same as powers of its differences, if that is shorter: k d + b d^3 as d (k + b d^2)."""
+        found = rewritten(self.g, [node], linear, WORK) or [node]
+        return min(node, found[0], key=lambda n: operations(self.g, [n]))
+
+    def scaled(self, node: Node) -> tuple[Node, Node]:
+        """What of it is the same in every row, a factor, and the rest; 1 where that saves nothing."""
+        scale, rest = self.g.split(node)
+        return (ONE, node) if scale in (ONE, MINUS_ONE) or rest == ONE else (scale, rest)
 
 
 def _pruned(found: list[Affine], sign: int) -> list[Affine]:

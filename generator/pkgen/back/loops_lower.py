@@ -20,6 +20,7 @@ from .schedule import Target
 
 M = variable(ROW)
 BLOCK = 16  # chunks of one stage before the next follows
+LEAD = 2  # chunks that have drifted before one is kicked
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
 # Kernels that write a value for each coordinate: outputs, and what they are.
 VECTORS = {
@@ -315,13 +316,14 @@ class _Context:
         if reach > CHUNK:
             return None
         together = not any(g.periodic for g in e.families)
-        # What stages in flight hold of q and v stays below 48 KiB: measured against 24 to 144.
-        cells = 3072 // len(e.families)
-        stages = max(1, (cells - BLOCK * CHUNK) // (2 * CHUNK)) if together else 1
+        # What stages in flight hold of q and v stays below 64 KiB: measured against 24 to 144.
+        cells = 4096 // len(e.families)
+        stages = max(1, (cells - BLOCK * CHUNK) // ((LEAD + 1) * CHUNK)) if together else 1
         rows = sets["acceleration"]
         return {
             "stages": stages,
             "block": BLOCK,
+            "lead": LEAD,
             "together": together,
             "lows": list(dict.fromkeys(self.lowering.index(x) for s in rows for x in s.lows)),
             "highs": list(dict.fromkeys(self.lowering.index(x) for s in rows for x in s.highs)),

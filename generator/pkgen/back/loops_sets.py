@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from ..middle.affine import Affine
-from ..middle.graph import ZERO, Node
+from ..middle.graph import ONE, ZERO, Node
 from ..middle.loops import Group, LoopEquations, PairForce, PairPart, Row, Total
 from .loops import EDGE, INNER, PAIR, Block, Lowering, flux_place
 from .loops_interior import Interior
-from .program import STORE
+from .program import RETURN, STORE
 from .schedule import Target
 
 
@@ -43,6 +43,7 @@ class RowSet:
     n_flux: int = 0
     span: int = 0  # a bond's ends are so far apart
     plain: bool = False  # r[1], a mass, is a positive number: no test
+    scale: Block | None = None  # of the interior's r[0], the same in every row
     below: int = 0  # ghosts on each side
     above: int = 0
 
@@ -82,10 +83,12 @@ class Builder:
         span = 0
         if quotient:
             flux, span, total = self.sets.fluxes(rows[0])
-            nodes[0] = total if flux else nodes[0]
+            flux = [self.sets.factored(node) for node in flux]
+            nodes[0] = self.sets.factored(total if flux else nodes[0])
         mass = nodes[1] if quotient else ZERO
+        scale = ONE
         if mass != ZERO:
-            nodes[0] = self.sets.g.divide(nodes[0], mass)
+            scale, nodes[0] = self.sets.scaled(self.sets.g.divide(nodes[0], mass))
         number = self.sets.g.value(mass)
         return {
             "name": name,
@@ -95,6 +98,7 @@ class Builder:
             "lows": lows,
             "highs": highs,
             "plain": number is not None and number > 0,
+            "scale": scale,
             "flux": flux,
             "span": span,
         }
@@ -140,6 +144,7 @@ class Builder:
             below=below,
             above=above,
             plain=plan["plain"],
+            scale=self._scale(plan["scale"]),
             flux=self._flux(plan),
             n_flux=len(plan["flux"]),
             span=plan["span"],
@@ -183,6 +188,9 @@ class Builder:
     def _flux(self, plan: dict) -> Block | None:
         targets = [Target(STORE, flux_place(k, 0), (node,)) for k, node in enumerate(plan["flux"])]
         return self._block(targets, INNER) if targets else None
+
+    def _scale(self, node: Node) -> Block | None:
+        return None if node == ONE else self._block([Target(RETURN, "", (node,))], INNER)
 
     def _guarded(self, rows: list[Row]) -> list[Guarded]:
         guards: dict[tuple[Affine, Affine], list[Target]] = {}

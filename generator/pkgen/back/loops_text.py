@@ -6,11 +6,17 @@ from typing import Any
 
 from ..middle.affine import ROW, Affine, variable
 from ..middle.loops import Group, LoopEquations
-from .loops import Lowering
+from .loops import Block, Lowering
 from .loops_sets import PairSet, RowSet, TotalSet
 from .program import STORE
 
 M = variable(ROW)
+
+
+def _value(block: Block) -> str:
+    """Of a block that is one expression."""
+    [statement] = block.statements
+    return statement.text
 
 
 class Text:
@@ -119,6 +125,7 @@ class Text:
             "n_flux": s.n_flux,
             "span": s.span,
             "plain": s.plain,
+            "scale": _value(s.scale) if s.scale else "",
             "guarded": [
                 {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.lines}
                 for g in s.guarded

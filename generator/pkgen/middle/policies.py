@@ -42,6 +42,23 @@ def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
     return frozenset(closed)
 
 
+def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
+    """Sums of scaled symbols, like q_2 - q_1: taken apart, neighbours would lose their digits."""
+    order = reachable(g, outputs)
+    plain: dict[Node, bool] = {}
+    for node in order:
+        rest = g.split(node)[1]
+        if rest not in (node, ONE):
+            plain[node] = plain[rest]
+        elif g.op[node] is Op.ADD:
+            plain[node] = all(plain[a] for a in g.args[node])
+        else:
+            plain[node] = g.op[node] is Op.SYMBOL or not g.depends[node] & VARIABLE
+    return frozenset(
+        n for n in order if g.op[n] is Op.ADD and plain[n] and g.depends[n] & VARIABLE
+    )
+
+
 def _squared(g: Graph, order: list[Node]) -> set[Node]:
     """Sums without rates to a power: expanded, (a - b)^2 loses its digits where a is near b."""
     found = set()
