@@ -27,6 +27,9 @@
 #endif
 
 #define PK_GAUSS_RATE_LEAST PK_C(0.1)
+/* A step so much longer than the last one is not predicted from it: the polynomial says nothing
+ * there, and its round-off grows like the 7th power. */
+#define PK_GAUSS_LEAP PK_C(8.0)
 /* Of the tolerance, so that a final error is no larger than dop853's at the same tolerance: measured
  * over models and starts from 1e-4 to 1e-15, a half where that falls out worst, a tenth elsewhere. */
 #define PK_GAUSS_SHARE (PK_C(1.0) / PK_C(3.0))
@@ -131,7 +134,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
                                                        struct pk_gauss_trial *y)
 {
     const size_t n = PK_STEPPER_N(it);
-    if (!(it->flags & PK_HAVE_STEP)) {
+    if (!(it->flags & PK_HAVE_STEP) || pk_abs(y->h) > PK_GAUSS_LEAP * pk_abs(*w->h)) {
         pk_real *a0 = pk_part(it->next, n, PK_A);
         const enum pk_status status = PK_STEPPER(acceleration)(it, it->t, it->q, it->v, a0);
         for (size_t i = 0; i < n * PK_GAUSS_S; i++)
