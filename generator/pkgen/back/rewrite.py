@@ -32,12 +32,12 @@ class Workspace:
         # Whether a node depends on parameters alone (or on nothing).
         self.fixed = [not mask & VARIABLE for mask in graph.depends]
 
-    def node(self, op: Op, args: tuple[Node, ...], data: object = None) -> Node:
+    def node(self, op: str, args: tuple[Node, ...], data: object = None) -> Node:
         key = args if data is None else (args, data)
         known = self._known[op].get(key)
         return self._new(op, args, data, key) if known is None else known
 
-    def _new(self, op: Op, args: tuple[Node, ...], data: object, key: object) -> Node:
+    def _new(self, op: str, args: tuple[Node, ...], data: object, key: object) -> Node:
         node = self._known[op][key] = len(self.op)
         self.op.append(op)
         self.args.append(args)
@@ -45,7 +45,7 @@ class Workspace:
         self.fixed.append(all(self.fixed[a] for a in args))
         return node
 
-    def find(self, op: Op, args: tuple[Node, ...], data: object) -> Node | None:
+    def find(self, op: str, args: tuple[Node, ...], data: object) -> Node | None:
         return self._known[op].get((args, data))
 
     def number(self, value: Fraction) -> Node:

@@ -5,35 +5,42 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
 from fractions import Fraction
+from typing import NamedTuple
 
 Node = int
 Factors = tuple[tuple[Node, Fraction | int], ...]
 Terms = tuple[tuple[Node, Node], ...]  # of a sum: (scale, rest) each
 
 
-class Op(IntEnum):
-    NUMBER = 0  # data: its Fraction
-    SYMBOL = 1  # data: its Symbol
-    ADD = 2  # args: two nodes
-    MULTIPLY = 3  # args: two nodes; a constant factor comes first, -1 stands for a sign
-    POWER = 4  # args: the base; data: the exponent, a Fraction other than 0 and 1
-    CALL = 5  # args: one or two nodes; data: a name in functions.FUNCTIONS
+class Op:
+    """What makes a node: names, not an Enum, whose members Python 3.11 takes long to look up."""
+
+    NUMBER = "number"  # data: its Fraction
+    SYMBOL = "symbol"  # data: its Symbol
+    ADD = "add"  # args: two nodes
+    MULTIPLY = "multiply"  # args: two nodes; a constant factor comes first, -1 stands for a sign
+    POWER = "power"  # args: the base; data: the exponent, a Fraction other than 0 and 1
+    CALL = "call"  # args: one or two nodes; data: a name in functions.FUNCTIONS
 
 
-class Kind(IntEnum):
-    PI = 0
-    PARAMETER = 1
-    COORDINATE = 2
-    RATE = 3
-    TIME = 4
-    INPUT = 5
+OPS = (Op.NUMBER, Op.SYMBOL, Op.ADD, Op.MULTIPLY, Op.POWER, Op.CALL)
 
 
+class Kind:
+    """What a symbol stands for."""
+
+    PI = "pi"
+    PARAMETER = "parameter"
+    COORDINATE = "coordinate"
+    RATE = "rate"
+    TIME = "time"
+    INPUT = "input"
+
+
+KINDS = (Kind.PI, Kind.PARAMETER, Kind.COORDINATE, Kind.RATE, Kind.TIME, Kind.INPUT)
 # What a node depends on is a mask of these.
-BIT = {kind: 1 << kind for kind in Kind}
+BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
 VARIABLE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME] | BIT[Kind.INPUT]
 
@@ -45,11 +52,10 @@ ONE: Node = 1
 MINUS_ONE: Node = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Symbol:
+class Symbol(NamedTuple):
     """`index` counts the flattened quantities of its kind from 0."""
 
-    kind: Kind
+    kind: str  # of Kind
     index: int = 0
 
 
@@ -64,12 +70,12 @@ class Nodes:
     """Hash-consed nodes; `Graph` adds the constructors that simplify."""
 
     def __init__(self, limit: int | None = None) -> None:
-        self.op: list[Op] = []
+        self.op: list[str] = []
         self.args: list[tuple[Node, ...]] = []
         self.data: list[object] = []
         self.depends: list[int] = []  # a mask of BIT
         self.limit = limit
-        self._known: tuple[dict[object, Node], ...] = tuple({} for _ in Op)
+        self._known: dict[str, dict[object, Node]] = {op: {} for op in OPS}
         self._domain: list[int] = []
         self._scale: list[Node] = []
         self._rest: list[Node] = []
@@ -84,10 +90,10 @@ class Nodes:
     def __len__(self) -> int:
         return len(self.op)
 
-    def tables(self) -> tuple[dict[object, Node], ...]:
+    def tables(self) -> dict[str, dict[object, Node]]:
         """A copy of the nodes by op: a number by (numerator, denominator), what has data by
         (args, data), the rest by args."""
-        return tuple(map(dict, self._known))
+        return {op: dict(nodes) for op, nodes in self._known.items()}
 
     # -- leaves -------------------------------------------------------------------------------
 
@@ -157,13 +163,13 @@ class Nodes:
 
     # -- bookkeeping --------------------------------------------------------------------------
 
-    def _number_or(self, op: Op, a: Node, b: Node, value: Fraction) -> Node:
+    def _number_or(self, op: str, a: Node, b: Node, value: Fraction) -> Node:
         if max(value.numerator.bit_length(), value.denominator.bit_length()) > NUMBER_BITS:
             return self._node(op, (a, b), None)
         return self.number(value)
 
     def _node(
-        self, op: Op, args: tuple[Node, ...], data: object, factors: Factors | None = None
+        self, op: str, args: tuple[Node, ...], data: object, factors: Factors | None = None
     ) -> Node:
         """`factors` is the monomial of a product, where the caller has it already."""
         key = args if data is None else (args, data)
@@ -172,7 +178,7 @@ class Nodes:
 
     def _new(
         self,
-        op: Op,
+        op: str,
         args: tuple[Node, ...],
         data: object,
         key: object,
@@ -197,7 +203,7 @@ class Nodes:
     def _enter(
         self,
         node: Node,
-        op: Op,
+        op: str,
         args: tuple[Node, ...],
         data: object,
         domain: int,
