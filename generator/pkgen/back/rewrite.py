@@ -103,7 +103,6 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
             new[node] = _product(work, list(_factors(work, node, absorbed)), new, gather)
         elif op is Op.POWER:
             exponent = work.data[node]
-            assert isinstance(exponent, Fraction)
             new[node] = power(work, new[work.args[node][0]], exponent)
         elif op is Op.CALL:
             new[node] = work.node(op, tuple(new[a] for a in work.args[node]), work.data[node])
