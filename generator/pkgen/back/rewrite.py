@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ..middle.graph import VARIABLE, Graph, Node, Op
+from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Node, Op
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
@@ -67,10 +67,8 @@ class Workspace:
 
     def negated(self, node: Node) -> Node | None:
         """x, if the node is (-1)*x."""
-        if self.op[node] is Op.MULTIPLY:
-            sign, core = self.args[node]
-            if self.op[sign] is Op.NUMBER and self.data[sign] == -1:
-                return core
+        if self.op[node] is Op.MULTIPLY and self.args[node][0] == MINUS_ONE:
+            return self.args[node][1]
         return None
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
