@@ -72,6 +72,32 @@ static void forces(void)
     CU_ASSERT(fabs(row_v - f.v0[0] - slope * t * t * t * t / 4) < 1e-8);
 }
 
+/* Lane kernels that fail in one lane or another and leave nothing of use in it. */
+static unsigned long long failing_lanes(const void *params, const double *t, const double *q,
+                                        const double *v, const double *u, double *a)
+{
+    const unsigned fails = (unsigned)(fabs(q[7]) * 1e3) % 8;
+    for (unsigned l = 0; l < 8; l++)
+        if (l == fails)
+            a[l] = 1e6;
+        else
+            pendulum_system.acceleration(params, t[l], q + l, v + l, u, a + l);
+    return 1ull << fails;
+}
+
+/* A lane that fails is asked again alone: to the bit as if it had not. */
+static void lanes_fail(void)
+{
+    static struct fixture f, e;
+    struct pk_system failing = pendulum_system, scalar = pendulum_system;
+    failing.steppers = scalar.steppers = NULL;
+    failing.lanes = failing_lanes;
+    CU_ASSERT(fixture_run(&e, &scalar, "gauss", 1e-9, 5) == PK_DONE);
+    CU_ASSERT(fixture_run(&f, &failing, "gauss", 1e-9, 5) == PK_DONE);
+    CU_ASSERT(f.it.count.evaluations > e.it.count.evaluations);
+    CU_ASSERT(fixture_distance(&f, e.it.q, e.it.v) == 0);
+}
+
 static void refused(void)
 {
     static struct fixture f;
@@ -162,7 +188,7 @@ static void first_iterate(void)
         }
         const double error = fixture_distance(&f, d.it.q, d.it.v);
         printf("\n    %s at %.0e: %.1e", rows[k].system->name, rows[k].tol, error);
-        CU_ASSERT(error > 0 && error < 10 * rows[k].tol);
+        CU_ASSERT(error > 0 && error < 50 * rows[k].tol);
     }
 }
 
@@ -203,6 +229,7 @@ void add_gauss(void)
     CU_add_test(suite, "error follows the tolerance", tolerance);
     CU_add_test(suite, "backward", backward);
     CU_add_test(suite, "time, rates and inputs", forces);
+    CU_add_test(suite, "lanes that fail", lanes_fail);
     CU_add_test(suite, "refused across a kink", refused);
     CU_add_test(suite, "held back, and no convergence", held);
     CU_add_test(suite, "random starts", random_starts);

@@ -166,8 +166,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         if (!(planned > least) && (left > least || rejected))
             return pk_underflow(it, planned); /* also a step that shrank while being accepted */
         lands = planned * PK_C(1.01) >= left || !(left > least);
-        y.h = sign * (lands ? left : planned);
-        it->next_t = lands ? limit : it->t + y.h;
+        it->next_t = lands ? limit : it->t + sign * planned;
+        y.h = it->next_t - it->t; /* what the rounded times are apart: no drift between q and t */
         const enum pk_status status = PK_STEPPER(gauss_trial)(it, &w, &y);
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
