@@ -46,7 +46,7 @@ def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
 
 def _squared(g: Graph, rest: Node) -> bool:
     partner = g._partner
-    for base, exponent in g._factors[rest]:  # noqa: SIM110: this is asked most of all
+    for base, exponent in g._factors[rest]:  # noqa: SIM110 (this is asked most of all)
         if base in partner and exponent >= 2:
             return True
     return False

@@ -85,7 +85,7 @@ class Nodes:
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        self._terms: list[Terms | None] = []  # those of a sum are found when they are needed
+        self._terms: list[Terms | None] = []  # (): not yet asked for
         self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
         self._negatives: dict[Node, Node] = {}
         self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
@@ -224,6 +224,8 @@ class Nodes:
         if node is None:
             node = self._append(Op.ADD, args, None, self.depends[a] | self.depends[b])
             self._sums[args] = node
+            # At once: found later, those of a long sum would be found by a deep recursion.
+            self._terms[node] = self._found_terms(node, self._domain[node])
         return node
 
     def _product_node(self, args: tuple[Node, Node], factors: Factors | None = None) -> Node:
