@@ -4,8 +4,12 @@
 
 #include "members.h"
 
-/* A batch is as many members as keep their rows within this. */
-enum { BATCH_BYTES = 1 << 26, CHUNK = 64 };
+/* A batch is as many members as keep their rows within this; less to test more than one. */
+#ifndef RUN_BATCH_BYTES
+#define RUN_BATCH_BYTES (1 << 26)
+#endif
+
+enum { CHUNK = 64 };
 
 static void *memory(size_t count, size_t size)
 {
@@ -90,7 +94,7 @@ void members_allocate(struct batch *b, struct run *run, size_t rows, int (*stop)
     b->s = s;
     b->system = run_system;
     b->n = pk_system_count(b->system, s->params);
-    const size_t fit = BATCH_BYTES / (2 * b->n * rows * sizeof(pk_real)) + 1;
+    const size_t fit = RUN_BATCH_BYTES / (2 * b->n * rows * sizeof(pk_real)) + 1;
     b->size = fit < s->members ? fit : s->members;
     if (b->size > CHUNK && b->size < s->members)
         b->size -= b->size % CHUNK; /* whole blocks */

@@ -8,6 +8,11 @@
  * number of rows are sums of Legendre polynomials. Integrals of these:
  * int P_k = (P_k+1 - P_k-1) / (2 (2 k + 1)) on [0, 1].
  *
+ * The iteration contracts while h times the fastest frequency is below some 15, whether that
+ * frequency is seen in the motion or not. A step of a long chain is longer: its own few iterations
+ * end before what they amplify, round-off, comes up to the tolerance. There the step is output in
+ * pieces, each a collocation that starts where the last one ended, halved until they contract.
+ *
  * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.7,
  * for collocation.
  */
@@ -39,16 +44,21 @@ static const pk_real weight[] = {
     PK_C(0.094725305227534248142698361604141552573),
 };
 
+/* The shortest piece, in steps. */
+#define LEAST PK_C(0x1p-10)
+
 /* The work behind that of the step. */
 struct parts {
     pk_real *P, *to_alpha;  /* P_k at the nodes, by k; alpha from a at the nodes, by node */
     pk_real *q, *v, *a, *b; /* 2 halves of n by 8: at the nodes; b: a as it was before */
     pk_real *series;        /* n by 3 TERMS: a, v, q */
+    pk_real *from;          /* 2 n: q and v where the piece begins, */
+    pk_real *at, *width;    /* which is there, and as long, in steps */
 };
 
 size_t pk_gauss_dense_size(size_t n)
 {
-    return (size_t)(TERMS + NODES) * NODES + n * (4 * NODES + 3 * TERMS);
+    return (size_t)(TERMS + NODES) * NODES + n * (4 * NODES + 3 * TERMS + 2) + 2;
 }
 
 static struct parts parts_of(struct pk_integrator *it)
@@ -62,7 +72,9 @@ static struct parts parts_of(struct pk_integrator *it)
     d.v = x, x += NODES * n;
     d.a = x, x += NODES * n;
     d.b = x, x += NODES * n;
-    d.series = x;
+    d.series = x, x += 3 * TERMS * n;
+    d.from = x, x += 2 * n;
+    d.at = x++, d.width = x;
     return d;
 }
 
@@ -80,6 +92,9 @@ static void legendre(pk_real y, int count, pk_real *P, int stride)
 }
 
 static pk_real node_at(int l) { return l < 8 ? node[l] : 1 - node[NODES - 1 - l]; }
+
+/* The node of the piece, in steps. */
+static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * node_at(l); }
 
 static void fill(const struct parts *d)
 {
@@ -121,7 +136,7 @@ static enum pk_status evaluate(struct pk_integrator *it, const struct pk_gauss_l
     const size_t first = (size_t)half * PK_GAUSS_S * it->n;
     pk_real t[PK_GAUSS_S];
     for (int l = 0; l < PK_GAUSS_S; l++)
-        t[l] = it->last_t + *w->h * node_at(half * PK_GAUSS_S + l);
+        t[l] = it->last_t + *w->h * place_of(d, half * PK_GAUSS_S + l);
     return generic_gauss_evaluate(it, t, d->q + first, d->v + first, w->u, d->a + first);
 }
 
@@ -133,7 +148,7 @@ static void begin(struct pk_integrator *it, const struct pk_gauss_lanes *w, cons
             const pk_real *c = w->poly + i * PK_GAUSS_S;
             pk_real sum = 0;
             for (int k = PK_GAUSS_S - 1; k >= 0; k--)
-                sum = sum * (node_at((int)l) - 1) + c[k];
+                sum = sum * (place_of(d, (int)l) - 1) + c[k];
             d->a[l / PK_GAUSS_S * PK_GAUSS_S * it->n + i * PK_GAUSS_S + l % PK_GAUSS_S] = sum;
         }
 }
@@ -143,6 +158,7 @@ static void collocate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                       const struct parts *d)
 {
     const size_t n = it->n, half = PK_GAUSS_S * n;
+    const pk_real h = *w->h * *d->width;
     for (size_t i = 0; i < n; i++) {
         pk_real *a = d->series + i * 3 * TERMS, *v = a + TERMS, *q = v + TERMS;
         const pk_real *a0 = d->a + i * PK_GAUSS_S, *a1 = a0 + half;
@@ -150,13 +166,14 @@ static void collocate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
             const pk_real *row = d->to_alpha + k * NODES;
             a[k] = pk_gauss_dot(row, a0) + pk_gauss_dot(row + PK_GAUSS_S, a1);
         }
-        integrate(a, NODES, *w->h, w->start[n + i], v);
-        integrate(v, NODES + 1, *w->h, w->start[i], q);
+        integrate(a, NODES, h, d->from[n + i], v);
+        integrate(v, NODES + 1, h, d->from[i], q);
         place(v, NODES + 1, d->P, d->v + i * PK_GAUSS_S, d->v + half + i * PK_GAUSS_S);
         place(q, NODES + 2, d->P, d->q + i * PK_GAUSS_S, d->q + half + i * PK_GAUSS_S);
     }
 }
 
+/* One piece: PK_NO_CONVERGENCE as soon as corrections do not shrink. */
 static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                              const struct parts *d)
 {
@@ -177,8 +194,8 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
         for (size_t i = 0; i < n; i++)
             for (size_t l = 0; l < NODES; l++) {
                 const size_t at = l / PK_GAUSS_S * half + i * PK_GAUSS_S + l % PK_GAUSS_S;
-                const pk_real x = w->last_weight[i] * d->a[at];
-                const pk_real y = w->last_weight[i] * (d->a[at] - d->b[at]);
+                const pk_real weight_i = w->last_weight[i] * *d->width;
+                const pk_real x = weight_i * d->a[at], y = weight_i * (d->a[at] - d->b[at]);
                 size2 += x * x / (pk_real)(NODES * n);
                 change2 += y * y / (pk_real)(NODES * n);
             }
@@ -190,9 +207,56 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
             change2 <= PK_C(1e4) * PK_EPS * PK_EPS * size2)
             return PK_DONE;
         it->detail = PK_F(sqrt)(change2 / (size2 + PK_TINY));
+        if (count > 1 && rate2 > PK_C(0.5))
+            break;
         before = change2;
     }
     return PK_NO_CONVERGENCE;
+}
+
+/* The series of the piece at x, counted from its ends -1 and 1. */
+static void values(const struct parts *d, size_t n, pk_real x, pk_real *q, pk_real *v)
+{
+    pk_real P[TERMS];
+    legendre(x, TERMS, P, 1);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real *of_v = d->series + i * 3 * TERMS + TERMS, *of_q = of_v + TERMS;
+        q[i] = v[i] = 0;
+        for (int k = TERMS - 1; k >= 0; k--) {
+            q[i] += of_q[k] * P[k];
+            v[i] += k < TERMS - 1 ? of_v[k] * P[k] : 0;
+        }
+    }
+}
+
+/* From piece to piece up to the one that holds x, in steps; back to the first if that was passed. */
+static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                            const struct parts *d, pk_real x)
+{
+    const size_t n = it->n;
+    if (!(it->flags & PK_HAVE_DENSE) || x < *d->at) {
+        memcpy(d->from, w->start, 2 * n * sizeof *d->from);
+        *d->at = 0;
+        *d->width = 1;
+        it->flags &= ~PK_HAVE_DENSE;
+    }
+    for (;;) {
+        const pk_real end = *d->at + *d->width;
+        if (it->flags & PK_HAVE_DENSE) {
+            if (x <= end || end >= 1)
+                return PK_DONE;
+            values(d, n, 1, d->from, d->from + n);
+            *d->at = end;
+            it->flags &= ~PK_HAVE_DENSE;
+        }
+        const enum pk_status status = refine(it, w, d);
+        if (status >= 0)
+            it->flags |= PK_HAVE_DENSE;
+        else if (*d->width > LEAST)
+            *d->width /= 2;
+        else
+            return status;
+    }
 }
 
 enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
@@ -201,29 +265,20 @@ enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, p
     const struct parts d = parts_of(it);
     const size_t n = it->n;
     const pk_real x = (t - it->last_t) / *w.h;
-    if (!(it->flags & PK_HAVE_DENSE)) {
-        const enum pk_status status = refine(it, &w, &d);
-        if (status < 0)
-            return status;
-        it->flags |= PK_HAVE_DENSE;
-    }
-    pk_real P[TERMS];
-    legendre(2 * x - 1, TERMS, P, 1);
-    for (size_t i = 0; i < n; i++) {
-        const pk_real *of_v = d.series + i * 3 * TERMS + TERMS, *of_q = of_v + TERMS;
-        q[i] = v[i] = 0;
-        for (int k = TERMS - 1; k >= 0; k--) {
-            q[i] += of_q[k] * P[k];
-            v[i] += k < TERMS - 1 ? of_v[k] * P[k] : 0;
-        }
-    }
     /* At the ends, what the steps say, to the bit. */
     if (!(t > it->last_t) && !(t < it->last_t)) {
         memcpy(q, w.start, n * sizeof *q);
         memcpy(v, w.start + n, n * sizeof *v);
-    } else if (!(t > it->t) && !(t < it->t)) {
+        return PK_DONE;
+    }
+    if (!(t > it->t) && !(t < it->t)) {
         memcpy(q, it->q, n * sizeof *q);
         memcpy(v, it->v, n * sizeof *v);
+        return PK_DONE;
     }
+    const enum pk_status status = reach(it, &w, &d, x);
+    if (status < 0)
+        return status;
+    values(&d, n, 2 * (x - *d.at) / *d.width - 1, q, v);
     return pk_all_finite(q, n) && pk_all_finite(v, n) ? PK_DONE : PK_NOT_FINITE;
 }

@@ -85,7 +85,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
             break;
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
-            return PK_NOT_FINITE;
+            return PK_NO_CONVERGENCE; /* unless Newton's iteration says that there is no number */
         idle = change < least ? 0 : idle + 1;
         least = pk_min(least, change);
         /* Corrections of a slow iteration rise and fall, since its eigenvalues are complex. */

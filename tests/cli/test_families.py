@@ -189,6 +189,21 @@ def test_chains_are_run_by_dop853_and_pair_sums_by_gauss(pkgen, tmp_path: Path) 
         assert json.loads(done.stdout)["report"]["method"] == method
 
 
+def test_rows_of_gauss_lie_between_its_steps_on_a_long_chain(pkgen) -> None:
+    """Its steps, at whose ends it errs by up to 60 tolerances here, are longer than what their
+    interpolation can bear in one piece."""
+    common = (FPUT, "--size", "N=1000", "--until", "100", "--every", "5")
+    exact = ran(pkgen, *common, "--method", "dop853", "--rtol", "1e-13")[1]
+    for rtol in ("1e-6", "1e-10"):
+        done = pkgen("run", *common, "--method", "gauss", "--rtol", rtol, "--json")
+        assert done.returncode == 0, done.stderr
+        said = json.loads(done.stdout)
+        assert len(said["rows"]) == 21 and 2 * said["report"]["step_max"] > 20
+        pairs = zip(said["rows"], exact, strict=True)
+        errors = [max(abs(a - b) for a, b in zip(*pair, strict=True)) for pair in pairs]
+        assert 0 < max(errors) < 100 * float(rtol)
+
+
 def test_end_terms_of_the_potential_are_explained_and_fused(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "ends.lag"
     path.write_text(ENDS, encoding="utf-8")

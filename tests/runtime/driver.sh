@@ -71,6 +71,27 @@ for tiny in "method dop853\nuntil 1\nevery 1e-300\n" "method rk4\nuntil 1\nstep 
     check "and no row" [ "$(wc -l <"$tmp/out.csv")" -eq 0 ]
 done
 
+# An ensemble in batches (RUN_BATCH_BYTES is room for 64 members here): each member as it runs alone.
+python3 -c "
+import array
+members = [(0.01 * i, 1 + 0.001 * i) for i in range(150)]
+array.array('d', sum(members, ())).tofile(open('$tmp/members', 'wb'))
+for i, (q, g) in enumerate(members, 1):
+    print(f'start q 0 {q.hex()}\\\\nparam 0 {g.hex()}\\\\n')" >"$tmp/alone"
+same="method rk4\nuntil 1\nevery 0.4\nstep 0.05\n"
+run run_pendulum "${same}ensemble $tmp/members\nmembers 150\ncolumn q 0\ncolumn param 0\nreport $tmp/r.json\n"
+check "an ensemble: exit 0" [ $code -eq 0 ]
+cp "$tmp/out.csv" "$tmp/members.csv"
+check "its rows, member after member" [ "$(cut -d, -f1 "$tmp/members.csv" | uniq -c | awk '{print $1}' | sort -u | tr '\n' ' ')" = "1 4 " ]
+check "150 members" [ "$(tail -1 "$tmp/members.csv" | cut -d, -f1,2)" = 150,1 ]
+check "all done" grep -q '"done": 150' "$tmp/r.json"
+for i in 1 2 63 64 65 128 129 150; do
+    run run_pendulum "$same$(sed -n "${i}p" "$tmp/alone")"
+    tail -n +2 "$tmp/out.csv" >"$tmp/one.csv"
+    grep "^$i," "$tmp/members.csv" | cut -d, -f2- >"$tmp/of_many.csv"
+    check "member $i as alone" cmp -s "$tmp/one.csv" "$tmp/of_many.csv"
+done
+
 # The motion is finite, its energy not: rows, a word, exit 4.
 run run_pendulum "method verlet\nuntil 1\nstep 0.1\nevery 0.5\nstart v 0 1e200\nreport $tmp/r.json\n"
 check "energy not finite: exit 4" [ $code -eq 4 ]

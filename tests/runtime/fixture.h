@@ -28,6 +28,9 @@ enum pk_status fixture_init(struct fixture *f, const char *method);
 /* Both, and to t_end in steps of h (fixed) or at rtol = atol = h (adaptive). */
 enum pk_status fixture_run(struct fixture *f, const struct pk_system *system, const char *method,
                            double h, double t_end);
+/* A reference: gauss8 at short steps, in (q, p), from a start to t. */
+void fixture_exact(struct fixture *f, const struct pk_system *system, const double *q,
+                   const double *v, double t, int steps);
 /* Distance in (q, v), maximum norm. */
 double fixture_distance(const struct fixture *f, const double *q, const double *v);
 /* Least-squares slope of log y over log x. */
@@ -36,6 +39,7 @@ double fit_slope(const double *x, const double *y, int count);
 void add_tables(void);
 void add_order(void);
 void add_gauss(void);
+void add_dense(void);
 void add_geometry(void);
 void add_status(void);
 void add_silence(void);

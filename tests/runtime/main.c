@@ -50,6 +50,17 @@ double fixture_distance(const struct fixture *f, const double *q, const double *
     return d;
 }
 
+void fixture_exact(struct fixture *f, const struct pk_system *system, const double *q,
+                   const double *v, double t, int steps)
+{
+    fixture_set(f, system);
+    memcpy(f->q0, q, system->n * sizeof *q);
+    memcpy(f->v0, v, system->n * sizeof *v);
+    f->options.h = t / steps;
+    CU_ASSERT_FATAL(fixture_init(f, "gauss8") == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(&f->it, t) == PK_DONE);
+}
+
 double fit_slope(const double *x, const double *y, int count)
 {
     double mx = 0, my = 0, xx = 0, xy = 0;
@@ -90,6 +101,7 @@ int main(int argc, char **argv)
     add_tables();
     add_order();
     add_gauss();
+    add_dense();
     add_geometry();
     add_status();
     add_silence();

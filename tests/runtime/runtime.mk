@@ -58,7 +58,7 @@ $(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk
                    $(wildcard runtime/run/*.c) $(RT_HEADERS)
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
 	    'const struct pk_system *const run_system = &$*_system;' >$@.c
-	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -Iruntime/run -Itests/runtime runtime/run/*.c $@.c \
+	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DRUN_BATCH_BYTES=4096 -Iruntime/run -Itests/runtime runtime/run/*.c $@.c \
 	    $(RT_SYSTEMS) $(RT_OMP) $(RT_OPENMP) \
 	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
 

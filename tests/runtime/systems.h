@@ -16,6 +16,8 @@ struct test_params {
 extern const struct pk_system pendulum_system;
 /* q'' = -g q. */
 extern const struct pk_system oscillator_system;
+/* q'' = -g (q + q^3): what grows, grows to what is no number. */
+extern const struct pk_system stiffening_system;
 /* Two unit masses on unit rods (textbook formulas), M(q). */
 extern const struct pk_system double_pendulum_system;
 /* Planar Kepler, Cartesian. */

@@ -20,6 +20,14 @@ SIZES(oscillator, 1, 0)
 #include <pk/inlined.h>
 SYSTEM(oscillator, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)), );
 
+POINT_MASS(stiffening, G(params) * q[0] * q[0] * (1 + q[0] * q[0] / 2) / 2,
+           -G(params) * q[0] * (1 + q[0] * q[0]), -G(params) * (1 + 3 * q[0] * q[0]))
+SIZES(stiffening, 1, 0)
+#undef PK_MODEL
+#define PK_MODEL(x) stiffening_##x
+#include <pk/inlined.h>
+SYSTEM(stiffening, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(1.3)), LIST(PK_C(0.2)), );
+
 POINT_MASS(driven, G(params) * q[0] * q[0] / 2 - q[0] * PK_F(cos)(3 * t),
            -G(params) * q[0] + PK_F(cos)(3 * t), -G(params))
 SIZES(driven, 1, 0)

@@ -78,8 +78,8 @@ static void published(void)
 static void cut_short(void)
 {
     static struct fixture f;
-    static const char *const names[] = {"dopri5", "dop853"};
-    for (int i = 0; i < 2; i++) {
+    static const char *const names[] = {"dopri5", "dop853", "gauss"};
+    for (int i = 0; i < 3; i++) {
         fixture_set(&f, &pendulum_system);
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
         for (int k = 0; k < 10; k++)

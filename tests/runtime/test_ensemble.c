@@ -118,6 +118,28 @@ static const struct {
              {&double_pendulum_system, "gauss2", 0.05}, {&double_pendulum_system, "dop853", 0},
              {&kepler_system, "dopri5", 0}};
 
+/* The last interval has a step of its own, by lanes and one by one: as with set_step() alone. */
+static void last_interval(void)
+{
+    static const char *const methods[] = {"rk4", "gauss2"};
+    static struct crowd c;
+    for (int k = 0; k < 2; k++) {
+        static double block[8192];
+        struct pk_integrator it;
+        crowd_set(&c, &pendulum_system, LANES, methods[k], 0.1);
+        c.e.last_h = 0.03;
+        const struct pk_problem problem = {.system = &c.system, .params = &c.params[5]};
+        CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) == PK_DONE);
+        CU_ASSERT(pk_integrator_init(&it, &problem, c.e.method, &c.e.options, 0, c.q0 + 5,
+                                     c.v0 + 5, block, sizeof block) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&it, 1.1) == PK_DONE);
+        pk_integrator_set_step(&it, 0.03);
+        CU_ASSERT(pk_integrator_to(&it, 1.25) == PK_DONE && it.count.steps == 16);
+        CU_ASSERT(!(it.q[0] < c.q[5 * ROWS + 2]) && !(it.q[0] > c.q[5 * ROWS + 2]));
+        CU_ASSERT(strangers(&c) == MEMBERS);
+    }
+}
+
 static void as_alone(void)
 {
     static struct crowd c;
@@ -192,19 +214,23 @@ static void failures(void)
             for (size_t i = 0; i < MEMBERS; i++)
                 c.params[i].limit = 9;
             c.params[3].limit = k < 2 ? 0.9 : 0.7;
+            c.params[0].limit = k < 2 ? 1.0 : 0.9; /* later than 3, whose lane follows it */
+            c.v0[20] = k < 2 ? 1e200 : 0.2; /* M is no number since q is none */
             c.params[149].limit = 1.2;
             c.params[70].g = -1; /* out of bounds */
             c.v0[77] = (double)NAN;
             const enum pk_status status =
                 pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block);
             CU_ASSERT(status == (k < 2 ? PK_SINGULAR_MASS : PK_NOT_FINITE));
+            CU_ASSERT(c.last_t[3] < c.last_t[0]);
+            CU_ASSERT(c.status[20] == (k < 2 ? PK_NOT_FINITE : PK_DONE));
             CU_ASSERT(c.status[3] == status && c.status[70] == PK_OUT_OF_BOUNDS);
             CU_ASSERT(c.status[77] == PK_BAD_ARGUMENT && c.done[77] == 0);
             CU_ASSERT(c.last_t[3] > 0.1 && c.last_t[3] < 1.25 && c.done[3] < ROWS);
             size_t arrived = 0;
             for (size_t i = 0; i < MEMBERS; i++)
                 arrived += c.status[i] == PK_DONE && c.done[i] == ROWS;
-            CU_ASSERT(arrived == MEMBERS - 4);
+            CU_ASSERT(arrived == MEMBERS - (k < 2 ? 6u : 5u));
             CU_ASSERT(strangers(&c) == 0); /* the others are not touched by it */
         }
 }
@@ -230,6 +256,7 @@ static void refusals(void)
     c.e.options.max_steps = 7;
     CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) == PK_TOO_MANY_STEPS);
     CU_ASSERT(c.done[9] == 1 && c.last_t[9] > 0.5 && strangers(&c) == 0);
+    CU_ASSERT(pk_ensemble_run_threads(&c.e, 2, c.block, sizeof c.block) == PK_TOO_MANY_STEPS);
     c.e.options.max_steps = 0;
     c.e.stop = after_a_while;
     c.e.context = &calls;
@@ -241,6 +268,7 @@ void add_ensemble(void)
 {
     CU_pSuite suite = CU_add_suite("ensembles", NULL, NULL);
     CU_add_test(suite, "each member as alone, to the bit", as_alone);
+    CU_add_test(suite, "a last step of its own", last_interval);
     CU_add_test(suite, "dop853 at fixed steps", adaptive_tables_at_fixed_steps);
     CU_add_test(suite, "any threads, any company", any_company);
     CU_add_test(suite, "members fail alone", failures);

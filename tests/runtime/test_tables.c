@@ -6,6 +6,8 @@
 #include "fixture.h"
 #include "tableau.h"
 
+#include <pk/step/gauss_tables.h>
+
 #define MOST 18
 
 struct dense_table {
@@ -211,6 +213,41 @@ static void gauss_tables(void)
     CU_ASSERT(fabs(rk4->b[1] * rk4->a[0] - rk4->b[0] * rk4->b[1]) > 0.01);
 }
 
+/* Beside the matrices of the 8 stages, whose order quad/order.c measures: what predicts the next
+ * step and judges this one. A wrong digit there would only cost iterations, or tolerance. */
+static void lane_tables(void)
+{
+    const double *c = pk_gauss8_c;
+    for (int i = 0; i < 8; i++)
+        for (int j = 0; j < 8; j++) {
+            double power = 1;
+            for (int k = 0; k < j; k++)
+                power *= c[i];
+            CU_ASSERT(fabs(pk_gauss8_powers[j * 8 + i] - power) < 4e-16);
+        }
+    for (int degree = 0; degree < 8; degree++) {
+        double legendre[2] = {0, 0}, taylor[8] = {0}, binomial = 1;
+        for (int i = 0; i < 8; i++) {
+            const double y = 2 * c[i] - 1;
+            double below = 0, here = 1, power = 1;
+            for (int k = 0; k < degree; k++) {
+                const double next = ((2 * k + 1) * y * here - k * below) / (k + 1);
+                below = here, here = next, power *= c[i];
+            }
+            legendre[0] += pk_gauss8_legendre6[i] * here;
+            legendre[1] += pk_gauss8_legendre7[i] * here;
+            for (int k = 0; k < 8; k++) /* of x^degree at x = 1 */
+                taylor[k] += pk_gauss8_taylor[i * 8 + k] * power;
+        }
+        CU_ASSERT(fabs(legendre[0] - (degree == 6)) < 1e-15);
+        CU_ASSERT(fabs(legendre[1] - (degree == 7)) < 1e-15);
+        for (int k = 0; k < 8; k++) {
+            CU_ASSERT(fabs(taylor[k] - binomial) < 1e-10);
+            binomial *= (double)(degree - k) / (k + 1);
+        }
+    }
+}
+
 static void splitting_tables(void)
 {
     static const char *const names[] = {"symplectic_euler", "verlet", "yoshida4"};
@@ -254,6 +291,7 @@ void add_tables(void)
     CU_add_test(suite, "explicit Runge-Kutta: all rooted trees", explicit_tables);
     CU_add_test(suite, "dense output: all rooted trees", dense_tables);
     CU_add_test(suite, "Gauss: trees, symplectic, symmetric", gauss_tables);
+    CU_add_test(suite, "the lanes of 8 stages", lane_tables);
     CU_add_test(suite, "splitting", splitting_tables);
     CU_add_test(suite, "registry", registry);
 }
