@@ -43,13 +43,13 @@ def _node_text(graph: Graph, node: int) -> str:
     data = graph.data[node]
     match graph.op[node]:
         case Op.SYMBOL:
-            return f"{data.kind.name.lower()} {data.index}"
+            return f"{data.kind} {data.index}"
         case Op.NUMBER:
             return str(data)
         case Op.CALL:
             return f"{data} {arguments}"
         case op:
-            return f"{op.name.lower()} {arguments}" + (f" {data}" if data is not None else "")
+            return f"{op} {arguments}" + (f" {data}" if data is not None else "")
 
 
 def as_text(value: object, source: Source, indent: int = 0) -> str:

@@ -33,10 +33,14 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         if (strcmp(word[1], kinds[i].name) != 0)
             continue;
+        if (!words_index(word[2], kinds[i].count, &index)) {
+            *code = words_usage(line, "no such quantity", word[2]);
+            return 1;
+        }
         struct column *columns =
             (struct column *)realloc(s->columns, (s->n_columns + 1) * sizeof *columns);
-        if (!columns || !words_index(word[2], kinds[i].count, &index)) {
-            *code = words_usage(line, "no such quantity", word[2]);
+        if (!columns) {
+            *code = words_usage(line, "out of memory", NULL);
             return 1;
         }
         s->columns = columns;

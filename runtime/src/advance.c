@@ -1,5 +1,6 @@
 /* Many steps of a splitting method in one call of the system's own fused code. The state is copied
- * first: steps that end in what is not finite are undone, and made again one at a time.
+ * first: steps that end in what is not finite are undone, and half as many are tried, so that the
+ * first that fails is found by bisection.
  */
 #include <string.h>
 
@@ -28,16 +29,20 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     unsigned long steps = whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
-    if (steps < 2 || it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
+    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
         return 0;
 
     pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
-    memcpy(q, it->q, n * sizeof *q);
-    memcpy(v, it->v, n * sizeof *v);
-    system->advance(it->problem.params, table->stages, table->kick, table->drift, it->t, h, steps,
-                    q, v);
-    if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
-        return 0;
+    for (;; steps /= 2) {
+        if (steps < 2)
+            return 0;
+        memcpy(q, it->q, n * sizeof *q);
+        memcpy(v, it->v, n * sizeof *v);
+        system->advance(it->problem.params, table->stages, table->kick, table->drift, it->t, h,
+                        steps, q, v);
+        if (pk_all_finite(q, n) && pk_all_finite(v, n))
+            break;
+    }
     memset(pk_part(it->next, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
     pk_real *before = it->state;
     it->state = it->next;

@@ -61,7 +61,7 @@ def make(
     """Equations of L = T - V, (T, V) = energies(world); every default is 1.5 + its index."""
     g = Graph()
 
-    def symbols(kind: Kind, count: int) -> list[Node]:
+    def symbols(kind: str, count: int) -> list[Node]:
         return [g.symbol(Symbol(kind, i)) for i in range(count)]
 
     n = len(coordinates)
@@ -79,7 +79,7 @@ def make(
     momenta = tuple(by.get(x, ZERO) for x in world.v)
     slope = tuple(by.get(x, ZERO) for x in world.q)
 
-    def jacobian(rows: Sequence[Node], columns: list[Node], kind: Kind):
+    def jacobian(rows: Sequence[Node], columns: list[Node], kind: str):
         found = Columns(g, rows, BIT[kind])
         table = [found.column(x) for x in columns]
         return tuple(tuple(column.get(row, ZERO) for column in table) for row in rows)

@@ -17,7 +17,7 @@ from pkgen import limits
 from pkgen.middle.count import operations
 from pkgen.middle.derive import derive
 from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import MINUS_ONE, ZERO, Kind, Op, Symbol
+from pkgen.middle.graph import BIT, MINUS_ONE, ZERO, Kind, Op, Symbol
 from pkgen.middle.quantities import per_second
 from pkgen.source import ModelError
 
@@ -135,7 +135,7 @@ def test_what_drops_out_by_an_identity_is_gone():
         )
     )
     assert e.graph.is_constant(e.mass[0][0])
-    assert not e.graph.depends[e.force[0]] & (1 << Kind.TIME)
+    assert not e.graph.depends[e.force[0]] & BIT[Kind.TIME]
     assert operations(e.graph, e.force) <= 4
 
 

@@ -87,7 +87,7 @@ def test_repeated_terms_are_not_lost(world):
 def _sympy_symbol(symbol: Symbol):
     import sympy
 
-    return sympy.Symbol(f"{symbol.kind.name}_{symbol.index}")
+    return sympy.Symbol(f"{symbol.kind}_{symbol.index}")
 
 
 def test_powers_merge(world):

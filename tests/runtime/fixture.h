@@ -47,5 +47,6 @@ void add_control(void);
 void add_limits(void);
 void add_diagnostics(void);
 void add_ensemble(void);
+void add_advance(void);
 
 #endif

@@ -16,7 +16,7 @@ from .program import CHECK, LOAD, STORE, Block, Statement
 _LONGEST = 800
 _BLOCK = 100
 _ARGUMENTS = ("p", "t", "q", "v", "u", "w")
-_WORD = re.compile(r"(?<![\w>])[A-Za-z_]\w*")
+_WORD = re.compile(r">?\w+")  # a member keeps its >, so that it is nobody's name
 
 
 def blocks(

@@ -71,7 +71,7 @@ def text(form: Form) -> str:
     """The whole expression. A sum starts with a positive term if it has one."""
     if not form.is_sum:
         fraction = _fraction(form.above, form.below)
-        if form.sign > 0 and _RATIO.fullmatch(fraction):
+        if form.sign > 0 and fraction[0] == "(" and _RATIO.fullmatch(fraction):
             return fraction[1:-1]
         return ("-" if form.sign < 0 else "") + fraction
     terms = list(form.terms)
@@ -87,21 +87,17 @@ def count_operations(expressions: Iterable[str], prefix: str) -> Counter[str]:
     """Operations in expressions' text, constants such as 1/3 aside: what is shown is what is
     counted. `prefix` starts the names of the model's own helper functions."""
     text = "\n".join(x for x in expressions if not _RATIO.fullmatch(f"({x})"))
-    operations: Counter[str] = Counter()
-    for sign, macro, helper, minus in _OPERATION.findall(_RATIO.sub("1", text)):
-        if sign:
-            operations[sign] += 1
-        elif minus:
-            operations["neg"] += 1
-        elif macro:
-            operations[macro] += 1
-        elif helper.startswith(prefix):
-            operations[helper.removeprefix(prefix)] += 1
-    return operations
+    text = _RATIO.sub("1", text)
+    operations = Counter({sign: text.count(f" {sign} ") for sign in "+-*/"})
+    operations["neg"] = len(_MINUS.findall(text))
+    operations.update(_FUNCTION.findall(text))
+    operations.update(re.findall(rf"\b{prefix}(\w+)\(", text) if prefix in text else ())
+    return +operations  # those that there are
 
 
 _RATIO = re.compile(r"\(PK_C\([^()]*\) / PK_C\([^()]*\)\)")
-_OPERATION = re.compile(r" ([-+*/]) |PK_F\((\w+)\)|\b(\w+)\(|(?:^|(?<=[( ]))(-)(?=\S)", re.M)
+_MINUS = re.compile(r"-(?=\S)(?<![^( \n]-)")  # at the start, after a bracket or an operator
+_FUNCTION = re.compile(r"PK_F\((\w+)\)")
 
 
 def _fraction(above: tuple[str, ...], below: tuple[str, ...]) -> str:

@@ -122,7 +122,7 @@ class Interior:
     def _slots(self, node: Node):
         for n in reachable(self.g, [node]):
             data = self.g.data[n]
-            if self.g.op[n] is Op.SYMBOL and data.kind.name not in ("PI", "TIME"):
+            if self.g.op[n] is Op.SYMBOL and data.kind not in (Kind.PI, Kind.TIME):
                 yield self.slots[data.index]
 
     def shortest(self, nodes: list[Node]) -> list[Node]:

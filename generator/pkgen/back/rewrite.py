@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ..middle.graph import VARIABLE, Graph, Node, Op
+from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Node, Op
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
@@ -32,12 +32,12 @@ class Workspace:
         # Whether a node depends on parameters alone (or on nothing).
         self.fixed = [not mask & VARIABLE for mask in graph.depends]
 
-    def node(self, op: Op, args: tuple[Node, ...], data: object = None) -> Node:
+    def node(self, op: str, args: tuple[Node, ...], data: object = None) -> Node:
         key = args if data is None else (args, data)
         known = self._known[op].get(key)
         return self._new(op, args, data, key) if known is None else known
 
-    def _new(self, op: Op, args: tuple[Node, ...], data: object, key: object) -> Node:
+    def _new(self, op: str, args: tuple[Node, ...], data: object, key: object) -> Node:
         node = self._known[op][key] = len(self.op)
         self.op.append(op)
         self.args.append(args)
@@ -45,7 +45,7 @@ class Workspace:
         self.fixed.append(all(self.fixed[a] for a in args))
         return node
 
-    def find(self, op: Op, args: tuple[Node, ...], data: object) -> Node | None:
+    def find(self, op: str, args: tuple[Node, ...], data: object) -> Node | None:
         return self._known[op].get((args, data))
 
     def number(self, value: Fraction) -> Node:
@@ -67,10 +67,8 @@ class Workspace:
 
     def negated(self, node: Node) -> Node | None:
         """x, if the node is (-1)*x."""
-        if self.op[node] is Op.MULTIPLY:
-            sign, core = self.args[node]
-            if self.op[sign] is Op.NUMBER and self.data[sign] == -1:
-                return core
+        if self.op[node] is Op.MULTIPLY and self.args[node][0] == MINUS_ONE:
+            return self.args[node][1]
         return None
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
@@ -103,7 +101,6 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
             new[node] = _product(work, list(_factors(work, node, absorbed)), new, gather)
         elif op is Op.POWER:
             exponent = work.data[node]
-            assert isinstance(exponent, Fraction)
             new[node] = power(work, new[work.args[node][0]], exponent)
         elif op is Op.CALL:
             new[node] = work.node(op, tuple(new[a] for a in work.args[node]), work.data[node])

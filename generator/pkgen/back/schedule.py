@@ -25,6 +25,7 @@ _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
 _PARTNERS = {"sin": "cos", "cos": "sin"}
+_AT_HAND = re.compile(r"\w+|p->\w+(\[\d+\])?")
 
 
 @dataclass(frozen=True)
@@ -222,7 +223,7 @@ class Schedule:
         # A minus moves to where the value is used: -a - b is kept as a + b.
         sign = form.sign if not form.is_sum else max(sign for sign, _ in form.terms)
         value = text(negated(form) if sign < 0 else form)
-        if re.fullmatch(r"\w+|p->\w+(\[\d+\])?", value):
+        if _AT_HAND.fullmatch(value):
             return
         name = self._name(node, value)
         self.statements.append(Statement(LOCAL, name, value))
@@ -237,19 +238,21 @@ class Schedule:
 
 _NAMED = r"(?!t\d)[a-z]\w*"
 _PATTERNS = [
-    (re.compile(r"PK_F\((\w+)\)\((\w+)\)"), r"\1_\2"),
-    (re.compile(rf"({_NAMED}) - ({_NAMED})"), r"\1_minus_\2"),
-    (re.compile(rf"({_NAMED}) \+ ({_NAMED})"), r"\1_plus_\2"),
-    (re.compile(rf"({_NAMED}) \* \1"), r"\1_sq"),
-    (re.compile(rf"1 / ({_NAMED})"), r"inv_\1"),
+    (re.compile(r"PK_F\((\w+)\)\((\w+)\)"), "{}_{}"),
+    (re.compile(rf"({_NAMED}) - ({_NAMED})"), "{}_minus_{}"),
+    (re.compile(rf"({_NAMED}) \+ ({_NAMED})"), "{}_plus_{}"),
+    (re.compile(rf"({_NAMED}) \* \1"), "{}_sq"),
+    (re.compile(rf"1 / ({_NAMED})"), "inv_{}"),
 ]
 
 
 def _described(value: str) -> str | None:
     """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
+    if len(value) > 2 * _LONGEST_NAME:
+        return None
     for pattern, name in _PATTERNS:
         if match := pattern.fullmatch(value):
-            return match.expand(name)
+            return name.format(*match.groups())
     return None
 
 

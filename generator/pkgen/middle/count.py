@@ -17,7 +17,7 @@ def operations(g: Graph, outputs: Iterable[Node]) -> int:
     order = reachable(g, outputs, VARIABLE)
     total = 0
     signs: dict[Node, bool] = {}  # whether something other than a sum uses it
-    inverses: dict[Node, list[Op | None]] = {}  # what uses it
+    inverses: dict[Node, list[str | None]] = {}  # what uses it
     for node in order:
         op = g.op[node]
         if op is Op.SYMBOL:

@@ -142,6 +142,8 @@ def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
         return g.add(*of_arguments)
     if op is Op.MULTIPLY:
         (a, b), (of_a, of_b) = g.args[node], of_arguments
+        if of_a == ZERO:
+            return g.multiply(a, of_b)
         return g.add(g.multiply(b, of_a), g.multiply(a, of_b))
     if all(d == ZERO for d in of_arguments):
         return ZERO

@@ -68,9 +68,13 @@ class Graph(Nodes):
             return b
         if b == ZERO:
             return a
-        domain = max(self._domain[a], self._domain[b])
+        domain = self._domain[a] | self._domain[b]
         if domain == 0:
-            return self._number_or(Op.ADD, a, b, self.data[a] + self.data[b])
+            value = self.data[a] + self.data[b]
+            return self.number(value) if _fits(value) else self._sum_node(a, b)
+        rest = self._rest[a]
+        if rest == self._rest[b] and self.op[rest] is not Op.ADD:
+            return self._scaled(self.add(self._scale[a], self._scale[b]), rest)
         left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is not None and right is not None:
             terms = merge(self, left, right)
@@ -96,7 +100,7 @@ class Graph(Nodes):
             if result == ZERO:
                 result = node
             else:
-                result = self._join(result, node, max(self._domain[result], self._domain[node]))
+                result = self._join(result, node, self._domain[result] | self._domain[node])
         return result
 
     def sum(self, nodes: Iterable[Node]) -> Node:
@@ -121,9 +125,6 @@ class Graph(Nodes):
                 return self._scaled(p, self._sum_node(r, self.negate(u)))
         return self._sum_node(a, b)
 
-    def _sum_node(self, a: Node, b: Node) -> Node:
-        return self._node(Op.ADD, (a, b) if a < b else (b, a), None)
-
     # -- products -----------------------------------------------------------------------------
 
     def multiply(self, a: Node, b: Node) -> Node:
@@ -133,9 +134,12 @@ class Graph(Nodes):
             return b
         if b == ONE:
             return a
-        domain = max(self._domain[a], self._domain[b])
+        domain = self._domain[a] | self._domain[b]
         if domain == 0:
-            return self._number_or(Op.MULTIPLY, a, b, self.data[a] * self.data[b])
+            value = self.data[a] * self.data[b]
+            if _fits(value):
+                return self.number(value)
+            return self._product_node((a, b) if a < b else (b, a))
         p, r = self._split(a, domain)
         s, u = self._split(b, domain)
         scale = s if p == ONE else p if s == ONE else self.multiply(p, s)
@@ -160,16 +164,20 @@ class Graph(Nodes):
             return rest
         if self._domain[rest] <= self._domain[scale] or self._rest[rest] != rest:
             return self.multiply(scale, rest)
-        return self._node(Op.MULTIPLY, (scale, rest), None)
+        return self._scaled_node(scale, rest)
 
     def _product(self, a: Node, b: Node) -> Node:
         """The product of two nodes of one domain, each of scale 1."""
+        args = (a, b) if a < b else (b, a)
+        known = self._products.get(args)
+        if known is not None:
+            return known
         left, right = self._factors[a], self._factors[b]
         factors = merged(left, right)
         if self._reciprocals:
             factors = self._without_reciprocals(factors)
         if len(factors) == len(left) + len(right):
-            return self._node(Op.MULTIPLY, (a, b) if a < b else (b, a), None, factors)
+            return self._product_node(args, factors)
         return self._product_of(factors)
 
     def _product_of(self, factors: Factors) -> Node:
@@ -209,7 +217,7 @@ class Graph(Nodes):
         if not isinstance(exponent, int):
             if exponent.denominator == 2:
                 return self.power(self.call("sqrt", base), exponent.numerator)
-            return self._node(Op.POWER, (base,), exponent)
+            return self._power_node(base, exponent)
         scale, rest = self._scale[base], self._rest[base]
         if scale != ONE:
             return self.multiply(self.power(scale, exponent), self.power(rest, exponent))
@@ -229,13 +237,13 @@ class Graph(Nodes):
             return self._integer_power(base, exponent)
         if exponent.denominator == 2:
             return self._integer_power(self.call("sqrt", base), exponent.numerator)
-        return self._node(Op.POWER, (base,), exponent)
+        return self._power_node(base, exponent)
 
     def _integer_power(self, base: Node, exponent: int) -> Node:
         """A negative one as a power of the inverse, so that a division is shared."""
         if exponent < 0:
-            base, exponent = self._node(Op.POWER, (base,), Fraction(-1)), -exponent
-        return base if exponent == 1 else self._node(Op.POWER, (base,), Fraction(exponent))
+            base, exponent = self._power_node(base, -1), -exponent
+        return base if exponent == 1 else self._power_node(base, exponent)
 
     def _number_power(self, base: Node, exponent: Fraction | int) -> Node:
         value = self.data[base]
@@ -248,7 +256,7 @@ class Graph(Nodes):
         small = power.denominator == 1 and bits * abs(power.numerator) <= NUMBER_BITS
         if small and (value or power > 0):
             return self.number(value**power.numerator)
-        return self._node(Op.POWER, (base,), power)
+        return self._power_node(base, power)
 
     # -- functions ----------------------------------------------------------------------------
 
@@ -269,7 +277,7 @@ class Graph(Nodes):
         return self._call(function, *arguments)
 
     def _call(self, function: str, *arguments: Node) -> Node:
-        return self._node(Op.CALL, arguments, function)
+        return self._call_node(function, arguments)
 
     def _sqrt(self, argument: Node) -> Node:
         number = argument
@@ -299,3 +307,8 @@ class Graph(Nodes):
             a, b = self.args[node]
             return self._sum_node(self.negate(a), self.negate(b))
         return self.negate(node)
+
+
+def _fits(value: Fraction) -> bool:
+    """Whether a number is short enough to be worked out here."""
+    return max(value.numerator.bit_length(), value.denominator.bit_length()) <= NUMBER_BITS

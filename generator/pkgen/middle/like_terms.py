@@ -36,15 +36,20 @@ def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None
 
 def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
     """Whether the sums have a monomial in common, or one of them a square to merge."""
-    known = [g._factors[r] for _, r in left]
+    factors = g._factors
+    known = [factors[r] for _, r in left]
     for _, r in right:
-        if g._factors[r] in known or _squared(g, r):
+        if factors[r] in known or _squared(g, r):
             return True
     return any(_squared(g, r) for _, r in left)
 
 
 def _squared(g: Graph, rest: Node) -> bool:
-    return any(exponent >= 2 and base in g._partner for base, exponent in g._factors[rest])
+    partner = g._partner
+    for base, exponent in g._factors[rest]:  # noqa: SIM110 (this is asked most of all)
+        if base in partner and exponent >= 2:
+            return True
+    return False
 
 
 def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:

@@ -36,7 +36,7 @@ _KINDS = {
 _BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
 
 
-def domain(slot: Slot) -> Kind:
+def domain(slot: Slot) -> str:
     """The kind of a slot's symbol."""
     if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
         return Kind.INPUT  # another value in each row: not to be hoisted

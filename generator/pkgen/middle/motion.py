@@ -12,7 +12,7 @@ from .collect import THOROUGH, fewest, forms, settled
 from .count import operations
 from .differentiate import Columns, Forward, gradient, reachable
 from .expand import Expander
-from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
+from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .quantities import error, indexed, symbols
 from .solve import Solution, solve
 
@@ -215,14 +215,14 @@ def _degree_of(g: Graph, node: Node, below: list[int | None]) -> int | None:
         return 0
     if None in below:
         return None
-    name = g.op[node].name
-    if name == "SYMBOL":
+    op = g.op[node]
+    if op is Op.SYMBOL:
         return 1
-    if name == "ADD":
+    if op is Op.ADD:
         return below[0] if below[0] == below[1] else None
-    if name == "MULTIPLY":
+    if op is Op.MULTIPLY:
         return below[0] + below[1]
-    if name == "POWER":
+    if op is Op.POWER:
         power = g.data[node] * below[0]
         return int(power) if power.denominator == 1 and power >= 0 else None
     return None

@@ -5,51 +5,57 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
 from fractions import Fraction
+from sys import maxsize
+from typing import NamedTuple
 
 Node = int
 Factors = tuple[tuple[Node, Fraction | int], ...]
 Terms = tuple[tuple[Node, Node], ...]  # of a sum: (scale, rest) each
 
 
-class Op(IntEnum):
-    NUMBER = 0  # data: its Fraction
-    SYMBOL = 1  # data: its Symbol
-    ADD = 2  # args: two nodes
-    MULTIPLY = 3  # args: two nodes; a constant factor comes first, -1 stands for a sign
-    POWER = 4  # args: the base; data: the exponent, a Fraction other than 0 and 1
-    CALL = 5  # args: one or two nodes; data: a name in functions.FUNCTIONS
+class Op:
+    """What makes a node: names, not an Enum, whose members Python 3.11 takes long to look up."""
+
+    NUMBER = "number"  # data: its Fraction
+    SYMBOL = "symbol"  # data: its Symbol
+    ADD = "add"  # args: two nodes
+    MULTIPLY = "multiply"  # args: two nodes; a constant factor comes first, -1 stands for a sign
+    POWER = "power"  # args: the base; data: the exponent, a Fraction other than 0 and 1
+    CALL = "call"  # args: one or two nodes; data: a name in functions.FUNCTIONS
 
 
-class Kind(IntEnum):
-    PI = 0
-    PARAMETER = 1
-    COORDINATE = 2
-    RATE = 3
-    TIME = 4
-    INPUT = 5
+class Kind:
+    """What a symbol stands for."""
+
+    PI = "pi"
+    PARAMETER = "parameter"
+    COORDINATE = "coordinate"
+    RATE = "rate"
+    TIME = "time"
+    INPUT = "input"
 
 
+KINDS = (Kind.PI, Kind.PARAMETER, Kind.COORDINATE, Kind.RATE, Kind.TIME, Kind.INPUT)
 # What a node depends on is a mask of these.
-BIT = {kind: 1 << kind for kind in Kind}
+BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
 VARIABLE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 NUMBER_BITS = 512  # numbers beyond are left to the C as a product
 FACTORS = 16  # a product of more is one factor of any larger product
 TERMS = 4  # a sum of more is not searched for like terms
+# The domains, so that the higher of two is their union.
+_NUMBERS, _PARAMETERS, _WORLD = 0b00, 0b01, 0b11
 ZERO: Node = 0
 ONE: Node = 1
 MINUS_ONE: Node = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Symbol:
+class Symbol(NamedTuple):
     """`index` counts the flattened quantities of its kind from 0."""
 
-    kind: Kind
+    kind: str  # of Kind
     index: int = 0
 
 
@@ -64,17 +70,22 @@ class Nodes:
     """Hash-consed nodes; `Graph` adds the constructors that simplify."""
 
     def __init__(self, limit: int | None = None) -> None:
-        self.op: list[Op] = []
+        self.op: list[str] = []  # one of Op
         self.args: list[tuple[Node, ...]] = []
         self.data: list[object] = []
         self.depends: list[int] = []  # a mask of BIT
-        self.limit = limit
-        self._known: tuple[dict[object, Node], ...] = tuple({} for _ in Op)
+        self.limit = maxsize if limit is None else limit
+        self._numbers: dict[tuple[int, int], Node] = {}
+        self._symbols: dict[Symbol, Node] = {}
+        self._sums: dict[tuple[Node, Node], Node] = {}
+        self._products: dict[tuple[Node, Node], Node] = {}
+        self._powers: dict[tuple[tuple[Node], Fraction | int], Node] = {}
+        self._calls: dict[tuple[tuple[Node, ...], str], Node] = {}
         self._domain: list[int] = []
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        self._terms: list[Terms | None] = []
+        self._terms: list[Terms | None] = []  # (): not yet asked for
         self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
         self._negatives: dict[Node, Node] = {}
         self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
@@ -84,21 +95,34 @@ class Nodes:
     def __len__(self) -> int:
         return len(self.op)
 
-    def tables(self) -> tuple[dict[object, Node], ...]:
+    def tables(self) -> dict[str, dict[object, Node]]:
         """A copy of the nodes by op: a number by (numerator, denominator), what has data by
         (args, data), the rest by args."""
-        return tuple(map(dict, self._known))
+        return {
+            Op.NUMBER: dict(self._numbers),
+            Op.ADD: dict(self._sums),
+            Op.MULTIPLY: dict(self._products),
+            Op.POWER: dict(self._powers),
+            Op.CALL: dict(self._calls),
+        }
 
     # -- leaves -------------------------------------------------------------------------------
 
     def number(self, value: Fraction | int) -> Node:
         # Looked up by two integers, since to hash a fraction is slow.
         key = value.numerator, value.denominator
-        known = self._known[Op.NUMBER].get(key)
-        return self._new(Op.NUMBER, (), Fraction(value), key) if known is None else known
+        node = self._numbers.get(key)
+        if node is None:
+            node = self._numbers[key] = self._append(Op.NUMBER, (), Fraction(value), 0, ())
+            self._domain[node], self._scale[node], self._rest[node] = _NUMBERS, node, ONE
+        return node
 
     def symbol(self, symbol: Symbol) -> Node:
-        return self._node(Op.SYMBOL, (), symbol)
+        node = self._symbols.get(symbol)
+        if node is None:
+            node = self._append(Op.SYMBOL, (), symbol, BIT[symbol.kind])
+            self._symbols[symbol] = node
+        return node
 
     def value(self, node: Node) -> Fraction | None:
         """The number that a node is, or None."""
@@ -122,7 +146,7 @@ class Nodes:
 
     def split(self, node: Node) -> tuple[Node, Node]:
         """The node as (scale, rest); the scale depends on parameters alone."""
-        if self._domain[node] < 2:
+        if self._domain[node] < _WORLD:
             return node, ONE
         return self._scale[node], self._rest[node]
 
@@ -132,7 +156,7 @@ class Nodes:
 
     def terms(self, rest: Node) -> Terms | None:
         """A node whose scale is 1 as a sum of a few (scale, rest); None if there are too many."""
-        return self._terms[rest]
+        return self._terms_of(rest, self._domain[rest])
 
     # -- a node as terms and as scale times rest ------------------------------------------------
 
@@ -146,116 +170,117 @@ class Nodes:
         if self._domain[node] < domain:
             return ((node, ONE),)
         terms = self._terms[node]
-        if terms is None:
-            scale, rest = self._scale[node], self._rest[node]
-            terms = self._terms[rest]
-            if terms is not None and scale != ONE:
-                if len(terms) == 1 and terms[0][0] == ONE:
-                    return ((scale, terms[0][1]),)
-                return tuple((self.multiply(scale, p), r) for p, r in terms)
+        if terms == ():
+            terms = self._terms[node] = self._found_terms(node, domain)
         return terms
 
-    # -- bookkeeping --------------------------------------------------------------------------
-
-    def _number_or(self, op: Op, a: Node, b: Node, value: Fraction) -> Node:
-        if max(value.numerator.bit_length(), value.denominator.bit_length()) > NUMBER_BITS:
-            return self._node(op, (a, b), None)
-        return self.number(value)
-
-    def _node(
-        self, op: Op, args: tuple[Node, ...], data: object, factors: Factors | None = None
-    ) -> Node:
-        """`factors` is the monomial of a product, where the caller has it already."""
-        key = args if data is None else (args, data)
-        node = self._known[op].get(key)
-        return self._new(op, args, data, key, factors) if node is None else node
-
-    def _new(
-        self,
-        op: Op,
-        args: tuple[Node, ...],
-        data: object,
-        key: object,
-        factors: Factors | None = None,
-    ) -> Node:
-        node = len(self.op)
-        if self.limit is not None and node >= self.limit:
-            raise TooLarge
-        self._known[op][key] = node
-        self.op.append(op)
-        self.args.append(args)
-        self.data.append(data)
-        depends = BIT[data.kind] if op is Op.SYMBOL else 0
-        for a in args:
-            depends |= self.depends[a]
-        self.depends.append(depends)
-        domain = 0 if op is Op.NUMBER else 2 if depends & VARIABLE else 1
-        self._domain.append(domain)
-        self._enter(node, op, args, data, domain, factors)
-        return node
-
-    def _enter(
-        self,
-        node: Node,
-        op: Op,
-        args: tuple[Node, ...],
-        data: object,
-        domain: int,
-        factors: Factors | None,
-    ) -> None:
-        """The node as scale, rest and monomial; as a sum, its terms."""
-        scale, rest = ONE, node
-        terms: Terms | None = ((ONE, node),)
-        product, factors = factors, ((node, 1),)
-        if domain == 0:
-            scale, rest, factors = node, ONE, ()
-        elif op is Op.MULTIPLY:
-            left, right = self._domain[args[0]], self._domain[args[1]]
-            if left < domain == right:
-                (scale, rest), terms, factors = args, None, ()
-            elif left == right == domain:
-                product = product or merged(self._factors[args[0]], self._factors[args[1]])
-                if len(product) <= FACTORS:
-                    factors = product
-        elif op is Op.ADD:
-            terms = self._sum_terms(args, domain)
-        elif op is Op.POWER:
-            if self._domain[args[0]] == domain and self._scale[args[0]] == ONE:
-                factors = ((args[0], data),)
-                if data.denominator == 1:
-                    inner = self._factors[args[0]]
-                    factors = tuple((b, e * data.numerator) for b, e in inner)
-        elif op is Op.CALL:
-            factors = self._enter_call(node, args, data, factors)
-        self._scale.append(scale)
-        self._rest.append(rest)
-        self._factors.append(factors)
-        self._terms.append(terms)
-
-    def _sum_terms(self, args: tuple[Node, ...], domain: int) -> Terms | None:
-        left = self._terms_of(args[0], domain)
-        right = self._terms_of(args[1], domain)
+    def _found_terms(self, node: Node, domain: int) -> Terms | None:
+        scale, rest = self._scale[node], self._rest[node]
+        if scale != ONE:
+            terms = self._terms_of(rest, domain)
+            if terms is None:
+                return None
+            if len(terms) == 1 and terms[0][0] == ONE:
+                return ((scale, terms[0][1]),)
+            return tuple((self.multiply(scale, p), r) for p, r in terms)
+        if self.op[node] is not Op.ADD:
+            return ((ONE, node),)
+        a, b = self.args[node]
+        left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is None or right is None or len(left) + len(right) > TERMS:
             return None
         # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
         both = left + right
         return both if len({self._factors[r] for _, r in both}) == len(both) else None
 
-    def _enter_call(
-        self, node: Node, args: tuple[Node, ...], function: object, factors: Factors
-    ) -> Factors:
-        """The monomial of a call; what belongs to it is remembered."""
+    # -- new nodes ----------------------------------------------------------------------------
+
+    def _append(
+        self,
+        op: str,
+        args: tuple[Node, ...],
+        data: object,
+        depends: int,
+        factors: Factors | None = None,
+    ) -> Node:
+        """A node of scale 1; without factors it is itself the one base of its monomial."""
+        node = len(self.op)
+        if node >= self.limit:
+            raise TooLarge
+        self.op.append(op)
+        self.args.append(args)
+        self.data.append(data)
+        self.depends.append(depends)
+        self._domain.append(_WORLD if depends & VARIABLE else _PARAMETERS)
+        self._scale.append(ONE)
+        self._rest.append(node)
+        self._factors.append(((node, 1),) if factors is None else factors)
+        self._terms.append(())
+        return node
+
+    def _sum_node(self, a: Node, b: Node) -> Node:
+        args = (a, b) if a < b else (b, a)
+        node = self._sums.get(args)
+        if node is None:
+            node = self._append(Op.ADD, args, None, self.depends[a] | self.depends[b])
+            self._sums[args] = node
+            # At once: found later, those of a long sum would be found by a deep recursion.
+            self._terms[node] = self._found_terms(node, self._domain[node])
+        return node
+
+    def _product_node(self, args: tuple[Node, Node], factors: Factors | None = None) -> Node:
+        """`factors` is the monomial of a product of two nodes of one domain."""
+        node = self._products.get(args)
+        if node is None:
+            depends = self.depends[args[0]] | self.depends[args[1]]
+            if factors is not None and len(factors) > FACTORS:
+                factors = None
+            node = self._products[args] = self._append(Op.MULTIPLY, args, None, depends, factors)
+        return node
+
+    def _scaled_node(self, scale: Node, rest: Node) -> Node:
+        node = self._product_node((scale, rest))
+        self._scale[node], self._rest[node] = scale, rest
+        return node
+
+    def _power_node(self, base: Node, exponent: Fraction | int) -> Node:
+        key = (base,), exponent
+        node = self._powers.get(key)
+        if node is None:
+            factors = None
+            if self._scale[base] == ONE:
+                factors = ((base, exponent),)
+                if exponent.denominator == 1:
+                    inner = self._factors[base]
+                    factors = tuple((b, e * exponent.numerator) for b, e in inner)
+            data = Fraction(exponent)
+            node = self._append(Op.POWER, (base,), data, self.depends[base], factors)
+            self._powers[key] = node
+        return node
+
+    def _call_node(self, function: str, arguments: tuple[Node, ...]) -> Node:
+        key = arguments, function
+        node = self._calls.get(key)
+        if node is None:
+            depends = 0
+            for a in arguments:
+                depends |= self.depends[a]
+            factors = ((arguments[0], Fraction(1, 2)),) if function == "sqrt" else None
+            node = self._append(Op.CALL, arguments, function, depends, factors)
+            self._calls[key] = node
+            self._remember(node, function, arguments)
+        return node
+
+    def _remember(self, node: Node, function: str, arguments: tuple[Node, ...]) -> None:
+        """What belongs to a call."""
         if function in SQUARES:
-            partner = self._known[Op.CALL].get((args, SQUARES[function]))
+            partner = self._calls.get((arguments, SQUARES[function]))
             if partner is not None:
                 self._partner[node], self._partner[partner] = partner, node
-        elif function == "sqrt":
-            return ((args[0], Fraction(1, 2)),)
         elif function == "reciprocal":
-            inner = self._factors[args[0]]
-            if self._scale[args[0]] == ONE and len(inner) == 1:
+            inner = self._factors[arguments[0]]
+            if self._scale[arguments[0]] == ONE and len(inner) == 1:
                 self._reciprocals[node] = inner[0]
-        return factors
 
 
 def merged(left: Factors, right: Factors) -> Factors:

@@ -9,7 +9,7 @@ from ..indices import integer
 from ..model import Coordinate, Input, Model, Parameter
 from ..source import Diagnostic, ModelError, Span
 from ..tree import Range
-from .graph import Graph, Kind, Node, Symbol
+from .graph import Graph, Node, Symbol
 
 
 @dataclass(frozen=True)
@@ -126,5 +126,5 @@ def per_second(unit: str) -> str:
     return "/".join([above, *below])
 
 
-def symbols(g: Graph, kind: Kind, count: int) -> tuple[Node, ...]:
+def symbols(g: Graph, kind: str, count: int) -> tuple[Node, ...]:
     return tuple(g.symbol(Symbol(kind, i)) for i in range(count))

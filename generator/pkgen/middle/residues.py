@@ -50,7 +50,7 @@ class Residues:
             known[node] = None if None in values else self._of(g.op[node], g.data[node], values)
         return known[output]
 
-    def _of(self, op: Op, data, values: list[int]) -> int | None:
+    def _of(self, op: str, data, values: list[int]) -> int | None:
         if op is Op.ADD:
             return (values[0] + values[1]) % PRIME
         if op is Op.MULTIPLY:
@@ -59,7 +59,7 @@ class Residues:
             return _fraction(data)
         if op is Op.SYMBOL:
             moved = 1 if BIT[data.kind] & self.moved else 0
-            return _mixed(1 + data.kind, data.index, moved)
+            return _mixed(BIT[data.kind], data.index, moved)
         if op is Op.POWER:
             return _power(values[0], data)
         return _call(data, values)

@@ -1,8 +1,8 @@
 /* The adaptive Gauss-Legendre method of 8 stages, order 16, on q'' = a(t, q, q'): its stages are
  * the lanes of one kernel. With the accelerations a_j at the stages as unknowns,
  *
- *     L_j = h b_j a_j,   V_i = v0 + sum mu_ij L_j,   Q_i = q0 + h (c_i v0 + sum (A^2)_ij/b_j L_j)
- *     v1 = v0 + sum L_j,   q1 = q0 + h (v0 + sum (1 - c_j) L_j)
+ *     V_i = v0 + h sum A_ij a_j,    Q_i = q0 + h c_i v0 + h^2 sum (A^2)_ij a_j
+ *     v1 = v0 + h sum b_j a_j,      q1 = q0 + h (v0 + h sum b_j (1 - c_j) a_j)
  *
  * by fixed-point iteration: every lane of an iterate is evaluated at once. It starts from the
  * polynomial through the last step's a_j, extrapolated, and ends where its error, foreseen from
@@ -65,8 +65,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
     const int with_v = !(it->problem.system->facts & PK_SEPARABLE);
     int asked = 0;
     for (int l = 0; l < PK_GAUSS_S; l++) {
-        y->hb[l] = y->h * pk_gauss8_b[l];
-        y->t[l] = it->t + y->h * pk_gauss8_c[l];
+        y->hc[l] = y->h * pk_gauss8_c[l];
+        y->t[l] = it->t + y->hc[l];
     }
     enum pk_status status = PK_STEPPER(gauss_predict)(it, w, y);
     for (y->count = 0; status >= 0; y->count++) {
@@ -116,9 +116,11 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
     pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
     const pk_real *old_q = pk_part(it->state, n, PK_LOW_Q);
     const pk_real *old_v = pk_part(it->state, n, PK_LOW_X);
-    pk_real left[PK_GAUSS_S];
-    for (int l = 0; l < PK_GAUSS_S; l++)
-        left[l] = y->hb[l] * (1 - pk_gauss8_c[l]);
+    pk_real hb[PK_GAUSS_S], left[PK_GAUSS_S];
+    for (int l = 0; l < PK_GAUSS_S; l++) {
+        hb[l] = y->h * pk_gauss8_b[l];
+        left[l] = hb[l] * (1 - pk_gauss8_c[l]);
+    }
     for (size_t i = 0; i < n; i++) {
         const pk_real *ai = w->a + i * PK_GAUSS_S;
         low_q[i] = old_q[i];
@@ -128,7 +130,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
         w->last_weight[i] = w->weight[i];
         q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))),
                       &low_q[i]);
-        v[i] = pk_sum(it->v[i], pk_gauss_dot(y->hb, ai), &low_v[i]);
+        v[i] = pk_sum(it->v[i], pk_gauss_dot(hb, ai), &low_v[i]);
         pk_gauss_rows(pk_gauss8_taylor, ai, w->poly + i * PK_GAUSS_S);
     }
     *w->h = y->h;

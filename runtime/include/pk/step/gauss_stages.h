@@ -17,6 +17,15 @@
 #define PK_GAUSS_LOOP
 #endif
 
+/* a b + c, rounded once where the processor does that: half the instructions of matrix times
+ * vector. Written out, since compilers may not contract by themselves; see build.py. */
+#if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
+    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128
+#define PK_GAUSS_FMA(a, b, c) PK_F(fma)(a, b, c)
+#else
+#define PK_GAUSS_FMA(a, b, c) ((a) * (b) + (c))
+#endif
+
 #define PK_GAUSS_RATE_LEAST PK_C(0.1)
 /* A step so much longer than the last one is not predicted from it: the polynomial says nothing
  * there, and its round-off grows like the 7th power. */
@@ -62,25 +71,40 @@ static inline void pk_gauss_rows(const pk_real *restrict M, const pk_real *restr
                                  pk_real *restrict y)
 {
     PK_GAUSS_LOOP
-    for (int l = 0; l < PK_GAUSS_S; l++)
-        y[l] = ((M[l] * x[0] + M[8 + l] * x[1]) + (M[16 + l] * x[2] + M[24 + l] * x[3])) +
-               ((M[32 + l] * x[4] + M[40 + l] * x[5]) + (M[48 + l] * x[6] + M[56 + l] * x[7]));
+    for (int l = 0; l < PK_GAUSS_S; l++) {
+        pk_real even = M[l] * x[0], odd = M[8 + l] * x[1];
+        even = PK_GAUSS_FMA(M[16 + l], x[2], even);
+        odd = PK_GAUSS_FMA(M[24 + l], x[3], odd);
+        even = PK_GAUSS_FMA(M[32 + l], x[4], even);
+        odd = PK_GAUSS_FMA(M[40 + l], x[5], odd);
+        even = PK_GAUSS_FMA(M[48 + l], x[6], even);
+        odd = PK_GAUSS_FMA(M[56 + l], x[7], odd);
+        y[l] = even + odd;
+    }
 }
 
+/* Of halves first, which are vectors. */
 static inline pk_real pk_gauss_dot(const pk_real *restrict b, const pk_real *restrict x)
 {
-    return ((b[0] * x[0] + b[1] * x[1]) + (b[2] * x[2] + b[3] * x[3])) +
-           ((b[4] * x[4] + b[5] * x[5]) + (b[6] * x[6] + b[7] * x[7]));
+    pk_real sum[PK_GAUSS_S / 2];
+    PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S / 2; l++)
+        sum[l] = PK_GAUSS_FMA(b[l], x[l], b[l + 4] * x[l + 4]);
+    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
 static inline pk_real pk_gauss_sum(const pk_real *restrict x)
 {
-    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
+    pk_real sum[PK_GAUSS_S / 2];
+    PK_GAUSS_LOOP
+    for (int l = 0; l < PK_GAUSS_S / 2; l++)
+        sum[l] = x[l] + x[l + 4];
+    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
 /* What one trial step has come to. Norms are in units of the tolerance, root mean square. */
 struct pk_gauss_trial {
-    pk_real h, hb[PK_GAUSS_S], t[PK_GAUSS_S];
+    pk_real h, hc[PK_GAUSS_S], t[PK_GAUSS_S];
     pk_real size2, change2;      /* of a; of its last correction; squared */
     pk_real rate;                /* by which corrections shrink */
     pk_real theta_log, error_log; /* logarithms of theta and of the error */
@@ -138,22 +162,21 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
                                             const struct pk_gauss_trial *y, int with_v)
 {
     const size_t n = PK_STEPPER_N(it);
+    const pk_real h = y->h, h2 = h * h;
     for (size_t i = 0; i < n; i++) {
-        const pk_real h = y->h, q0 = it->q[i], v0 = it->v[i], hv = h * v0;
-        pk_real L[PK_GAUSS_S], dq[PK_GAUSS_S];
+        const pk_real q0 = it->q[i], v0 = it->v[i];
+        const pk_real *a = w->a + i * PK_GAUSS_S;
         pk_real *restrict q = w->q + i * PK_GAUSS_S, *restrict v = w->v + i * PK_GAUSS_S;
+        pk_real d[PK_GAUSS_S];
+        pk_gauss_rows(pk_gauss8_A2, a, d);
         PK_GAUSS_LOOP
-    for (int l = 0; l < PK_GAUSS_S; l++)
-            L[l] = y->hb[l] * w->a[i * PK_GAUSS_S + (size_t)l];
-        pk_gauss_rows(pk_gauss8_mu2, L, dq);
-        PK_GAUSS_LOOP
-    for (int l = 0; l < PK_GAUSS_S; l++)
-            q[l] = q0 + (pk_gauss8_c[l] * hv + h * dq[l]);
+        for (int l = 0; l < PK_GAUSS_S; l++)
+            q[l] = PK_GAUSS_FMA(h2, d[l], PK_GAUSS_FMA(y->hc[l], v0, q0));
         if (with_v) {
-            pk_gauss_rows(pk_gauss8_mu, L, v);
+            pk_gauss_rows(pk_gauss8_A, a, d);
             PK_GAUSS_LOOP
-    for (int l = 0; l < PK_GAUSS_S; l++)
-                v[l] += v0;
+            for (int l = 0; l < PK_GAUSS_S; l++)
+                v[l] = PK_GAUSS_FMA(h, d[l], v0);
         }
     }
 }
@@ -217,10 +240,10 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
         const pk_real *restrict b = w->next_a + i * PK_GAUSS_S;
         const pk_real weight = w->weight[i];
         PK_GAUSS_LOOP
-    for (int l = 0; l < PK_GAUSS_S; l++) {
+        for (int l = 0; l < PK_GAUSS_S; l++) {
             const pk_real s = weight * b[l], d = weight * (b[l] - a[l]);
-            size[l] += s * s;
-            change[l] += d * d;
+            size[l] = PK_GAUSS_FMA(s, s, size[l]);
+            change[l] = PK_GAUSS_FMA(d, d, change[l]);
             a[l] = b[l];
         }
     }
@@ -233,17 +256,20 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
     return pk_finite(y->change2) && pk_finite(y->size2);
 }
 
+/* The mean squares of the last two Legendre coefficients of a. */
 static inline void PK_STEPPER(gauss_coefficients)(struct pk_integrator *it,
                                                   const struct pk_gauss_lanes *w, pk_real *six2,
                                                   pk_real *seven2)
 {
     const size_t n = PK_STEPPER_N(it);
-    *six2 = *seven2 = 0;
+    pk_real sum6 = 0, sum7 = 0;
     for (size_t i = 0; i < n; i++) {
         const pk_real *a = w->a + i * PK_GAUSS_S;
         const pk_real six = w->weight[i] * pk_gauss_dot(pk_gauss8_legendre6, a);
         const pk_real seven = w->weight[i] * pk_gauss_dot(pk_gauss8_legendre7, a);
-        *six2 += six * six / (pk_real)n;
-        *seven2 += seven * seven / (pk_real)n;
+        sum6 += six * six;
+        sum7 += seven * seven;
     }
+    *six2 = sum6 / (pk_real)n;
+    *seven2 = sum7 / (pk_real)n;
 }
