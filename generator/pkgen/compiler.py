@@ -105,7 +105,9 @@ def _equations(
     count = sum(f.count for f in families(model, model.coordinates).values())
     if kernels is not None or self_test:
         reason = "asked for are some kernels, or a self-test"
-    elif unroll is None or count <= unroll:
+    elif unroll is None:
+        reason = "members of an ensemble run in lanes, which loops do not have"
+    elif count <= unroll:
         reason = "so few coordinates are faster as straight-line code"
     else:
         try:

@@ -23,7 +23,7 @@ from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
 
-PLAIN = re.compile(r"[-+]?\d+(\.\d+)?([eE][-+]?\d+)?")
+PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
 
 @dataclass(frozen=True)

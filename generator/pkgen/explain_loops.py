@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from .compiler import Compilation
-from .middle.affine import ROW, Affine
-from .middle.graph import Kind, Node, Symbol
-from .middle.loops import Group, LoopEquations, Row, Total
-from .middle.sympy_bridge import to_sympy, written_size
+from functools import partial
 
-SHOWN_OPERATIONS = 300
-SHOWN_AS = {ROW: "i"}  # the index of a row
+from .compiler import Compilation
+from .explain_rows import Line, M, Writer, index, span
+from .middle.affine import Affine
+from .middle.loops import Group, LoopEquations, PairForce, PairPart, Total
 
 
 def explain_loops(compilation: Compilation) -> str:
@@ -20,6 +18,7 @@ def explain_loops(compilation: Compilation) -> str:
         _title(compilation, e),
         _declared("Coordinates", e.coordinates),
         _declared("Parameters", e.parameters),
+        _lagrangian(e),
         _equations(e),
         _structure(compilation, e),
         _cost(compilation),
@@ -31,28 +30,38 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
     """The same for `--json`."""
     e = compilation.equations
     assert isinstance(e, LoopEquations)
+    write = Writer(e)
     return {
         "model": compilation.model.name,
         "description": compilation.model.description,
         "families": "loops",
         "sizes": {size.name: size.value for size in compilation.model.sizes},
         "coordinates": [_name(g) for g in e.coordinates],
-        "mass": _mass(e),
-        "force": _force(e),
+        "mass": _record(_mass(write)),
+        "force": _record(_force(write)),
+        "pairs": [
+            {"range": _pair_range(pair), "force": _record(_pair(write, pair))}
+            for pair in e.force.pairs
+        ],
+        "beyond": _beyond(write),
         "structure": dict(vars(e.facts)),
         "operations": list(compilation.program.context["operations"]),
     }
+
+
+def _record(lines: list[Line]) -> dict[str, str]:
+    return {f"{x.left} for {x.range}" if x.range else x.left: x.right for x in lines}
 
 
 def _title(compilation: Compilation, e: LoopEquations) -> str:
     model = compilation.model
     title = model.name + (f": {model.description}" if model.description else "")
     sizes = ", ".join(f"{s.name} = {s.value}" for s in model.sizes)
-    return f"{title}\n{_index(e.count)} degrees of freedom ({sizes}); sizes are set at run time"
+    return f"{title}\n{index(e.count)} degrees of freedom ({sizes}); sizes are set at run time"
 
 
 def _name(group: Group) -> str:
-    return group.name + (f"[{_index(group.lo)}..{_index(group.hi)}]" if group.is_family else "")
+    return group.name + (f"[{index(group.lo)}..{index(group.hi)}]" if group.is_family else "")
 
 
 def _declared(title: str, groups: tuple[Group, ...]) -> str:
@@ -67,74 +76,109 @@ def _declared(title: str, groups: tuple[Group, ...]) -> str:
     return "\n".join([title, *lines])
 
 
+def _lagrangian(e: LoopEquations) -> str:
+    write = Writer(e)
+    if e.kinetic is None or e.potential is None:
+        return f"Lagrangian\n  L = {_total(write, e.lagrangian)}"
+    parts = [("T", e.kinetic), ("V", e.potential)]
+    return "\n".join(
+        ["Lagrangian   L = T - V", *(f"  {name} = {_total(write, x)}" for name, x in parts)]
+    )
+
+
 def _equations(e: LoopEquations) -> str:
-    lines = ["Equations of motion   M q'' = f, each row from its parts"]
-    lines += [f"  {left} = {right}" for left, right in (*_mass(e).items(), *_force(e).items())]
+    write = Writer(e)
+    lines = ["Equations of motion   M q'' = f"]
+    lines += [f"  {line}" for line in (*_mass(write), *_force(write))]
+    for pair in e.force.pairs:
+        lines.append(f"  for each pair {_pair_range(pair)}:")
+        lines += [f"    {line.left} += {line.right}" for line in _pair(write, pair)]
+    lines += [f"  where {line}" for line in _beyond(write)]
     return "\n".join(lines)
 
 
-def _mass(e: LoopEquations) -> dict[str, str]:
-    found = {
-        f"M[{a}[i], {b}[{_at(shift)}]]": _row(e, row)
-        for (a, b, shift), row in e.mass.entries.items()
-    }
-    found |= {f"M[{b}, {a}[i]]": _row(e, row) for (b, a), row in e.mass.border.items()}
-    return found | {f"M[{a}, {b}]": _total(e, t) for (a, b), t in e.mass.corner.items()}
+def _mass(write: Writer) -> list[Line]:
+    """The lower triangle: of a family's member with lower ones, and with families above it."""
+    e, found = write.e, []
+    order = [g.name for g in e.families]
+    for g in e.families:
+        items = [
+            (partial(_entry, write, g, write.groups[other], shift), row.parts)
+            for (own, other, shift), row in e.mass.entries.items()
+            if own == g.name and order.index(other) <= order.index(own)
+        ]
+        items += [
+            (partial(_member, write, f"M[{scalar}, {{}}]", g), row.parts)
+            for (scalar, own), row in e.mass.border.items()
+            if own == g.name
+        ]
+        found += write.rows(g, items)
+    scalars = [g.name for g in e.scalars]
+    return found + [
+        Line(f"M[{a}, {b}]", _total(write, total))
+        for (a, b), total in e.mass.corner.items()
+        if scalars.index(b) <= scalars.index(a)
+    ]
 
 
-def _force(e: LoopEquations) -> dict[str, str]:
-    found = {f"f[{name}[i]]": _row(e, row) for name, row in e.force.rows.items()}
-    found |= {f"f[{name}]": _total(e, total) for name, total in e.force.totals.items()}
-    for pair in e.force.pairs:
-        where = f"i = {_index(pair.lo)}..{_index(pair.hi)}"
-        where += f", j = {_index(pair.first)}..{_index(pair.last)}"
-        for index, side in (("i", pair.by_row), ("j", pair.by_other)):
-            found |= {f"f[{n}[{index}]] over pairs {where}": _text(e, node) for n, node in side}
+def _entry(write: Writer, group: Group, other: Group, shift: int, at: Affine) -> str | None:
+    row, column = write.home(group, at), write.home(other, at + shift)
+    below = row - column
+    upper = below.constant < 0 if below.is_constant else any(f < 0 for _, f in below.terms)
+    name = write.name(other, at + shift)
+    if name is None or (group is other and upper):
+        return None
+    return f"M[{write.name(group, at)}, {name}]"
+
+
+def _member(write: Writer, form: str, group: Group, at: Affine) -> str:
+    return form.format(write.name(group, at))
+
+
+def _force(write: Writer) -> list[Line]:
+    e, found = write.e, []
+    for name, row in e.force.rows.items():
+        group = write.groups[name]
+        if row.parts:
+            found += write.rows(group, [(partial(_member, write, "f[{}]", group), row.parts)])
+        elif not e.force.pairs:
+            found.append(Line(f"f[{name}[i]]", "0", span(group.lo, group.hi)))
+    return found + [Line(f"f[{n}]", _total(write, t)) for n, t in e.force.totals.items()]
+
+
+def _pair(write: Writer, pair: PairForce) -> list[Line]:
+    sides = [(f"f[{n}[i]]", node) for n, node in pair.by_row]
+    sides += [(f"f[{n}[j]]", node) for n, node in pair.by_other]
+    sides += [(f"f[{n}]", node) for n, node in pair.by_scalar]
+    return [Line(left, write.text([(node, M)])) for left, node in sides]
+
+
+def _pair_range(pair: PairForce | PairPart) -> str:
+    return f"{span(pair.lo, pair.hi)}, j = {index(pair.first)}..{index(pair.last)}"
+
+
+def _beyond(write: Writer) -> list[str]:
+    """What lies beyond the ends of families."""
+    found = []
+    for g in write.e.families:
+        if g.periodic:
+            found.append(f"{g.name}[i+{index(g.count)}] = {g.name}[i] (periodic)")
+        for at, end in g.ends:
+            if end.kind == "fixed":
+                value = write.text([(write.e.given[g.name, at][0], M)])
+            else:
+                value = f"{g.name}[{index(write.home(g, at))}]"
+            found.append(f"{g.name}[{index(at)}] = {value} ({end.kind})")
     return found
 
 
-def _index(at: Affine) -> str:
-    return at.text(SHOWN_AS)
-
-
-def _at(shift: int) -> str:
-    return "i" if not shift else f"i {'+' if shift > 0 else '-'} {abs(shift)}"
-
-
-def _row(e: LoopEquations, row: Row) -> str:
-    parts = [
-        f"{_text(e, part.node)} for i = {_index(part.lo)}..{_index(part.hi)}" for part in row.parts
-    ]
-    return "\n    + ".join(parts) or "0"
-
-
-def _total(e: LoopEquations, total: Total) -> str:
-    parts = [_text(e, total.constant)] if total.constant or not total.parts else []
+def _total(write: Writer, total: Total) -> str:
+    parts = [write.text([(total.constant, M)])] if total.constant else []
     parts += [
-        f"sum({_text(e, part.node)}, i = {_index(part.lo)}..{_index(part.hi)})"
-        for part in total.parts
+        f"sum({write.text([(part.node, M)])}, {span(part.lo, part.hi)})" for part in total.parts
     ]
-    return "\n    + ".join(parts)
-
-
-def _text(e: LoopEquations, node: Node) -> str:
-    import sympy as sp
-
-    size = written_size(e.graph, node)
-    if size > SHOWN_OPERATIONS:
-        return f"({size} operations)"
-
-    def symbol(s: Symbol) -> sp.Symbol:
-        if s.kind is Kind.TIME:
-            return sp.Symbol("t")
-        slot = e.slots[s.index]
-        name = slot.name + (f"[{_index(slot.at)}]" if slot.at is not None else "")
-        mark = {"v": "'", "w": "''", "d": "'"}.get(slot.kind, "")
-        name = SHOWN_AS.get(name, name) if slot.kind == "index" else name
-        return sp.Symbol(name + mark)
-
-    (expr,) = to_sympy(e.graph, [node], symbol)
-    return sp.sstr(expr).replace("**", "^")
+    parts += [f"sum({write.text([(p.node, M)])}, {_pair_range(p)})" for p in total.pairs]
+    return " + ".join(parts) or "0"
 
 
 def _structure(compilation: Compilation, e: LoopEquations) -> str:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import named
+from . import limits, named, rows
 from .compiler import Compilation
 from .exits import UsageError
 from .front import options_text
@@ -21,10 +21,8 @@ from .simulate import Settings
 UNTIL = 10.0
 RTOL = 1e-10
 ROUND_OFF = 2.0**-52
-ROWS = 1000
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
-NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
-NUMBERS_MOST = 1_000_000_000  # written at all: some 20 GB
+THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
 GAUSS_RTOL = 1e-5
 
@@ -34,9 +32,14 @@ def sizes(assignments: Iterable[str]) -> dict[str, int]:
     found = {}
     for text in assignments:
         name, equal, value = text.partition("=")
-        if not (equal and value.strip().isdecimal() and len(value) < 10):
+        digits = value.strip()
+        if not (equal and digits.isascii() and digits.isdecimal()):
             raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
-        found[name.strip()] = int(value)
+        if not digits.strip("0"):
+            raise UsageError(f"--size {text}: a size is at least 1")
+        if len(digits) > 10 or int(digits) > limits.FAMILY:
+            raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
+        found[name.strip()] = int(digits)
     return found
 
 
@@ -87,8 +90,8 @@ def output(path: str | None) -> Path | None:
     return Path(path)
 
 
-def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
-    """The settings of `pkgen run`, all values in SI."""
+def settings(options: argparse.Namespace, compilation: Compilation, members: int = 1) -> Settings:
+    """The settings of `pkgen run`, all values in SI; `members` are those of an ensemble."""
     values = _Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
     step = values.positive("--step", options.step, values.time)
@@ -96,7 +99,7 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     sets = [_assignment("--set", text) for text in options.set]
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     values_set = values.assigned("--set", sets, parameters, inputs)
-    single, members = _places(compilation, parameters, values_set)
+    single, of_families = _places(compilation, parameters, values_set)
     if rtol is not None and rtol < ROUND_OFF and options.atol is None:
         # No step is short enough: it would be halved for ever.
         raise UsageError(
@@ -105,14 +108,9 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     until = values.positive("--until", options.until, values.time) or UNTIL
     every = values.positive("--every", options.every, values.time)
     numbers = 2 * values.coordinates.count + len(named.observed(compilation)) + 2
-    rows = max(1, min(ROWS, NUMBERS // numbers))
-    if every is not None and (until / every + 1) * numbers > NUMBERS_MOST:
-        raise UsageError(
-            f"--every {options.every}: {until / every + 1:,.0f} rows of {numbers:,} numbers are "
-            f"some {(until / every + 1) * numbers * 2e-8:,.0f} GB; take a longer interval"
-        )
     if every is None and options.ensemble is None:
-        every = _interval(until, step, rows)
+        every = rows.interval(until, step, numbers)
+    rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members)
     return Settings(
         method=options.method or default_method(compilation, rtol or RTOL),
         until=until,
@@ -123,7 +121,7 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
         parameters=single,
-        members=members,
+        members=of_families,
         inputs=values.assigned("--set", sets, inputs, parameters),
         start_q=values.started(starts, 0),
         start_v=values.started(starts, 1),
@@ -147,25 +145,9 @@ def threads(options: argparse.Namespace) -> int | None:
         return None
     if options.ensemble is None:
         raise UsageError("--threads is for --ensemble: one trajectory has one thread")
+    if options.threads > THREADS_MOST:
+        raise UsageError(f"--threads {options.threads}: {THREADS_MOST} at most")
     return _count("--threads", options.threads)
-
-
-def _interval(until: float, step: float | None, rows: int) -> float:
-    """Time between rows if none is given: some thousand rows (fewer, of a long family), a fixed
-    step kept as it is."""
-    return step * math.ceil(until / (rows * step)) if step else until / rows
-
-
-def rows_note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
-    """What is to be said of rows that were not asked for and are fewer than one would think."""
-    numbers = 2 * named.coordinates(compilation).count
-    if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
-        return ""
-    rows = math.ceil(settings.until / settings.every) + 1
-    return (
-        f"{rows} rows of {numbers:,} numbers, one every {settings.every:.6g}; "
-        "choose by --every how often, and how much, is written"
-    )
 
 
 def _places(

@@ -19,6 +19,7 @@ from typing import IO
 
 from . import ensemble as members
 from . import options as parsing
+from . import rows
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
@@ -47,13 +48,11 @@ def run(options: argparse.Namespace) -> int:
     compilation = compile_within_limits(options, libm=options.libm, unroll=unroll)
     parsing.refuse_scene(compilation.model, options.scene)
     parsing.refuse_deferred(compilation.model)
-    asked = _Run(
-        compilation,
-        parsing.settings(options, compilation),
-        members.read(options.ensemble, compilation) if options.ensemble else None,
-        parsing.threads(options),
-    )
-    note = parsing.rows_note(options, asked.settings, compilation)
+    threads = parsing.threads(options)
+    ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
+    settings = parsing.settings(options, compilation, len(ensemble.lines) if ensemble else 1)
+    asked = _Run(compilation, settings, ensemble, threads)
+    note = rows.note(options, settings, compilation)
     if note:
         print(f"pkgen: {note}", file=sys.stderr)
     if output is None and not options.json:
@@ -69,14 +68,14 @@ def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> O
     """Run with the rows in a file: the one asked for, or a scratch file to read them from."""
     with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
         as_is = output is not None and output.suffix == ".csv"
-        rows = output if as_is else Path(scratch) / "rows.csv"
-        with open(rows, "wb") as file:
+        table = output if as_is else Path(scratch) / "rows.csv"
+        with open(table, "wb") as file:
             outcome = _simulate(asked, file)
         if output is None:
-            print(json.dumps(_result(asked, outcome, rows), indent=1))
+            print(json.dumps(_result(asked, outcome, table), indent=1))
             return outcome
         if not as_is:
-            csv_to_npy(rows, output)
+            csv_to_npy(table, output)
     description = _describe(asked, outcome, output.name)
     beside = output.with_name(output.name + ".json")
     beside.write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")
@@ -89,10 +88,10 @@ def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
     return sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
 
 
-def _result(asked: _Run, outcome: Outcome, rows: Path) -> dict[str, object]:
+def _result(asked: _Run, outcome: Outcome, table: Path) -> dict[str, object]:
     """Everything of a run in one JSON object, its rows included."""
     result = _describe(asked, outcome, "rows")
-    with open(rows, newline="", encoding="utf-8") as file:
+    with open(table, newline="", encoding="utf-8") as file:
         result["rows"] = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
     return result
 

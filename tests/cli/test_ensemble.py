@@ -149,6 +149,32 @@ def test_wrong_uses_are_told(pkgen, ensemble, tmp_path: Path) -> None:
     assert len(done.stdout.splitlines()) == 1
 
 
+def test_files_of_other_systems_are_read(pkgen, ensemble) -> None:
+    options = ["--method", "rk4", "--step", "0.1", "--until", "1", "--ensemble"]
+    plain = pkgen("run", DOUBLE, *options, ensemble("theta1,m1\n1,2\n"))
+    other = pkgen("run", DOUBLE, *options, ensemble('\ufeff"theta1",m1\r\n" 1",2\r\n', "other.csv"))
+    assert plain.returncode == 0 and other.stdout == plain.stdout
+
+
+def test_what_no_machine_could_do_is_refused(pkgen, ensemble) -> None:
+    path = ensemble("theta1\n" + "1\n" * 2000)
+    options = ["--ensemble", path, "--method", "rk4", "--step", "0.1", "--until", "10"]
+    done = pkgen("run", DOUBLE, *options, "--every", "1e-4")
+    assert done.returncode == 2
+    assert "2,000 members of 100,001 rows of 6 numbers are some 24 GB" in done.stderr
+    done = pkgen("run", DOUBLE, *options, "--threads", "100000")
+    assert done.returncode == 2 and "--threads 100000: 1024 at most" in done.stderr
+
+
+def test_a_family_too_long_for_an_ensemble_says_why(pkgen, ensemble) -> None:
+    chain = ROOT / "models/families/fput.lag"
+    path = ensemble('"q[1]"\n1\n')
+    options = ["--method", "verlet", "--step", "0.1", "--size", "N=30000", "--ensemble", path]
+    done = pkgen("run", chain, *options)
+    assert done.returncode == 1
+    assert "members of an ensemble run in lanes, which loops do not have" in done.stderr
+
+
 def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:
     """A compiler that cannot link OpenMP still runs ensembles."""
     compiler = tmp_path / "cc"

@@ -141,6 +141,21 @@ def test_rows_nobody_could_want_are_not_written(pkgen) -> None:
     assert done.returncode == 2 and "GB; take a longer interval" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("size", "said"),
+    [
+        ("N=0", "a size is at least 1"),
+        ("N=-1", "give a name and a whole number"),
+        ("N=1e12", "give a name and a whole number"),
+        ("N=1000000001", "the limit is 1,000,000,000"),
+        ("N=99999999999999999999", "the limit is 1,000,000,000"),
+    ],
+)
+def test_hostile_sizes_are_told(pkgen, size: str, said: str) -> None:
+    done = pkgen("run", FPUT, "--size", size)
+    assert done.returncode == 2 and f"--size {size}: {said}" in done.stderr
+
+
 def test_methods_with_jacobians_say_that_loops_have_none(pkgen) -> None:
     done = pkgen("run", FPUT, "--method", "gauss2", "--step", "0.1", "--until", "1")
     assert done.returncode == 4 and "keeps its families as loops" in done.stderr
@@ -194,9 +209,11 @@ def test_end_terms_of_the_potential_are_explained_and_fused(pkgen, tmp_path: Pat
     path.write_text(ENDS, encoding="utf-8")
     done = pkgen("explain", path)
     assert done.returncode == 0, done.stderr
-    assert "-k*q[i] for i = 1..1" in done.stdout and "-k*q[i] for i = N..N" in done.stdout
+    assert "f[q[i]] = q[i+1] + q[i-1] - 2*q[i]   for i = 2..N-1\n" in done.stdout
+    assert "f[q[1]] = -k*q[1] - q[1] + q[2]\n" in done.stdout
     assert "fused steps      yes" in done.stdout
-    assert "f[q[i]]" in json.loads(pkgen("explain", path, "--json").stdout)["force"]
+    force = json.loads(pkgen("explain", path, "--json").stdout)["force"]
+    assert list(force) == ["f[q[i]] for i = 2..N-1", "f[q[1]]", "f[q[N]]"]
     fused = ("--method", "verlet", "--step", "1e-3", "--until", "1", "--every", "1")
     verlet, dop853 = ran(pkgen, path, *fused)[1], ran(pkgen, path, *fused[4:])[1]
     assert verlet[1][1:32] == pytest.approx(dop853[1][1:32], abs=1e-6)
@@ -205,7 +222,7 @@ def test_end_terms_of_the_potential_are_explained_and_fused(pkgen, tmp_path: Pat
 def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
     done = pkgen("explain", FPUT)
     assert "families         loops in C" in done.stdout
-    assert "for i = 0..N" in done.stdout and "one pass over memory" in done.stdout
+    assert "for i = 1..N\n" in done.stdout and "one pass over memory" in done.stdout
     links = tmp_path / "links.lag"
     links.write_text(
         "model links\nsize N = 3\ncoord a[1..N]\nlet x[0] = 0\n"

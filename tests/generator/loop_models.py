@@ -160,6 +160,18 @@ potential k/2*q[1]^2 + k/3*q[N]^3 + sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/
 potential sum(y[i]^2/2, i = 1..N) + y[1]^4/4 + k*y[N]
 """
 
+# A `let` sums over a variable that is another one's where it is used; one pair sum has no row side.
+FIELD = """\
+model field
+size N = 5
+param e = 0.3
+coord q[1..N]
+let all = sum(q[i], i = 1..N)
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum(q[i]^4/4, i = 1..N) + e/N*sum(all*sin(q[i])/i, i = 1..N)
+potential e*sum(i*q[j]^2, i = 1..N, j = i+1..N)
+"""
+
 MODELS = {
     "fput": (FPUT, (1, 2, 3, 31, 200)),
     "ring": (RING, (1, 2, 3, 7, 100)),
@@ -173,10 +185,24 @@ MODELS = {
     "spin": (SPIN, (1, 2, 3, 8)),
     "lattice": (LATTICE, (1, 2, 3, 8)),
     "ends": (ENDS, (1, 2, 3, 5, 70)),
+    "field": (FIELD, (1, 2, 5, 12)),
 }
 
 # Which stay as they are, and a word of the reason.
+_CHAIN = "size N = 4\ncoord a[1..N]\nkinetic sum(a[i]'^2/2, i = 1..N)\n"
 UNROLLED = {
+    "start": (
+        f"model start_\n{_CHAIN}potential a[1]^2\nstart a[1] = sum(i/7, i = 1..3)\n",
+        "a sum stands where loops have none",
+    ),
+    "total": (
+        f"model total\nparam k = sum(1/i, i = 1..4)\n{_CHAIN}potential k*a[1]^2\n",
+        "a sum stands where loops have none",
+    ),
+    "signs": (
+        f"model signs\n{_CHAIN}potential sum((-1)^i*a[i]^2, i = 1..N)\n",
+        "a negative number to a power that varies",
+    ),
     "links": (
         "model links\nsize N = 3\ncoord a[1..N]\nlet x[0] = 0\n"
         "let x[i = 1..N] = x[i-1] + sin(a[i])\n"

@@ -51,6 +51,8 @@ for bad in "method nosuch\n" "method rk4\nuntil x\n" "param 9 1\n" "start q 7 1\
     check "usage error for $bad" [ $code -eq 2 ]
     check "and says why" [ -s "$tmp/err" ]
 done
+run run_pendulum "column q 0\ncolumn q 7\n"
+check "a column that is not there: exit 2" [ $code -eq 2 ]
 run run_pendulum "method rk4\nuntil 1\nstep .1\nparam 0 -1\n"
 check "parameter out of bounds: exit 2" [ $code -eq 2 ]
 run run_pendulum "method dop853\nuntil 1\nrtol 0\natol 0\n"

@@ -7,10 +7,11 @@ from typing import Any
 
 from .. import __version__
 from ..middle.affine import ROW, variable
-from ..middle.loops import Assigned, Facts, Group, LoopEquations, Row
+from ..middle.loops import Assigned, Facts, LoopEquations
 from ..middle.loops_expand import size_values
 from ..middle.quantities import input_quantities
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
+from .loops_plan import TOTALS, VECTORS, entries, planned
 from .loops_sets import Builder
 from .loops_tables import named, quantity, row, system_kernels
 from .loops_text import Text
@@ -21,14 +22,6 @@ from .schedule import Target
 M = variable(ROW)
 BLOCK = 16  # chunks of one stage before the next follows
 LEAD = 2  # chunks that have drifted before one is kicked
-TOTALS = ("energy", "lagrangian", "kinetic", "potential")
-# Kernels that write a value for each coordinate: outputs, and what they are.
-VECTORS = {
-    "force": (("f", "force"),),
-    "canonical": (("momenta", "momenta"), ("pdot", "pdot")),
-    "momenta": (("momenta", "momenta"),),
-    "gradient": (("dLdq", "gradient"),),
-}
 SAYS = {
     "force": "f = pdot - (dp/dq) v - dp/dt",
     "canonical": "p = dL/dv and pdot = dL/dq + Q - dD/dv",
@@ -61,7 +54,7 @@ class _Context:
         self.diagonal = e.mass.is_diagonal
 
     def build(self, libm: bool) -> dict[str, Any]:
-        plans = self._plans()
+        plans = planned(self.e, self.builder)
         self.builder.begin(libm)
         lowering = self.lowering = self.builder.lowering
         assert lowering is not None
@@ -75,67 +68,6 @@ class _Context:
         pieces = self._pieces(lowering)
         lowering.finish()
         return self._text(sets, band, totals, pairs, pieces)
-
-    # -- plans: the graph may still grow -------------------------------------------------------
-
-    def _plans(self) -> dict[str, Any]:
-        e, plan = self.e, self.builder
-        rows: dict[str, list[dict]] = {}
-        totals: dict[str, dict] = {}
-        for kernel, outputs in VECTORS.items():
-            rows[kernel] = [
-                plan.plan_rows(
-                    f"{kernel}_{g.name}", g, [getattr(e, what).rows[g.name] for _, what in outputs]
-                )
-                for g in e.families
-            ]
-        for what in ("force", "momenta", "pdot", "gradient"):
-            for g in e.scalars:
-                key = f"{what}_{g.name}"
-                totals[key] = plan.plan_total(key, getattr(e, what).totals[g.name])
-        band = []
-        if self.diagonal:
-            rows["mass"] = [plan.plan_rows(f"mass_{g.name}", g, [self._own(g)]) for g in e.families]
-            if not e.force.pairs:
-                rows["acceleration"] = [
-                    plan.plan_rows(
-                        f"acceleration_{g.name}",
-                        g,
-                        [e.force.rows[g.name], self._own(g)],
-                        quotient=True,
-                    )
-                    for g in e.families
-                ]
-        else:
-            for g in e.families:
-                entries = self._entries(g)
-                band.append(plan.plan_rows(f"mass_{g.name}", g, [row for _, row in entries]))
-        for (a, b), total in e.mass.corner.items():
-            totals[f"mass_{a}_{b}"] = plan.plan_total(f"mass_{a}_{b}", total)
-        for what in TOTALS:
-            total = getattr(e, what)
-            if total is not None:
-                totals[what] = plan.plan_total(what, total)
-        for k, total in enumerate(e.sums):
-            totals[f"sum_{k}"] = plan.plan_total(f"sum_{k}", total)
-        return {"rows": rows, "totals": totals, "band": band}
-
-    def _own(self, g: Group) -> Row:
-        return self.e.mass.entries.get((g.name, g.name, 0), Row())
-
-    def _entries(self, g: Group) -> list[tuple[dict[str, Any], Row]]:
-        """Entries of M in the rows of a family's cells: with cells, then with scalars."""
-        found = [
-            ({"other": other, "shift": shift}, row)
-            for (own, other, shift), row in self.e.mass.entries.items()
-            if own == g.name
-        ]
-        found += [
-            ({"scalar": scalar}, row)
-            for (scalar, own), row in self.e.mass.border.items()
-            if own == g.name
-        ]
-        return found
 
     # -- single blocks --------------------------------------------------------------------------
 
@@ -239,7 +171,7 @@ class _Context:
             "readers": self.text.readers(pieces),
             "row_sets": {key: [self.text.rows(s) for s in found] for key, found in sets.items()},
             "band_sets": [
-                self.text.rows(s) | {"entries": [entry for entry, _ in self._entries(s.group)]}
+                self.text.rows(s) | {"entries": [entry for entry, _ in entries(self.e, s.group)]}
                 for s in band
             ],
             "band": self.text.band(),

@@ -108,3 +108,17 @@ def affine(expr: Expr, values: Mapping[str, Affine]) -> Affine:
                     product = value.times(product.constant)
             return product
     raise NotAnInteger("an index may use integers, sizes, loop variables, + - *", expr.span)
+
+
+def extremes(index: Affine, at: dict[str, tuple[Affine, Affine]]) -> tuple[Affine, Affine]:
+    """The least and the greatest value of an index over its loop variables' ranges."""
+    first = last = index
+    for name, (lo, hi) in at.items():  # the inner loop first, its ends use the outer variable
+        for low in (True, False):
+            end = first if low else last
+            factor = end.factor(name)
+            if factor:
+                at_end = (lo if (factor > 0) == low else hi).times(factor)
+                end = end.without(name) + at_end
+            first, last = (end, last) if low else (first, end)
+    return first, last

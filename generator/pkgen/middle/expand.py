@@ -110,6 +110,10 @@ class Expander:
                 raise error(self.model, f"{wrong} at {at}" if at else wrong, expr.span)
         return value
 
+    def refused(self, message: str, span: Span) -> Exception:
+        """What is to be raised where an expression cannot be entered."""
+        return error(self.model, message, span)
+
     # -- names --------------------------------------------------------------------------------
 
     def name(self, expr: Name, loop: Loop) -> Value:

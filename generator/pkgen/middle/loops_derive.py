@@ -8,9 +8,10 @@ from ..source import Diagnostic, ModelError
 from .affine import ROW, variable
 from .expand import NeedsDerivative
 from .loops import Band, Limit, LoopEquations, Row, Total, Unrolled, Vector
+from .loops_bodies import Gathered
 from .loops_expand import LoopExpander, size_values
 from .loops_facts import facts_of
-from .loops_rows import Gather, Gathered
+from .loops_rows import Gather
 from .loops_statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .loops_terms import Term, terms
 from .quantities import error, indexed
@@ -72,6 +73,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.nodes(model.observed)
     conserved = outputs.nodes(model.conserved)
+    x.sums = None
     starts = starts_of(x, gather)
     defaults = defaults_of(x, gather)
     result = LoopEquations(

@@ -10,7 +10,7 @@ from ..indices import NotAnInteger
 from ..model import Coordinate, Definition, Model, Parameter
 from ..source import Span
 from ..tree import Expr, Name, Sum, children
-from .affine import LOOPS, Affine, affine, variable
+from .affine import LOOPS, Affine, affine, extremes, variable
 from .differentiate import Forward
 from .expand import Acceleration, NeedsDerivative
 from .graph import ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
@@ -153,9 +153,16 @@ class LoopExpander:
                 raise error(self.model, wrong, expr.span)
         return value
 
+    def refused(self, message: str, span: Span) -> Exception:
+        """What is to be raised of an exponent that may be an index, a number once unrolled."""
+        return Unrolled(message)
+
     def _sum(self, expr: Sum, loop: Loop) -> Node:
         if self.sums is None:
-            raise Unrolled("a sum stands inside a function or a product of sums")
+            raise Unrolled(
+                "a sum stands where loops have none: in a function, a product of sums, a start, "
+                "a parameter or an end"
+            )
         if any(a.factor(v) for a in loop.values() for v in LOOPS):
             raise Unrolled("a sum stands inside another one's function")
         self.sums.append(self.make_total(expr))
@@ -275,20 +282,6 @@ def _below(x: LoopExpander, end, lo: Affine) -> bool:
 
 def size_values(model: Model) -> dict[str, int]:
     return {unlike_loops(size.name): size.value for size in model.sizes}
-
-
-def extremes(index: Affine, at: dict[str, tuple[Affine, Affine]]) -> tuple[Affine, Affine]:
-    """The least and the greatest value of an index over its loop variables' ranges."""
-    first = last = index
-    for name, (lo, hi) in at.items():  # the inner loop first, its ends use the outer variable
-        for low in (True, False):
-            end = first if low else last
-            factor = end.factor(name)
-            if factor:
-                at_end = (lo if (factor > 0) == low else hi).times(factor)
-                end = end.without(name) + at_end
-            first, last = (end, last) if low else (first, end)
-    return first, last
 
 
 def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> bool:

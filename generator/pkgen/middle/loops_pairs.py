@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from .affine import OTHER, ROW, Affine, variable
+from .affine import OTHER, ROW, Affine, extremes, variable
 from .differentiate import gradient
 from .graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
 from .loops import Limit, PairForce, Unrolled
-from .loops_expand import LoopExpander, extremes
+from .loops_expand import LoopExpander
 from .loops_slots import slots_of
 from .loops_terms import Term
 

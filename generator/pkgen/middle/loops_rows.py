@@ -2,38 +2,16 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from dataclasses import dataclass, field
-
-from .affine import LOOPS, ROW, Affine
+from .affine import LOOPS, Affine
 from .differentiate import Forward, gradient
 from .graph import BIT, VARIABLE, ZERO, Kind, Node
-from .loops import Limit, PairForce, PairPart, Part, Slot, Total, Unrolled
-from .loops_expand import LoopExpander, extremes
+from .loops import PairPart, Part, Total, Unrolled
+from .loops_bodies import Bodies, Gathered
+from .loops_expand import LoopExpander
 from .loops_pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
 from .loops_slots import slots_of, substitute
 from .loops_terms import Term
 from .motion import degree
-
-
-@dataclass
-class Gathered:
-    """What the terms of L, D and the forces add up to, by family and by scalar coordinate."""
-
-    gradient: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    momenta: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    pdot: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    force: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    entries: dict[tuple[str, str, int], list[Part]] = field(
-        default_factory=lambda: defaultdict(list)
-    )
-    border: dict[tuple[str, str], list[Part]] = field(default_factory=lambda: defaultdict(list))
-    corner: dict[tuple[str, str], Total] = field(default_factory=dict)
-    of_scalar: dict[tuple[str, str], Total] = field(default_factory=dict)  # quantity, name
-    pairs: list[PairForce] = field(default_factory=list)  # of L
-    drags: list[PairForce] = field(default_factory=list)  # of D
-    limits: list[Limit] = field(default_factory=list)
-    wraps: dict[str, int] = field(default_factory=dict)
 
 
 class Gather:
@@ -43,6 +21,7 @@ class Gather:
         self.x = x
         self.g = x.graph
         self.found = Gathered()
+        self.bodies = Bodies(x, self.found)
         self.moving = frozenset(
             name
             for name, group in x.coordinates.items()
@@ -60,7 +39,7 @@ class Gather:
             self.found.pairs.append(pair_force(self.x, term, sign, False, self.found.limits))
             return
         found = self.found
-        for family, shift, body in self._views(term):
+        for family, shift, body in self.bodies.views(term):
             at = M if term.ranges else shift
             by = gradient(self.g, signed(self.g, body, sign), STATE)
             slope, momentum = self._by(by, "q", family, at), self._by(by, "v", family, at)
@@ -73,9 +52,9 @@ class Gather:
             ):
                 self._add(rows[family], term, shift, node)
             self._mass(term, family, shift, momentum)
-        body = self._body(term)
+        body = self.bodies.at_row(term)
         by = gradient(self.g, signed(self.g, body, sign), STATE)
-        for name in self._scalars(body):
+        for name in self.bodies.scalars(body):
             slope, momentum = self._by(by, "q", name, None), self._by(by, "v", name, None)
             force = self.g.subtract(slope, self._coast(momentum))
             for what, node in (
@@ -86,7 +65,7 @@ class Gather:
             ):
                 self._total(what, name, term, node)
             tangents = gradient(self.g, momentum, RATES)
-            for other in self._scalars(body):
+            for other in self.bodies.scalars(body):
                 node = self._by(tangents, "v", other, None)
                 if node != ZERO:
                     key = (name, other)
@@ -99,14 +78,14 @@ class Gather:
         if len(term.ranges) == 2:
             self.found.drags.append(pair_force(self.x, term, -1, True, self.found.limits))
             return
-        for family, shift, body in self._views(term):
+        for family, shift, body in self.bodies.views(term):
             at = M if term.ranges else shift
             node = self._by(gradient(self.g, signed(self.g, body, -1), RATES), "v", family, at)
             self._add(self.found.pdot[family], term, shift, node)
             self._add(self.found.force[family], term, shift, node)
-        body = self._body(term)
+        body = self.bodies.at_row(term)
         by = gradient(self.g, signed(self.g, body, -1), RATES)
-        for name in self._scalars(body):
+        for name in self.bodies.scalars(body):
             node = self._by(by, "v", name, None)
             self._total("pdot", name, term, node)
             self._total("force", name, term, node)
@@ -114,7 +93,7 @@ class Gather:
     def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
         """Adds a generalized force along the members lo..hi."""
         for slot in slots_of(self.x, [node]):
-            self._in_reach(slot, lo, hi)
+            self.bodies.in_reach(slot, lo, hi)
         for what in ("pdot", "force"):
             if lo is None:
                 total = self.found.of_scalar.get((what, name), Total())
@@ -126,7 +105,7 @@ class Gather:
 
     def energy(self, term: Term, sign: int) -> tuple[Node, Node]:
         """What a term of L adds to h = v.p - L: at the ends, and inside."""
-        body = signed(self.g, self._body(term), sign)
+        body = signed(self.g, self.bodies.at_row(term), sign)
         if self.g.depends[body] & RATES == 0:
             node = self.g.negate(body)
             return node, node
@@ -152,7 +131,7 @@ class Gather:
                 pair = PairPart(lo, hi, first, last, body)
                 result = Total(result.constant, result.parts, (*result.pairs, pair))
             else:
-                result = self._with(result, term, signed(self.g, self._body(term), sign))
+                result = self._with(result, term, signed(self.g, self.bodies.at_row(term), sign))
         return result
 
     def with_energy(self, total: Total, term: Term, sign: int) -> Total:
@@ -225,74 +204,6 @@ class Gather:
             key = (family, slot.name, distance.constant)
             self._add(self.found.entries[key], term, shift, node)
 
-    # -- bodies -------------------------------------------------------------------------------
-
-    def _views(self, term: Term):
-        """(family, offset, body) for each family slot: the body as seen from that slot's row."""
-        body = self._body(term)
-        for slot in slots_of(self.x, [body]):
-            if slot.kind not in ("q", "v") or slot.at is None:
-                continue
-            twin = Slot("q" if slot.kind == "v" else "v", slot.name, slot.at)
-            if slot.kind == "v" and twin in slots_of(self.x, [body]):
-                continue  # seen already
-            if not term.ranges:
-                yield slot.name, slot.at, body
-                continue
-            shift = slot.at - M
-            yield slot.name, shift, term.at(self.x, M - shift)
-        self.x.members.clear()
-
-    def _body(self, term: Term) -> Node:
-        """The body at i = m; that its slots are within reach is made sure of."""
-        values = (M,) if term.ranges else ()
-        self.x.members.clear()
-        body = term.at(self.x, *values)
-        lo = hi = length = None
-        if term.ranges:
-            (_, lo, hi) = term.ranges[0]
-            length = hi - lo
-        at = {ROW: (lo, hi)} if term.ranges else {}
-        self.found.limits += self.x.limits_of(length, at)
-        for slot in slots_of(self.x, [body]):
-            if slot.kind in ("q", "v") and slot.at is not None and term.ranges:
-                self._relative(slot)
-                self._in_reach(slot, lo, hi)
-        return body
-
-    def _relative(self, slot: Slot) -> None:
-        if slot.at.factor(ROW) == 0:
-            raise Unrolled(f"a sum reaches the one member {slot.name}[{slot.at.text()}] throughout")
-        if slot.at.factor(ROW) != 1 or not (slot.at - M).is_constant:
-            raise Unrolled(f"a sum reaches {slot.name}[{slot.at.text()}] from its index m")
-
-    def _in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
-        """That the member is there, or a given one beyond an end; how far a family wraps."""
-        if slot.kind not in ("q", "v") or slot.at is None or lo is None:
-            return
-        group = self.x.coordinates[slot.name]
-        first, last = extremes(slot.at, {ROW: (lo, hi)})
-        below, above = first - group.lo, group.hi - last
-        if group.periodic:
-            for beyond in (-below, -above):
-                if beyond.is_constant:
-                    known = self.found.wraps.get(slot.name, 0)
-                    self.found.wraps[slot.name] = max(known, beyond.constant)
-                else:
-                    self.found.limits.append(Limit(-beyond, hi - lo))
-            return
-        self.found.limits.append(Limit(below + _given(group, -1), hi - lo))
-        self.found.limits.append(Limit(above + _given(group, 1), hi - lo))
-
-    def _scalars(self, body: Node) -> list[str]:
-        return list(
-            dict.fromkeys(
-                slot.name
-                for slot in slots_of(self.x, [body])
-                if slot.kind in ("q", "v") and slot.at is None
-            )
-        )
-
     def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
         return by.get(self.x.slot(kind, name, at), ZERO)
 
@@ -305,12 +216,3 @@ class Gather:
                 return self.x.slot("w", slot.name, slot.at)
             return ZERO
         return self.x.derivative(node)
-
-
-def _given(group, side: int) -> int:
-    """How many cells beyond an end are given, without a gap."""
-    at = {index for index, _ in group.ends}
-    count = 0
-    while (group.lo - (count + 1) if side < 0 else group.hi + (count + 1)) in at:
-        count += 1
-    return count

@@ -7,26 +7,43 @@ from fractions import Fraction
 
 from ..tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
 from .affine import Affine, variable
-from .graph import Node
+from .graph import ONE, ZERO, Node
 from .loops import Unrolled
 from .loops_expand import Loop, LoopExpander, has_sum
+from .quantities import error
 
 SHORT = 8  # a range of constant length up to this is written out
 
 
 @dataclass(frozen=True)
-class Term:
-    """factor * sum of body over the ranges, none, one or two of them."""
+class Factor:
+    """An expression that multiplies or divides, and what its loop variables stand for: a `let`
+    may sum over a variable that has another meaning where it is used."""
 
-    body: Expr
-    loop: Loop  # what the names of the ranges written out stand for
+    expr: Expr
+    exponent: int  # 1 or -1
+    loop: Loop
+
+
+@dataclass(frozen=True)
+class Term:
+    """The sum of a product over the ranges, none, one or two of them."""
+
+    factors: tuple[Factor, ...]  # those that divide last
     ranges: tuple[tuple[str, Affine, Affine], ...]  # variable, lo, hi (of its own and sizes)
 
     def at(self, x: LoopExpander, *values: Affine) -> Node:
-        """The body with its loop variables at the indices given."""
+        """The product with the variables of the ranges at the indices given."""
         own = {name: at for (name, _, _), at in zip(self.ranges, values, strict=True)}
-        loop = {name: at.replaced(own) for name, at in self.loop.items()}
-        return x.scalar(self.body, loop)
+        product = ONE
+        for factor in self.factors:
+            value = x.scalar(factor.expr, {n: at.replaced(own) for n, at in factor.loop.items()})
+            if factor.exponent < 0:
+                if value == ZERO:
+                    raise error(x.model, "division by zero", factor.expr.span)
+                value = x.graph.power(value, -1)
+            product = x.graph.multiply(product, value)
+        return product
 
 
 def terms(x: LoopExpander, expr: Expr, sign: int = 1) -> list[Term]:
@@ -38,20 +55,15 @@ def terms(x: LoopExpander, expr: Expr, sign: int = 1) -> list[Term]:
 def _collect(
     x: LoopExpander,
     expr: Expr,
-    factors: list[tuple[Expr, int]],
+    factors: list[Factor],
     loop: Loop,
     ranges: tuple[tuple[str, Affine, Affine], ...],
     found: list[Term],
 ) -> None:
     """Adds the terms of factors * expr within the ranges."""
     if not has_sum(x, expr):
-        if factors:
-            parts = [*factors, (expr, 1)]
-            parts.sort(key=lambda part: -part[1])  # the first factor multiplies
-            body = Multiply(tuple(f for f, _ in parts), tuple(e for _, e in parts), expr.span)
-        else:
-            body = expr
-        found.append(Term(body, loop, ranges))
+        product = sorted([*factors, Factor(expr, 1, loop)], key=lambda f: -f.exponent)
+        found.append(Term(tuple(product), ranges))
         return
     match expr:
         case Add(terms=parts, signs=signs):
@@ -60,13 +72,13 @@ def _collect(
                 _collect(x, signed, factors, loop, ranges, found)
         case Negate(of=of, span=span):
             minus = Negate(Number(Fraction(1), span), span)
-            _collect(x, of, [*factors, (minus, 1)], loop, ranges, found)
+            _collect(x, of, [*factors, Factor(minus, 1, loop)], loop, ranges, found)
         case Multiply(factors=parts, exponents=exponents):
             summed = [i for i, part in enumerate(parts) if has_sum(x, part)]
             if len(summed) != 1 or exponents[summed[0]] != 1:
                 raise Unrolled("a sum is multiplied by a sum or divides")
             rest = [
-                (part, e)
+                Factor(part, e, loop)
                 for i, (part, e) in enumerate(zip(parts, exponents, strict=True))
                 if i != summed[0]
             ]
@@ -82,7 +94,7 @@ def _collect(
 def _within(
     x: LoopExpander,
     body: Expr,
-    factors: list[tuple[Expr, int]],
+    factors: list[Factor],
     loop: Loop,
     ranges: tuple[tuple[str, Affine, Affine], ...],
     left: list[Range],

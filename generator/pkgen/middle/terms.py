@@ -108,7 +108,7 @@ def _power(x: Expander, expr: Power, loop: Loop) -> Value:
         # Such a power has no derivative: ln of the base is in it.
         if number is not None and (number < 0 or (number == 0 and not g.is_constant(exponent))):
             what = "zero" if number == 0 else "a negative number"
-            raise error(x.model, f"{what} to a power that varies is not differentiable", expr.span)
+            raise x.refused(f"{what} to a power that varies is not differentiable", expr.span)
         return g.call("pow", base, exponent)
     if abs(constant) > limits.EXPONENT:
         raise error(

@@ -1,0 +1,53 @@
+"""How many rows a run writes: by itself, at most, and what is said of them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from . import named
+from .compiler import Compilation
+from .exits import UsageError
+from .simulate import Settings
+
+ROWS = 1000
+NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
+NUMBERS_MOST = 1_000_000_000  # written at all: some 20 GB
+BYTES = 20  # of a number as text
+
+
+def interval(until: float, step: float | None, numbers: int) -> float:
+    """Time between rows if none is given: some thousand rows (fewer, of a long family), a fixed
+    step kept as it is."""
+    rows = max(1, min(ROWS, NUMBERS // numbers))
+    return step * math.ceil(until / (rows * step)) if step else until / rows
+
+
+def refuse_too_many(options: argparse.Namespace, rows: float, numbers: int, members: int) -> None:
+    """No disk would hold what somebody asks for by mistake."""
+    total = rows * numbers * members
+    if total <= NUMBERS_MOST:
+        return
+    if options.every is not None:
+        option, advice = f"--every {options.every}", "take a longer interval"
+    elif options.ensemble is not None:
+        option, advice = f"--ensemble {options.ensemble}", "take fewer members"
+    else:
+        option, advice = "--size", "take smaller families"
+    each = f"{members:,} members of " if options.ensemble is not None else ""
+    raise UsageError(
+        f"{option}: {each}{rows:,.0f} rows of {numbers:,} numbers are some "
+        f"{total * BYTES * 1e-9:,.0f} GB; {advice}"
+    )
+
+
+def note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
+    """What is to be said of rows that were not asked for and are fewer than one would think."""
+    numbers = 2 * named.coordinates(compilation).count
+    if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
+        return ""
+    rows = math.ceil(settings.until / settings.every) + 1
+    return (
+        f"{rows} rows of {numbers:,} numbers, one every {settings.every:.6g}; "
+        "choose by --every how often, and how much, is written"
+    )
