@@ -311,7 +311,7 @@ PK_INLINE static pk_bits fput_acceleration_q_bond(const struct fput_params *p, p
     const pk_real q_ = q[m - 1];
     const pk_real q_p1 = q[m];
     const pk_real q_p1_minus_q_ = q_p1 - q_;
-    flux[0] = p->alpha * q_p1_minus_q_ * q_p1_minus_q_ + q_p1_minus_q_;
+    flux[0] = q_p1_minus_q_ * (1 + p->alpha * q_p1_minus_q_);
     return 0;
 }
 
@@ -914,12 +914,17 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
     return total;
 }
 
+
 /* Kicks and drifts of splitting methods, v += kappa h a(q, t) and q += delta h v, fused: a chunk of
- * each family is kicked when the next one has drifted, so that a row finds its neighbours drifted
- * as well, and all is read and written once. Several stages follow each other two chunks apart,
- * within the near caches: memory is gone through once for fput_STAGES of them.
+ * each family is kicked when the next two have drifted, so that a row finds its neighbours drifted
+ * as well, and all is read and written once. Several stages follow each other three chunks
+ * apart, within the near caches: memory is gone through once for fput_STAGES of them.
  * Sums are not compensated: that would double the traffic. */
-enum { fput_BLOCK = fput_CHUNK * 16, fput_STAGES = 16 };
+enum {
+    fput_BLOCK = fput_CHUNK * 16,
+    fput_LEAD = fput_CHUNK * 2, /* of drifts before kicks */
+    fput_STAGES = 16
+};
 
 /* The members from .. to - 1 of every family drift. */
 static void fput_drift_block(const struct fput_params *p, pk_real h, pk_real *restrict q,
@@ -962,14 +967,11 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
         base = fput_most(base, lo);
         stop = inside ? fput_least(end, hi + 1) : base;
         for (; base + fput_CHUNK <= stop; base += fput_CHUNK) {
+            pk_real flux[1 * (fput_CHUNK + fput_BOND)];
+            for (m = base - 1; m < base + fput_CHUNK; m++)
+                (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                    flux + (m - base) + fput_BOND);
             {
-                pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-                for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                        flux + (m - base) + fput_BOND);
-                for (m = base; m < base + fput_CHUNK; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, q, u,
@@ -980,14 +982,11 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
         }
         if (base < stop) {
             const ptrdiff_t count = stop - base;
+            pk_real flux[1 * (fput_CHUNK + fput_BOND)];
+            for (m = base - 1; m < base + count; m++)
+                (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+                    flux + (m - base) + fput_BOND);
             {
-                pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-                for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                        flux + (m - base) + fput_BOND);
-                for (m = base; m < base + count; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                        flux + (m - base) + fput_BOND);
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, q, u,
@@ -999,45 +998,66 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
     }
 }
 
-/* A chunk from .. from + CHUNK - 1 of every family drifts, and the one before it is kicked;
- * `least` .. `most` are the rows of which none reaches an end. */
-PK_INLINE static void fput_stage_chunk(const struct fput_params *p, pk_real t, pk_real delta,
-                                       pk_real kappa, pk_real *restrict q, pk_real *restrict v,
-                                       ptrdiff_t from, ptrdiff_t least, ptrdiff_t most)
+/* Chunks from .. to - 1 of every family drift, and those fput_LEAD before them are kicked: none
+ * of their rows reaches an end. Between the forces of a chunk's bonds and its rows, which read them
+ * with another alignment, stands the drift: by then they have left the processor's store queue. */
+static void fput_interior(const struct fput_params *p, pk_real t, pk_real delta, pk_real kappa,
+                          pk_real *restrict q, pk_real *restrict v, ptrdiff_t from, ptrdiff_t to)
 {
-    const ptrdiff_t base = from - fput_CHUNK;
     const pk_real *const u = NULL;
     const pk_real h = kappa;
-    ptrdiff_t m;
+    ptrdiff_t m, base = from - fput_LEAD;
+    pk_real flux_q[1 * (fput_CHUNK + fput_BOND)];
 
-    if (base < least || from + fput_CHUNK - 1 > most || !(kappa > 0 || kappa < 0)) {
-        fput_drift_block(p, delta, q, v, from, from + fput_CHUNK);
-        if (kappa > 0 || kappa < 0)
-            fput_kick_block(p, t, kappa, q, v, base, from, 1, 1);
-        return;
-    }
     (void)u;
-    for (m = from; m < from + fput_CHUNK; m++)
-        q[m - 1] += delta * v[m - 1];
-    {
-        pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-        for (m = base - 1; m < base; m++)
-            (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                flux + (m - base) + fput_BOND);
+    for (m = base - 1; m < base; m++)
+        (void)fput_acceleration_q_bond(p, t, q, q, u, m,
+            flux_q + (m - base) + fput_BOND);
+    for (; from < to; from += fput_CHUNK, base += fput_CHUNK) {
         for (m = base; m < base + fput_CHUNK; m++)
             (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                flux + (m - base) + fput_BOND);
-        for (m = base; m < base + fput_CHUNK; m++) {
-            pk_real r[2];
-            (void)fput_acceleration_q_inner(p, t, q, q, u,
-                flux + (m - base) + fput_BOND, m, r);
-            v[m - 1] += h * r[0];
+                flux_q + (m - base) + fput_BOND);
+        for (m = from; m < from + fput_CHUNK; m++)
+            q[m - 1] += delta * v[m - 1];
+        {
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[2];
+                (void)fput_acceleration_q_inner(p, t, q, q, u,
+                    flux_q + (m - base) + fput_BOND, m, r);
+                v[m - 1] += h * r[0];
+            }
         }
+        /* Bonds that reach into the next chunk. */
+        flux_q[3] = flux_q[3 + fput_CHUNK];
+    }
+}
+
+/* The same wherever the chunks from .. to - 1 are; `least` .. `most` are the rows of which none
+ * reaches an end. */
+static void fput_stage(const struct fput_params *p, pk_real t, pk_real delta, pk_real kappa,
+                       pk_real *restrict q, pk_real *restrict v, ptrdiff_t from, ptrdiff_t to,
+                       ptrdiff_t least, ptrdiff_t most)
+{
+    const int kicks = kappa > 0 || kappa < 0;
+
+    while (from < to) {
+        const ptrdiff_t base = from - fput_LEAD;
+        const ptrdiff_t chunks = (fput_least(to, most + 1) - from) / fput_CHUNK;
+        if (kicks && base >= least && chunks > 0) {
+            fput_interior(p, t, delta, kappa, q, v, from, from + chunks * fput_CHUNK);
+            from += chunks * fput_CHUNK;
+            continue;
+        }
+        fput_drift_block(p, delta, q, v, from, from + fput_CHUNK);
+        if (kicks)
+            fput_kick_block(p, t, kappa, q, v, base, base + fput_CHUNK, 1, 1);
+        from += fput_CHUNK;
     }
 }
 
 /* One pass: `count` stages, each a drift by delta[s] and then a kick by kappa[s] at time[s]. Stage
- * s has drifted what lies before end - s * 2 CHUNK, and kicked all of that but the last chunk. */
+ * s has drifted what lies before its end, s * (LEAD + CHUNK) behind that of the first, and kicked
+ * all of that but the last LEAD. */
 static void fput_pass(const struct fput_params *p, int count, const pk_real *time,
                       const pk_real *delta, const pk_real *kappa, pk_real *q, pk_real *v)
 {
@@ -1045,18 +1065,15 @@ static void fput_pass(const struct fput_params *p, int count, const pk_real *tim
     const ptrdiff_t last = p->N;
     const ptrdiff_t least = 2;
     const ptrdiff_t most = p->N - 1;
-    const ptrdiff_t lag = 2 * fput_CHUNK, done = last + fput_CHUNK + (count - 1) * lag;
-    ptrdiff_t begin, from;
+    const ptrdiff_t lag = fput_LEAD + fput_CHUNK;
+    const ptrdiff_t done = last + fput_LEAD + (count - 1) * lag;
+    ptrdiff_t begin;
     int s;
 
     for (begin = first; begin <= done; begin += fput_BLOCK)
-        for (s = 0; s < count; s++) {
-            const ptrdiff_t to =
-                fput_least(begin + fput_BLOCK - s * lag, last + 1 + fput_CHUNK);
-            from = fput_most(begin - s * lag, first);
-            for (; from < to; from += fput_CHUNK)
-                fput_stage_chunk(p, time[s], delta[s], kappa[s], q, v, from, least, most);
-        }
+        for (s = 0; s < count; s++)
+            fput_stage(p, time[s], delta[s], kappa[s], q, v, fput_most(begin - s * lag, first),
+                fput_least(begin + fput_BLOCK - s * lag, last + 1 + fput_LEAD), least, most);
 }
 
 void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
