@@ -133,12 +133,12 @@ class Interior:
         return fewest(self.g, nodes) if nodes else nodes
 
     def factored(self, node: Node) -> Node:
-        """The same as powers of its differences, if that is shorter: k d + b d^3 as d (k + b d^2)."""
+        """The same in powers of its differences, if shorter: k d + b d^3 as d (k + b d^2)."""
         found = rewritten(self.g, [node], linear, WORK) or [node]
         return min(node, found[0], key=lambda n: operations(self.g, [n]))
 
     def scaled(self, node: Node) -> tuple[Node, Node]:
-        """What of it is the same in every row, a factor, and the rest; 1 where that saves nothing."""
+        """The factor that is the same in every row, 1 where that saves nothing, and the rest."""
         scale, rest = self.g.split(node)
         return (ONE, node) if scale in (ONE, MINUS_ONE) or rest == ONE else (scale, rest)
 

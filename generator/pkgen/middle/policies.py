@@ -54,9 +54,7 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
             plain[node] = all(plain[a] for a in g.args[node])
         else:
             plain[node] = g.op[node] is Op.SYMBOL or not g.depends[node] & VARIABLE
-    return frozenset(
-        n for n in order if g.op[n] is Op.ADD and plain[n] and g.depends[n] & VARIABLE
-    )
+    return frozenset(n for n in order if g.op[n] is Op.ADD and plain[n] and g.depends[n] & VARIABLE)
 
 
 def _squared(g: Graph, order: list[Node]) -> set[Node]:
