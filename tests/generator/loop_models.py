@@ -173,13 +173,13 @@ potential e*sum(i*q[j]^2, i = 1..N, j = i+1..N)
 """
 
 MODELS = {
-    "fput": (FPUT, (1, 2, 3, 31, 200)),
-    "ring": (RING, (1, 2, 3, 7, 100)),
-    "loose": (LOOSE, (1, 2, 3, 5, 90)),
+    "fput": (FPUT, (1, 2, 3, 31, 140)),
+    "ring": (RING, (1, 2, 3, 7, 70)),
+    "loose": (LOOSE, (1, 2, 3, 5, 70)),
     "driven": (DRIVEN, (1, 2, 3, 6)),
     "beam": (BEAM, (1, 2, 3, 6, 30)),
     "wheel": (WHEEL, (1, 2, 3, 4, 5, 6, 15)),
-    "paired": (PAIRED, (1, 2, 3, 5, 80)),
+    "paired": (PAIRED, (1, 2, 3, 5, 70)),
     "cart": (CART, (1, 2, 5, 12)),
     "gravity": (GRAVITY, (1, 2, 3, 7)),
     "spin": (SPIN, (1, 2, 3, 8)),
