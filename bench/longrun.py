@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from .builds import BUILDS, OUTPUT, RUNTIME, SOURCES, Unavailable, compile_program
+from .builds import AS_RUN, OUTPUT, RUNTIME, SOURCES, Unavailable, compile_program
 from .measure import Effort
 from .peers.own import emit
 
@@ -39,7 +39,7 @@ def measure(effort: Effort, say) -> LongRun:
     folder = OUTPUT / "generated" / "kepler"
     emit(FOLDER / "kepler.lag", folder)
     sources = [FOLDER / "kepler.c", folder / "kepler.c", *sorted((RUNTIME / "src").glob("*.c"))]
-    build = next((b for b in BUILDS if "-march=native" in b.flags), BUILDS[0])
+    build = AS_RUN[0]
     include = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
     defines = {"PK_RUNTIME": "", "PK_INLINE_GAUSS": ""}
     program = compile_program(build, sources, defines, include)
