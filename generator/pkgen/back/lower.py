@@ -98,7 +98,8 @@ class _Lowering:
         roots = [node for target in targets for node in target.nodes]
         reachable = set(self.work.reachable(roots))
         hints = {node: name for node, name in spec.hints(self.equations) if node in reachable}
-        kept = [node for node in hints if node in set(spec.kept(self.equations))]
+        asked = set(spec.kept(self.equations))
+        kept = [node for node in hints if node in asked]
         new = rewrite(self.work, roots + kept)
         targets = [
             Target(t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also)

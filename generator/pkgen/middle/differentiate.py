@@ -144,6 +144,8 @@ def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
         (a, b), (of_a, of_b) = g.args[node], of_arguments
         if of_a == ZERO:
             return g.multiply(a, of_b)
+        if of_b == ZERO:
+            return g.multiply(b, of_a)
         return g.add(g.multiply(b, of_a), g.multiply(a, of_b))
     if all(d == ZERO for d in of_arguments):
         return ZERO
@@ -190,9 +192,9 @@ class Columns:
                     influenced.add(user)
                     stack.append(user)
         known = {symbol: ONE}
+        influenced.remove(symbol)
         for node in sorted(influenced):
-            if node != symbol:
-                known[node] = tangent(g, node, [known.get(a, ZERO) for a in g.args[node]])
+            known[node] = tangent(g, node, [known.get(a, ZERO) for a in g.args[node]])
         return known
 
 

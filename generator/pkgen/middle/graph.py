@@ -143,9 +143,8 @@ class Graph(Nodes):
         p, r = self._split(a, domain)
         s, u = self._split(b, domain)
         scale = s if p == ONE else p if s == ONE else self.multiply(p, s)
-        if r == ONE or u == ONE:
-            return self._scaled(scale, u if r == ONE else r)
-        return self._scaled(scale, self._product(r, u))
+        rest = u if r == ONE else r if u == ONE else self._product(r, u)
+        return rest if scale == ONE else self._scaled(scale, rest)
 
     def product(self, nodes: Iterable[Node]) -> Node:
         result = ONE

@@ -189,6 +189,9 @@ class Nodes:
         left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is None or right is None or len(left) + len(right) > TERMS:
             return None
+        if len(left) == len(right) == 1:  # as most sums are
+            same = self._factors[left[0][1]] == self._factors[right[0][1]]
+            return None if same else left + right
         # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
         both = left + right
         return both if len({self._factors[r] for _, r in both}) == len(both) else None

@@ -34,27 +34,30 @@ class Residues:
         self.known: dict[Node, int | None] = {}
 
     def __call__(self, output: Node) -> int | None:
-        g, known = self.graph, self.known
+        known, args, ops, data = self.known, self.graph.args, self.graph.op, self.graph.data
+        if output in known:
+            return known[output]
+        missing = {output}
         stack = [output]
         while stack:
-            node = stack[-1]
-            if node in known:
-                stack.pop()
-                continue
-            missing = [a for a in g.args[node] if a not in known]
-            if missing:
-                stack.extend(missing)
-                continue
-            stack.pop()
-            values = [known[a] for a in g.args[node]]
-            known[node] = None if None in values else self._of(g.op[node], g.data[node], values)
+            for a in args[stack.pop()]:
+                if a not in known and a not in missing:
+                    missing.add(a)
+                    stack.append(a)
+        for node in sorted(missing):
+            values = [known[a] for a in args[node]]
+            op = ops[node]
+            if None in values:
+                known[node] = None
+            elif op is Op.ADD:
+                known[node] = (values[0] + values[1]) % PRIME
+            elif op is Op.MULTIPLY:
+                known[node] = values[0] * values[1] % PRIME
+            else:
+                known[node] = self._of(op, data[node], values)
         return known[output]
 
     def _of(self, op: str, data, values: list[int]) -> int | None:
-        if op is Op.ADD:
-            return (values[0] + values[1]) % PRIME
-        if op is Op.MULTIPLY:
-            return values[0] * values[1] % PRIME
         if op is Op.NUMBER:
             return _fraction(data)
         if op is Op.SYMBOL:
