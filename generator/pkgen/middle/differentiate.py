@@ -84,14 +84,14 @@ def partials(g: Graph, node: Node) -> tuple[Node, ...]:
 
 def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
     """Nodes below the outputs that depend on something in the mask, in topological order."""
-    args, depends = g.args, g.depends
-    seen = {n for n in outputs if mask == -1 or depends[n] & mask}
-    stack = list(seen)
-    while stack:
-        for a in args[stack.pop()]:
-            if a not in seen and (mask == -1 or depends[a] & mask):
-                seen.add(a)
-                stack.append(a)
+    args, depends = g.args.__getitem__, g.depends
+    seen: set[Node] = set()
+    found = set(outputs)
+    while found:
+        if mask != -1:
+            found = {n for n in found if depends[n] & mask}
+        seen |= found
+        found = set().union(*map(args, found)) - seen  # all at once, which is quick
     return sorted(seen)
 
 

@@ -134,16 +134,21 @@ class Graph(Nodes):
             return b
         if b == ONE:
             return a
-        domain = self._domain[a] | self._domain[b]
+        domain, other = self._domain[a], self._domain[b]
+        if domain != other:  # the one from a lower domain belongs to the scale
+            if domain > other:
+                a, b = b, a
+            scale, rest = self._scale[b], self._rest[b]
+            scale = a if scale == ONE else self.multiply(a, scale)
+            return rest if scale == ONE else self._scaled_node(scale, rest)
         if domain == 0:
             value = self.data[a] * self.data[b]
             if _fits(value):
                 return self.number(value)
             return self._product_node((a, b) if a < b else (b, a))
-        p, r = self._split(a, domain)
-        s, u = self._split(b, domain)
+        p, s = self._scale[a], self._scale[b]
         scale = s if p == ONE else p if s == ONE else self.multiply(p, s)
-        rest = u if r == ONE else r if u == ONE else self._product(r, u)
+        rest = self._product(self._rest[a], self._rest[b])
         return rest if scale == ONE else self._scaled(scale, rest)
 
     def product(self, nodes: Iterable[Node]) -> Node:

@@ -176,15 +176,11 @@ class Nodes:
 
     def _found_terms(self, node: Node, domain: int) -> Terms | None:
         scale, rest = self._scale[node], self._rest[node]
+        if self.op[rest] is not Op.ADD:
+            return ((scale, rest),)
         if scale != ONE:
             terms = self._terms_of(rest, domain)
-            if terms is None:
-                return None
-            if len(terms) == 1 and terms[0][0] == ONE:
-                return ((scale, terms[0][1]),)
-            return tuple((self.multiply(scale, p), r) for p, r in terms)
-        if self.op[node] is not Op.ADD:
-            return ((ONE, node),)
+            return terms and tuple((self.multiply(scale, p), r) for p, r in terms)
         a, b = self.args[node]
         left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is None or right is None or len(left) + len(right) > TERMS:
@@ -242,8 +238,12 @@ class Nodes:
         return node
 
     def _scaled_node(self, scale: Node, rest: Node) -> Node:
-        node = self._product_node((scale, rest))
-        self._scale[node], self._rest[node] = scale, rest
+        args = scale, rest
+        node = self._products.get(args)
+        if node is None:
+            depends = self.depends[scale] | self.depends[rest]
+            node = self._products[args] = self._append(Op.MULTIPLY, args, None, depends)
+            self._scale[node], self._rest[node] = args
         return node
 
     def _power_node(self, base: Node, exponent: Fraction | int) -> Node:
