@@ -184,32 +184,35 @@ class Schedule:
         op, args = self.work.op[node], self.work.args[node]
         if (core := self.work.negated(node)) is not None:
             return negated(self._forms[core])
+        forms = self._forms
         if op is Op.ADD:
-            self._fit(args, _LONGEST)
-            return added(self._forms[args[0]], self._forms[args[1]])
+            a, b = args
+            if forms[a].length + forms[b].length > _LONGEST:
+                self._fit(args, _LONGEST)
+            return added(forms[a], forms[b])
         if op is Op.MULTIPLY:
-            for a in args:
-                if self._forms[a].is_sum:
-                    self._promote(a, _LONGEST_PART)
-            self._fit(args, _LONGEST)
-            return multiplied(self._forms[args[0]], self._forms[args[1]])
+            a, b = args
+            for x in args:
+                if forms[x].terms:
+                    self._promote(x, _LONGEST_PART)
+            if forms[a].length + forms[b].length > _LONGEST:
+                self._fit(args, _LONGEST)
+            return multiplied(forms[a], forms[b])
         for a in args:
             self._promote(a, _LONGEST_PART)
         if op is Op.POWER:
             assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
-            return inverted(self._forms[args[0]])
+            return inverted(forms[args[0]])
         function = FUNCTIONS[str(self.work.data[node])].c
         if function[0] == ":":
             self.helpers.add(function[1:])
             function = self.prefix + function[1:]
         else:
             function = f"PK_F({function})"
-        return called(function, [self._forms[a] for a in args])
+        return called(function, [forms[a] for a in args])
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
-        if sum(self._forms[a].length for a in args) <= longest:
-            return
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)
