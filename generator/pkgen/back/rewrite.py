@@ -173,9 +173,7 @@ def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[tuple
     return _flat_factors(work, node, absorbed)
 
 
-def _flat_factors(
-    work: Workspace, node: Node, absorbed: set[Node]
-) -> Iterator[tuple[Node, bool]]:
+def _flat_factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
     stack = [(node, False)]
     while stack:
         x, divides = stack.pop()

@@ -193,8 +193,9 @@ class Columns:
                     stack.append(user)
         known = {symbol: ONE}
         influenced.remove(symbol)
+        args, get = g.args, known.get
         for node in sorted(influenced):
-            known[node] = tangent(g, node, [known.get(a, ZERO) for a in g.args[node]])
+            known[node] = tangent(g, node, [get(a, ZERO) for a in args[node]])
         return known
 
 

@@ -46,7 +46,7 @@ NUMBER_BITS = 512  # numbers beyond are left to the C as a product
 FACTORS = 16  # a product of more is one factor of any larger product
 TERMS = 4  # a sum of more is not searched for like terms
 # The domains, so that the higher of two is their union.
-_NUMBERS, _PARAMETERS, _WORLD = 0b00, 0b01, 0b11
+_NUMBERS, _PARAMETERS, WORLD = 0b00, 0b01, 0b11
 ZERO: Node = 0
 ONE: Node = 1
 MINUS_ONE: Node = 2
@@ -85,8 +85,11 @@ class Nodes:
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        self._terms: list[Terms | None] = []  # (): not yet asked for
+        self._terms: dict[Node, Terms | None] = {}  # of those that were asked for
         self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
+        # What is asked for again and again: sums and products without variables.
+        self._constant_sums: dict[tuple[Node, Node], Node] = {}
+        self._constant_products: dict[tuple[Node, Node], Node] = {}
         self._negatives: dict[Node, Node] = {}
         self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
         for value in (0, 1, -1):
@@ -146,7 +149,7 @@ class Nodes:
 
     def split(self, node: Node) -> tuple[Node, Node]:
         """The node as (scale, rest); the scale depends on parameters alone."""
-        if self._domain[node] < _WORLD:
+        if self._domain[node] < WORLD:
             return node, ONE
         return self._scale[node], self._rest[node]
 
@@ -160,16 +163,10 @@ class Nodes:
 
     # -- a node as terms and as scale times rest ------------------------------------------------
 
-    def _split(self, node: Node, domain: int) -> tuple[Node, Node]:
-        """Scale and rest with respect to a domain, the node's own or a higher one."""
-        if self._domain[node] < domain:
-            return node, ONE
-        return self._scale[node], self._rest[node]
-
     def _terms_of(self, node: Node, domain: int) -> Terms | None:
         if self._domain[node] < domain:
             return ((node, ONE),)
-        terms = self._terms[node]
+        terms = self._terms.get(node, ())
         if terms == ():
             terms = self._terms[node] = self._found_terms(node, domain)
         return terms
@@ -210,11 +207,10 @@ class Nodes:
         self.args.append(args)
         self.data.append(data)
         self.depends.append(depends)
-        self._domain.append(_WORLD if depends & VARIABLE else _PARAMETERS)
+        self._domain.append(WORLD if depends & VARIABLE else _PARAMETERS)
         self._scale.append(ONE)
         self._rest.append(node)
         self._factors.append(((node, 1),) if factors is None else factors)
-        self._terms.append(())
         return node
 
     def _sum_node(self, a: Node, b: Node) -> Node:
