@@ -250,7 +250,7 @@ _PATTERNS = [
 
 def _described(value: str) -> str | None:
     """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
-    if len(value) > 2 * _LONGEST_NAME:
+    if len(value) > 2 * _LONGEST_NAME or value.count(" ") > 2:
         return None
     for pattern, name in _PATTERNS:
         if match := pattern.fullmatch(value):

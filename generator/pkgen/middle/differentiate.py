@@ -138,8 +138,6 @@ class Forward:
 def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
     """The derivative of a node given those of its arguments."""
     op = g.op[node]
-    if op is Op.ADD:
-        return g.add(*of_arguments)
     if op is Op.MULTIPLY:
         (a, b), (of_a, of_b) = g.args[node], of_arguments
         if of_a == ZERO:
@@ -147,6 +145,8 @@ def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
         if of_b == ZERO:
             return g.multiply(b, of_a)
         return g.add(g.multiply(b, of_a), g.multiply(a, of_b))
+    if op is Op.ADD:
+        return g.add(*of_arguments)
     if all(d == ZERO for d in of_arguments):
         return ZERO
     terms = zip(partials(g, node), of_arguments, strict=True)

@@ -238,7 +238,7 @@ class Nodes:
         node = self._products.get(args)
         if node is None:
             depends = self.depends[scale] | self.depends[rest]
-            node = self._products[args] = self._append(Op.MULTIPLY, args, None, depends)
+            node = self._products[args] = self._append(Op.MULTIPLY, args, None, depends, ())
             self._scale[node], self._rest[node] = args
         return node
 

@@ -54,10 +54,10 @@ class Residues:
             op = ops[node]
             if None in values:
                 known[node] = None
-            elif op is Op.ADD:
-                known[node] = (values[0] + values[1]) % PRIME
             elif op is Op.MULTIPLY:
                 known[node] = values[0] * values[1] % PRIME
+            elif op is Op.ADD:
+                known[node] = (values[0] + values[1]) % PRIME
             else:
                 known[node] = self._of(op, data[node], values)
 
