@@ -16,7 +16,9 @@ Each stage imports only what is above it, changes nothing that it is given, and 
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -68,7 +70,8 @@ def stages(
     yield file
     model, warnings = check.check(file, sizes)
     yield model, warnings
-    equations = _equations(model, kernels, self_test, unroll)
+    with _no_collection():
+        equations = _equations(model, kernels, self_test, unroll)
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
@@ -81,9 +84,25 @@ def stages(
     yield structure
     equations, report = reduce.reduce(equations, structure)
     yield equations, report
-    program = lower.lower(equations, structure, kernels, libm=libm)
+    with _no_collection():
+        program = lower.lower(equations, structure, kernels, libm=libm)
     yield program
-    yield render.render(program, self_test=self_test)
+    with _no_collection():
+        files = render.render(program, self_test=self_test)
+    yield files
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """While a graph grows, which has no cycles, Python's collector would look for some in all of
+    it again and again."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def check_model(

@@ -27,10 +27,11 @@ def blocks(
         parts = [statements]
     else:
         parts = [statements[i : i + _BLOCK] for i in range(0, len(statements), _BLOCK)]
-    home = {name: k for k, part in enumerate(parts) for s in part for name in s.defines}
     words = [set(_WORD.findall(" ".join(map(_read_and_written, part)))) for part in parts]
+    home: dict[str, int] = {}
     slots: dict[str, int] = {}
     if len(parts) > 1:
+        home = {name: k for k, part in enumerate(parts) for s in part for name in s.defines}
         for k, part in enumerate(parts):
             for name in (w for s in part for w in _WORD.findall(s.text)):
                 if home.get(name, k) < k:
@@ -61,7 +62,9 @@ def _block(
         if name in words and home[name] < k
     ]
     loaded = set(_WORD.findall(" ".join(s.text for s in lines)))
-    for statement in part:
+    if not slots:
+        lines += part
+    for statement in part if slots else ():
         lines.append(statement)
         handed_on = [name for name in statement.defines if name in slots]
         lines += [Statement(STORE, f"w[{slots[name]}]", name) for name in handed_on]

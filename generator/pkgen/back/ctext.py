@@ -60,6 +60,8 @@ def fold(line: str, indent: int = 0, hang: int = 4) -> str:
     """A statement folded before operators and after commas, at the outermost brackets there are
     in reach; what follows is indented by `hang` more."""
     line = " " * indent + line
+    if len(line) <= WIDTH:
+        return line
     lines = []
     while len(line) > WIDTH:
         at = _best_break(line)

@@ -48,7 +48,9 @@ def added(a: Form, b: Form) -> Form:
 
 
 def multiplied(a: Form, b: Form) -> Form:
-    (sign_a, above_a, below_a), (sign_b, above_b, below_b) = _as_factors(a), _as_factors(b)
+    # Most of all are two products: not asked through _as_factors.
+    sign_a, above_a, below_a = _as_factors(a) if a.terms else a[1:4]
+    sign_b, above_b, below_b = _as_factors(b) if b.terms else b[1:4]
     above = above_a + above_b
     if "1" in above and len(above) > 1:  # 1/x * y
         above = tuple(x for x in above if x != "1") or ("1",)

@@ -96,10 +96,11 @@ class _Lowering:
     def _draft(self, spec: KernelSpec) -> _Draft:
         targets = spec.targets(self.equations)
         roots = [node for target in targets for node in target.nodes]
-        reachable = set(self.work.reachable(roots))
-        hints = {node: name for node, name in spec.hints(self.equations) if node in reachable}
-        kept = [node for node in hints if node in set(spec.kept(self.equations))]
+        asked = set(spec.kept(self.equations))
+        below = set(self.work.reachable(roots)) if asked else set()
+        kept = sorted(asked & below)
         new = rewrite(self.work, roots + kept)
+        hints = {node: name for node, name in spec.hints(self.equations) if node in new}
         targets = [
             Target(t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also)
             for t in targets

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ..equations import Equations, Structure
 from .expressions import count_operations
@@ -33,8 +34,7 @@ _SHOWN = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(NamedTuple):
     kind: str
     target: str
     text: str

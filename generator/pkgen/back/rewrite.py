@@ -73,13 +73,11 @@ class Workspace:
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
         """All nodes that the roots need, arguments before what uses them."""
-        seen = set(roots)
-        stack = list(seen)
-        while stack:
-            for a in self.args[stack.pop()]:
-                if a not in seen:
-                    seen.add(a)
-                    stack.append(a)
+        seen: set[Node] = set()
+        found = set(roots)
+        while found:
+            seen |= found
+            found = set().union(*map(self.args.__getitem__, found)) - seen
         return sorted(seen)
 
 
@@ -88,17 +86,18 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     depends on parameters alone."""
     order = work.reachable(roots)
     absorbed = _absorbed(work, order, roots, gather)
+    ops, fixed = work.op, work.fixed
     new: dict[Node, Node] = {}
     for node in order:
-        if node in absorbed or (gather and work.fixed[node]):
+        if node in absorbed or (gather and fixed[node]):
             # As it is: taken apart by its user, or hoisted as a whole but for its sign.
             new[node] = node if node in absorbed else _sign_outermost(work, node)
             continue
-        op = work.op[node]
+        op = ops[node]
         if op is Op.ADD:
             new[node] = _sum(work, [new[x] for x in _terms(work, node, absorbed)], gather)
         elif op is Op.MULTIPLY:
-            new[node] = _product(work, list(_factors(work, node, absorbed)), new, gather)
+            new[node] = _product(work, _factors(work, node, absorbed), new, gather)
         elif op is Op.POWER:
             exponent = work.data[node]
             new[node] = power(work, new[work.args[node][0]], exponent)
@@ -115,8 +114,9 @@ def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: boo
     user: dict[Node, Node] = {}
     for root in roots:
         uses[root] += 1
+    args = work.args
     for node in order:
-        for a in work.args[node]:
+        for a in args[node]:
             uses[a] += 1
             user[a] = node
     absorbed: set[Node] = set()
@@ -148,8 +148,14 @@ def _is_reciprocal(work: Workspace, node: Node) -> bool:
     return work.op[node] is Op.POWER and work.data[node] == -1
 
 
-def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
+def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[Node]:
     """The terms of a sum, left to right."""
+    if absorbed.isdisjoint(work.args[node]):
+        return work.args[node]
+    return _flat_terms(work, node, absorbed)
+
+
+def _flat_terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
     stack = [node]
     while stack:
         x = stack.pop()
@@ -159,8 +165,15 @@ def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
             yield x
 
 
-def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
+def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[tuple[Node, bool]]:
     """The factors of a product, left to right, each with whether it divides."""
+    a, b = work.args[node]
+    if a not in absorbed and b not in absorbed:
+        return (a, False), (b, False)
+    return _flat_factors(work, node, absorbed)
+
+
+def _flat_factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
     stack = [(node, False)]
     while stack:
         x, divides = stack.pop()
@@ -183,17 +196,18 @@ def _sum(work: Workspace, terms: list[Node], gather: bool) -> Node:
 
 
 def _product(
-    work: Workspace, factors: list[tuple[Node, bool]], new: dict[Node, Node], gather: bool
+    work: Workspace, factors: Iterable[tuple[Node, bool]], new: dict[Node, Node], gather: bool
 ) -> Node:
+    ops, args = work.op, work.args
     sign, magnitude = 1, _ONE
     fixed: list[Node] = []
     above: list[Node] = []
     below: list[Node] = []
     for old, divides in factors:
         x = new[old]
-        while (core := work.negated(x)) is not None:
-            sign, x = -sign, core
-        if work.op[x] is Op.NUMBER:
+        while ops[x] is Op.MULTIPLY and args[x][0] == MINUS_ONE:
+            sign, x = -sign, args[x][1]
+        if ops[x] is Op.NUMBER:
             value = work.data[x]
             assert isinstance(value, Fraction)
             if value < 0:

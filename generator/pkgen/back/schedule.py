@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 
 from ..functions import FUNCTIONS
 from ..middle.graph import Node, Op
@@ -61,6 +62,9 @@ class Schedule:
     _local: set[Node] = field(default_factory=set)
     _angles: dict[Node, None] = field(default_factory=dict)  # known from the start, not yet used
 
+    def __post_init__(self) -> None:
+        self.leaf = cache(self.leaf)  # asked several times for each node
+
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
         self._local = self._locals(targets)
@@ -85,28 +89,22 @@ class Schedule:
 
     def _locals(self, targets: list[Target]) -> set[Node]:
         """Nodes used more than once; a sign on the way does not count as a value of its own."""
+        work, leaf = self.work, self.leaf
         uses: dict[Node, int] = {}
-        stack: list[Node] = []
-
-        def use(node: Node) -> None:
-            while node not in uses and self.leaf(node) is None:
-                core = self.work.negated(node)
+        pending = [node for target in targets for node in target.nodes]
+        while pending:
+            node = pending.pop()
+            while node not in uses and leaf(node) is None:
+                core = work.negated(node)
                 if core is None:
-                    stack.append(node)
+                    pending.extend(work.args[node])
                     break
                 node = core
             uses[node] = uses.get(node, 0) + 1
-
-        for target in targets:
-            for node in target.nodes:
-                use(node)
-        while stack:
-            for a in self.work.args[stack.pop()]:
-                use(a)
         local = {node for node, count in uses.items() if count > 1}
         local |= self.kept & uses.keys()
         for node in uses:
-            if self._partner(node) in uses or self._is_trig(node):
+            if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
                 local.add(node)
         if self.known_after:  # an output can be read back: it needs no local
             local -= {node for target in targets for node in target.nodes}
@@ -126,21 +124,22 @@ class Schedule:
 
     def _compute(self, root: Node) -> None:
         """Forms of everything that the root needs, arguments first."""
+        work, forms = self.work, self._forms
         stack = [root]
         while stack:
             node = stack[-1]
-            if node in self._forms:
+            if node in forms:
                 stack.pop()
                 continue
             if (leaf := self.leaf(node)) is not None:
-                self._forms[node] = negated(atom(leaf[1:])) if leaf[0] == "-" else atom(leaf)
+                forms[node] = negated(atom(leaf[1:])) if leaf[0] == "-" else atom(leaf)
                 continue
-            missing = [a for a in self.work.args[node] if a not in self._forms]
+            missing = [a for a in work.args[node] if a not in forms]
             if missing:
                 stack.extend(reversed(missing))
                 continue
             stack.pop()
-            if self.work.op[node] is not Op.CALL:
+            if work.op[node] is not Op.CALL:
                 self._finish(node)
                 continue
             if self._is_trig(node):
@@ -185,32 +184,35 @@ class Schedule:
         op, args = self.work.op[node], self.work.args[node]
         if (core := self.work.negated(node)) is not None:
             return negated(self._forms[core])
+        forms = self._forms
         if op is Op.ADD:
-            self._fit(args, _LONGEST)
-            return added(self._forms[args[0]], self._forms[args[1]])
+            a, b = args
+            if forms[a].length + forms[b].length > _LONGEST:
+                self._fit(args, _LONGEST)
+            return added(forms[a], forms[b])
         if op is Op.MULTIPLY:
-            for a in args:
-                if self._forms[a].is_sum:
-                    self._promote(a, _LONGEST_PART)
-            self._fit(args, _LONGEST)
-            return multiplied(self._forms[args[0]], self._forms[args[1]])
+            a, b = args
+            for x in args:
+                if forms[x].terms:
+                    self._promote(x, _LONGEST_PART)
+            if forms[a].length + forms[b].length > _LONGEST:
+                self._fit(args, _LONGEST)
+            return multiplied(forms[a], forms[b])
         for a in args:
             self._promote(a, _LONGEST_PART)
         if op is Op.POWER:
             assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
-            return inverted(self._forms[args[0]])
+            return inverted(forms[args[0]])
         function = FUNCTIONS[str(self.work.data[node])].c
         if function[0] == ":":
             self.helpers.add(function[1:])
             function = self.prefix + function[1:]
         else:
             function = f"PK_F({function})"
-        return called(function, [self._forms[a] for a in args])
+        return called(function, [forms[a] for a in args])
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
-        if sum(self._forms[a].length for a in args) <= longest:
-            return
         for a in sorted(args, key=lambda a: -self._forms[a].length):
             if sum(self._forms[b].length for b in args) > longest:
                 self._promote(a, 0)
@@ -248,7 +250,7 @@ _PATTERNS = [
 
 def _described(value: str) -> str | None:
     """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
-    if len(value) > 2 * _LONGEST_NAME:
+    if len(value) > 2 * _LONGEST_NAME or value.count(" ") > 2:
         return None
     for pattern, name in _PATTERNS:
         if match := pattern.fullmatch(value):

@@ -42,6 +42,7 @@ def settled(g: Graph, outputs: list[Node]) -> list[Node]:
     """What is constant (or zero) by an identity, as the constant that it is."""
     normal = Normal(g)
     seen = Varying(g)
+    seen.learn(outputs, VARIABLE)
     result = []
     for output in outputs:
         maybe = g.depends[output] & VARIABLE and not seen(output, VARIABLE)

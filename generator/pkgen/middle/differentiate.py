@@ -84,14 +84,14 @@ def partials(g: Graph, node: Node) -> tuple[Node, ...]:
 
 def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
     """Nodes below the outputs that depend on something in the mask, in topological order."""
-    args, depends = g.args, g.depends
-    seen = {n for n in outputs if mask == -1 or depends[n] & mask}
-    stack = list(seen)
-    while stack:
-        for a in args[stack.pop()]:
-            if a not in seen and (mask == -1 or depends[a] & mask):
-                seen.add(a)
-                stack.append(a)
+    args, depends = g.args.__getitem__, g.depends
+    seen: set[Node] = set()
+    found = set(outputs)
+    while found:
+        if mask != -1:
+            found = {n for n in found if depends[n] & mask}
+        seen |= found
+        found = set().union(*map(args, found)) - seen  # all at once, which is quick
     return sorted(seen)
 
 
@@ -138,13 +138,15 @@ class Forward:
 def tangent(g: Graph, node: Node, of_arguments: list[Node]) -> Node:
     """The derivative of a node given those of its arguments."""
     op = g.op[node]
-    if op is Op.ADD:
-        return g.add(*of_arguments)
     if op is Op.MULTIPLY:
         (a, b), (of_a, of_b) = g.args[node], of_arguments
         if of_a == ZERO:
             return g.multiply(a, of_b)
+        if of_b == ZERO:
+            return g.multiply(b, of_a)
         return g.add(g.multiply(b, of_a), g.multiply(a, of_b))
+    if op is Op.ADD:
+        return g.add(*of_arguments)
     if all(d == ZERO for d in of_arguments):
         return ZERO
     terms = zip(partials(g, node), of_arguments, strict=True)
@@ -190,9 +192,10 @@ class Columns:
                     influenced.add(user)
                     stack.append(user)
         known = {symbol: ONE}
+        influenced.remove(symbol)
+        args, get = g.args, known.get
         for node in sorted(influenced):
-            if node != symbol:
-                known[node] = tangent(g, node, [known.get(a, ZERO) for a in g.args[node]])
+            known[node] = tangent(g, node, [get(a, ZERO) for a in args[node]])
         return known
 
 

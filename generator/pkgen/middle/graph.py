@@ -26,6 +26,7 @@ from .nodes import (
     NUMBER_BITS,
     ONE,
     VARIABLE,
+    WORLD,
     ZERO,
     Factors,
     Kind,
@@ -56,6 +57,7 @@ __all__ = [
 ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})
 EVEN = frozenset({"cos", "cosh", "abs"})
 _SHAPED = ODD | EVEN | {"sqrt"}
+_HALF = Fraction(1, 2)
 
 
 class Graph(Nodes):
@@ -69,6 +71,14 @@ class Graph(Nodes):
         if b == ZERO:
             return a
         domain = self._domain[a] | self._domain[b]
+        if domain == WORLD:
+            return self._added(a, b, domain)
+        known = self._constant_sums.get((a, b))
+        if known is None:
+            known = self._constant_sums[a, b] = self._added(a, b, domain)
+        return known
+
+    def _added(self, a: Node, b: Node, domain: int) -> Node:
         if domain == 0:
             value = self.data[a] + self.data[b]
             return self.number(value) if _fits(value) else self._sum_node(a, b)
@@ -113,8 +123,9 @@ class Graph(Nodes):
         """a + b, with a scale in common taken out."""
         if domain == 0:
             return self.add(a, b)
-        p, r = self._split(a, domain)
-        s, u = self._split(b, domain)
+        scales, rests, domains = self._scale, self._rest, self._domain
+        p, r = (a, ONE) if domains[a] < domain else (scales[a], rests[a])
+        s, u = (b, ONE) if domains[b] < domain else (scales[b], rests[b])
         if p != ONE and r != ONE and u != ONE:
             if p == s:
                 return self._scaled(p, self._sum_node(r, u))
@@ -134,18 +145,30 @@ class Graph(Nodes):
             return b
         if b == ONE:
             return a
-        domain = self._domain[a] | self._domain[b]
+        if self._domain[a] == WORLD or self._domain[b] == WORLD:
+            return self._multiplied(a, b)
+        known = self._constant_products.get((a, b))
+        if known is None:
+            known = self._constant_products[a, b] = self._multiplied(a, b)
+        return known
+
+    def _multiplied(self, a: Node, b: Node) -> Node:
+        domain, other = self._domain[a], self._domain[b]
+        if domain != other:  # the one from a lower domain belongs to the scale
+            if domain > other:
+                a, b = b, a
+            scale, rest = self._scale[b], self._rest[b]
+            scale = a if scale == ONE else self.multiply(a, scale)
+            return rest if scale == ONE else self._scaled_node(scale, rest)
         if domain == 0:
             value = self.data[a] * self.data[b]
             if _fits(value):
                 return self.number(value)
             return self._product_node((a, b) if a < b else (b, a))
-        p, r = self._split(a, domain)
-        s, u = self._split(b, domain)
+        p, s = self._scale[a], self._scale[b]
         scale = s if p == ONE else p if s == ONE else self.multiply(p, s)
-        if r == ONE or u == ONE:
-            return self._scaled(scale, u if r == ONE else r)
-        return self._scaled(scale, self._product(r, u))
+        rest = self._product(self._rest[a], self._rest[b])
+        return rest if scale == ONE else self._scaled(scale, rest)
 
     def product(self, nodes: Iterable[Node]) -> Node:
         result = ONE
@@ -204,14 +227,14 @@ class Graph(Nodes):
 
     def power(self, base: Node, exponent: Fraction | int) -> Node:
         """base^exponent; the base is not zero where the exponent is negative."""
-        if exponent == int(exponent):
-            exponent = int(exponent)
+        if exponent.denominator == 1:
+            exponent = exponent.numerator
+        elif exponent == _HALF:
+            return self.call("sqrt", base)
         if exponent == 0:
             return ONE
         if exponent == 1 or base == ONE:
             return base
-        if exponent == Fraction(1, 2):
-            return self.call("sqrt", base)
         if self._domain[base] == 0:
             return self._number_power(base, exponent)
         if not isinstance(exponent, int):
@@ -230,8 +253,8 @@ class Graph(Nodes):
 
     def _power_of(self, base: Node, exponent: Fraction | int) -> Node:
         """A base, one of a monomial, to a power."""
-        if exponent == int(exponent):
-            exponent = int(exponent)
+        if exponent.denominator == 1:
+            exponent = exponent.numerator
             if self._factors[base] != ((base, 1),):
                 return self.power(base, exponent)
             return self._integer_power(base, exponent)

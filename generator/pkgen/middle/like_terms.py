@@ -41,13 +41,13 @@ def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
     for _, r in right:
         if factors[r] in known or _squared(g, r):
             return True
-    return any(_squared(g, r) for _, r in left)
+    return any([_squared(g, r) for _, r in left])
 
 
 def _squared(g: Graph, rest: Node) -> bool:
     partner = g._partner
     for base, exponent in g._factors[rest]:  # noqa: SIM110 (this is asked most of all)
-        if base in partner and exponent >= 2:
+        if exponent >= 2 and base in partner:
             return True
     return False
 

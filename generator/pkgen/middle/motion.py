@@ -176,6 +176,8 @@ def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> N
     candidates = []
     if kinetic is not None and degree(g, kinetic) == 2 and not g.depends[potential] & RATES:
         candidates.append(g.add(kinetic, potential))
+        if not wanted("energy", "observe", "conserve"):
+            return candidates[0]
     v = symbols(g, Kind.RATE, len(motion.momenta))
     work = g.sum(map(g.multiply, v, motion.momenta))
     candidates.append(g.subtract(work, energies.lagrangian))

@@ -46,7 +46,7 @@ NUMBER_BITS = 512  # numbers beyond are left to the C as a product
 FACTORS = 16  # a product of more is one factor of any larger product
 TERMS = 4  # a sum of more is not searched for like terms
 # The domains, so that the higher of two is their union.
-_NUMBERS, _PARAMETERS, _WORLD = 0b00, 0b01, 0b11
+_NUMBERS, _PARAMETERS, WORLD = 0b00, 0b01, 0b11
 ZERO: Node = 0
 ONE: Node = 1
 MINUS_ONE: Node = 2
@@ -85,8 +85,11 @@ class Nodes:
         self._scale: list[Node] = []
         self._rest: list[Node] = []
         self._factors: list[Factors] = []
-        self._terms: list[Terms | None] = []  # (): not yet asked for
+        self._terms: dict[Node, Terms | None] = {}  # of those that were asked for
         self._partner: dict[Node, Node] = {}  # sin(x) and cos(x), where both are there
+        # What is asked for again and again: sums and products without variables.
+        self._constant_sums: dict[tuple[Node, Node], Node] = {}
+        self._constant_products: dict[tuple[Node, Node], Node] = {}
         self._negatives: dict[Node, Node] = {}
         self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
         for value in (0, 1, -1):
@@ -146,7 +149,7 @@ class Nodes:
 
     def split(self, node: Node) -> tuple[Node, Node]:
         """The node as (scale, rest); the scale depends on parameters alone."""
-        if self._domain[node] < _WORLD:
+        if self._domain[node] < WORLD:
             return node, ONE
         return self._scale[node], self._rest[node]
 
@@ -160,35 +163,28 @@ class Nodes:
 
     # -- a node as terms and as scale times rest ------------------------------------------------
 
-    def _split(self, node: Node, domain: int) -> tuple[Node, Node]:
-        """Scale and rest with respect to a domain, the node's own or a higher one."""
-        if self._domain[node] < domain:
-            return node, ONE
-        return self._scale[node], self._rest[node]
-
     def _terms_of(self, node: Node, domain: int) -> Terms | None:
         if self._domain[node] < domain:
             return ((node, ONE),)
-        terms = self._terms[node]
+        terms = self._terms.get(node, ())
         if terms == ():
             terms = self._terms[node] = self._found_terms(node, domain)
         return terms
 
     def _found_terms(self, node: Node, domain: int) -> Terms | None:
         scale, rest = self._scale[node], self._rest[node]
+        if self.op[rest] is not Op.ADD:
+            return ((scale, rest),)
         if scale != ONE:
             terms = self._terms_of(rest, domain)
-            if terms is None:
-                return None
-            if len(terms) == 1 and terms[0][0] == ONE:
-                return ((scale, terms[0][1]),)
-            return tuple((self.multiply(scale, p), r) for p, r in terms)
-        if self.op[node] is not Op.ADD:
-            return ((ONE, node),)
+            return terms and tuple((self.multiply(scale, p), r) for p, r in terms)
         a, b = self.args[node]
         left, right = self._terms_of(a, domain), self._terms_of(b, domain)
         if left is None or right is None or len(left) + len(right) > TERMS:
             return None
+        if len(left) == len(right) == 1:  # as most sums are
+            same = self._factors[left[0][1]] == self._factors[right[0][1]]
+            return None if same else left + right
         # The same rest twice, as in (x + y) + (x + z), would be lost when merging.
         both = left + right
         return both if len({self._factors[r] for _, r in both}) == len(both) else None
@@ -211,11 +207,10 @@ class Nodes:
         self.args.append(args)
         self.data.append(data)
         self.depends.append(depends)
-        self._domain.append(_WORLD if depends & VARIABLE else _PARAMETERS)
+        self._domain.append(WORLD if depends & VARIABLE else _PARAMETERS)
         self._scale.append(ONE)
         self._rest.append(node)
         self._factors.append(((node, 1),) if factors is None else factors)
-        self._terms.append(())
         return node
 
     def _sum_node(self, a: Node, b: Node) -> Node:
@@ -239,8 +234,12 @@ class Nodes:
         return node
 
     def _scaled_node(self, scale: Node, rest: Node) -> Node:
-        node = self._product_node((scale, rest))
-        self._scale[node], self._rest[node] = scale, rest
+        args = scale, rest
+        node = self._products.get(args)
+        if node is None:
+            depends = self.depends[scale] | self.depends[rest]
+            node = self._products[args] = self._append(Op.MULTIPLY, args, None, depends, ())
+            self._scale[node], self._rest[node] = args
         return node
 
     def _power_node(self, base: Node, exponent: Fraction | int) -> Node:

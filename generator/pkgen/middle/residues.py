@@ -11,6 +11,7 @@ identities, J. ACM 27 (1980) 701-717.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 from ..functions import FUNCTIONS
@@ -34,27 +35,33 @@ class Residues:
         self.known: dict[Node, int | None] = {}
 
     def __call__(self, output: Node) -> int | None:
-        g, known = self.graph, self.known
-        stack = [output]
+        if output not in self.known:
+            self.learn([output])
+        return self.known[output]
+
+    def learn(self, outputs: Iterable[Node]) -> None:
+        """Values of many at once, in one sweep."""
+        known, args, ops, data = self.known, self.graph.args, self.graph.op, self.graph.data
+        missing = {output for output in outputs if output not in known}
+        stack = list(missing)
         while stack:
-            node = stack[-1]
-            if node in known:
-                stack.pop()
-                continue
-            missing = [a for a in g.args[node] if a not in known]
-            if missing:
-                stack.extend(missing)
-                continue
-            stack.pop()
-            values = [known[a] for a in g.args[node]]
-            known[node] = None if None in values else self._of(g.op[node], g.data[node], values)
-        return known[output]
+            for a in args[stack.pop()]:
+                if a not in known and a not in missing:
+                    missing.add(a)
+                    stack.append(a)
+        for node in sorted(missing):
+            values = [known[a] for a in args[node]]
+            op = ops[node]
+            if None in values:
+                known[node] = None
+            elif op is Op.MULTIPLY:
+                known[node] = values[0] * values[1] % PRIME
+            elif op is Op.ADD:
+                known[node] = (values[0] + values[1]) % PRIME
+            else:
+                known[node] = self._of(op, data[node], values)
 
     def _of(self, op: str, data, values: list[int]) -> int | None:
-        if op is Op.ADD:
-            return (values[0] + values[1]) % PRIME
-        if op is Op.MULTIPLY:
-            return values[0] * values[1] % PRIME
         if op is Op.NUMBER:
             return _fraction(data)
         if op is Op.SYMBOL:
@@ -79,10 +86,18 @@ class Varying:
         here = self.worlds[0](node)
         if here is None:
             return False
+        there = self._world(mask)(node)
+        return there is not None and here != there
+
+    def learn(self, nodes: list[Node], mask: int) -> None:
+        """What is going to be asked about these, in one sweep a world."""
+        self.worlds[0].learn(nodes)
+        self._world(mask).learn(nodes)
+
+    def _world(self, mask: int) -> Residues:
         if mask not in self.worlds:
             self.worlds[mask] = Residues(self.graph, mask)
-        there = self.worlds[mask](node)
-        return there is not None and here != there
+        return self.worlds[mask]
 
     def is_nonzero(self, node: Node) -> bool:
         """True is a proof that the normal form is not 0; False is none."""
