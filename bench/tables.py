@@ -30,8 +30,7 @@ def table(heading: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
     rule = ["-" * (w + 2) if not i else "-" * (w + 1) + ":" for i, w in enumerate(widths)]
     return "\n".join(
-        [line(cells[0]), "|" + "|".join(rule) + "|"]
-        + [line(row) for row in cells[1:]]
+        [line(cells[0]), "|" + "|".join(rule) + "|"] + [line(row) for row in cells[1:]]
     )
 
 
