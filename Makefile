@@ -32,7 +32,9 @@ include tests/runtime/runtime.mk
 demo: $(STAMP)
 	$(PYTHON) tools/demo.py
 
-test: $(STAMP) test-runtime test-licence test-python
+test: $(STAMP)
+	@$(MAKE) -j 2 test-runtime-programs
+	@$(MAKE) test-runtime test-licence test-python
 
 test-licence: runtime
 	@sh tools/check_licence.sh

@@ -37,7 +37,7 @@ def sizes(assignments: Iterable[str]) -> dict[str, int]:
             raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
         if not digits.strip("0"):
             raise UsageError(f"--size {text}: a size is at least 1")
-        if len(digits) > 10 or int(digits) > limits.FAMILY:
+        if len(digits.lstrip("0")) > 10 or int(digits) > limits.FAMILY:
             raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
         found[name.strip()] = int(digits)
     return found

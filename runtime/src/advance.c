@@ -11,8 +11,12 @@
  * pk_integrator_step(), which ends exactly there. */
 static unsigned long whole(const struct pk_integrator *it, pk_real limit, unsigned long most)
 {
-    const pk_real count = pk_abs(limit - it->t) / it->options.h * (1 - 4 * PK_EPS);
+    /* Times are rounded: a step that ends that close to the limit is the last one. */
+    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
     const pk_real ceiling = PK_C(1e9);
+    if (!(count > 0))
+        return 0;
     const unsigned long steps = (unsigned long)(count < ceiling ? count : ceiling);
     return steps < most ? steps : most;
 }
@@ -55,7 +59,10 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     it->grid += (pk_real)steps;
     it->t = it->next_t = it->anchor + it->grid * h;
     it->count.steps += steps;
-    it->count.evaluations += steps * (unsigned long)table->stages;
+    /* The last kick of a step and the first of the next are one, but for the first of all. */
+    const pk_real *last = table->kick + table->stages;
+    const int both = (table->kick[0] > 0 || table->kick[0] < 0) && (*last > 0 || *last < 0);
+    it->count.evaluations += steps * (unsigned long)table->stages + (both ? 1 : 0);
     it->status = PK_DONE;
     return steps;
 }

@@ -23,7 +23,7 @@ RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING -DPK_INLI
 RT_SYSTEMS_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/inlined/%.o,$(RT_SYSTEMS_C))
 RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 
-.PHONY: runtime test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
+.PHONY: runtime test-runtime-programs test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
 
 runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a $(RT_OMP)
 
@@ -80,10 +80,9 @@ $(RT_TESTS)/quad $(RT_TESTS)/quad_inlined: $(wildcard runtime/src/*.c) $(RT_HEAD
 	    -Itests/runtime $(RT_EXTRA) $(RT_INSTANCE) runtime/src/*.c $(RT_SYSTEMS_C) \
 	    tests/runtime/quad/order.c -lquadmath -lm -o $@
 
-test-runtime: $(RT_TESTS)/example $(RT_TESTS)/quad $(RT_TESTS)/quad_inlined \
-              $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined \
-              $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken \
-              check-runtime-symbols test-runtime-scalars
+RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined run_pendulum run_broken)
+test-runtime-programs: $(RT_PROGRAMS)
+test-runtime: $(RT_PROGRAMS) check-runtime-symbols test-runtime-scalars
 	$(RT_TESTS)/runtime
 	$(RT_TESTS)/runtime_inlined inlined
 	$(RT_TESTS)/quad

@@ -56,6 +56,28 @@ static void as_single_steps(void)
         }
 }
 
+/* Rows are ten steps apart, up to rounding of the time: no step is left over, none goes back. */
+static void row_after_row(void)
+{
+    static const double steps[] = {0.01, 0.1, 0.02}, rows[] = {0.1, 0.7, 0.3};
+    static const unsigned long each[] = {10, 7, 15};
+    static struct fixture f;
+    static struct pk_system own;
+    own = driven_system;
+    own.advance = advance;
+    fused_of = &driven_system;
+    for (size_t k = 0; k < 3; k++) {
+        fixture_set(&f, &own);
+        f.options.h = steps[k];
+        fixture_init(&f, "verlet");
+        for (unsigned long row = 1; row <= 2000; row++) {
+            CU_ASSERT(pk_integrator_steps(&f.it, (double)row * rows[k], 0) == PK_DONE);
+            CU_ASSERT(f.it.direction > 0 && f.it.t == (double)row * rows[k]);
+            CU_ASSERT(f.it.count.steps == each[k] * row);
+        }
+    }
+}
+
 static void no_more_steps_than_allowed(void)
 {
     static struct fixture f;
@@ -78,6 +100,7 @@ void add_advance(void)
 {
     CU_pSuite suite = CU_add_suite("fused steps", NULL, NULL);
     CU_add_test(suite, "as single steps", as_single_steps);
+    CU_add_test(suite, "row after row", row_after_row);
     CU_add_test(suite, "no more than allowed", no_more_steps_than_allowed);
     CU_add_test(suite, "the step that fails", the_step_that_fails);
 }

@@ -28,10 +28,6 @@ class Form(NamedTuple):
     def is_sum(self) -> bool:
         return bool(self.terms)
 
-    @property
-    def is_atom(self) -> bool:
-        return not self.terms and self.sign == PLUS and len(self.above) == 1 and not self.below
-
 
 def atom(text: str) -> Form:
     return Form(above=(text,), length=len(text))

@@ -72,7 +72,6 @@ class Builder:
     def __init__(self, e: LoopEquations):
         self.e = e
         self.sets = Interior(e)
-        self._planned: list = []
         self.lowering: Lowering | None = None
 
     # Two passes: `plan` grows the graph, `begin` freezes it, the rest registers blocks.

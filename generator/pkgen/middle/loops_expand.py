@@ -148,10 +148,14 @@ class LoopExpander:
             return self._sum(expr, loop)
         value = EXPAND[type(expr)](self, expr, loop)
         for node in value if isinstance(value, tuple) else (value,):
-            wrong = self._magnitudes.wrong(node)
-            if wrong:
-                raise error(self.model, wrong, expr.span)
+            self.check_magnitude(node, expr.span)
         return value
+
+    def check_magnitude(self, node: Node, span: Span) -> None:
+        """That a double can hold its constants."""
+        wrong = self._magnitudes.wrong(node)
+        if wrong:
+            raise error(self.model, wrong, span)
 
     def refused(self, message: str, span: Span) -> Exception:
         """What is to be raised of an exponent that may be an index, a number once unrolled."""

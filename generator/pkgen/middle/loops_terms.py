@@ -43,6 +43,8 @@ class Term:
                     raise error(x.model, "division by zero", factor.expr.span)
                 value = x.graph.power(value, -1)
             product = x.graph.multiply(product, value)
+        body = [factor for factor in self.factors if factor.exponent > 0][-1]
+        x.check_magnitude(product, body.expr.span)
         return product
 
 

@@ -43,7 +43,8 @@ def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
 
 
 def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
-    """Sums of scaled symbols, like q_2 - q_1: taken apart, neighbours would lose their digits."""
+    """Sums of scaled symbols, like q_2 - q_1, and sums to a power: taken apart, neighbours would
+    lose their digits."""
     order = reachable(g, outputs)
     plain: dict[Node, bool] = {}
     for node in order:
@@ -54,7 +55,8 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
             plain[node] = all(plain[a] for a in g.args[node])
         else:
             plain[node] = g.op[node] is Op.SYMBOL or not g.depends[node] & VARIABLE
-    return frozenset(n for n in order if g.op[n] is Op.ADD and plain[n] and g.depends[n] & VARIABLE)
+    sums = {n for n in order if g.op[n] is Op.ADD and plain[n] and g.depends[n] & VARIABLE}
+    return frozenset(sums | _squared(g, order))
 
 
 def _squared(g: Graph, order: list[Node]) -> set[Node]:

@@ -1,0 +1,56 @@
+"""What a reviewer found in families as loops, once each."""
+
+from __future__ import annotations
+
+import ctypes
+
+import pytest
+from loop_harness import Looped, looped
+from pkgen.source import ModelError
+
+CHAIN = """\
+size N = 4
+coord {q}[1..N]
+fixed {q}[0] = 0, {q}[N+1] = 0
+kinetic sum({q}[i]'^2/2, i = 1..N)
+"""
+
+
+@pytest.mark.parametrize("amplitude", [1e-2, 1e-5, 1e-8])
+def test_near_rest_the_acceleration_keeps_its_digits(amplitude, tmp_path):
+    """(1 - exp(-d))^3 must not be expanded: of M = 1 the force is the same, kernel by kernel."""
+    bond = "1-exp(-(q[i+1]-q[i]))"
+    text = f"model anharmonic\nparam a = 0.25\nparam b = 0.7\n{CHAIN.format(q='q')}"
+    text += f"potential sum(a/3*({bond})^3 + b/4*({bond})^4, i = 0..N)\n"
+    at = Looped(text, tmp_path).at(40)
+    q = [amplitude * ((7 * i) % 5 - 2) for i in range(40)]
+    _, (a,) = at.call("acceleration", 0.0, q, [0.0] * 40, [], (40,), ctypes.c_int)
+    _, (f,) = at.call("force", 0.0, q, [0.0] * 40, [], (40,))
+    scale = max(map(abs, f))
+    # exp() itself is rounded: 1 - exp(-d) to eps/d.
+    allowed = 20 * 2.2e-16 / amplitude
+    assert scale > 0 and max(abs(x - y) for x, y in zip(a, f, strict=True)) < allowed * scale
+
+
+@pytest.mark.parametrize("name", ["flux", "far", "total", "own", "count", "base"])
+def test_names_of_the_emitted_code_are_free(name, tmp_path):
+    bonds = f"potential sum(({name}[i+1]-{name}[i])^2/2, i = 0..N)\n"
+    pairs = f"potential sum(sum(cos({name}[i]-{name}[j]), j = i+1..N), i = 1..N)\n"
+    Looped(f"model bonds\n{CHAIN.format(q=name)}{bonds}", tmp_path)
+    Looped(f"model pairs\n{CHAIN.format(q=name)}{pairs}", tmp_path)
+    scalar = f"coord {name}\n{CHAIN.format(q='q').rstrip()} + {name}'^2/2\n"
+    Looped(f"model scalar\n{scalar}potential sum(q[i]*{name}, i = 1..N)\n", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("potential", "wrong"),
+    [
+        ("1e200*sum(1e200*q[i]^2, i = 1..N)", "too large"),
+        ("1e-200*sum(1e-200*q[i]^2, i = 1..N)", "too small"),
+        ("sum(q[i]^2, i = 1..N)/(1e200)/1e200", "too small"),
+    ],
+)
+def test_a_constant_that_no_double_holds_is_refused(potential, wrong):
+    with pytest.raises(ModelError) as refused:
+        looped(f"model scaled\n{CHAIN.format(q='q')}potential {potential}\n")
+    assert wrong in refused.value.diagnostics[0].message
