@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from .compiler import Compilation
-from .explain_rows import Line, M, Writer, index, span
+from .explain_rows import Line, M, Writer
 from .middle.affine import Affine
 from .middle.loops import Group, LoopEquations, PairForce, PairPart, Total
 
@@ -14,12 +14,13 @@ def explain_loops(compilation: Compilation) -> str:
     """The whole report."""
     e = compilation.equations
     assert isinstance(e, LoopEquations)
+    write = Writer(e)
     sections = [
-        _title(compilation, e),
-        _declared("Coordinates", e.coordinates),
-        _declared("Parameters", e.parameters),
-        _lagrangian(e),
-        _equations(e),
+        _title(compilation, write),
+        _declared(write, "Coordinates", e.coordinates),
+        _declared(write, "Parameters", e.parameters),
+        _lagrangian(write),
+        _equations(write),
         _structure(compilation, e),
         _cost(compilation),
     ]
@@ -36,11 +37,11 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
         "description": compilation.model.description,
         "families": "loops",
         "sizes": {size.name: size.value for size in compilation.model.sizes},
-        "coordinates": [_name(g) for g in e.coordinates],
+        "coordinates": [_name(write, g) for g in e.coordinates],
         "mass": _record(_mass(write)),
         "force": _record(_force(write)),
         "pairs": [
-            {"range": _pair_range(pair), "force": _record(_pair(write, pair))}
+            {"range": _pair_range(write, pair), "force": _record(_pair(write, pair))}
             for pair in e.force.pairs
         ],
         "beyond": _beyond(write),
@@ -53,20 +54,23 @@ def _record(lines: list[Line]) -> dict[str, str]:
     return {f"{x.left} for {x.range}" if x.range else x.left: x.right for x in lines}
 
 
-def _title(compilation: Compilation, e: LoopEquations) -> str:
+def _title(compilation: Compilation, write: Writer) -> str:
     model = compilation.model
     title = model.name + (f": {model.description}" if model.description else "")
     sizes = ", ".join(f"{s.name} = {s.value}" for s in model.sizes)
-    return f"{title}\n{index(e.count)} degrees of freedom ({sizes}); sizes are set at run time"
+    count = write.index(write.e.count)
+    return f"{title}\n{count} degrees of freedom ({sizes}); sizes are set at run time"
 
 
-def _name(group: Group) -> str:
-    return group.name + (f"[{index(group.lo)}..{index(group.hi)}]" if group.is_family else "")
+def _name(write: Writer, group: Group) -> str:
+    return group.name + (
+        f"[{write.index(group.lo)}..{write.index(group.hi)}]" if group.is_family else ""
+    )
 
 
-def _declared(title: str, groups: tuple[Group, ...]) -> str:
+def _declared(write: Writer, title: str, groups: tuple[Group, ...]) -> str:
     rows = [
-        (_name(g), f"[{g.declared.unit}]" if g.declared.unit else "", g.declared.description)
+        (_name(write, g), f"[{g.declared.unit}]" if g.declared.unit else "", g.declared.description)
         for g in groups
     ]
     if not rows:
@@ -76,8 +80,8 @@ def _declared(title: str, groups: tuple[Group, ...]) -> str:
     return "\n".join([title, *lines])
 
 
-def _lagrangian(e: LoopEquations) -> str:
-    write = Writer(e)
+def _lagrangian(write: Writer) -> str:
+    e = write.e
     if e.kinetic is None or e.potential is None:
         return f"Lagrangian\n  L = {_total(write, e.lagrangian)}"
     parts = [("T", e.kinetic), ("V", e.potential)]
@@ -86,12 +90,11 @@ def _lagrangian(e: LoopEquations) -> str:
     )
 
 
-def _equations(e: LoopEquations) -> str:
-    write = Writer(e)
+def _equations(write: Writer) -> str:
     lines = ["Equations of motion   M q'' = f"]
     lines += [f"  {line}" for line in (*_mass(write), *_force(write))]
-    for pair in e.force.pairs:
-        lines.append(f"  for each pair {_pair_range(pair)}:")
+    for pair in write.e.force.pairs:
+        lines.append(f"  for each pair {_pair_range(write, pair)}:")
         lines += [f"    {line.left} += {line.right}" for line in _pair(write, pair)]
     lines += [f"  where {line}" for line in _beyond(write)]
     return "\n".join(lines)
@@ -142,19 +145,20 @@ def _force(write: Writer) -> list[Line]:
         if row.parts:
             found += write.rows(group, [(partial(_member, write, "f[{}]", group), row.parts)])
         elif not e.force.pairs:
-            found.append(Line(f"f[{name}[i]]", "0", span(group.lo, group.hi)))
+            found.append(Line(f"f[{name}[{write.i}]]", "0", write.span(group.lo, group.hi)))
     return found + [Line(f"f[{n}]", _total(write, t)) for n, t in e.force.totals.items()]
 
 
 def _pair(write: Writer, pair: PairForce) -> list[Line]:
-    sides = [(f"f[{n}[i]]", node) for n, node in pair.by_row]
-    sides += [(f"f[{n}[j]]", node) for n, node in pair.by_other]
+    sides = [(f"f[{n}[{write.i}]]", node) for n, node in pair.by_row]
+    sides += [(f"f[{n}[{write.j}]]", node) for n, node in pair.by_other]
     sides += [(f"f[{n}]", node) for n, node in pair.by_scalar]
     return [Line(left, write.text([(node, M)])) for left, node in sides]
 
 
-def _pair_range(pair: PairForce | PairPart) -> str:
-    return f"{span(pair.lo, pair.hi)}, j = {index(pair.first)}..{index(pair.last)}"
+def _pair_range(write: Writer, pair: PairForce | PairPart) -> str:
+    others = f"{write.j} = {write.index(pair.first)}..{write.index(pair.last)}"
+    return f"{write.span(pair.lo, pair.hi)}, {others}"
 
 
 def _beyond(write: Writer) -> list[str]:
@@ -162,22 +166,25 @@ def _beyond(write: Writer) -> list[str]:
     found = []
     for g in write.e.families:
         if g.periodic:
-            found.append(f"{g.name}[i+{index(g.count)}] = {g.name}[i] (periodic)")
+            found.append(
+                f"{g.name}[{write.i}+{write.index(g.count)}] = {g.name}[{write.i}] (periodic)"
+            )
         for at, end in g.ends:
             if end.kind == "fixed":
                 value = write.text([(write.e.given[g.name, at][0], M)])
             else:
-                value = f"{g.name}[{index(write.home(g, at))}]"
-            found.append(f"{g.name}[{index(at)}] = {value} ({end.kind})")
+                value = f"{g.name}[{write.index(write.home(g, at))}]"
+            found.append(f"{g.name}[{write.index(at)}] = {value} ({end.kind})")
     return found
 
 
 def _total(write: Writer, total: Total) -> str:
     parts = [write.text([(total.constant, M)])] if total.constant else []
     parts += [
-        f"sum({write.text([(part.node, M)])}, {span(part.lo, part.hi)})" for part in total.parts
+        f"sum({write.text([(part.node, M)])}, {write.span(part.lo, part.hi)})"
+        for part in total.parts
     ]
-    parts += [f"sum({write.text([(p.node, M)])}, {_pair_range(p)})" for p in total.pairs]
+    parts += [f"sum({write.text([(p.node, M)])}, {_pair_range(write, p)})" for p in total.pairs]
     return " + ".join(parts) or "0"
 
 

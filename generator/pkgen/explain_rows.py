@@ -12,10 +12,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .middle.affine import ROW, Affine, variable
+from .middle.affine import OTHER, ROW, Affine, variable
 from .middle.differentiate import reachable
 from .middle.graph import ZERO, Kind, Node, Op, Symbol
 from .middle.loops import Group, LoopEquations, Part, Slot
+from .middle.loops_expand import unlike_loops
 from .middle.quantities import input_quantities
 from .middle.sympy_bridge import to_sympy, written_size
 
@@ -44,15 +45,6 @@ class Line:
         return f"{self.left} = {self.right}" + (f"   for {self.range}" if self.range else "")
 
 
-def index(at: Affine) -> str:
-    """`i+1`, `N-1`."""
-    return at.text({ROW: "i"}).replace(" ", "")
-
-
-def span(lo: Affine, hi: Affine) -> str:
-    return f"i = {index(lo)}..{index(hi)}"
-
-
 class Writer:
     """Expressions, and rows of one expression a member, of one model."""
 
@@ -60,6 +52,19 @@ class Writer:
         self.e = e
         self.groups = {g.name: g for g in e.coordinates}
         self.inputs = [q.name for q in input_quantities(e.model, e.orders)]
+        own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
+        self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
+        self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
+        # A size that has the name of a loop variable of ours is known by another.
+        sizes = {unlike_loops(size.name): size.name for size in e.model.sizes}
+        self._shown = sizes | {ROW: self.i, OTHER: self.j}
+
+    def index(self, at: Affine) -> str:
+        """`i+1`, `N-1`; of a row `i`, or a letter that the model leaves free."""
+        return at.text(self._shown).replace(" ", "")
+
+    def span(self, lo: Affine, hi: Affine) -> str:
+        return f"{self.i} = {self.index(lo)}..{self.index(hi)}"
 
     # -- expressions --------------------------------------------------------------------------
 
@@ -90,7 +95,9 @@ class Writer:
 
         if slot.kind == "index":
             place = variable(slot.name).replaced({ROW: at})
-            return sum((f * sp.Symbol(index(variable(n))) for n, f in place.terms), place.constant)
+            return sum(
+                (f * sp.Symbol(self.index(variable(n))) for n, f in place.terms), place.constant
+            )
         name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
         if slot.at is not None:
             place = slot.at.replaced({ROW: at})
@@ -98,7 +105,7 @@ class Writer:
                 place = self.home(self.groups[name], place)
                 if slot.kind == "w" and at != M and self._is_own(self.groups[name], place):
                     return sp.Integer(0)
-            name = f"{name}[{index(place)}]"
+            name = f"{name}[{self.index(place)}]"
         return sp.Symbol(name + PRIMES.get(slot.kind, ""))
 
     # -- members ------------------------------------------------------------------------------
@@ -135,7 +142,7 @@ class Writer:
         """A member by its name; None of one that is given."""
         place = self.home(group, at)
         given = any(end.kind == "fixed" and p == place for p, end in group.ends)
-        return None if given else f"{group.name}[{index(place)}]"
+        return None if given else f"{group.name}[{self.index(place)}]"
 
     # -- rows ---------------------------------------------------------------------------------
 
@@ -158,7 +165,7 @@ class Writer:
             return self._listed(items)
         if inside.is_constant and inside.constant <= 0:
             return lines
-        return [*self._inside(items, span(group.lo + below, group.hi - above)), *lines]
+        return [*self._inside(items, self.span(group.lo + below, group.hi - above)), *lines]
 
     def _inside(self, items, where: str) -> list[Line]:
         found = []
@@ -187,7 +194,7 @@ class Writer:
             if left is not None:
                 for k, part in enumerate(parts):
                     right = ("" if k == 0 else "... + ") + self.text([(part.node, M)])
-                    found.append(Line(left, right, span(part.lo, part.hi)))
+                    found.append(Line(left, right, self.span(part.lo, part.hi)))
         return found
 
     def _ends(self, group: Group, parts: list[Part]) -> tuple[int, int]:

@@ -154,3 +154,14 @@ def test_where_sizes_would_have_to_be_compared_parts_have_their_ranges() -> None
     )
     said = explain_loops(compile_model(Source("model.lag", text)))
     assert "f[q[i]] = -q[i]   for i = 1..N\n  f[q[i]] = ... + -q[i]^3   for i = 1..K" in said
+
+
+def test_an_index_has_a_letter_that_the_model_leaves_free():
+    """sum(q[k]^2/2*k/i) of a parameter i is not sum(q[i]^2/2)."""
+    text = (
+        "model letters\nsize m = 40\nparam i = 2\ncoord q[1..m]\n"
+        "kinetic sum(q[n]'^2/2, n = 1..m)\npotential sum(q[n]^2/2*n/i, n = 1..m)\n"
+    )
+    said = explain_loops(compile_model(Source("model.lag", text)))
+    assert "V = sum(k*q[k]^2/(2*i), k = 1..m)" in said
+    assert "f[q[k]] = -k*q[k]/i   for k = 1..m" in said and "m degrees of freedom" in said
