@@ -916,8 +916,8 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
 
 
 /* Kicks and drifts of splitting methods, v += kappa h a(q, t) and q += delta h v, fused: a chunk of
- * each family is kicked when the next two have drifted, so that a row finds its neighbours drifted
- * as well, and all is read and written once. Several stages follow each other three chunks
+ * each family is kicked when the next 2 have drifted, so that a row finds its neighbours drifted
+ * as well, and all is read and written once. Several stages follow each other 3 chunks
  * apart, within the near caches: memory is gone through once for fput_STAGES of them.
  * Sums are not compensated: that would double the traffic. */
 enum {
