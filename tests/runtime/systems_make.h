@@ -38,7 +38,8 @@ static const unsigned char none_cyclic[] = {0, 0};
 /* What pk/inlined.h wants: constants, and lane kernels, here lane by lane. */
 #define SIZES(NAME, N, INPUTS)                                                               \
     enum { NAME##_N = N, NAME##_INPUTS = INPUTS };                                           \
-    static inline unsigned long long NAME##_lanes_inline(                                   \
+    PK_INLINE                                                                                \
+    static unsigned long long NAME##_lanes_inline(                                          \
         size_t W, const void *params, const pk_real *t, const pk_real *q, const pk_real *v, \
         const pk_real *u, pk_real *a)                                                       \
     {                                                                                       \
