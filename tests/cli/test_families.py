@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from pkgen import options
 
 FPUT = ROOT / "models" / "families" / "fput.lag"
 PARTS = """\
@@ -139,6 +140,10 @@ def test_rows_nobody_could_want_are_not_written(pkgen) -> None:
     big = ("run", FPUT, "--size", "N=1000000", "--method", "verlet", "--step", "0.1")
     done = pkgen(*big, "--until", "1000", "--every", "0.1")
     assert done.returncode == 2 and "GB; take a longer interval" in done.stderr
+
+
+def test_zeros_before_a_size_are_none_of_it():
+    assert options.sizes(["N=00000000005", " M = 64 "]) == {"N": 5, "M": 64}
 
 
 @pytest.mark.parametrize(

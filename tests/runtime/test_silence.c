@@ -294,6 +294,23 @@ static void backward(void)
     }
 }
 
+/* Of any number in any place, whichever way the loop goes over it. */
+static void what_is_not_finite_is_seen(void)
+{
+    double x[21];
+    for (size_t n = 0; n <= 21; n++) {
+        for (size_t i = 0; i < n; i++)
+            x[i] = (double)i - 7;
+        CU_ASSERT(pk_all_finite(x, n));
+        for (size_t i = 0; i < n; i++) {
+            const double before = x[i];
+            x[i] = i % 2 ? (double)NAN : -(double)INFINITY;
+            CU_ASSERT(!pk_all_finite(x, n));
+            x[i] = before;
+        }
+    }
+}
+
 void add_silence(void)
 {
     CU_pSuite suite = CU_add_suite("never silent, continued", NULL, NULL);
@@ -307,5 +324,6 @@ void add_silence(void)
     CU_add_test(suite, "after a sliver of a step", after_a_sliver);
     CU_add_test(suite, "a reset is a fresh start", reset_is_fresh);
     CU_add_test(suite, "compensated sums", sums);
+    CU_add_test(suite, "what is not finite is seen", what_is_not_finite_is_seen);
     CU_add_test(suite, "backward", backward);
 }

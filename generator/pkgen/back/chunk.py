@@ -62,9 +62,9 @@ def _block(
         if name in words and home[name] < k
     ]
     loaded = set(_WORD.findall(" ".join(s.text for s in lines)))
-    if not slots:
-        lines += part
-    for statement in part if slots else ():
+    if not slots:  # nothing is handed on
+        return Block((*lines, *part), arguments & (words | loaded))
+    for statement in part:
         lines.append(statement)
         handed_on = [name for name in statement.defines if name in slots]
         lines += [Statement(STORE, f"w[{slots[name]}]", name) for name in handed_on]

@@ -23,9 +23,10 @@ from .program import LOAD, STORE, TRIG, Statement, operations_in
 from .rewrite import Workspace, rewrite
 from .schedule import Schedule, Target, number_text
 
+# Names of the templates where the model's own are written beside them.
 _OURS = (
     *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
-    *("flux", "far", "total", "own", "end", "count", "stop"),
+    *("flux", "total", "own"),
 )
 _WORD = re.compile(r"(?<![\w>.])[A-Za-z_]\w*")
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"

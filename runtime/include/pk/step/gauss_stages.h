@@ -30,9 +30,9 @@
 /* A step so much longer than the last one is not predicted from it: the polynomial says nothing
  * there, and its round-off grows like the 7th power. */
 #define PK_GAUSS_LEAP PK_C(8.0)
-/* Of the tolerance, so that a final error is no larger than dop853's at the same tolerance: measured
- * over models and starts from 1e-4 to 1e-15, it is half of dop853's on the worst model and a tenth on
- * most. */
+/* Of the tolerance, so that a final error is no larger than dop853's at the same tolerance:
+ * measured over models and starts from 1e-4 to 1e-15, it is half of dop853's on the worst model
+ * and a tenth on most. */
 #define PK_GAUSS_SHARE (PK_C(1.0) / PK_C(3.0))
 
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
