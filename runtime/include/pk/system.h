@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 2u
+#define PK_ABI 3u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -50,6 +50,22 @@ struct pk_parameter {
     size_t offset;  /* in bytes */
     int follows;    /* its default is computed from other parameters */
     int lo_open, hi_open;
+};
+
+/* What the acceleration divides by, or takes a root or a logarithm of: it is singular where the
+ * guard vanishes. There the chart alone may end, M being singular (the pole of a sphere), or the
+ * motion itself (a collision). */
+enum pk_guard_kind { PK_GUARD_COORDINATES, PK_GUARD_MOTION };
+struct pk_guard {
+    struct pk_quantity what; /* name: the expression as text, "sin(theta)" */
+    enum pk_guard_kind kind;
+};
+
+/* What `event` declares: a zero of a function of the state, crossed in a direction. */
+struct pk_event {
+    struct pk_quantity what;
+    int direction; /* +1 rising, -1 falling, 0 either */
+    int stop;
 };
 
 /* A method's step with the kernels of one system compiled into it; see pk/inlined.h. */
@@ -135,6 +151,20 @@ struct pk_system {
                     const pk_real *u, pk_real *out);
     void (*conserve)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *out);
+
+    /* Derivatives of r = f - M a, with a held, by q, v and t: so M da/dq = r_q, and so on. For
+     * variational equations and implicit methods in (q, v). NULL: there is none. */
+    void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
+
+    /* Where the equations end, and where events are; NULL where there are none. */
+    size_t n_guards, n_events;
+    const struct pk_guard *guards;
+    const struct pk_event *events;
+    void (*guard)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u, pk_real *out);
+    void (*event)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u, pk_real *out);
 
     /* The acceleration of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Bit l of
      * the result: lane l failed as acceleration() does, and a is not to be used there. With the
