@@ -20,6 +20,8 @@ from pathlib import Path
 
 import pkgen_runtime
 
+from .cache import cache_directory
+
 RUNTIME = Path(pkgen_runtime.__file__).parent
 # No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
 # clang differ in their defaults; it is off, since lanes and scalars then agree to the bit and
@@ -121,14 +123,6 @@ def _output(command: list[str]) -> str | None:
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout
-
-
-def cache_directory() -> Path:
-    named = os.environ.get("PKGEN_CACHE")
-    if named:
-        return Path(named)
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "pkgen"
 
 
 def runtime_library(tools: Toolchain) -> Path:
