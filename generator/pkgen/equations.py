@@ -46,6 +46,15 @@ class ParameterSlot:
 
 
 @dataclass(frozen=True)
+class Linear:
+    """Derivatives of r = f - M a, with a held: M (da/dq) = r_q, and so on."""
+
+    r_q: Matrix
+    r_v: Matrix
+    r_t: Row
+
+
+@dataclass(frozen=True)
 class Equations:
     model: Model
     graph: Graph
@@ -72,6 +81,7 @@ class Equations:
     p_q: Matrix | None  # None, like the next two, where the kernel is not asked for
     pdot_q: Matrix | None
     pdot_v: Matrix | None
+    linear: Linear | None  # None: not asked for
     observed: Row
     conserved: Row
     start_q: Row

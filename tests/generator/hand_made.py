@@ -167,6 +167,7 @@ def make(
         p_q=jacobian(momenta, world.q, Kind.COORDINATE),
         pdot_q=jacobian(slope, world.q, Kind.COORDINATE),
         pdot_v=jacobian(slope, world.v, Kind.RATE),
+        linear=None,
         observed=tuple(outputs.values()),
         conserved=(),
         start_q=tuple(g.number(0) for _ in range(n)),

@@ -48,5 +48,6 @@ void add_limits(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);
+void add_linear(void);
 
 #endif

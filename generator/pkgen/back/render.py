@@ -45,6 +45,7 @@ SYSTEM_KERNELS = [
     "potential",
     "observe",
     "conserve",
+    "linear",
 ]
 
 _TESTED = [
@@ -146,6 +147,7 @@ def _context(program: Program) -> dict[str, Any]:
         "system_kernels": [
             {"name": kernel, "present": kernel in present} for kernel in SYSTEM_KERNELS
         ],
+        "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
     } | lanes.context(program)
@@ -153,11 +155,13 @@ def _context(program: Program) -> dict[str, Any]:
 
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
     spec = KERNELS.get(kernel.name)
-    arguments = {"start": ["p"], "prepare": []}.get(kernel.name, ["p", "t", "q", "v", "u"])
+    given = spec.given if spec else ()
+    arguments = {"start": ["p"], "prepare": []}.get(kernel.name, ["p", "t", "q", "v", "u", *given])
     unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
     return {
         "name": kernel.name,
         "result": kernel.result,
+        "given": list(given),
         "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
         "says": spec.says if spec else "",
         "entries": entries(program, kernel),
@@ -175,7 +179,7 @@ def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
         "groups": tables.groups(block.statements),
         "checks": int(block.checks),
         "arguments": [
-            a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses and a not in outputs
+            a for a in ("p", "t", "q", "v", "u", "a", "w") if a in block.uses and a not in outputs
         ],
         "outputs": outputs,
     }

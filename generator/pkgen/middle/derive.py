@@ -14,7 +14,17 @@ from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
 from .graph import ZERO, Node
-from .motion import Energies, Motion, Wanted, energy_of, jacobians_of, motion_of, shorter, shortest
+from .motion import (
+    Energies,
+    Motion,
+    Wanted,
+    energy_of,
+    jacobians_of,
+    linear_of,
+    motion_of,
+    shorter,
+    shortest,
+)
 from .quantities import (
     error,
     families,
@@ -58,6 +68,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         jacobians: tuple[Matrix | None, ...] = (None, None, None)
         if wanted("jacobian"):
             jacobians = jacobians_of(x.graph, motion)
+        linear = linear_of(x.graph, motion) if wanted.linear(x.count) else None
         energy = energy_of(x.graph, energies, motion, wanted)
         energies = shorter(x.graph, energies, wanted)
     outputs = _outputs(x, energies, motion, energy)
@@ -90,6 +101,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         p_q=jacobians[0],
         pdot_q=jacobians[1],
         pdot_v=jacobians[2],
+        linear=linear,
         observed=outputs.observed,
         conserved=outputs.conserved,
         start_q=start_q,

@@ -5,6 +5,7 @@
 #include <pk/diagnostics.h>
 #include <pk/ensemble.h>
 #include <pk/integrator.h>
+#include <pk/linear.h>
 #include <pk/method.h>
 #include <pk/real.h>
 #include <pk/status.h>
