@@ -27,6 +27,8 @@ STRICT = [
     "-Werror",
 ]
 COMPILERS = ("gcc", "clang")
+# Warnings that need optimisation are the same in every type: the others are only read.
+THOROUGHLY = {"float": ["-fsyntax-only"], "double": ["-O2", "-c"], "long double": ["-fsyntax-only"]}
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
 
 # Every helper, every kind of power, an input, dissipation, families, names that are macros.
