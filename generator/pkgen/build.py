@@ -39,14 +39,15 @@ FLAGS = (
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
 # Whose steps are compiled together with the model, by its -DPK_INLINE_; see pk/inlined.h.
 INLINED = {
-    "euler": "ERK",
-    "rk4": "ERK",
-    "dopri5": "EMBEDDED",
-    "dop853": "EMBEDDED",
-    "symplectic_euler": "SPLITTING",
-    "verlet": "SPLITTING",
-    "yoshida4": "SPLITTING",
-    "gauss": "GAUSS",
+    method: family
+    for family, methods in {
+        "ERK": "euler rk2 rk3 rk4",
+        "EMBEDDED": "dopri5 dop853",
+        "SPLITTING": "symplectic_euler verlet yoshida4 suzuki4 mclachlan4 blanes_moan4 "
+        "yoshida6 kahan_li6 blanes_moan6 yoshida8 kahan_li8",
+        "GAUSS": "gauss",
+    }.items()
+    for method in methods.split()
 }
 STANDARD = "-std=c11"
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
@@ -195,6 +196,8 @@ def build_program(
     library = runtime_library(tools)
     family = INLINED.get(method or "")
     inlined = [f"-DPK_INLINE_{family}"] if family else []
+    if family in ("ERK", "EMBEDDED", "SPLITTING"):  # that method alone: others only take time
+        inlined.append(f"-DPK_{family}_METHODS(X)=X({method})")
     inlined += ["-DPK_INLINE_ENSEMBLE"] if family and ensemble else []
     parts = (library.name, inlined, sorted(files.items()))
     digest = hashlib.sha256(repr(parts).encode()).hexdigest()[:24]

@@ -12,8 +12,10 @@ struct pk_gauss {
     const pk_real *mu;
 };
 
-extern const struct pk_method pk_euler, pk_rk4, pk_dopri5, pk_dop853;
-extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4;
+extern const struct pk_method pk_euler, pk_rk2, pk_rk3, pk_rk4, pk_dopri5, pk_dop853;
+extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4, pk_suzuki4;
+extern const struct pk_method pk_mclachlan4, pk_blanes_moan4, pk_yoshida6, pk_kahan_li6;
+extern const struct pk_method pk_blanes_moan6, pk_yoshida8, pk_kahan_li8;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
 extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
 extern const struct pk_method pk_gauss_adaptive;
