@@ -22,6 +22,12 @@ static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
     return generic_erk(it, (const struct pk_tableau *)it->method->table);
 }
 
+const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
+{
+    return method->step == erk_step ? (const struct pk_tableau *)method->table
+                                    : pk_embedded_table(method);
+}
+
 #define ERK(symbol, text, p, s)                                         \
     const struct pk_method pk_##symbol = {.name = #symbol,              \
                                           .doc = text,                  \

@@ -66,6 +66,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_REFUSED, 0);
     if (system->count && !system->jacobian && (method->traits & PK_JACOBIANS))
         return fail(it, PK_REFUSED, 0);
+    if (!system->linear && (method->traits & PK_LINEAR))
+        return fail(it, PK_REFUSED, 0);
+    if (system->n_inputs && (method->traits & PK_NO_INPUTS))
+        return fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
     if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))

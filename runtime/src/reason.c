@@ -49,6 +49,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs Jacobians; %s keeps its families as loops and has none",
                             it->method->name, system->name);
+        if (!system->linear && (it->method->traits & PK_LINEAR))
+            return snprintf(text, size,
+                            "%s needs the derivatives of the acceleration; %s has none",
+                            it->method->name, system->name);
+        if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
+            return snprintf(text, size,
+                            "%s needs the derivative by time, and %s has inputs, whose is unknown",
+                            it->method->name, system->name);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_OUT_OF_BOUNDS:
         if (it->where < system->n_parameters)

@@ -22,6 +22,13 @@ extern const struct pk_method pk_gauss_adaptive;
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+/* Those of an explicit Runge-Kutta method, adaptive or not. */
+const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
+const struct pk_tableau *pk_embedded_table(const struct pk_method *method);
+
+enum { PK_MOST_STAGES = 16 };
+/* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
+int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
 size_t pk_gauss_size(const struct pk_method *method, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);

@@ -6,6 +6,7 @@
 #include <pk/ensemble.h>
 #include <pk/integrator.h>
 #include <pk/linear.h>
+#include <pk/limits.h>
 #include <pk/method.h>
 #include <pk/real.h>
 #include <pk/status.h>
