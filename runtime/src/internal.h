@@ -16,7 +16,8 @@ enum {
     BAD_TIME,
     BAD_DENSE,
     BAD_ITERATION,
-    BAD_PARAMS
+    BAD_PARAMS,
+    BAD_SCALE
 };
 
 /* Checks before the first step; scratch holds pk_params_reals() numbers. */

@@ -5,7 +5,7 @@
 
 static const struct pk_method *const methods[] = {
     &pk_euler, &pk_rk2, &pk_rk3, &pk_rk4,
-    &pk_symplectic_euler, &pk_verlet,
+    &pk_symplectic_euler, &pk_verlet, &pk_adaptive_verlet,
     &pk_yoshida4, &pk_suzuki4, &pk_mclachlan4, &pk_blanes_moan4,
     &pk_yoshida6, &pk_kahan_li6, &pk_blanes_moan6,
     &pk_yoshida8, &pk_kahan_li8,

@@ -14,6 +14,7 @@ static const char *const bad_argument[] = {
     "the time is outside the last step, or the method has no dense output",
     "newton_tol must be in [0, 1), max_iterations not negative, iteration one of its enum",
     "a parameter was changed without prepare() after it",
+    "da/dq vanishes at the start, so it gives no step: give h_max, and a tolerance instead of h",
 };
 
 static const struct {
@@ -77,6 +78,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "%s: after a correction of %.3g of the rates; last valid time %.17g",
                         what, (double)it->detail, t);
     case PK_STEP_UNDERFLOW:
+        if (it->detail < 0) /* adaptive_verlet's */
+            return snprintf(text, size,
+                            "%s cannot follow: the time scale changes too much within a step; give "
+                            "a smaller one, or h_max; last valid time %.17g",
+                            it->method->name, t);
         return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
                         (double)it->detail, t);
     case PK_TOO_MANY_STEPS:

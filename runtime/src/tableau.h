@@ -18,7 +18,7 @@ extern const struct pk_method pk_mclachlan4, pk_blanes_moan4, pk_yoshida6, pk_ka
 extern const struct pk_method pk_blanes_moan6, pk_yoshida8, pk_kahan_li8;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
 extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
-extern const struct pk_method pk_gauss_adaptive;
+extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive;
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
