@@ -18,6 +18,7 @@ from .dump import dump
 from .exits import DONE
 from .explain_loops import explain_loops, record_loops
 from .front.read import read
+from .methods_table import methods_text
 from .resources import bounded
 from .source import Diagnostic, Source
 
@@ -105,10 +106,5 @@ def methods(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps(found, indent=1))
         return DONE
-    width = max(len(m["name"]) for m in found)
-    for m in found:
-        facts = [f"order {m['order']}", f"{m['stages']} stages"] + m["flags"]
-        if m["requires"]:
-            facts.append("requires " + ", ".join(m["requires"]))
-        print(f"{m['name']:<{width}}  {', '.join(facts)}\n{'':<{width}}  {m['doc']}")
+    print(methods_text(found))
     return DONE

@@ -1,4 +1,4 @@
-/* Rows, report and the list of methods. CSV quotes a name that holds a comma, a quote or a blank
+/* Rows and report. CSV quotes a name that holds a comma, a quote or a blank
  * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
  */
 #include "output.h"
@@ -221,38 +221,4 @@ int output_report(struct run *run, const char *path)
         return 1;
     }
     return 0;
-}
-
-static void json_flags(FILE *file, unsigned flags, const char *const *names, size_t count)
-{
-    int first = 1;
-    fputc('[', file);
-    for (size_t i = 0; i < count; i++)
-        if (flags & (1u << i)) {
-            fprintf(file, "%s\"%s\"", first ? "" : ", ", names[i]);
-            first = 0;
-        }
-    fputc(']', file);
-}
-
-int output_methods(FILE *file)
-{
-    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
-                                         "dense",      "jacobians"};
-    static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
-                                        "separable",     "autonomous",    "conservative",
-                                        "variational",   "smooth"};
-    for (size_t i = 0; run_method_at(i); i++) {
-        const struct pk_method *m = run_method_at(i);
-        fprintf(file, "{\"name\": \"%s\", \"order\": %d, \"stages\": %d, \"dense_order\": %d, ",
-                m->name, m->order, m->stages, m->dense_order);
-        fputs("\"flags\": ", file);
-        json_flags(file, m->traits, traits, sizeof traits / sizeof *traits);
-        fputs(", \"requires\": ", file);
-        json_flags(file, m->needs, facts, sizeof facts / sizeof *facts);
-        fputs(", \"doc\": ", file);
-        output_text(file, m->doc);
-        fputs("}\n", file);
-    }
-    return fflush(file) || ferror(file);
 }

@@ -11,8 +11,8 @@
  * drift. Where rho would change to a quarter or to four times itself, or below 0, as where da/dq
  * passes zero without an h_max, the scheme fails, and says so.
  *
- * A limit, or dense output, must not disturb the sequence: there a plain step of what is left is
- * made from the last point of the sequence, and the next step begins at that point again.
+ * A limit, or dense output, must not disturb the sequence: there a step of what is left is made from
+ * the last point of the sequence, and the next step begins at that point again.
  *
  * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
  * Geometric Numerical Integration, VIII.3.2.
@@ -177,13 +177,15 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     return PK_DONE;
 }
 
-/* A plain Verlet step from the base. */
+/* A step of any length from the base: of the whole one's length it is that one. */
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {
-    drift(it, w, length / 2, to);
+    const pk_real *number = w->number;
+    const pk_real first = length * (number[EPS] / 2 / number[RHO]) / number[LENGTH];
+    drift(it, w, first, to);
     const enum pk_status status = pk_eval_acceleration(it, it->t, to, w->base + it->n, w->a_t);
-    kick_drift(it, w, length, length / 2, w->a_t, to);
+    kick_drift(it, w, length, length - first, w->a_t, to);
     return status;
 }
 

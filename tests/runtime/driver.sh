@@ -116,8 +116,11 @@ check "progress was shown" grep -q '^progress ' "$tmp/err"
 check "not too often" [ "$(grep -c '^progress ' "$tmp/err")" -le 9 ]
 check "methods are JSON lines" sh -c "'$dir/run_pendulum' --methods | python3 -c '
 import json, sys
-names = [json.loads(l)[\"name\"] for l in sys.stdin]
-assert len(names) == 18 and \"gauss8\" in names and \"gsl_msadams\" in names, names'"
+found = {m[\"name\"]: m for m in map(json.loads, sys.stdin)}
+assert len(found) >= 32 and \"gauss8\" in found and \"gsl_msadams\" in found, list(found)
+assert abs(found[\"rk4\"][\"limits\"][\"real\"] - 2.7852935634) < 1e-9, found[\"rk4\"]
+assert found[\"gauss4\"][\"limits\"][\"imaginary\"] == \"infinite\", found[\"gauss4\"]
+assert found[\"verlet\"][\"limits\"][\"real\"] is None, found[\"verlet\"]'"
 
 echo "driver: $count checks passed"
 exit $failed

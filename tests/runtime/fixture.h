@@ -48,6 +48,7 @@ void add_limits(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);
+void add_adaptive_verlet(void);
 void add_linear(void);
 
 #endif

@@ -34,6 +34,13 @@ enum pk_axis { PK_AXIS_IMAGINARY, PK_AXIS_REAL };
 
 pk_real pk_method_limit(const struct pk_method *method, enum pk_axis axis);
 
+/* The first interval at or above `from` where steps grow, infinite numbers where there is none: the
+ * limit is the first number from 0. Growth may end again: blanes_moan6 grows from 3.14143 to
+ * 3.14232 by 4e-4 a step, where two steps are one period, and then from 6.3479 on only. Returns 0
+ * where the limit is no number. */
+int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real from,
+                     pk_real growth[2]);
+
 /* The map of one step, y > 0. PK_REFUSED where there is none, or what the step failed of. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
 /* R(-z) of u' = -u, z > 0; the same statuses. */
