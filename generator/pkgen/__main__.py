@@ -67,7 +67,8 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
         help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
         "for --rtol above 1e-5",
     )
-    add("--step", metavar="H", help="of a method with fixed steps")
+    add("--step", metavar="H", help="of a method with fixed steps; else the first step")
+    add("--max-step", metavar="H", help="of an adaptive method")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     add("--atol", metavar="A", help="default: that of --rtol")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")

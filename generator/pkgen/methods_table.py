@@ -12,14 +12,15 @@ HEADER = (
     "symplectic",
     "symmetric",
     "step",
-    "limit i",
-    "limit -",
+    "h omega",
+    "h lambda",
     "requires",
 )
 NOTE = """\
-limit i  h omega of an oscillation below which steps do not grow, limit -  h lambda of a decay
-         q'' = -lambda q'. none: any step grows; any: no step does; -: no answer, since splitting
-         methods take no damping and GSL keeps its tables. Adaptive methods: of their formula.
+h omega   limit below which the steps of an oscillation q'' = -omega^2 q do not grow
+h lambda  the same of a decay q'' = -lambda q'
+          none: all steps grow; any: none does; -: no answer, since splitting methods take no
+          damping and GSL keeps its tables. Adaptive methods: of their formula at a fixed step.
 """
 
 
@@ -39,6 +40,8 @@ def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
 def _row(m: Mapping[str, Any]) -> tuple[str, ...]:
     flags = set(m["flags"])
     requires = [str(fact).replace("_", " ") for fact in m["requires"]]
+    if "separable" in requires:  # which says so
+        requires.remove("mass constant")
     requires += ["da/dq, da/dv"] if "linear" in flags else []
     requires += ["no inputs"] if "no_inputs" in flags else []
     return (

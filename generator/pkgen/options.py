@@ -120,6 +120,7 @@ def settings(options: argparse.Namespace, compilation: Compilation, members: int
         atol=values.positive("--atol", options.atol, "") or rtol or RTOL,
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
+        max_step=values.positive("--max-step", options.max_step, values.time),
         parameters=single,
         members=of_families,
         inputs=values.assigned("--set", sets, inputs, parameters),

@@ -39,6 +39,7 @@ class Settings:
     atol: float
     iteration: str
     max_steps: int
+    max_step: float | None
     parameters: tuple[tuple[int, float], ...]
     members: tuple[tuple[int, int, float], ...]  # of families kept as loops: which one, position
     inputs: tuple[tuple[int, float], ...]
@@ -59,6 +60,8 @@ class Settings:
             said.append(f"every {self.every.hex()}")
         if self.step is not None:
             said.append(f"step {self.step.hex()}")
+        if self.max_step is not None:
+            said.append(f"h_max {self.max_step.hex()}")
         said += [f"param {i} {x.hex()}" for i, x in self.parameters]
         said += [f"param {i} {x.hex()} {k}" for i, k, x in self.members]
         said += [f"input {i} {x.hex()}" for i, x in self.inputs]
