@@ -64,6 +64,10 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "%s: pivot of coordinate %s is not positive at t = %.17g; "
                         "last valid time %.17g",
                         what, name, (double)it->detail, t);
+    case PK_SINGULAR_TIME:
+    case PK_SINGULAR_COORDINATES:
+        return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
+                        system->guards[it->where].what.name, (double)it->detail, t);
     case PK_NO_CONVERGENCE:
         return snprintf(text, size,
                         "%s: after a correction of %.3g of the rates; last valid time %.17g",
