@@ -17,7 +17,8 @@
 #include "internal.h"
 
 #define FALL PK_C(0.7)     /* of a guard in one short step, at most */
-#define DEEP PK_C(1e-12)   /* of its value at the start of the search: it vanishes */
+#define DEEP PK_C(1e-12)   /* of its value at the start of the search: it vanishes, */
+#define SHALLOW PK_C(1e-3) /* or where steps underflow already, and it is small already */
 #define SEARCH_STEPS 2000  /* then it is undecided, and nothing is claimed */
 #define FAR PK_C(1.5)      /* tangents are trusted to tell of a zero up to so many steps away */
 
@@ -50,15 +51,21 @@ static void evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, cons
     it->problem.system->guard(it->problem.params, t, q, v, u, out);
 }
 
-/* By a short way along the tangent. */
+/* The guards at d along the tangent. */
+static void along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                  pk_real d, pk_real *out)
+{
+    pk_real *moved = search_part(it, STAGE);
+    for (size_t i = 0; i < it->n; i++)
+        moved[i] = q[i] + d * v[i];
+    evaluate(it, t + d, moved, v, out);
+}
+
 static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *value, pk_real *slope)
 {
     const pk_real d = it->h / 1024;
-    pk_real *moved = search_part(it, Y);
-    for (size_t i = 0; i < it->n; i++)
-        moved[i] = q[i] + d * v[i];
-    evaluate(it, t + d, moved, v, slope);
+    along(it, t, q, v, d, slope);
     for (size_t k = 0; k < count_of(it); k++)
         slope[k] = (slope[k] - value[k]) / d;
 }
@@ -99,8 +106,23 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Whether a guard vanishes on the way from the state to t_end; which one, and when. */
-static int vanishes(struct pk_integrator *it, pk_real t_end, size_t *which, pk_real *when)
+/* Whether no guard has changed by much; how much the one has that changed most. */
+static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
+{
+    for (size_t k = 0; k < m; k++) {
+        const pk_real ratio = g1[k] / g[k];
+        if (!(ratio >= FALL && ratio <= 1 / FALL)) /* true for a NaN */
+            return 0;
+        *least = pk_min(*least, ratio);
+        *most = pk_max(*most, ratio);
+    }
+    return 1;
+}
+
+/* Whether a guard falls to `depth` of its value on the way from the state to t_end; which one, and
+ * when it vanishes. */
+static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t *which,
+                    pk_real *when)
 {
     const size_t n = it->n, m = count_of(it);
     const pk_real *first = part(it, NOW), whole = t_end - it->t;
@@ -115,14 +137,15 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, size_t *which, pk_r
         pk_real least = PK_C(1.0), most = PK_C(1.0);
         if (last)
             s = whole - at;
-        int good = short_step(it, it->t + at, s);
-        if (good)
+        int good = 1; /* half-way too, for a step through a centre may end as far behind it */
+        for (int half = 1; good && half <= 2; half++) {
+            along(it, it->t + at, y, y + n, s * (pk_real)half / 2, g1);
+            good = near(m, g, g1, &least, &most);
+        }
+        good = good && short_step(it, it->t + at, s);
+        if (good) {
             evaluate(it, it->t + at + s, trial, trial + n, g1);
-        for (size_t k = 0; good && k < m; k++) {
-            const pk_real ratio = g1[k] / g[k];
-            least = pk_min(least, ratio);
-            most = pk_max(most, ratio);
-            good = ratio >= FALL && ratio <= 1 / FALL; /* false for a NaN */
+            good = near(m, g, g1, &least, &most);
         }
         if (!good) {
             s /= 2;
@@ -130,7 +153,7 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, size_t *which, pk_r
         }
         at += s;
         for (size_t k = 0; k < m; k++)
-            if (pk_abs(g1[k]) <= DEEP * pk_abs(first[k])) {
+            if (pk_abs(g1[k]) <= depth * pk_abs(first[k])) {
                 *which = k;
                 *when = it->t + at + s * g1[k] / (g[k] - g1[k]);
                 return 1;
@@ -146,12 +169,13 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, size_t *which, pk_r
 }
 
 /* The search leaves counters and the reason of a failure as they were. */
-static int search(struct pk_integrator *it, pk_real t_end, size_t *which, pk_real *when)
+static int search(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t *which,
+                  pk_real *when)
 {
     const struct pk_counters count = it->count;
     const size_t where = it->where;
     const pk_real detail = it->detail;
-    const int found = vanishes(it, t_end, which, when);
+    const int found = vanishes(it, t_end, depth, which, when);
     it->count = count;
     it->where = where;
     it->detail = detail;
@@ -213,7 +237,7 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
         doubt |= fixed && doubtful(it, k);
     }
     if (crossed < m || doubt) {
-        if (search(it, it->next_t, &which, &when))
+        if (search(it, it->next_t, DEEP, &which, &when))
             return ended(it, which, when);
         if (crossed < m)
             return ended(it, crossed, pk_finite(when) ? when : it->next_t);
@@ -228,13 +252,15 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
 enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed)
 {
     size_t which = 0;
-    pk_real when = 0, ahead = it->next_t - it->t;
+    pk_real when = 0, ahead = 2 * (it->next_t - it->t), depth = DEEP;
     if (!it->guards || (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE &&
                         status != PK_STEP_UNDERFLOW && status != PK_NO_CONVERGENCE &&
                         status != PK_AMBIGUOUS_STEP))
         return status;
-    if (!fixed) /* that close ahead steps underflow: pk_underflow() */
+    if (!fixed) { /* that close ahead steps underflow: pk_underflow() */
+        depth = SHALLOW;
         ahead = (pk_real)it->direction * (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) +
                                           PK_C(10.0) * pk_abs(it->h));
-    return search(it, it->t + ahead, &which, &when) ? ended(it, which, when) : status;
+    }
+    return search(it, it->t + ahead, depth, &which, &when) ? ended(it, which, when) : status;
 }
