@@ -30,6 +30,16 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class Guard:
+    """The equations end where it vanishes; with `chart` the coordinates alone do, M being singular
+    there."""
+
+    quantity: Quantity  # its name is the expression
+    node: Node
+    chart: bool
+
+
+@dataclass(frozen=True)
 class ParameterSlot:
     """One scalar parameter. `family` and `position` say which element of a C array it is."""
 
@@ -82,6 +92,7 @@ class Equations:
     pdot_q: Matrix | None
     pdot_v: Matrix | None
     linear: Linear | None  # None: not asked for
+    guards: tuple[Guard, ...]
     observed: Row
     conserved: Row
     start_q: Row

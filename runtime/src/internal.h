@@ -36,6 +36,15 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
+/* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at a
+ * start; whether a guard is zero there; after a trial step, which is still it->next; and after one
+ * that failed, whether a guard is its cause. */
+size_t pk_guard_size(const struct pk_system *system, size_t n);
+void pk_guard_start(struct pk_integrator *it);
+enum pk_status pk_guard_here(struct pk_integrator *it);
+enum pk_status pk_guard_step(struct pk_integrator *it, int fixed);
+enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
+
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);

@@ -69,10 +69,19 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_SINGULAR_MASS:
         pk_system_name(system, it->problem.params, system->coordinates, it->where, name,
                        sizeof name);
+        if (!pk_finite(it->condition))
+            return snprintf(text, size,
+                            "%s: pivot of coordinate %s is not positive at t = %.17g; "
+                            "last valid time %.17g",
+                            what, name, (double)it->detail, t);
         return snprintf(text, size,
-                        "%s: pivot of coordinate %s is not positive at t = %.17g; "
+                        "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g; "
                         "last valid time %.17g",
-                        what, name, (double)it->detail, t);
+                        what, name, (double)it->condition, (double)it->detail, t);
+    case PK_SINGULAR_TIME:
+    case PK_SINGULAR_COORDINATES:
+        return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
+                        system->guards[it->where].what.name, (double)it->detail, t);
     case PK_NO_CONVERGENCE:
         return snprintf(text, size,
                         "%s: after a correction of %.3g of the rates; last valid time %.17g",

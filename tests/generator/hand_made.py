@@ -168,6 +168,7 @@ def make(
         pdot_q=jacobian(slope, world.q, Kind.COORDINATE),
         pdot_v=jacobian(slope, world.v, Kind.RATE),
         linear=None,
+        guards=(),
         observed=tuple(outputs.values()),
         conserved=(),
         start_q=tuple(g.number(0) for _ in range(n)),

@@ -806,6 +806,23 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
     return p->c_[2] * cos_theta;
 }
 
+/* what the equations divide by, or take a root or a logarithm of: they end where it is 0. 1
+ * operation: 1 sin. */
+void heavy_top_guard(const struct heavy_top_params *p, pk_real t, const pk_real *q,
+                     const pk_real *v, const pk_real *u, pk_real *restrict out)
+{
+    (void)p;
+    (void)t;
+    (void)v;
+    (void)u;
+
+    const pk_real theta = q[1];
+
+    pk_real sin_theta;
+    pk_sincos(theta, &sin_theta, NULL);
+    out[0] = sin_theta;
+}
+
 /* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos. */
 void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *restrict out)
@@ -946,6 +963,12 @@ static pk_real heavy_top_sys_potential(const void *p, pk_real t, const pk_real *
     return heavy_top_potential(p, t, q, v, u);
 }
 
+static void heavy_top_sys_guard(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                                const pk_real *u, pk_real *out)
+{
+    heavy_top_guard(p, t, q, v, u, out);
+}
+
 static void heavy_top_sys_conserve(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                    const pk_real *u, pk_real *out)
 {
@@ -957,6 +980,10 @@ static unsigned long long heavy_top_sys_lanes(const void *p, const pk_real *t, c
 {
     return heavy_top_lanes(p, t, q, v, u, a);
 }
+
+static const struct pk_guard heavy_top_sys_guards[1] = {
+    {{"sin(theta)", "", ""}, PK_GUARD_COORDINATES},
+};
 
 static const unsigned char heavy_top_sys_cyclic[3] = {1, 0, 1};
 
@@ -1003,7 +1030,9 @@ const struct pk_system heavy_top_system = {
     .observe = NULL,
     .conserve = heavy_top_sys_conserve,
     .linear = heavy_top_sys_linear,
-    .guard = NULL,
+    .guard = heavy_top_sys_guard,
+    .n_guards = 1,
+    .guards = heavy_top_sys_guards,
     .event = NULL,
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS

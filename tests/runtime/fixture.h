@@ -50,5 +50,7 @@ void add_ensemble(void);
 void add_advance(void);
 void add_adaptive_verlet(void);
 void add_linear(void);
+void add_guard(void);
+void add_after_failure(void);
 
 #endif

@@ -115,6 +115,8 @@ int main(int argc, char **argv)
     add_advance();
     add_adaptive_verlet();
     add_linear();
+    add_guard();
+    add_after_failure();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

@@ -68,9 +68,11 @@ _VECTORS = {
     "r_t": lambda p, _: (),
     "q": lambda p, _: p.equations.coordinates,
     "v": lambda p, _: p.equations.rates,
-    "out": lambda p, kernel: (
-        p.equations.observed_names if kernel.name == "observe" else p.equations.conserved_names
-    ),
+    "out": lambda p, kernel: {
+        "observe": p.equations.observed_names,
+        "conserve": p.equations.conserved_names,
+        "guard": tuple(guard.quantity for guard in p.equations.guards),
+    }[kernel.name],
 }
 
 

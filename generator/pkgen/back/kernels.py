@@ -216,6 +216,13 @@ def _specs() -> Iterator[KernelSpec]:
         exists=lambda e: e.potential is not None,
     )
     yield KernelSpec(
+        "guard",
+        "void",
+        "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
+        *_vector("out", lambda e: tuple(guard.node for guard in e.guards)),
+        exists=lambda e: bool(e.guards),
+    )
+    yield KernelSpec(
         "observe",
         "void",
         "observed outputs",

@@ -46,6 +46,7 @@ SYSTEM_KERNELS = [
     "observe",
     "conserve",
     "linear",
+    "guard",
 ]
 
 _TESTED = [
@@ -142,6 +143,7 @@ def _context(program: Program) -> dict[str, Any]:
             any(len(k.blocks) > 1 for k in (program.start, program.prepare, *program.kernels))
         ),
         "helpers": list(program.helpers),
+        "guards": tables.guards(program),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],
         "system_kernels": [

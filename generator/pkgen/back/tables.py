@@ -35,6 +35,16 @@ def tables(program: Program) -> list[dict[str, Any]]:
     ]
 
 
+def guards(program: Program) -> list[dict[str, Any]]:
+    """Of the system's table: there is none where the kernel is not asked for."""
+    if program.kernel("guard") is None:
+        return []
+    return [
+        {"name": x.quantity.name, "kind": "PK_GUARD_COORDINATES" if x.chart else "PK_GUARD_MOTION"}
+        for x in program.equations.guards
+    ]
+
+
 def indices(program: Program) -> list[dict[str, Any]]:
     """Named indices, one for a plain quantity or the first of a family."""
     e = program.equations

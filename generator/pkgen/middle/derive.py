@@ -9,11 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import limits
-from ..equations import Equations, Matrix, ParameterSlot, Quantity, Row
+from ..equations import Equations, Guard, Matrix, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
-from .graph import ZERO, Node
+from .graph import ZERO, Kind, Node, Symbol
+from .guards import guards_of
 from .motion import (
     Energies,
     Motion,
@@ -32,7 +33,7 @@ from .quantities import (
     input_quantities,
     quantities,
 )
-from .solve import SingularMass
+from .solve import SingularMass, Solution
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -76,6 +77,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     start_q, start_v = _starts(x)
     names = x.coordinates
     declared = model.coordinates
+    guards: tuple[Guard, ...] = ()
+    if wanted("guard"):
+        guards = _guards(x, motion, solution, parameters, orders)
     return Equations(
         model=model,
         graph=x.graph,
@@ -102,6 +106,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         pdot_q=jacobians[1],
         pdot_v=jacobians[2],
         linear=linear,
+        guards=guards,
         observed=outputs.observed,
         conserved=outputs.conserved,
         start_q=start_q,
@@ -164,6 +169,30 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
                 )
             )
     return slots
+
+
+def _guards(
+    x: Expander,
+    motion: Motion,
+    solution: Solution | None,
+    parameters: tuple[ParameterSlot, ...],
+    orders: tuple[int, ...],
+) -> tuple[Guard, ...]:
+    coordinates = [indexed(f.name, index) for f in x.coordinates.values() for index in f.members]
+    names = {
+        Kind.PARAMETER: [slot.quantity.name for slot in parameters],
+        Kind.COORDINATE: coordinates,
+        Kind.RATE: [name + "'" for name in coordinates],
+        Kind.INPUT: [quantity.name for quantity in input_quantities(x.model, orders)],
+        Kind.TIME: ["t"],
+    }
+
+    def name(symbol: Symbol) -> str:
+        return names[symbol.kind][symbol.index]
+
+    acceleration, pivots = solution or (motion.force, None)
+    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
+    return guards_of(x.graph, parameters, motion.mass, outputs, pivots, name)
 
 
 def _starts(x: Expander) -> tuple[Row, Row]:

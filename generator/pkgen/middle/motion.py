@@ -112,7 +112,7 @@ def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solut
     found = []
     for form in forms(g, outputs, thorough, short_kept=not thorough):
         mass, force = _symmetric(form, n), tuple(form[-n:])
-        solution = solve(g, mass, force) if wanted("acceleration") else None
+        solution = solve(g, mass, force) if wanted("acceleration", "guard") else None
         cost = operations(g, [*form, *(solution[0] if solution else ())])
         found.append((cost, len(found), mass, force, solution))
     _, _, mass, force, solution = min(found)
