@@ -90,6 +90,7 @@ struct pk_integrator {
     int flags;                /* the method's own */
     size_t where;             /* which coordinate or parameter a status is about */
     pk_real detail;           /* a number that belongs to the reason */
+    size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
     enum pk_status trouble;   /* what the last trial step that broke down met, and when: the */
     pk_real trouble_t;        /* cause to name if steps then shrink to nothing just before it */
     void *extra;              /* of a foreign library */
