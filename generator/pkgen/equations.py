@@ -65,6 +65,7 @@ class Equations:
     inputs: tuple[Quantity, ...]  # an input, then those of its derivatives that occur
     observed_names: tuple[Quantity, ...]
     conserved_names: tuple[Quantity, ...]
+    event_names: tuple[Quantity, ...]
 
     lagrangian: Node
     kinetic: Node | None  # None, like potential, where the model states L itself
@@ -84,6 +85,7 @@ class Equations:
     linear: Linear | None  # None: not asked for
     observed: Row
     conserved: Row
+    events: Row  # what crosses zero; model.events has the directions
     start_q: Row
     start_v: Row
     unrolled: str = ""  # why the families of coordinates are not loops

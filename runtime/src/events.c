@@ -161,6 +161,8 @@ static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
         int stop = it->problem.system->events[e->which].stop;
         if (e->found && e->found(e->context, e))
             stop = 1;
+        if (it->status < 0) /* of dense output that found() asked for */
+            return it->status;
         if (!stop)
             continue;
         if ((e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)

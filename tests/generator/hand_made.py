@@ -119,7 +119,8 @@ def make(
                 "observed",
                 "conserved",
                 "starts",
-                "deferred",
+                "events",
+                "scenes",
             ],
             (),
         ),
@@ -170,6 +171,8 @@ def make(
         linear=None,
         observed=tuple(outputs.values()),
         conserved=(),
+        events=(),
+        event_names=(),
         start_q=tuple(g.number(0) for _ in range(n)),
         start_v=tuple(g.number(0) for _ in range(n)),
     )

@@ -59,6 +59,7 @@ def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) ->
     ]
 
 
+_OUT = {"observe": "observed_names", "conserve": "conserved_names", "event": "event_names"}
 _VECTORS = {
     "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
     "f": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
@@ -68,9 +69,7 @@ _VECTORS = {
     "r_t": lambda p, _: (),
     "q": lambda p, _: p.equations.coordinates,
     "v": lambda p, _: p.equations.rates,
-    "out": lambda p, kernel: (
-        p.equations.observed_names if kernel.name == "observe" else p.equations.conserved_names
-    ),
+    "out": lambda p, kernel: getattr(p.equations, _OUT[kernel.name]),
 }
 
 

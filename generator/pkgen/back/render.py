@@ -46,6 +46,7 @@ SYSTEM_KERNELS = [
     "observe",
     "conserve",
     "linear",
+    "event",
 ]
 
 _TESTED = [
@@ -128,6 +129,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_inputs": len(equations.inputs),
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
+        "events": tables.events(program),
         "n_hoisted": program.hoisted,
         "indices": tables.indices(program),
         "fields": tables.fields(program),

@@ -46,7 +46,7 @@ struct pk_events {
     /* Called at each crossing in a direction that its event asks for, in the order in which the
      * integrator meets them; of those at the same time the one declared first comes first. Not 0:
      * stop here, as at an event that is declared with `stop`. NULL, as after init: nothing is
-     * called. It must leave the integrator alone. */
+     * called. It must leave the integrator alone, but for pk_integrator_dense(). */
     int (*found)(void *context, const struct pk_events *events);
     void *context;
 
