@@ -637,6 +637,7 @@ const struct pk_system coupled_oscillators_system = {
     .observe = NULL,
     .conserve = NULL,
     .linear = coupled_oscillators_sys_linear,
+    .event = NULL,
     .guard = NULL,
     .event = NULL,
     .steppers = PK_INLINE_STEPPERS,

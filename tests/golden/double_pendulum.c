@@ -953,6 +953,7 @@ const struct pk_system double_pendulum_system = {
     .observe = NULL,
     .conserve = NULL,
     .linear = double_pendulum_sys_linear,
+    .event = NULL,
     .guard = NULL,
     .event = NULL,
     .steppers = PK_INLINE_STEPPERS,

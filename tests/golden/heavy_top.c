@@ -1003,6 +1003,7 @@ const struct pk_system heavy_top_system = {
     .observe = NULL,
     .conserve = heavy_top_sys_conserve,
     .linear = heavy_top_sys_linear,
+    .event = NULL,
     .guard = NULL,
     .event = NULL,
     .steppers = PK_INLINE_STEPPERS,

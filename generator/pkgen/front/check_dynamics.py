@@ -105,7 +105,7 @@ class Dynamics:
         return m.Start(left.name, left.index, left.range, item.order, value, item.span)
 
     def event(self, statement: st.Event) -> None:
-        value, facts = self.expressions.check(statement.value, Scope(PLACES["output"]))
+        value, facts = self.expressions.check(statement.value, Scope(PLACES["event"]))
         at = statement.value.span
         if facts.vector:
             self.report.error(
