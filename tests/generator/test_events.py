@@ -184,7 +184,7 @@ def test_what_is_compiled_for_it():
         ("expect x = 1 within 0.1 at 2 [s]", "'expect' cannot be checked yet"),
         ("set push = (2 [N])*sin(t/(1 [s]))", "an input as a function of t"),
         ("until -1", "until: must be positive"),
-        ("until (1 [kg*s])/(m - 0.6 [kg])", "until: division by zero"),
+        ("until (1 [kg*s])/(m - (0.6 [kg]))", "until: division by zero"),
         ("record x every 0", "every: must be positive"),
     ],
 )

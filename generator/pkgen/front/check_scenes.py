@@ -148,6 +148,9 @@ class Scenes:
             return None
         if not facts.known:
             return None
+        if inner.id == "t":
+            self.report.error("'t' is the first column of every record", item.span)
+            return None
         if facts.vector:
             self.report.error(
                 f"'{inner.id}' is a vector; a column is a number",
