@@ -29,7 +29,6 @@ start theta = 2.5
 event bottom: theta rising
 event rest: theta'
 scene swings
-  method {method}
   until 40
   record theta', energy at bottom
 end
@@ -83,16 +82,15 @@ def test_a_row_at_each_crossing(pkgen) -> None:
 @pytest.mark.parametrize(
     ("method", "bound"),
     [
-        ("gauss rtol 1e-13", 1e-10),
-        ("dop853 rtol 1e-13", 1e-10),
-        ("gauss4 step 0.1", 1e-6),
-        ("verlet step 0.01", 1e-2),
+        ("gauss --rtol 1e-13", 1e-10),
+        ("dop853 --rtol 1e-13", 1e-10),
+        ("verlet --step 0.01", 1e-2),
     ],
 )
 def test_sections_of_a_pendulum(pkgen, tmp_path: Path, method: str, bound: float) -> None:
     path = tmp_path / "pendulum.lag"
-    path.write_text(PENDULUM.format(method=method))
-    done = pkgen("run", path, "--scene", "swings")
+    path.write_text(PENDULUM)
+    done = pkgen("run", path, "--scene", "swings", "--method", *method.split())
     assert done.returncode == 0, done.stderr
     head, rows = rows_of(done.stdout)
     assert head == ["t", "theta'", "energy"]
@@ -108,9 +106,10 @@ def test_sections_of_a_pendulum(pkgen, tmp_path: Path, method: str, bound: float
 
 def test_rows_by_time_and_at_events_are_in_order(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "pendulum.lag"
-    for method in ("gauss", "dop853", "rk4 step 0.01"):
-        path.write_text(PENDULUM.format(method=method))
-        _, rows = rows_of(pkgen("run", path, "--scene", "swings", "--every", "0.5").stdout)
+    path.write_text(PENDULUM)
+    command = ["run", path, "--scene", "swings", "--every", "0.5", "--method"]
+    for method in ("gauss", "dop853", "verlet --step 0.01"):
+        _, rows = rows_of(pkgen(*command, *method.split()).stdout)
         times = [row[0] for row in rows]
         assert times == sorted(times) and len(times) == 81 + int(40 / period(2.5) + 0.25)
         assert times[0] == 0 and times[-1] == 40
@@ -157,7 +156,7 @@ def test_a_scene_drives_an_input_and_a_chain(pkgen, tmp_path: Path) -> None:
 
 def test_what_is_not_compiled_is_refused(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "m.lag"
-    path.write_text(PENDULUM.format(method="nosuch"))
+    path.write_text(PENDULUM.replace("until 40", "method nosuch"))
     done = pkgen("run", path, "--scene", "swings")
     assert done.returncode == 2 and "unknown method: nosuch" in done.stderr
     done = pkgen(STONE, "--scene", "moon", "-o", tmp_path)

@@ -37,7 +37,7 @@ event firm: p_theta*x'/l + p_x*reach/(1 [s])
 
 def sympy_events() -> tuple[list[sp.Symbol], list[sp.Expr]]:
     """The four functions, from the Lagrangian written out by hand."""
-    x, th, xd, thd, push, t = symbols = sp.symbols("x th xd thd push t", real=True)
+    _x, th, xd, thd, push, t = symbols = sp.symbols("x th xd thd push t", real=True)
     M, m, length, g = map(sp.Rational, ("1.7", "0.6", "0.9", "9.81"))
     T = M / 2 * xd**2 + m / 2 * (xd**2 + 2 * length * sp.cos(th) * xd * thd + length**2 * thd**2)
     V = -m * g * length * sp.cos(th)
@@ -138,7 +138,8 @@ def model_with(text: str = SCENES):
 def test_what_a_scene_says():
     one, two = model_with().scenes
     assert (one.name, one.description, one.method) == ("one", "as it is used", "gauss4")
-    assert [c.name for c in one.record.columns] == "theta x' T p_x reach Y energy".split()
+    columns = [c.name for c in one.record.columns]
+    assert columns == ["theta", "x'", "T", "p_x", "reach", "Y", "energy"]
     assert one.record.at == "right" and not one.refused
     assert len(two.refused) == 1 and two.assignments[0].varies
 

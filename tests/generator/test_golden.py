@@ -1,5 +1,5 @@
-"""Five models' C, one with its families as loops, one with events, kept under version control so that every change
-of the output is seen.
+"""Five models' C, one with its families as loops, one with events, kept under version control so
+that every change of the output is seen.
 
 After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
 """
