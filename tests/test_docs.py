@@ -71,6 +71,20 @@ def test_the_embedding_example_runs(tmp_path: Path) -> None:
     assert [float(x) for x in said] == pytest.approx([*exact[1:3], exact[-1]], abs=5e-6)
 
 
+def test_the_scenes_in_the_docs_run(tmp_path: Path) -> None:
+    (text,) = [b for b in blocks(ROOT / "docs/language.md", "lag") if "scene section" in b]
+    path = tmp_path / "swing.lag"
+    path.write_text(text)
+    rows = {}
+    for scene in ("slow", "section"):
+        done = run_pkgen("run", path, "--scene", scene)
+        assert done.returncode == 0, done.stderr
+        rows[scene] = done.stdout.splitlines()
+    assert rows["slow"][0] == "t,theta,theta',T,energy" and len(rows["slow"]) == 510
+    # Released at 3 rad the period is 2.5708 that of small swings, 5.157 s.
+    assert rows["section"][0] == "t,theta',p_theta" and len(rows["section"]) == 1 + 19
+
+
 def test_the_example_of_events_runs(tmp_path: Path) -> None:
     page = ROOT / "docs/events.md"
     model = ROOT / "models/events/thrown_stone.lag"
