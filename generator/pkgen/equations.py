@@ -75,6 +75,7 @@ class Equations:
     inputs: tuple[Quantity, ...]  # an input, then those of its derivatives that occur
     observed_names: tuple[Quantity, ...]
     conserved_names: tuple[Quantity, ...]
+    event_names: tuple[Quantity, ...]
 
     lagrangian: Node
     kinetic: Node | None  # None, like potential, where the model states L itself
@@ -95,6 +96,7 @@ class Equations:
     guards: tuple[Guard, ...]
     observed: Row
     conserved: Row
+    events: Row  # what crosses zero; model.events has the directions
     start_q: Row
     start_v: Row
     unrolled: str = ""  # why the families of coordinates are not loops

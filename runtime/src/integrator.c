@@ -119,6 +119,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
     it->trouble = PK_DONE;
+    it->event = 0;
     it->flags = 0;
     it->h = 0;
     it->status = it->method->init(it);

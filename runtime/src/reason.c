@@ -96,8 +96,17 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         (double)it->detail, t);
     case PK_TOO_MANY_STEPS:
         return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
-    case PK_DONE:
     case PK_STOPPED_EVENT:
+        if (it->event)
+            return snprintf(text, size, "stopped at event %s at t = %.17g",
+                            system->events[it->event - 1].what.name, t);
+        return snprintf(text, size, "%s at t = %.17g", what, t);
+    case PK_NOT_FINITE:
+        if (it->event)
+            return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
+                            system->events[it->event - 1].what.name, t);
+        return snprintf(text, size, "%s; last valid time %.17g", what, t);
+    case PK_DONE:
     case PK_STOPPED_USER:
         return snprintf(text, size, "%s at t = %.17g", what, t);
     default:

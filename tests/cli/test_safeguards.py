@@ -36,16 +36,6 @@ def test_a_reader_of_python_s_own_output_goes_away(arguments: str) -> None:
     assert done.stderr == ""
 
 
-def test_an_event_is_refused_with_its_place(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "drop.lag"
-    model.write_text(
-        "model drop\ncoord y\nkinetic y'^2/2\npotential y\nevent floor: y falling stop\n"
-    )
-    done = pkgen("run", model)
-    assert done.returncode == 2 and "drop.lag:5:" in done.stderr and done.stdout == ""
-    assert pkgen(model, "-o", tmp_path).returncode == 0
-
-
 def test_a_fixed_step_is_kept_unless_rows_are_asked_for(pkgen) -> None:
     arguments = ["run", DOUBLE, "--method", "rk4", "--step", "0.01", "--until", "1", "--json"]
     result = json.loads(pkgen(*arguments).stdout)

@@ -53,6 +53,9 @@ force gamma = push*cos(p)
 observe far = q[2] + p
 observe near = atan2(p, 2 + gamma)
 conserve nothing = I*p'
+event meet: q[2] + p - 0.1*t rising stop  # where ??/ they meet
+event work: energy - push*gamma' + far falling
+event turn: p_gamma
 start q[1] = 0.2, p = 0.3, gamma' = pi/2
 """
 

@@ -119,7 +119,8 @@ def make(
                 "observed",
                 "conserved",
                 "starts",
-                "deferred",
+                "events",
+                "scenes",
             ],
             (),
         ),
@@ -171,6 +172,8 @@ def make(
         guards=(),
         observed=tuple(outputs.values()),
         conserved=(),
+        events=(),
+        event_names=(),
         start_q=tuple(g.number(0) for _ in range(n)),
         start_v=tuple(g.number(0) for _ in range(n)),
     )

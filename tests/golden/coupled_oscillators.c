@@ -638,9 +638,9 @@ const struct pk_system coupled_oscillators_system = {
     .conserve = NULL,
     .linear = coupled_oscillators_sys_linear,
     .guard = NULL,
+    .event = NULL,
     .n_guards = 0,
     .guards = NULL,
-    .event = NULL,
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };

@@ -954,9 +954,9 @@ const struct pk_system double_pendulum_system = {
     .conserve = NULL,
     .linear = double_pendulum_sys_linear,
     .guard = NULL,
+    .event = NULL,
     .n_guards = 0,
     .guards = NULL,
-    .event = NULL,
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };

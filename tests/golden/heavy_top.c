@@ -1031,9 +1031,9 @@ const struct pk_system heavy_top_system = {
     .conserve = heavy_top_sys_conserve,
     .linear = heavy_top_sys_linear,
     .guard = heavy_top_sys_guard,
+    .event = NULL,
     .n_guards = 1,
     .guards = heavy_top_sys_guards,
-    .event = NULL,
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };

@@ -52,5 +52,6 @@ void add_adaptive_verlet(void);
 void add_linear(void);
 void add_guard(void);
 void add_after_failure(void);
+void add_events(void);
 
 #endif

@@ -59,6 +59,12 @@ def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) ->
     ]
 
 
+_OUT = {
+    "observe": lambda e: e.observed_names,
+    "conserve": lambda e: e.conserved_names,
+    "event": lambda e: e.event_names,
+    "guard": lambda e: tuple(guard.quantity for guard in e.guards),
+}
 _VECTORS = {
     "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
     "f": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
@@ -68,11 +74,7 @@ _VECTORS = {
     "r_t": lambda p, _: (),
     "q": lambda p, _: p.equations.coordinates,
     "v": lambda p, _: p.equations.rates,
-    "out": lambda p, kernel: {
-        "observe": p.equations.observed_names,
-        "conserve": p.equations.conserved_names,
-        "guard": tuple(guard.quantity for guard in p.equations.guards),
-    }[kernel.name],
+    "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }
 
 

@@ -237,6 +237,13 @@ def _specs() -> Iterator[KernelSpec]:
         exists=lambda e: bool(e.conserved),
     )
     yield KernelSpec(
+        "event",
+        "void",
+        "functions whose zeros are the events",
+        *_vector("out", lambda e: e.events),
+        exists=lambda e: bool(e.events),
+    )
+    yield KernelSpec(
         "start",
         "void",
         "initial values",

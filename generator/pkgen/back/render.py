@@ -47,6 +47,7 @@ SYSTEM_KERNELS = [
     "conserve",
     "linear",
     "guard",
+    "event",
 ]
 
 _TESTED = [
@@ -129,6 +130,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_inputs": len(equations.inputs),
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
+        "events": tables.events(program),
         "n_hoisted": program.hoisted,
         "indices": tables.indices(program),
         "fields": tables.fields(program),

@@ -13,7 +13,7 @@ from ..equations import Equations, Guard, Matrix, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
-from .graph import ZERO, Kind, Node, Symbol
+from .graph import VARIABLE, ZERO, Kind, Node, Symbol
 from .guards import guards_of
 from .motion import (
     Energies,
@@ -90,6 +90,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         inputs=input_quantities(model, orders),
         observed_names=outputs.observed_names,
         conserved_names=outputs.conserved_names,
+        event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
         lagrangian=energies.lagrangian,
         kinetic=energies.kinetic,
         potential=energies.potential,
@@ -109,6 +110,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         guards=guards,
         observed=outputs.observed,
         conserved=outputs.conserved,
+        events=_events(x),
         start_q=start_q,
         start_v=start_v,
     )
@@ -249,6 +251,19 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
                 help = "the coordinates can move together without kinetic energy: leave one out"
                 return ModelError(x.model.source, [Diagnostic(message, item.span, help)])
     raise AssertionError(coordinate)
+
+
+def _events(x: Expander) -> Row:
+    """May use what outputs may, and so come after them."""
+    nodes = []
+    for item in x.model.events:
+        with x.statement(item.span):
+            node = x.scalar(item.value)
+            if not x.graph.depends[node] & VARIABLE:
+                message = f"the event '{item.name}' never happens: its expression is constant"
+                raise error(x.model, message, item.value.span)
+            nodes.append(node)
+    return tuple(nodes)
 
 
 # -- outputs -------------------------------------------------------------------------------------

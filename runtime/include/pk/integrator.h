@@ -93,6 +93,7 @@ struct pk_integrator {
     size_t where;             /* which coordinate or parameter a status is about */
     pk_real detail;           /* a number that belongs to the reason */
     pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
+    size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
     enum pk_status trouble;   /* what the last trial step that broke down met, and when: the */
     pk_real trouble_t;        /* cause to name if steps then shrink to nothing just before it */
     void *extra;              /* of a foreign library */

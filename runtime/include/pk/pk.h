@@ -4,6 +4,7 @@
 
 #include <pk/diagnostics.h>
 #include <pk/ensemble.h>
+#include <pk/events.h>
 #include <pk/integrator.h>
 #include <pk/linear.h>
 #include <pk/limits.h>
