@@ -6,9 +6,13 @@
 #include <pk/ensemble.h>
 #include <pk/integrator.h>
 #include <pk/linear.h>
+#include <pk/lyapunov.h>
 #include <pk/method.h>
 #include <pk/real.h>
+#include <pk/reversal.h>
 #include <pk/status.h>
+#include <pk/stepmap.h>
 #include <pk/system.h>
+#include <pk/variation.h>
 
 #endif
