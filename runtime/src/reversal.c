@@ -35,27 +35,30 @@ static pk_real off(const struct trial *w, size_t i)
     return pk_abs(i < n ? w->it->q[i] - w->q0[i] : w->it->v[i - n] - w->v0[i - n]);
 }
 
-static enum pk_status there(struct trial *w, pk_real t)
+static enum pk_status begin(struct trial *w)
 {
-    const size_t m = 2 * w->it->n;
-    memset(w->reach, 0, m * sizeof *w->reach);
-    while (w->it->t < t) {
-        const enum pk_status status = pk_integrator_step(w->it, t);
-        if (status < 0)
-            return status;
-        for (size_t i = 0; i < m; i++)
+    pk_integrator_free(w->it);
+    return pk_integrator_init(w->it, w->problem, w->method, w->options, w->t0, w->q0, w->v0,
+                              w->block, w->size);
+}
+
+/* The scale of all errors: how far the whole motion comes. */
+static enum pk_status measure(struct trial *w, pk_real t)
+{
+    enum pk_status status = begin(w);
+    while (status >= 0 && w->it->t < w->t0 + t) {
+        status = pk_integrator_step(w->it, w->t0 + t);
+        for (size_t i = 0; i < 2 * w->it->n; i++)
             w->reach[i] = pk_max(w->reach[i], off(w, i));
     }
-    return PK_DONE;
+    return status;
 }
 
 static enum pk_status there_and_back(struct trial *w, struct pk_reversal *reversal, pk_real t)
 {
-    pk_integrator_free(w->it);
-    enum pk_status status = pk_integrator_init(w->it, w->problem, w->method, w->options, w->t0,
-                                               w->q0, w->v0, w->block, w->size);
+    enum pk_status status = begin(w);
     if (status >= 0)
-        status = there(w, w->t0 + t);
+        status = pk_integrator_to(w->it, w->t0 + t);
     if (status >= 0)
         status = pk_integrator_to(w->it, w->t0);
     if (status < 0)
@@ -107,7 +110,8 @@ enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrat
     w.block = w.reach + 2 * pk_system_count(problem->system, problem->params);
     w.size = size - (size_t)((char *)w.block - (char *)block);
 
-    enum pk_status status = PK_DONE;
+    memset(w.reach, 0, (size_t)((char *)w.block - (char *)block));
+    enum pk_status status = measure(&w, rounded(&w, t_end - t0));
     pk_real last = 0;
     for (int k = OCTAVES; k >= 0 && status >= 0 && !reversal->passed; k--) {
         const pk_real t = rounded(&w, PK_F(ldexp)(t_end - t0, -k));

@@ -49,5 +49,7 @@ void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);
 void add_linear(void);
+void add_variation(void);
+void add_chaos(void);
 
 #endif

@@ -111,6 +111,8 @@ int main(int argc, char **argv)
     add_ensemble();
     add_advance();
     add_linear();
+    add_variation();
+    add_chaos();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

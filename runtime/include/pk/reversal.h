@@ -3,8 +3,9 @@
  * displacement: to 1 near t = ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. What other
  * methods miss the start by is their own error.
  *
- * The error is the largest over coordinates and rates of |x - x0| / max |x - x0| on the way there.
- * The horizon is the time at which it passes a threshold: there the run has forgotten its start.
+ * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the most that one
+ * differs from its start in all the time given. The horizon is the time at which it passes a
+ * threshold: there the run has forgotten its start.
  */
 #ifndef PK_REVERSAL_H
 #define PK_REVERSAL_H
@@ -31,7 +32,7 @@ struct pk_reversal {
 size_t pk_reversal_size(const struct pk_problem *problem, const struct pk_method *method);
 /* Tries t_end/2^k, from at least one step to t_end; stops at the first time above the threshold and
  * narrows the horizon to a sixteenth of it. Of a method of a fixed step times are whole numbers of
- * steps. `it` is for the reason if it fails. Some 4 (t_end - t0) of integration in all. */
+ * steps. `it` is for the reason if it fails. Some 5 (t_end - t0) of integration in all. */
 enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrator *it,
                                 const struct pk_problem *problem, const struct pk_method *method,
                                 const struct pk_options *options, pk_real t0, const pk_real *q0,
