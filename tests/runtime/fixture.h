@@ -51,5 +51,6 @@ void add_advance(void);
 void add_linear(void);
 void add_variation(void);
 void add_chaos(void);
+void add_spectrum(void);
 
 #endif

@@ -10,6 +10,7 @@
 #include <pk/method.h>
 #include <pk/real.h>
 #include <pk/reversal.h>
+#include <pk/spectrum.h>
 #include <pk/status.h>
 #include <pk/stepmap.h>
 #include <pk/system.h>
