@@ -19,6 +19,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "diagnose.h"
 #include "ensemble.h"
 
 static volatile sig_atomic_t interrupted;
@@ -287,9 +288,11 @@ int main(int argc, char **argv)
         }
     }
     run.seconds = run_now() - began;
+    code = diagnose_run(&run, code);
     progress(&run, 1);
     code = finish(&run, code);
     pk_integrator_free(&run.it);
+    diagnose_free(&run);
     settings_free(&run.settings);
     free(run.block);
     free(run.monitor_block);

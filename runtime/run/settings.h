@@ -4,6 +4,7 @@
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
+ *     diagnose lyapunov|reversal|spectrum|symplectic
  *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
@@ -35,6 +36,7 @@ struct settings {
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;
+    unsigned diagnose; /* flags of diagnose.h */
     size_t n; /* degrees of freedom */
     void *params, *params_block;
     struct member *set; /* members of families of parameters */

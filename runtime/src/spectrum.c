@@ -152,7 +152,7 @@ enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, s
     const pk_real half = dt * (pk_real)(count - 1) / 2;
     const size_t lines = spectrum->count;
     pk_real z[MOST] = {0}, largest = 0;
-    if (lines > PK_LINES || count < 4 * (MOST + 1) || !(half > 0))
+    if (lines > PK_LINES || count < PK_SPECTRUM_LEAST || !(half > 0))
         return PK_BAD_ARGUMENT;
     if (!pk_all_finite(x, count))
         return PK_NOT_FINITE;

@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-enum { PK_LINES = 8 };
+enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* lines at most, samples at least */
 
 struct pk_line {
     pk_real frequency, amplitude, phase, error;
