@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import limits, named, rows
+from . import diagnostics, limits, named, rows
 from .compiler import Compilation
 from .exits import UsageError
 from .front import options_text
@@ -125,6 +125,7 @@ def settings(options: argparse.Namespace, compilation: Compilation, members: int
         inputs=values.assigned("--set", sets, inputs, parameters),
         start_q=values.started(starts, 0),
         start_v=values.started(starts, 1),
+        diagnose=diagnostics.asked(options.diagnose),
     )
 
 

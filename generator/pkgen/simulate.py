@@ -22,6 +22,7 @@ from .build import build_program
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
+from .exits import INTERRUPTED
 
 LISTED = 10_000  # members of a family that are described one by one
 
@@ -44,6 +45,7 @@ class Settings:
     inputs: tuple[tuple[int, float], ...]
     start_q: tuple[tuple[int, float], ...]
     start_v: tuple[tuple[int, float], ...]
+    diagnose: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -64,6 +66,7 @@ class Settings:
         said += [f"input {i} {x.hex()}" for i, x in self.inputs]
         said += [f"start q {i} {x.hex()}" for i, x in self.start_q]
         said += [f"start v {i} {x.hex()}" for i, x in self.start_v]
+        said += [f"diagnose {name}" for name in self.diagnose]
         return said
 
 
@@ -117,6 +120,8 @@ def simulate(
         )
         messages = _converse(child, "\n".join(lines) + "\n", on_progress)
         report = json.loads(report_path.read_text()) if report_path.exists() else {}
+    if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
+        return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")
     return Outcome(child.returncode, report, ensemble.placed(messages) if ensemble else messages)
 
 

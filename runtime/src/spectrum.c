@@ -180,7 +180,7 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
 {
     const size_t half = count / 2;
     for (size_t k = 0; k < spectrum->count; k++)
-        spectrum->lines[k].error = 0;
+        spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* at best */
     for (int part = 0; part < 2; part++) {
         struct pk_spectrum of_half = *spectrum;
         const int done =
