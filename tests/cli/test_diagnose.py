@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from pkgen import build
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 COUPLED = ROOT / "models/coupled_oscillators.lag"
@@ -120,6 +121,23 @@ def test_what_is_said(pkgen) -> None:
     assert "round-off alone would lose it near" in done.stderr
     (drift,) = [line for line in done.stderr.splitlines() if line.startswith("drift(energy)")]
     assert "relative to" in drift and "(t^" in drift
+
+
+def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
+    text = (ROOT / "docs/lyapunov.c").read_text()
+    assert text in (ROOT / "docs/diagnostics.md").read_text()
+    assert pkgen(DOUBLE, "-o", tmp_path).returncode == 0
+    library = build.runtime_library(build.find_toolchain()) / "libpk.a"
+    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    include = [f"-I{tmp_path}", f"-I{ROOT / 'runtime/include'}", "-DPK_RUNTIME"]
+    sources = [ROOT / "docs/lyapunov.c", tmp_path / "double_pendulum.c", library]
+    subprocess.run(
+        ["gcc", *flags, *include, *sources, "-lm", "-o", tmp_path / "program"], check=True
+    )
+    done = subprocess.run([tmp_path / "program"], capture_output=True, text=True, check=True)
+    exponent, error = (float(x) for x in done.stdout.split(",")[0].split("+-"))
+    assert 0.01 < error < 0.1 and abs(exponent - 1.343) < 4 * error
+    assert done.stdout.endswith(": chaotic\n")
 
 
 def test_refusals(pkgen, tmp_path: Path) -> None:
