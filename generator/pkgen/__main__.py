@@ -77,6 +77,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
+    add("--diagnose", metavar="LIST", help="lyapunov,reversal,spectrum,symplectic, or all")
     _libm_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")

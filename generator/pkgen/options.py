@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import limits, named, rows, scene
+from . import diagnostics, limits, named, rows, scene
 from .compiler import Compilation
 from .exits import UsageError
 from .front import options_text
@@ -129,6 +129,7 @@ def settings(
         start_v=values.started(starts, 1),
         show=show,
         at=at,
+        diagnose=diagnostics.asked(options.diagnose),
     )
 
 

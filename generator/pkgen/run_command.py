@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from . import diagnostics, rows, scene
 from . import ensemble as members
 from . import options as parsing
-from . import rows, scene
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
@@ -46,8 +46,9 @@ def run(options: argparse.Namespace) -> int:
     output = parsing.output(options.output)
     # Members of an ensemble run in lanes, which loops do not have.
     unroll = None if options.ensemble else parsing.UNROLL
+    kernels = diagnostics.kernels(diagnostics.asked(options.diagnose, options.ensemble))
     compilation = compile_within_limits(
-        options, libm=options.libm, unroll=unroll, use=_use(options)
+        options, libm=options.libm, unroll=unroll, kernels=kernels, use=_use(options)
     )
     chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
     if options.ensemble:
@@ -66,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         outcome = _simulate(asked, sys.stdout.fileno())
     else:
         outcome = _to_file(options, asked, output)
-    _tell(options, outcome)
+    _tell(options, outcome, "" if compilation.model.dimensionless else "s")
     return outcome.code
 
 
@@ -135,7 +136,7 @@ def _progress(title: str) -> Iterator[Callable[[float], None] | None]:
         yield lambda fraction: bar.update(task, completed=fraction)
 
 
-def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
+def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
     """Say to a person how the run went."""
     if outcome.messages:
         print(outcome.messages.rstrip("\n"), file=sys.stderr)
@@ -164,12 +165,10 @@ def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
         )
     for event in report["events"]:
         print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
-    for drift in report["drifts"]:
-        print(
-            f"drift({drift['name']}) max {drift['max']:.2e}, final {drift['final']:.2e}, "
-            f"slope {drift['slope']:.1e} per unit of time, relative to {drift['scale']:.2g}",
-            file=sys.stderr,
-        )
+    said = diagnostics.drift_lines(report["drifts"])
+    said += diagnostics.lines(report.get("diagnostics", {}), time)
+    for line in said:
+        print(line, file=sys.stderr)
 
 
 def _crossings(event: dict) -> str:

@@ -22,6 +22,7 @@ from .build import build_program
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
+from .exits import INTERRUPTED
 
 LISTED = 10_000  # members of a family that are described one by one
 
@@ -56,6 +57,7 @@ class Settings:
     start_v: tuple[tuple[int, float], ...]
     show: tuple[Shown, ...] = ()  # the columns behind t; none: all
     at: int | None = None  # the event that has rows
+    diagnose: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -81,6 +83,7 @@ class Settings:
         said += [f"show {c.kind} {c.index}".replace("energy 0", "energy") for c in self.show]
         if self.at is not None:
             said.append(f"at {self.at}")
+        said += [f"diagnose {name}" for name in self.diagnose]
         return said
 
 
@@ -157,6 +160,8 @@ def simulate(
         )
         messages = _converse(child, "\n".join(lines) + "\n", on_progress)
         report = json.loads(report_path.read_text()) if report_path.exists() else {}
+    if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
+        return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")
     return Outcome(child.returncode, report, ensemble.placed(messages) if ensemble else messages)
 
 

@@ -19,6 +19,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "diagnose.h"
 #include "ensemble.h"
 #include "watch.h"
 
@@ -316,10 +317,12 @@ int main(int argc, char **argv)
             integrate(&run);
     }
     run.seconds = run_now() - began;
+    code = diagnose_run(&run, code);
     progress(&run, 1);
     code = finish(&run, code);
     watch_free(&run);
     pk_integrator_free(&run.it);
+    diagnose_free(&run);
     settings_free(&run.settings);
     free(run.block);
     free(run.monitor_block);

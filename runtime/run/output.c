@@ -1,6 +1,7 @@
 /* Rows and report. CSV quotes a name that holds a comma, a quote or a blank
  * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
  */
+#include "diagnose.h"
 #include "watch.h"
 
 #include <errno.h>
@@ -112,6 +113,7 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         run->not_finite = bad;
         run->bad_t = (double)t;
     }
+    diagnose_row(run, t, q, v);
     if (ferror(file))
         run->write_failed = errno ? errno : EIO;
 }
@@ -162,6 +164,16 @@ static void json_drift(FILE *file, const char *name, const struct pk_drift *drif
     /* What the three are relative to: where it is round-off, so is the drift. */
     fputs(", \"scale\": ", file);
     output_real(file, drift->scale);
+    pk_real exponent, spread;
+    const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
+    fputs(", \"first\": ", file);
+    output_real(file, drift->first);
+    fputs(", \"exponent\": ", file);
+    output_real(file, exponent);
+    fputs(", \"spread\": ", file);
+    output_real(file, spread);
+    fputs(", \"growth\": ", file);
+    output_text(file, pk_growth_text(growth));
     fputs("}", file);
 }
 
@@ -187,7 +199,9 @@ static void json_drifts(struct run *run, FILE *file)
         first = 0;
         json_drift(file, system->conserved[i].name, &m->conserved[i]);
     }
-    fputs("]\n}\n", file);
+    fputs("]", file);
+    diagnose_report(run, file);
+    fputs("\n}\n", file);
 }
 
 static void json_run(struct run *run, FILE *file)

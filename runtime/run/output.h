@@ -32,6 +32,7 @@ struct run {
     double bad_t;           /* and in which row, and how many rows there were */
     unsigned long bad_rows;
     double seconds;
+    struct diagnostics *diagnostics; /* NULL: none asked for */
 };
 
 void output_header(struct run *run, FILE *file);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diagnose.h"
 #include "ensemble.h"
 #include "words.h"
 
@@ -146,6 +147,10 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
             return words_usage(line, "not a count", word[1]);
         s->options.max_steps = (unsigned long)index;
         return 0;
+    }
+    if (strcmp(word[0], "diagnose") == 0) {
+        s->diagnose |= diagnose_flag(word[1]);
+        return diagnose_flag(word[1]) ? 0 : words_usage(line, "no such diagnostic", word[1]);
     }
     if (strcmp(word[0], "progress") == 0) {
         s->progress = word[1][0] == '1';

@@ -5,6 +5,7 @@
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
  *     show q|v|observed INDEX | show energy | at INDEX
+ *     diagnose lyapunov|reversal|spectrum|symplectic
  *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
@@ -45,6 +46,7 @@ struct settings {
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;
+    unsigned diagnose; /* flags of diagnose.h */
     size_t n; /* degrees of freedom */
     void *params, *params_block;
     struct member *set; /* members of families of parameters */

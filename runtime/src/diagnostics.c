@@ -8,6 +8,13 @@
 
 #include "internal.h"
 
+#define PK_SQRT2 PK_C(1.41421356237309504880168872420969808)
+
+/* What the evaluation of X may err by, in units of PK_EPSILON S, and how much a rounding a sample
+ * moves it, as a random walk. */
+#define EVALUATION PK_C(16.0)
+#define WALK PK_C(2.0)
+
 void pk_drift_init(struct pk_drift *drift)
 {
     memset(drift, 0, sizeof *drift);
@@ -15,9 +22,15 @@ void pk_drift_init(struct pk_drift *drift)
 
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale)
 {
-    if (drift->samples == 0)
+    if (drift->samples == 0) {
         drift->first = x;
-    const pk_real d = x - drift->first;
+        drift->start = t;
+    }
+    const pk_real d = x - drift->first, elapsed = pk_abs(t - drift->start);
+    if (!(drift->edge > 0))
+        drift->edge = elapsed;
+    for (; elapsed > drift->edge && drift->edge > 0; drift->edge *= PK_SQRT2)
+        drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
     drift->samples++;
     /* A value that is not a number must show, and go on to show: the first comparison lets it
      * through, the second (false for a NaN that is held) keeps it. */
@@ -55,6 +68,82 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
+/* Slope of ln max over ln t by least squares; marks first .. last, the last one closed is n - 1. */
+static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
+{
+    const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
+    pk_real xx = 0, xy = 0;
+    for (unsigned long k = first; k <= last; k++) {
+        const pk_real x = (pk_real)(k - first) - middle;
+        xx += x * x;
+        xy += x * PK_F(log)(drift->marks[k % PK_DRIFT_MARKS]);
+    }
+    return count > 1 ? xy / xx / PK_F(log)(PK_SQRT2) : 0;
+}
+
+static enum pk_growth named(pk_real exponent)
+{
+    static const struct {
+        pk_real below;
+        enum pk_growth growth;
+    } table[] = {{PK_C(0.25), PK_GROWTH_BOUNDED},
+                 {PK_C(0.75), PK_GROWTH_RANDOM},
+                 {PK_C(1.5), PK_GROWTH_LINEAR},
+                 {PK_C(2.5), PK_GROWTH_QUADRATIC}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (exponent < table[i].below)
+            return table[i].growth;
+    return PK_GROWTH_FASTER;
+}
+
+enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread)
+{
+    const pk_real max = pk_drift_max(drift), level = PK_EPSILON * EVALUATION;
+    pk_real nowhere, e = 0, s = 0;
+    enum pk_growth growth;
+    const unsigned long n = drift->n_marks;
+    unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
+    while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > 0))
+        first++; /* exact so far: there is no logarithm of 0 */
+    if (!pk_finite(max)) {
+        e = s = max - max;
+        growth = PK_GROWTH_NO_NUMBER;
+    } else if (!(drift->scale > 0)) {
+        growth = PK_GROWTH_ZERO;
+    } else if (!(max > 0)) {
+        growth = PK_GROWTH_CONSTANT;
+    } else if (n < first + 7) {
+        growth = max <= level ? PK_GROWTH_ROUND_OFF : PK_GROWTH_SHORT;
+    } else {
+        e = exponent_of(drift, first, n - 1);
+        s = pk_abs(exponent_of(drift, (first + n - 1) / 2, n - 1) -
+                   exponent_of(drift, first, (first + n - 1) / 2));
+        growth = named(e);
+        const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
+        if (max <= level || (max <= level + walk && e < PK_C(0.75)))
+            growth = PK_GROWTH_ROUND_OFF;
+    }
+    *(exponent ? exponent : &nowhere) = e;
+    *(spread ? spread : &nowhere) = s;
+    return growth;
+}
+
+const char *pk_growth_text(enum pk_growth growth)
+{
+    static const char *const text[] = {
+#define PK_GROWTH_TEXT(name, words) words,
+        PK_GROWTHS(PK_GROWTH_TEXT)
+#undef PK_GROWTH_TEXT
+    };
+    return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
+}
+
+/* Momenta are known to be constant where the system has flags that say which. */
+static size_t momenta_of(const struct pk_problem *problem)
+{
+    return problem->system->cyclic ? pk_system_count(problem->system, problem->params) : 0;
+}
+
 static size_t drift_reals(size_t count)
 {
     return (count * sizeof(struct pk_drift) + sizeof(pk_real) - 1) / sizeof(pk_real);
@@ -64,7 +153,7 @@ size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params);
-    return (drift_reals(n + system->n_conserved) + 2 * n +
+    return (drift_reals(momenta_of(problem) + system->n_conserved) + 2 * n +
             system->n_inputs + system->n_conserved) *
            sizeof(pk_real);
 }
@@ -73,7 +162,7 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
                                void *block, size_t block_size)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
+    const size_t n = momenta_of(problem);
     if (!block || block_size < pk_monitor_size(problem) ||
         (size_t)block % _Alignof(struct pk_drift))
         return PK_BLOCK_TOO_SMALL;

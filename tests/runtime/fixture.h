@@ -53,5 +53,8 @@ void add_linear(void);
 void add_guard(void);
 void add_after_failure(void);
 void add_events(void);
+void add_variation(void);
+void add_chaos(void);
+void add_spectrum(void);
 
 #endif

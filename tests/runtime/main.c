@@ -118,6 +118,9 @@ int main(int argc, char **argv)
     add_guard();
     add_after_failure();
     add_events();
+    add_variation();
+    add_chaos();
+    add_spectrum();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

@@ -32,6 +32,81 @@ static void definitions(void)
     CU_ASSERT(!(pk_drift_max(&d) <= 1));
 }
 
+/* X = 4 + size * what a law gives; the law by its number, at t = 1, 2, .... */
+static enum pk_growth growth_of(int law, double size, int samples, double *exponent)
+{
+    struct pk_drift d;
+    double walk = 0, spread;
+    unsigned seed = 2385;
+    pk_drift_init(&d);
+    for (int i = 0; i < samples; i++) {
+        const double t = i, laws[] = {0, sin(0.3 * t), walk, t, t * t, exp(t / 300), t > 100};
+        pk_drift_update(&d, 1e6 + t, 4 + size * laws[law]);
+        seed = seed * 1664525u + 1013904223u;
+        walk += seed >> 16 & 1 ? 1 : -1;
+    }
+    return pk_drift_growth(&d, exponent, &spread);
+}
+
+static void growth(void)
+{
+    struct pk_drift d;
+    double e;
+    const struct {
+        int law;
+        double exponent, within;
+        enum pk_growth growth;
+    } rows[] = {{1, 0, 0.01, PK_GROWTH_BOUNDED},    {2, 0.5, 0.24, PK_GROWTH_RANDOM},
+                {3, 1, 0.02, PK_GROWTH_LINEAR},     {4, 2, 0.02, PK_GROWTH_QUADRATIC},
+                {5, 50, 49, PK_GROWTH_FASTER},      {6, 0, 0.01, PK_GROWTH_BOUNDED}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        CU_ASSERT(growth_of(rows[k].law, 1e-8, 100000, &e) == rows[k].growth);
+        CU_ASSERT(fabs(e - rows[k].exponent) < rows[k].within);
+        CU_ASSERT(growth_of(rows[k].law, 1e-8, 7, &e) == (rows[k].law == 6 ? PK_GROWTH_CONSTANT : PK_GROWTH_SHORT));
+    }
+    CU_ASSERT(growth_of(0, 1e-8, 1000, &e) == PK_GROWTH_CONSTANT && e == 0);
+    CU_ASSERT(growth_of(1, 4e-15, 100000, &e) == PK_GROWTH_ROUND_OFF && fabs(e) < 0.2);
+    CU_ASSERT(growth_of(2, 9e-16, 100000, &e) == PK_GROWTH_ROUND_OFF && fabs(e - 0.5) < 0.3);
+    CU_ASSERT(growth_of(3, 9e-16, 100000, &e) == PK_GROWTH_LINEAR && fabs(e - 1) < 0.1);
+    pk_drift_init(&d);
+    for (int i = 0; i < 100; i++)
+        pk_drift_update(&d, i, 0.0);
+    CU_ASSERT(pk_drift_growth(&d, &e, NULL) == PK_GROWTH_ZERO && e == 0);
+    pk_drift_update(&d, 100, (double)NAN);
+    CU_ASSERT(pk_drift_growth(&d, &e, NULL) == PK_GROWTH_NO_NUMBER && !(e <= 1));
+    CU_ASSERT(strcmp(pk_growth_text(PK_GROWTH_BOUNDED), "bounded") == 0);
+    CU_ASSERT(strcmp(pk_growth_text(PK_GROWTH_COUNT), "?") == 0);
+}
+
+/* Of the pendulum's energy, 1e5 steps of .1: the laws that the methods are known for. */
+static void growth_of_methods(void)
+{
+    static const struct {
+        const char *method;
+        enum pk_growth growth;
+    } rows[] = {{"verlet", PK_GROWTH_BOUNDED}, {"gauss2", PK_GROWTH_BOUNDED},
+                {"rk4", PK_GROWTH_LINEAR}, {"gauss8", PK_GROWTH_ROUND_OFF}};
+    static struct fixture f;
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        struct pk_monitor m;
+        double e, spread, memory[200];
+        fixture_set(&f, &pendulum_system);
+        f.options.h = 0.1;
+        f.q0[0] = 1.3, f.v0[0] = 0.2;
+        CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
+        CU_ASSERT_FATAL(pk_monitor_init(&m, &f.problem, memory, sizeof memory) == PK_DONE);
+        pk_monitor_update(&m, 0, f.it.q, f.it.v);
+        for (int i = 0; i < 100000; i++) {
+            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
+            pk_monitor_update(&m, f.it.t, f.it.q, f.it.v);
+        }
+        const enum pk_growth growth = pk_drift_growth(&m.energy, &e, &spread);
+        printf("\n    energy of the pendulum, 1e5 steps of %s: %.1e, t^%.2f, spread %.2f: %s",
+               rows[k].method, pk_drift_max(&m.energy), e, spread, pk_growth_text(growth));
+        CU_ASSERT(growth == rows[k].growth && pk_drift_max(&m.energy) > 0);
+    }
+}
+
 static void monitor(void)
 {
     static struct fixture f;
@@ -66,5 +141,7 @@ void add_diagnostics(void)
 {
     CU_pSuite suite = CU_add_suite("diagnostics", NULL, NULL);
     CU_add_test(suite, "definitions", definitions);
+    CU_add_test(suite, "growth of known laws", growth);
+    CU_add_test(suite, "growth under methods", growth_of_methods);
     CU_add_test(suite, "monitor", monitor);
 }

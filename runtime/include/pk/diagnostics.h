@@ -4,7 +4,12 @@
  *     slope = least-squares slope of (X - X(0)) over t, / S
  *     S     = max |X|;  for the energy  max (|v.p| + |L|),  L = v.p - h
  *
- * (S for the energy, because h itself may vanish.) All of it online: nothing is stored.
+ * (S for the energy, because h itself may vanish.) And how it grows: the exponent e of
+ *
+ *     max over [0, t] of |X - X(0)|  ~  t^e
+ *
+ * by least squares over the last six octaves of t: 0 of what stays bounded, 1/2 of a random walk, 1
+ * of a secular drift, 2 of one that itself grows. All of it online: nothing is stored.
  */
 #ifndef PK_DIAGNOSTICS_H
 #define PK_DIAGNOSTICS_H
@@ -17,10 +22,35 @@
 extern "C" {
 #endif
 
+enum { PK_DRIFT_MARKS = 13 }; /* six octaves, by halves */
+
 struct pk_drift {
     unsigned long samples;
     pk_real first, scale, max, final;                  /* max and final not yet divided by S */
     pk_real mean_t, mean_x, var_t, cov;                /* Welford's sums for the slope */
+    pk_real start, edge;           /* first time; time after it at which this half octave ends */
+    pk_real marks[PK_DRIFT_MARKS]; /* max at the ends of the last half octaves, in a ring */
+    unsigned long n_marks;         /* half octaves that have ended */
+};
+
+/* What an exponent says; the texts are in pk_growth_text(). */
+#define PK_GROWTHS(X)                                                                      \
+    X(PK_GROWTH_ZERO, "zero all along")                                                    \
+    X(PK_GROWTH_CONSTANT, "constant to the last bit")                                      \
+    X(PK_GROWTH_ROUND_OFF, "round-off")                                                    \
+    X(PK_GROWTH_SHORT, "too few steps to tell how it grows")                               \
+    X(PK_GROWTH_BOUNDED, "bounded")                                                        \
+    X(PK_GROWTH_RANDOM, "as a random walk grows")                                          \
+    X(PK_GROWTH_LINEAR, "secular, as t")                                                   \
+    X(PK_GROWTH_QUADRATIC, "as t^2")                                                       \
+    X(PK_GROWTH_FASTER, "faster than t^2")                                                 \
+    X(PK_GROWTH_NO_NUMBER, "not finite")
+
+enum pk_growth {
+#define PK_GROWTH_ENUM(name, text) name,
+    PK_GROWTHS(PK_GROWTH_ENUM)
+#undef PK_GROWTH_ENUM
+    PK_GROWTH_COUNT
 };
 
 void pk_drift_init(struct pk_drift *drift);
@@ -30,6 +60,11 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
 pk_real pk_drift_max(const struct pk_drift *drift);
 pk_real pk_drift_final(const struct pk_drift *drift);
 pk_real pk_drift_slope(const struct pk_drift *drift); /* per unit of time */
+/* The exponent, and by how much it differs between the earlier and the later of the six octaves
+ * (either pointer may be NULL; both 0 where nothing can be fitted: ZERO, CONSTANT, SHORT, and NaN
+ * of what is not finite). ROUND_OFF: at the level of evaluating X, or of a random walk of roundings. */
+enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread);
+const char *pk_growth_text(enum pk_growth growth);
 
 /* The drifts of one run: energy if the system is conservative, the momentum of every cyclic
  * coordinate, every `conserve`. Memory is the caller's. */
@@ -37,7 +72,7 @@ struct pk_monitor {
     struct pk_problem problem;
     int has_energy;           /* 0: the energy of this system is not conserved */
     struct pk_drift energy;
-    struct pk_drift *momenta;   /* n of them; only those of cyclic coordinates are updated */
+    struct pk_drift *momenta;   /* n, of which cyclic ones are updated; none if none is known */
     struct pk_drift *conserved; /* n_conserved */
     pk_real *work;
 };

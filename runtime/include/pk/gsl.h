@@ -10,6 +10,7 @@
 #define PK_GSL_H
 
 #include <pk/method.h>
+#include <pk/spectrum.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,6 +18,13 @@ extern "C" {
 
 const struct pk_method *pk_gsl_method_find(const char *name);
 const struct pk_method *pk_gsl_method_at(size_t index);
+
+/* The mean, the rate and up to `lines` (PK_LINES at most) lines of `count` samples dt apart, of which
+ * there must be PK_SPECTRUM_LEAST; see pk/spectrum.h. The block: pk_gsl_spectrum_size(count) bytes, aligned for
+ * double. Fewer lines are found where no other can be told from those there are. Nothing allocates. */
+size_t pk_gsl_spectrum_size(size_t count);
+enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
+                               double dt, size_t lines, void *block, size_t block_size);
 
 #ifdef __cplusplus
 }

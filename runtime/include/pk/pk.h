@@ -8,9 +8,14 @@
 #include <pk/integrator.h>
 #include <pk/linear.h>
 #include <pk/limits.h>
+#include <pk/lyapunov.h>
 #include <pk/method.h>
 #include <pk/real.h>
+#include <pk/reversal.h>
+#include <pk/spectrum.h>
 #include <pk/status.h>
+#include <pk/stepmap.h>
 #include <pk/system.h>
+#include <pk/variation.h>
 
 #endif

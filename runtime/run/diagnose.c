@@ -1,0 +1,326 @@
+/* Diagnostics of a run; see diagnose.h. Each writes one member of an object in JSON as it is found:
+ * {"status": ..., "reason": ...} says how it went, and numbers follow where it went well.
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "diagnose.h"
+#include "ensemble.h"
+#include "words.h"
+
+#ifdef PK_WITH_GSL
+#include <pk/gsl.h>
+#endif
+
+enum { STATES = 16, BLOCKS = 1000 };
+static const double THRESHOLD = 1e-3; /* of reversal: what has come so far from its start is lost */
+
+struct diagnostics {
+    pk_real *rows; /* t, q, v of each */
+    size_t n_rows, capacity;
+    char *json;
+    size_t json_size;
+    FILE *file; /* of json while it is made */
+    int code, first;
+    double exponent; /* by Lyapunov, if that says chaotic */
+};
+
+static const struct {
+    const char *name;
+    unsigned flag;
+} names[] = {{"lyapunov", DIAGNOSE_LYAPUNOV},
+             {"reversal", DIAGNOSE_REVERSAL},
+             {"spectrum", DIAGNOSE_SPECTRUM},
+             {"symplectic", DIAGNOSE_SYMPLECTIC}};
+
+unsigned diagnose_flag(const char *name)
+{
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(names[i].name, name) == 0)
+            return names[i].flag;
+    return 0;
+}
+
+void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    const size_t n = run->settings.n, width = 1 + 2 * n;
+    if (!(run->settings.diagnose & (DIAGNOSE_SPECTRUM | DIAGNOSE_SYMPLECTIC)))
+        return;
+    if (!run->diagnostics)
+        run->diagnostics = (struct diagnostics *)words_allocate(1, sizeof *run->diagnostics);
+    struct diagnostics *d = run->diagnostics;
+    if (d->n_rows == d->capacity) {
+        d->capacity = d->capacity ? 2 * d->capacity : 1024;
+        d->rows = (pk_real *)realloc(d->rows, d->capacity * width * sizeof *d->rows);
+        if (!d->rows) {
+            fprintf(stderr, "run: out of memory for the rows that --diagnose wants\n");
+            exit(4);
+        }
+    }
+    pk_real *row = d->rows + d->n_rows++ * width;
+    row[0] = t;
+    memcpy(row + 1, q, n * sizeof *q);
+    memcpy(row + 1 + n, v, n * sizeof *v);
+}
+
+static void real(struct diagnostics *d, const char *key, pk_real x)
+{
+    fprintf(d->file, ", \"%s\": ", key);
+    output_real(d->file, x);
+}
+
+/* Opens a member, with how it went. 1 where its numbers are to follow; then it is still open. */
+static int member(struct diagnostics *d, const char *name, enum pk_status status,
+                  const char *reason)
+{
+    fprintf(d->file, "%s\n    \"%s\": {\"status\": \"%s\", \"reason\": ", d->first ? "" : ",", name,
+            pk_status_name(status));
+    d->first = 0;
+    output_text(d->file, reason);
+    if (status >= 0)
+        return 1;
+    fputs("}", d->file);
+    fprintf(stderr, "run: diagnose %s: %s\n", name, reason);
+    if (d->code == 0)
+        d->code = status == PK_REFUSED ? EXIT_USAGE : 4;
+    return 0;
+}
+
+static const char NO_LINEAR[] = "the system has no kernel linear: it was left out, or its families "
+                                "are kept as loops";
+
+static void lyapunov(struct run *run, struct diagnostics *d)
+{
+    static const char *const motions[] = {"regular", "chaotic", "undecided"};
+    const struct settings *s = &run->settings;
+    const size_t size = pk_lyapunov_size(&run->problem, s->method);
+    void *block = words_allocate(size, 1);
+    struct pk_lyapunov l;
+    char reason[512] = "";
+    enum pk_status status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q,
+                                             s->v, s->until / BLOCKS, block, size);
+    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < s->until; k++) {
+        status = pk_lyapunov_step(&l);
+        run_progress(run, (double)(l.it.t / s->until), 0);
+    }
+    if (status == PK_REFUSED && !l.it.method)
+        strcpy(reason, NO_LINEAR);
+    else if (status < 0 && l.it.method)
+        pk_integrator_reason(&l.it, reason, sizeof reason);
+    else
+        strcpy(reason, pk_status_text(status));
+    if (member(d, "lyapunov", status, reason)) {
+        pk_real error;
+        const pk_real exponent = pk_lyapunov_exponent(&l, &error);
+        const enum pk_motion motion = pk_lyapunov_motion(&l);
+        if (motion == PK_CHAOTIC)
+            d->exponent = (double)exponent;
+        real(d, "exponent", exponent);
+        real(d, "error", error);
+        real(d, "megno", pk_lyapunov_megno(&l));
+        real(d, "time", l.it.t);
+        fprintf(d->file, ", \"motion\": \"%s\"}", motions[motion]);
+    }
+    pk_lyapunov_free(&l);
+    free(block);
+}
+
+static void reversal(struct run *run, struct diagnostics *d)
+{
+    const struct settings *s = &run->settings;
+    const size_t size = pk_reversal_size(&run->problem, s->method);
+    void *block = words_allocate(size, 1);
+    struct pk_integrator it;
+    struct pk_reversal r;
+    char reason[512];
+    const enum pk_status status =
+        pk_reversal_find(&r, &it, &run->problem, s->method, &s->options, 0, s->q, s->v, s->until,
+                         (pk_real)THRESHOLD, block, size);
+    if (status < 0)
+        pk_integrator_reason(&it, reason, sizeof reason);
+    else
+        strcpy(reason, pk_status_text(status));
+    if (member(d, "reversal", status, reason)) {
+        real(d, "threshold", r.threshold);
+        fprintf(d->file, ", \"symmetric\": %s, \"lost\": %s",
+                s->method->traits & PK_SYMMETRIC ? "true" : "false", r.passed ? "true" : "false");
+        real(d, "horizon_lo", r.horizon_lo);
+        real(d, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
+        real(d, "predicted", d->exponent > 0
+                                 ? PK_F(log)(r.threshold / PK_EPSILON) / (pk_real)d->exponent
+                                 : PK_INFINITY);
+        fputs(", \"times\": [", d->file);
+        for (size_t i = 0; i < r.count; i++) {
+            fputs(i ? ", [" : "[", d->file);
+            output_real(d->file, r.at[i].t);
+            fputs(", ", d->file);
+            output_real(d->file, r.at[i].error);
+            fputs("]", d->file);
+        }
+        fputs("]}", d->file);
+    }
+    pk_integrator_free(&it);
+    free(block);
+}
+
+/* The largest defect over states spread over the rows; a step that cannot be made at one of them is
+ * counted, and is a failure if none could be. */
+static void symplectic(struct run *run, struct diagnostics *d)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = run->problem.system;
+    const size_t size = pk_stepmap_size(&run->problem, s->method), width = 1 + 2 * s->n;
+    const size_t states = d->n_rows < STATES ? d->n_rows : STATES;
+    const int fixed = !(s->method->traits & PK_ADAPTIVE);
+    const pk_real h = fixed ? s->options.h : run->it.t / (pk_real)run->it.count.steps;
+    void *block = words_allocate(size, 1);
+    struct pk_stepmap most = {.defect = -1}, map;
+    pk_real t = 0;
+    enum pk_status status = PK_DONE, last = PK_DONE;
+    size_t made = 0;
+    for (size_t k = 0; k < states && status != PK_REFUSED; k++) {
+        const pk_real *row = d->rows + (states > 1 ? k * (d->n_rows - 1) / (states - 1) : 0) * width;
+        status = pk_stepmap_find(&map, &run->problem, s->method, &s->options, h, row[0], row + 1,
+                                 row + 1 + s->n, NULL, block, size);
+        if (status < 0) {
+            last = status;
+            continue;
+        }
+        made++;
+        if (map.defect - map.rounding > most.defect - most.rounding || most.defect < 0) {
+            most = map;
+            t = row[0];
+        }
+    }
+    const char *reason = pk_status_text(made ? PK_DONE : last);
+    if (!made && last == PK_REFUSED)
+        reason = system->linear ? "the method will not make one step of that length" : NO_LINEAR;
+    if (member(d, "symplectic", made ? PK_DONE : last, reason)) {
+        real(d, "defect", most.defect);
+        real(d, "volume", most.volume);
+        real(d, "rounding", most.rounding);
+        real(d, "step", most.h);
+        real(d, "t", t);
+        fprintf(d->file, ", \"states\": %zu, \"failed\": %zu, \"symplectic\": %s, "
+                         "\"variational\": %s}",
+                made, states - made, most.defect <= most.rounding ? "true" : "false",
+                system->facts & PK_VARIATIONAL ? "true" : "false");
+    }
+    free(block);
+}
+
+#ifdef PK_WITH_GSL
+static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
+                           size_t i)
+{
+    char name[128];
+    pk_system_name(run->problem.system, run->settings.params, run->problem.system->coordinates, i,
+                   name, sizeof name);
+    fputs(i ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
+    output_text(d->file, name);
+    real(d, "mean", s->mean);
+    real(d, "rate", s->rate);
+    real(d, "residual", s->residual);
+    fputs(", \"lines\": [", d->file);
+    for (size_t k = 0; k < s->count; k++) {
+        fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
+        output_real(d->file, s->lines[k].frequency);
+        real(d, "error", s->lines[k].error);
+        real(d, "amplitude", s->lines[k].amplitude);
+        real(d, "phase", s->lines[k].phase);
+        fputs("}", d->file);
+    }
+    fputs("]}", d->file);
+}
+
+/* Rows at equal times: all but a last one that is nearer. */
+static void spectrum(struct run *run, struct diagnostics *d)
+{
+    const struct settings *set = &run->settings;
+    const size_t n = set->n, width = 1 + 2 * n;
+    const double dt = set->every > 0 ? set->every : set->options.h;
+    size_t count = d->n_rows;
+    if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
+        count--;
+    if (count < PK_SPECTRUM_LEAST) {
+        char reason[160];
+        snprintf(reason, sizeof reason, "%zu rows at equal times; at least %d are needed: --every",
+                 count, (int)PK_SPECTRUM_LEAST);
+        member(d, "spectrum", PK_REFUSED, reason);
+        return;
+    }
+    const size_t size = pk_gsl_spectrum_size(count);
+    void *block = words_allocate(size, 1);
+    double *x = (double *)words_allocate(count, sizeof *x);
+    enum pk_status status = PK_DONE;
+    struct pk_spectrum *found = (struct pk_spectrum *)words_allocate(n, sizeof *found);
+    for (size_t i = 0; i < n && status >= 0; i++) {
+        for (size_t k = 0; k < count; k++)
+            x[k] = d->rows[k * width + 1 + i];
+        status = pk_gsl_spectrum(&found[i], x, count, dt, PK_LINES, block, size);
+        run_progress(run, (double)i / (double)n, 0);
+    }
+    if (member(d, "spectrum", status, pk_status_text(status))) {
+        fprintf(d->file, ", \"rows\": %zu", count);
+        real(d, "interval", dt);
+        real(d, "nyquist", found[0].nyquist);
+        real(d, "resolution", found[0].resolution);
+        fputs(", \"coordinates\": [", d->file);
+        for (size_t i = 0; i < n; i++)
+            spectrum_lines(run, d, &found[i], i);
+        fputs("]}", d->file);
+    }
+    free(found);
+    free(x);
+    free(block);
+}
+#else
+static void spectrum(struct run *run, struct diagnostics *d)
+{
+    (void)run;
+    member(d, "spectrum", PK_REFUSED, "it needs the GNU Scientific Library, which is not here");
+}
+#endif
+
+int diagnose_run(struct run *run, int code)
+{
+    static void (*const make[])(struct run *, struct diagnostics *) = {lyapunov, reversal, spectrum,
+                                                                       symplectic};
+    const unsigned wanted = run->settings.diagnose;
+    if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0)
+        return code;
+    if (!run->diagnostics)
+        run->diagnostics = (struct diagnostics *)words_allocate(1, sizeof *run->diagnostics);
+    struct diagnostics *d = run->diagnostics;
+    d->file = open_memstream(&d->json, &d->json_size);
+    if (!d->file) {
+        fprintf(stderr, "run: out of memory for --diagnose\n");
+        return 4;
+    }
+    fflush(stdout);
+    signal(SIGINT, SIG_DFL); /* rows are written; there is nothing else to save */
+    d->first = 1;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (wanted & names[i].flag)
+            make[i](run, d);
+    fclose(d->file);
+    return d->code;
+}
+
+void diagnose_report(const struct run *run, FILE *file)
+{
+    if (run->diagnostics && run->diagnostics->json)
+        fprintf(file, ",\n  \"diagnostics\": {%s\n  }", run->diagnostics->json);
+}
+
+void diagnose_free(struct run *run)
+{
+    if (!run->diagnostics)
+        return;
+    free(run->diagnostics->rows);
+    free(run->diagnostics->json);
+    free(run->diagnostics);
+}

@@ -1,0 +1,194 @@
+/* The derivative of a step map and what it does to the symplectic form; see pk/stepmap.h. A column
+ * of S at a time: a unit displacement in (Q, P), its (dq, dv), one step, and back to (Q, P) there.
+ */
+#include <string.h>
+
+#include <pk/stepmap.h>
+
+#include "metric.h"
+
+struct parts {
+    struct pk_variation variation;
+    struct pk_metric metric;
+    struct pk_integrator it;
+    pk_real *S, *Q, *V, *J, *dp, *u, *LU, *pivot;
+    void *block, *variation_block, *metric_block;
+    size_t block_size, n;
+};
+
+static size_t own_reals(size_t n, size_t inputs)
+{
+    const size_t m = 2 * n;
+    return 2 * m * m + 2 * m + 3 * n * n + n + m + inputs;
+}
+
+size_t pk_stepmap_size(const struct pk_problem *problem, const struct pk_method *method)
+{
+    if (!problem || !method || !pk_variation_size(problem, 1))
+        return 0;
+    const size_t n = pk_system_count(problem->system, problem->params);
+    return pk_variation_size(problem, 1) + pk_variation_integrator_size(problem, 1, method) +
+           (pk_metric_reals(n) + own_reals(n, problem->system->n_inputs)) * sizeof(pk_real);
+}
+
+static void set_parts(struct parts *w, const struct pk_problem *problem,
+                      const struct pk_method *method, pk_real *x)
+{
+    const size_t n = w->n, m = 2 * n;
+    w->variation_block = x, x += pk_variation_size(problem, 1) / sizeof *x;
+    w->metric_block = x, x += pk_metric_reals(n);
+    w->S = x, x += m * m;
+    w->LU = x, x += m * m;
+    w->Q = x, x += m;
+    w->V = x, x += m;
+    w->J = x, x += 3 * n * n;
+    w->dp = x, x += n;
+    w->pivot = x, x += m;
+    w->u = x, x += problem->system->n_inputs;
+    w->block = x;
+    w->block_size = pk_variation_integrator_size(problem, 1, method);
+}
+
+static const pk_real *inputs(struct parts *w, pk_real t)
+{
+    const struct pk_problem *of = &w->variation.of;
+    memset(w->u, 0, of->system->n_inputs * sizeof *w->u);
+    if (of->input && of->system->n_inputs)
+        of->input(of->context, t, w->u);
+    return w->u;
+}
+
+/* dp/dq at a state, in w->J. */
+static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const pk_real *v)
+{
+    const struct pk_problem *of = &w->variation.of;
+    const size_t nn = w->n * w->n;
+    of->system->jacobian(of->params, t, q, v, inputs(w, t), w->J, w->J + nn, w->J + 2 * nn);
+}
+
+/* Unit displacement j of (Q, P) as (dq, dv) behind the start in w->Q, w->V. */
+static enum pk_status displace(struct parts *w, pk_real t, size_t j)
+{
+    const size_t n = w->n;
+    pk_real *dq = w->Q + n, *dv = w->V + n;
+    memset(dq, 0, n * sizeof *dq);
+    memset(dv, 0, n * sizeof *dv);
+    (j < n ? dq : dv)[j % n] = 1;
+    pk_metric_dq(&w->metric, dq);
+    pk_metric_dp(&w->metric, dv); /* dp so far */
+    momentum_slope(w, t, w->Q, w->V);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++)
+            dv[i] -= w->J[i * n + k] * dq[k];
+    pk_ldl_solve(w->metric.L, n, dv);
+    return PK_DONE;
+}
+
+/* Column j of S, from where the integrator is. */
+static void take_column(struct parts *w, size_t j)
+{
+    const struct pk_problem *of = &w->variation.of;
+    const size_t n = w->n, m = 2 * n;
+    const pk_real *q = w->it.q, *v = w->it.v, *dq = q + n, *dv = v + n;
+    momentum_slope(w, w->it.t, q, v);
+    memset(w->dp, 0, n * sizeof *w->dp);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++)
+            w->dp[i] += w->J[i * n + k] * dq[k];
+    of->system->mass(of->params, w->it.t, q, v, inputs(w, w->it.t), w->J);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++)
+            w->dp[i] += w->J[i * n + k] * dv[k];
+    memcpy(w->Q + n, dq, n * sizeof *dq); /* free again */
+    pk_metric_Q(&w->metric, w->Q + n);
+    pk_metric_P(&w->metric, w->dp);
+    for (size_t i = 0; i < n; i++) {
+        w->S[i * m + j] = w->Q[n + i];
+        w->S[(n + i) * m + j] = w->dp[i];
+    }
+}
+
+static void measure(struct parts *w, struct pk_stepmap *map)
+{
+    const size_t n = w->n, m = 2 * n;
+    pk_real det = 1, size = 1;
+    map->defect = 0;
+    for (size_t i = 0; i < m; i++)
+        for (size_t j = 0; j < m; j++) {
+            pk_real form = (j == i + n) ? -PK_C(1.0) : (i == j + n) ? PK_C(1.0) : 0, sum = 0;
+            for (size_t k = 0; k < n; k++) {
+                const pk_real a = w->S[k * m + i] * w->S[(n + k) * m + j];
+                const pk_real b = w->S[(n + k) * m + i] * w->S[k * m + j];
+                form += a - b;
+                sum += pk_abs(a) + pk_abs(b);
+            }
+            if (!(pk_abs(form) <= map->defect)) /* so that what is no number gets through */
+                map->defect = pk_abs(form);
+            size = pk_max(size, sum);
+        }
+    memcpy(w->LU, w->S, m * m * sizeof *w->S);
+    if (!pk_lu_factor(w->LU, w->pivot, m))
+        det = 0;
+    for (size_t i = 0; i < m; i++)
+        det *= w->LU[i * m + i] * ((size_t)w->pivot[i] == i ? PK_C(1.0) : -PK_C(1.0));
+    map->volume = det - 1;
+    map->rounding = 16 * PK_EPSILON * size * (pk_real)m;
+}
+
+static enum pk_status column(struct parts *w, const struct pk_method *method,
+                             const struct pk_options *options, pk_real t0, const pk_real *q0,
+                             const pk_real *v0, size_t j)
+{
+    const size_t n = w->n;
+    memcpy(w->Q, q0, n * sizeof *q0);
+    memcpy(w->V, v0, n * sizeof *v0);
+    enum pk_status status = displace(w, t0, j);
+    if (status >= 0)
+        status = pk_integrator_init(&w->it, &w->variation.problem, method, options, t0, w->Q,
+                                    w->V, w->block, w->block_size);
+    if (status >= 0)
+        status = pk_integrator_to(&w->it, t0 + options->h);
+    if (status >= 0 && w->it.count.steps != 1)
+        status = PK_REFUSED;
+    if (status >= 0)
+        take_column(w, j);
+    pk_integrator_free(&w->it);
+    return status;
+}
+
+enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *problem,
+                               const struct pk_method *method, const struct pk_options *options,
+                               pk_real h, pk_real t0, const pk_real *q0, const pk_real *v0,
+                               pk_real *S, void *block, size_t block_size)
+{
+    const size_t size = pk_stepmap_size(problem, method);
+    if (!map || !options || !q0 || !v0 || !size || !(h > 0))
+        return PK_BAD_ARGUMENT;
+    if (!block || block_size < size || (size_t)block % _Alignof(pk_real))
+        return PK_BLOCK_TOO_SMALL;
+    struct parts w = {.n = pk_system_count(problem->system, problem->params)};
+    set_parts(&w, problem, method, (pk_real *)block);
+    memset(map, 0, sizeof *map);
+    map->h = h;
+
+    struct pk_options one = *options;
+    one.h = h;
+    if (method->traits & PK_ADAPTIVE) {
+        one.h_max = h;
+        one.rtol = one.atol = PK_C(1e10);
+        one.newton_tol = 8 * PK_EPSILON;
+    }
+    enum pk_status status = pk_variation_init(&w.variation, problem, 1, w.variation_block,
+                                              pk_variation_size(problem, 1));
+    if (status >= 0)
+        status = pk_metric_init(&w.metric, &w.variation, t0, q0, v0, inputs(&w, t0), h,
+                                (pk_real *)w.metric_block);
+    for (size_t j = 0; status >= 0 && j < 2 * w.n; j++)
+        status = column(&w, method, &one, t0, q0, v0, j);
+    if (status < 0)
+        return status;
+    measure(&w, map);
+    if (S)
+        memcpy(S, w.S, 4 * w.n * w.n * sizeof *S);
+    return pk_finite(map->defect) ? PK_DONE : PK_NOT_FINITE;
+}

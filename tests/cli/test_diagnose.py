@@ -1,0 +1,176 @@
+"""`pkgen run --diagnose`: what it finds, against closed forms and values known from elsewhere."""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from pkgen import build
+
+DOUBLE = ROOT / "models/double_pendulum.lag"
+COUPLED = ROOT / "models/coupled_oscillators.lag"
+FPUT = ROOT / "models/families/fput.lag"
+DAMPED = """model damped
+param c = 0.2 in [0, inf)
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential x^2/2 + y^2 + x*y/4
+dissipation c/2*x'^2
+start x = 1, y = 0.3
+"""
+
+
+def diagnosed(pkgen, model: Path, what: str, *arguments: object) -> tuple[dict, dict]:
+    """The diagnostics of a run, and its report."""
+    done = pkgen("run", model, "--diagnose", what, "--json", *arguments)
+    assert done.returncode == 0, done.stdout[-500:] + done.stderr
+    report = json.loads(done.stdout)["report"]
+    return report["diagnostics"], report
+
+
+def starts(angle: float) -> list[str]:
+    found = ["--start", "theta1'=0", "--start", "theta2'=0"]
+    return [*found, "--start", f"theta1={angle}", "--start", f"theta2={angle}"]
+
+
+def test_a_chaotic_pendulum(pkgen) -> None:
+    # REGIMES D2 and D3, by the midpoint rule, whose reversal is exact but for round-off.
+    arguments = ["--method", "gauss1", "--step", "0.004", *starts(math.pi / 2)]
+    found, _ = diagnosed(pkgen, DOUBLE, "all", "--until", "100", "--every", "0.1", *arguments)
+    assert list(found) == ["lyapunov", "reversal", "spectrum", "symplectic"]
+    chaos, back = found["lyapunov"], found["reversal"]
+    assert chaos["motion"] == "chaotic" and 0.01 < chaos["error"] < 0.3
+    assert abs(chaos["exponent"] - 0.926) < 4 * chaos["error"]
+    assert back["lost"] and back["symmetric"]
+    expected = math.log(1e-3 / sys.float_info.epsilon) / chaos["exponent"]
+    assert back["predicted"] == pytest.approx(expected, rel=1e-12)
+    assert 0.7 * 31.4 < back["horizon_lo"] < back["horizon_hi"] < 1.5 * 31.4
+    assert found["symplectic"]["symplectic"] and 0 < found["symplectic"]["defect"] < 1e-12
+    assert found["symplectic"]["failed"] == 0 and found["symplectic"]["states"] == 16
+    assert all(c["residual"] > 0.03 for c in found["spectrum"]["coordinates"])
+
+
+def test_a_regular_pendulum(pkgen) -> None:
+    # D3: a regular orbit returns; rk4 does not, nor does it keep the symplectic form.
+    arguments = ["--until", "60", "--step", "0.01", *starts(0.5)]
+    found, report = diagnosed(
+        pkgen, DOUBLE, "reversal,symplectic", *arguments, "--method", "gauss2"
+    )
+    worse, drifting = diagnosed(pkgen, DOUBLE, "symplectic,reversal", *arguments, "--method", "rk4")
+    errors = [r["reversal"]["times"][-1][1] for r in (found, worse)]
+    assert not found["reversal"]["lost"] and 0 < errors[0] < 1e-13 and errors[1] > 1e3 * errors[0]
+    assert worse["symplectic"]["defect"] > 1e3 * worse["symplectic"]["rounding"]
+    assert not worse["symplectic"]["symplectic"] and found["symplectic"]["symplectic"]
+    assert [r["drifts"][0]["growth"] for r in (report, drifting)] == ["bounded", "secular, as t"]
+    assert abs(drifting["drifts"][0]["exponent"] - 1) < 0.1
+
+
+def test_frequencies_of_normal_modes(pkgen, tmp_path: Path) -> None:
+    # REGIMES O1: 1 and sqrt 2; D1: the double pendulum's small swings.
+    pair = ["--size", "n=2", "--set", "kc=0.5", "--start", "q[2]'=0", "--until", "300"]
+    # Of three masses the model starts the third too: with two it has none.
+    model = COUPLED.read_text().replace(", q[3] = 0.1, q[2]' = 0.3, q[3]' = -0.5", "")
+    path = tmp_path / "pair.lag"
+    path.write_text(model)
+    method = ["--method", "gauss8", "--step", "0.1"]
+    found, _ = diagnosed(pkgen, path, "spectrum", *pair, *method)
+    for coordinate in found["spectrum"]["coordinates"]:
+        first, second = sorted(line["frequency"] for line in coordinate["lines"][:2])
+        assert abs(first - 1) < 1e-11 and abs(second - math.sqrt(2)) < 1e-11
+        assert coordinate["lines"][1]["amplitude"] > 0.1
+    swings = [*starts(1e-6), "--until", "300", "--every", "0.3"]
+    method = ["--method", "gauss8", "--step", "0.1"]
+    found, _ = diagnosed(pkgen, DOUBLE, "spectrum,symplectic", *swings, *method)
+    slow, fast = found["spectrum"]["coordinates"][0]["lines"][:2]
+    assert abs(slow["frequency"] - 2.3971993979) < 1e-10
+    assert abs(fast["frequency"] - 5.7873512980) < 1e-10
+    assert 0 < max(slow["error"], fast["error"]) < 1e-9
+
+
+def test_forces_shrink_the_form(pkgen, tmp_path: Path) -> None:
+    # d/dt of an area in (q, p) under p' = ... - c v: exp(-c h) in all, whatever the method.
+    path = tmp_path / "damped.lag"
+    path.write_text(DAMPED)
+    found, _ = diagnosed(pkgen, path, "symplectic", "--step", "0.1", "--method", "gauss4")
+    result = found["symplectic"]
+    assert not result["variational"] and not result["symplectic"]
+    assert result["volume"] == pytest.approx(math.exp(-0.02) - 1, abs=1e-12)
+
+
+def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
+    arguments = ["--until", "300", "--size", "N=17", "--method", "verlet", "--step", "0.1"]
+    found, _ = diagnosed(pkgen, FPUT, "lyapunov", *arguments)
+    assert found["lyapunov"]["motion"] == "regular" and found["lyapunov"]["exponent"] < 0.02
+
+
+def test_what_is_said(pkgen) -> None:
+    arguments = ["--until", "60", "--method", "rk4", "--step", "0.05"]
+    done = pkgen("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments)
+    assert done.returncode == 0, done.stderr
+    kinds = [line.partition(":")[0] for line in done.stderr.splitlines()]
+    assert kinds[2:] == ["lyapunov", "reversal", "spectrum", "spectrum", "symplectic"]
+    assert "chaotic, exponent 1." in done.stderr and "/s (megno" in done.stderr
+    assert "not symmetric" in done.stderr and "rad/s" in done.stderr
+    assert "round-off alone would lose it near" in done.stderr
+    (drift,) = [line for line in done.stderr.splitlines() if line.startswith("drift(energy)")]
+    assert "relative to" in drift and "(t^" in drift
+
+
+def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
+    text = (ROOT / "docs/lyapunov.c").read_text()
+    assert text in (ROOT / "docs/diagnostics.md").read_text()
+    assert pkgen(DOUBLE, "-o", tmp_path).returncode == 0
+    library = build.runtime_library(build.find_toolchain()) / "libpk.a"
+    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    include = [f"-I{tmp_path}", f"-I{ROOT / 'runtime/include'}", "-DPK_RUNTIME"]
+    sources = [ROOT / "docs/lyapunov.c", tmp_path / "double_pendulum.c", library]
+    subprocess.run(
+        ["gcc", *flags, *include, *sources, "-lm", "-o", tmp_path / "program"], check=True
+    )
+    done = subprocess.run([tmp_path / "program"], capture_output=True, text=True, check=True)
+    exponent, error = (float(x) for x in done.stdout.split(",")[0].split("+-"))
+    assert 0.01 < error < 0.1 and abs(exponent - 1.343) < 4 * error
+    assert done.stdout.endswith(": chaotic\n")
+
+
+def test_refusals(pkgen, tmp_path: Path) -> None:
+    done = pkgen("run", DOUBLE, "--diagnose", "lyapunov,chaos")
+    assert done.returncode == 2 and "'chaos'" in done.stderr and "reversal" in done.stderr
+    (tmp_path / "m.csv").write_text("theta1\n1\n")
+    done = pkgen("run", DOUBLE, "--diagnose", "all", "--ensemble", tmp_path / "m.csv")
+    assert done.returncode == 2 and "--ensemble" in done.stderr
+    sparse = ["--every", "0.5", "--method", "gauss2", "--step", "0.05"]
+    done = pkgen("run", DOUBLE, "--diagnose", "spectrum,symplectic", *sparse)
+    assert done.returncode == 2 and "21 rows" in done.stderr and "--every" in done.stderr
+
+
+def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
+    # The run has steps enough, the way there and back has not.
+    few = ["--method", "rk4", "--step", "0.01", "--max-steps", "1000", "--json"]
+    done = pkgen("run", DOUBLE, "--diagnose", "reversal,symplectic", *few)
+    assert done.returncode == 4 and "diagnose reversal: too many steps: 1000" in done.stderr
+    report = json.loads(done.stdout)["report"]
+    assert report["status"] == "PK_DONE"
+    assert report["diagnostics"]["reversal"]["status"] == "PK_TOO_MANY_STEPS"
+
+
+def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    command = [sys.executable, "-m", "pkgen", "run", str(DOUBLE), "--method", "gauss8"]
+    command += ["--step", "0.001", "--until", "30", "--every", "15", "--diagnose", "lyapunov"]
+    child = subprocess.Popen([*command, "-o", str(out)], stderr=subprocess.PIPE, text=True)
+    while not (out.exists() and out.read_text().count("\n") == 4):
+        assert child.poll() is None, child.stderr.read()
+        time.sleep(0.05)
+    time.sleep(0.3)
+    child.send_signal(signal.SIGINT)
+    assert child.wait(timeout=20) == 130
+    assert child.stderr.read() == "run: interrupted in --diagnose\n"
+    assert out.read_text().splitlines()[-1].startswith("30,")

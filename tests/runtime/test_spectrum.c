@@ -1,0 +1,106 @@
+/* Frequencies: of sums of cosines, of a pendulum at a large swing (REGIMES P1), of the double
+ * pendulum at a small one (D1).
+ */
+#include "fixture.h"
+
+enum { COUNT = 4000, WORK = 3 * 8192 };
+static double x[COUNT], work[WORK];
+
+static struct pk_spectrum spectrum_of(size_t count, double dt, size_t lines)
+{
+    struct pk_spectrum s;
+    CU_ASSERT_FATAL(pk_gsl_spectrum_size(count) <= sizeof work);
+    CU_ASSERT_FATAL(pk_gsl_spectrum(&s, x, count, dt, lines, work, sizeof work) == PK_DONE);
+    return s;
+}
+
+static void sums_of_cosines(void)
+{
+    /* One without a companion, two close ones, a small one beside large ones; a mean and a rate. */
+    static const struct pk_line given[] = {{1, 0.7, 0.3, 0},       {1.41421356237309505, 0.2, -2, 0},
+                                           {1.45, 0.05, 1.1, 0},   {4.25, 1e-6, -0.4, 0}};
+    const double dt = 0.31, pi = acos(-1);
+    for (int j = 0; j < COUNT; j++) {
+        x[j] = 2.385 - 0.013 * dt * j;
+        for (int k = 0; k < 4; k++)
+            x[j] += given[k].amplitude * cos(given[k].frequency * dt * j + given[k].phase);
+    }
+    const struct pk_spectrum s = spectrum_of(COUNT, dt, 6);
+    CU_ASSERT(fabs(s.mean - 2.385) < 1e-9 && fabs(s.rate + 0.013) < 1e-11);
+    CU_ASSERT(s.count >= 4 && s.residual < 1e-12);
+    CU_ASSERT(fabs(s.nyquist - pi / dt) < 1e-12 && fabs(s.resolution - 4 * pi / (dt * (COUNT - 1))) < 1e-12);
+    for (int k = 0; k < 4; k++) {
+        CU_ASSERT(fabs(s.lines[k].frequency - given[k].frequency) < 1e-9);
+        CU_ASSERT(fabs(s.lines[k].amplitude / given[k].amplitude - 1) < 1e-6);
+        CU_ASSERT(fabs(s.lines[k].phase - given[k].phase) < 1e-6);
+        CU_ASSERT(s.lines[k].error < 1e-8);
+        CU_ASSERT(fabs(s.lines[k].frequency - given[k].frequency) <= 2 * s.lines[k].error + 1e-14);
+    }
+    /* The maximum of the integral alone, without the fit of all lines, is biased by the others. */
+    const double peak = pk_spectrum_peak(x, COUNT, dt, 0.995, 1.005);
+    CU_ASSERT(fabs(peak - 1) < 1e-4 && fabs(peak - 1) > 1e3 * fabs(s.lines[0].frequency - 1));
+    /* Two that the time cannot tell apart: fewer lines, and a residual that says so. */
+    for (int j = 0; j < 500; j++)
+        x[j] = cos(dt * j) + 0.5 * cos(1.02 * dt * j);
+    const struct pk_spectrum blurred = spectrum_of(500, dt, 4);
+    CU_ASSERT(blurred.resolution > 0.08 && (blurred.residual > 1e-4 || blurred.lines[0].error > 1e-4));
+}
+
+static void refusals(void)
+{
+    struct pk_spectrum s;
+    memset(x, 0, sizeof x);
+    CU_ASSERT(pk_gsl_spectrum(&s, x, 50, 0.1, 4, work, sizeof work) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_gsl_spectrum(&s, x, 500, 0.1, 4, work, 8) == PK_BLOCK_TOO_SMALL);
+    CU_ASSERT(pk_gsl_spectrum(&s, x, 500, 0, 4, work, sizeof work) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_gsl_spectrum(&s, x, 500, 0.1, 4, work, sizeof work) == PK_DONE && s.count == 0);
+    x[77] = (double)NAN;
+    CU_ASSERT(pk_gsl_spectrum(&s, x, 500, 0.1, 4, work, sizeof work) == PK_NOT_FINITE);
+}
+
+/* COUNT samples dt apart of coordinate 0. */
+static void sampled(const struct pk_system *system, const double *q, double dt)
+{
+    static struct fixture f;
+    fixture_set(&f, system);
+    memcpy(f.q0, q, system->n * sizeof *q);
+    memset(f.v0, 0, sizeof f.v0);
+    f.options.rtol = f.options.atol = 1e-13;
+    f.options.atol = 1e-18;
+    CU_ASSERT_FATAL(fixture_init(&f, "dop853") == PK_DONE);
+    for (int j = 0; j < COUNT; j++) {
+        CU_ASSERT_FATAL(pk_integrator_to(&f.it, j * dt) == PK_DONE);
+        x[j] = f.it.q[0];
+    }
+}
+
+static void pendulums(void)
+{
+    const double right_angle[] = {1.57079632679489661923}, small[] = {1e-6, 0.7e-6};
+    sampled(&pendulum_system, right_angle, 0.25);
+    const struct pk_spectrum s = spectrum_of(COUNT, 0.25, 5);
+    printf("\n    pendulum at 90 degrees: period ratio %.10f, 3 w: %.1e, residual %.1e",
+           1 / s.lines[0].frequency, s.lines[1].frequency / s.lines[0].frequency - 3, s.residual);
+    CU_ASSERT(fabs(1 / s.lines[0].frequency - 1.1803405990) < 2e-10 && s.lines[0].error > 0);
+    CU_ASSERT(fabs(s.lines[1].frequency / s.lines[0].frequency - 3) < 1e-9);
+    CU_ASSERT(s.lines[1].amplitude > 1e-3 * s.lines[0].amplitude);
+    sampled(&double_pendulum_system, small, 0.1);
+    const struct pk_spectrum d = spectrum_of(COUNT, 0.1, 2);
+    printf("\n    double pendulum, small swings: %.10f +- %.0e, %.10f +- %.0e, residual %.1e",
+           d.lines[0].frequency, d.lines[0].error, d.lines[1].frequency, d.lines[1].error,
+           d.residual);
+    const double slow = fabs(d.lines[0].frequency - 2.3971993979);
+    const double fast = fabs(d.lines[1].frequency - 5.7873512980);
+    CU_ASSERT(slow < 1e-10 && fast < 1e-10 && d.lines[0].error > 0 && d.lines[0].error < 1e-9);
+    /* Twenty times fewer periods know less. */
+    const struct pk_spectrum brief = spectrum_of(COUNT / 20, 0.1, 2);
+    CU_ASSERT(brief.lines[1].error > 3 * d.lines[1].error);
+}
+
+void add_spectrum(void)
+{
+    CU_pSuite suite = CU_add_suite("spectrum", NULL, NULL);
+    CU_add_test(suite, "sums of cosines", sums_of_cosines);
+    CU_add_test(suite, "refusals", refusals);
+    CU_add_test(suite, "pendulums", pendulums);
+}

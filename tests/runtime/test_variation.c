@@ -1,0 +1,196 @@
+/* Variational equations against differences of the steps themselves, for every method; what they
+ * say of the symplectic form against closed forms; each with a method that fails it.
+ */
+#include "fixture.h"
+#include "linear_systems.h"
+
+enum { DOUBLES = 1 << 15 };
+static double block[DOUBLES], more[DOUBLES];
+
+static struct pk_options one_step(const struct pk_method *method, double h)
+{
+    struct pk_options options = pk_options_default();
+    options.h = h;
+    if (method->traits & PK_ADAPTIVE) {
+        options.h_max = h;
+        options.rtol = options.atol = 1e10;
+        options.newton_tol = 1e-15;
+    }
+    return options;
+}
+
+/* x = (q, v) after two steps. */
+static void map(const struct pk_problem *problem, const struct pk_method *method, double h,
+                const double *from, double *to)
+{
+    const size_t n = problem->system->n;
+    const struct pk_options options = one_step(method, h);
+    struct pk_integrator it;
+    CU_ASSERT_FATAL(pk_integrator_init(&it, problem, method, &options, 0, from, from + n, block,
+                                       sizeof block) == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(&it, 2 * h) == PK_DONE);
+    memcpy(to, it.q, n * sizeof *to);
+    memcpy(to + n, it.v, n * sizeof *to);
+}
+
+/* max over columns of |displacement - difference of fourth order|, and the largest displacement. */
+static double missed(const struct pk_system *system, const struct pk_method *method, double h,
+                     double *size)
+{
+    static struct pk_variation variation;
+    const size_t n = system->n, m = 2 * n;
+    const double e = 2e-3;
+    struct test_params params;
+    double x[4], worst = 0;
+    system->defaults(&params);
+    system->start(&params, x, x + n);
+    const struct pk_problem problem = {.system = system, .params = &params};
+    CU_ASSERT_FATAL(pk_variation_init(&variation, &problem, m, more, sizeof more) == PK_DONE);
+    CU_ASSERT(variation.system.n == n * (1 + m));
+    CU_ASSERT(pk_variation_integrator_size(&problem, m, method) ==
+              pk_integrator_size(&variation.problem, method));
+    double Q[10] = {0}, V[10] = {0};
+    memcpy(Q, x, n * sizeof *Q);
+    memcpy(V, x + n, n * sizeof *V);
+    for (size_t j = 0; j < m; j++)
+        (j < n ? Q : V)[(1 + j) * n + j % n] = 1;
+    struct pk_integrator it;
+    const struct pk_options options = one_step(method, h);
+    CU_ASSERT_FATAL(pk_integrator_size(&variation.problem, method) <= sizeof block);
+    CU_ASSERT_FATAL(pk_integrator_init(&it, &variation.problem, method, &options, 0, Q, V, block,
+                                       sizeof block) == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(&it, 2 * h) == PK_DONE);
+    CU_ASSERT(it.count.steps == 2);
+    memcpy(Q, it.q, (1 + m) * n * sizeof *Q);
+    memcpy(V, it.v, (1 + m) * n * sizeof *V);
+    for (size_t j = 0; j < m; j++) {
+        static const double at[] = {-2, -1, 1, 2}, w[] = {1, -8, 8, -1};
+        double sum[4] = {0};
+        for (int k = 0; k < 4; k++) {
+            double from[4], to[4];
+            memcpy(from, x, m * sizeof *from);
+            from[j] += at[k] * e;
+            map(&problem, method, h, from, to);
+            for (size_t i = 0; i < m; i++)
+                sum[i] += w[k] * to[i] / (12 * e);
+        }
+        for (size_t i = 0; i < m; i++) {
+            const double d = (i < n ? Q : V)[(1 + j) * n + i % n];
+            worst = fmax(worst, fabs(d - sum[i]));
+            *size = fmax(*size, fabs(d - (i == j ? 1 : 0)));
+        }
+    }
+    return worst;
+}
+
+static void derivative_of_steps(void)
+{
+    struct pk_system systems[] = {linear_double_pendulum(), linear_relativistic(),
+                                  linear_pendulum()};
+    double worst = 0;
+    for (size_t i = 0; pk_method_at(i); i++)
+        for (int k = 0; k < 3; k++) {
+            const struct pk_method *method = pk_method_at(i);
+            double size = 0;
+            if (method->needs & ~systems[k].facts)
+                continue;
+            const double d = missed(&systems[k], method, 0.05, &size);
+            CU_ASSERT(d > 0 && d < 3e-9 && size > 0.02);
+            if (!(d < 3e-9))
+                printf("\n    %s, %s: %.1e of %.1e", method->name, systems[k].name, d, size);
+            worst = fmax(worst, d);
+        }
+    printf("\n    displacements against differences of the steps: %.1e", worst);
+    systems[0].linear = linear_relativistic().linear; /* not its own */
+    double size = 0;
+    CU_ASSERT(missed(&systems[0], pk_method_find("rk4"), 0.05, &size) > 1e-3);
+}
+
+static double defect(const struct pk_system *system, const char *name, double h,
+                     struct pk_stepmap *found)
+{
+    struct test_params params;
+    double q[2], v[2];
+    system->defaults(&params);
+    system->start(&params, q, v);
+    const struct pk_problem problem = {.system = system, .params = &params};
+    const struct pk_options options = pk_options_default();
+    const struct pk_method *method = pk_method_find(name);
+    CU_ASSERT_FATAL(pk_stepmap_size(&problem, method) <= sizeof block);
+    CU_ASSERT_FATAL(pk_stepmap_find(found, &problem, method, &options, h, 0, q, v, NULL, block,
+                                    sizeof block) == PK_DONE);
+    return found->defect;
+}
+
+static void symplectic_form(void)
+{
+    struct pk_stepmap m;
+    const struct pk_system double_pendulum = linear_double_pendulum();
+    struct pk_system oscillator = linear_oscillator(), relativistic = linear_relativistic();
+    /* One degree of freedom: S^T J S = det S J. RK4: |R|^2 = 1 - y^6/72 + y^8/576 (REGIMES L10). */
+    for (double y = 0.05; y < 3; y *= 2.385) {
+        const double exact = -pow(y, 6) / 72 + pow(y, 8) / 576;
+        CU_ASSERT(fabs(defect(&oscillator, "rk4", y, &m) - fabs(exact)) <= m.rounding);
+        CU_ASSERT(fabs(m.volume - exact) <= m.rounding && m.rounding < 1e-12 * (1 + pow(y, 8)));
+        CU_ASSERT(fabs(defect(&oscillator, "euler", y, &m) - y * y) <= m.rounding);
+    }
+    /* Symplectic methods: rounding alone, be M what it will. */
+    for (size_t i = 0; pk_method_at(i); i++) {
+        const struct pk_method *method = pk_method_at(i);
+        const struct pk_system *const systems[] = {&double_pendulum, &relativistic, &oscillator};
+        for (int k = 0; k < 3; k++)
+            if (method->traits & PK_SYMPLECTIC && !(method->needs & ~systems[k]->facts)) {
+                CU_ASSERT(defect(systems[k], method->name, 0.2, &m) <= m.rounding);
+                CU_ASSERT(m.rounding < 3e-12 && fabs(m.volume) <= m.rounding);
+            }
+    }
+    const double eight = defect(&double_pendulum, "gauss8", 0.3, &m);
+    const double adaptive = defect(&double_pendulum, "gauss", 0.5, &m);
+    const double rk4 = defect(&double_pendulum, "rk4", 0.2, &m);
+    printf("\n    defect of a step of the double pendulum: gauss8 %.1e; gauss, in (q, q'), %.1e; "
+           "rk4 %.1e", eight, adaptive, rk4);
+    CU_ASSERT(eight > 0 && adaptive > 1e-3 && adaptive < 1e-2 && rk4 > 1e-3);
+    /* And free of units: q'' = -w^2 q is the oscillator in another unit of time. */
+    struct test_params params = {.g = 1};
+    double q[] = {0.7}, v[] = {0.2};
+    const struct pk_problem problem = {.system = &oscillator, .params = &params};
+    const struct pk_options options = pk_options_default();
+    params.g = 2.385 * 2.385;
+    CU_ASSERT(pk_stepmap_find(&m, &problem, pk_method_find("rk4"), &options, 0.5 / 2.385, 0, q, v,
+                              NULL, block, sizeof block) == PK_DONE);
+    CU_ASSERT(fabs(m.defect - (pow(0.5, 6) / 72 - pow(0.5, 8) / 576)) <= m.rounding);
+}
+
+static void refusals(void)
+{
+    struct pk_stepmap m;
+    struct pk_variation variation;
+    struct test_params params = {.g = 1};
+    double q[] = {0.7}, v[] = {0.2};
+    struct pk_problem problem = {.system = &oscillator_system, .params = &params};
+    const struct pk_options options = pk_options_default();
+    const struct pk_method *rk4 = pk_method_find("rk4");
+    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, sizeof block) == PK_REFUSED);
+    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0.1, 0, q, v, NULL, block,
+                              sizeof block) == PK_REFUSED);
+    struct pk_system oscillator = linear_oscillator();
+    problem.system = &oscillator;
+    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, 8) == PK_BLOCK_TOO_SMALL);
+    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0.1, 0, q, v, NULL, block, 8) ==
+              PK_BLOCK_TOO_SMALL);
+    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0, 0, q, v, NULL, block,
+                              sizeof block) == PK_BAD_ARGUMENT);
+    params.g = -1; /* outside its bounds */
+    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, sizeof block) ==
+              PK_OUT_OF_BOUNDS);
+    oscillator.abi++;
+    CU_ASSERT(pk_variation_size(&problem, 1) == 0 && pk_stepmap_size(&problem, rk4) == 0);
+}
+
+void add_variation(void)
+{
+    CU_pSuite suite = CU_add_suite("variational equations", NULL, NULL);
+    CU_add_test(suite, "the derivative of every method's step", derivative_of_steps);
+    CU_add_test(suite, "the symplectic form", symplectic_form);
+    CU_add_test(suite, "refusals", refusals);
+}
