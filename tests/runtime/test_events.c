@@ -175,6 +175,21 @@ static void order_of_times(void)
     CU_ASSERT_DOUBLE_EQUAL(fit_slope(h, error, 5), 4, 0.3);
 }
 
+/* Another step on the way: crossings are those of the new step's map. */
+static void changed_step(void)
+{
+    static struct watch w;
+    double t[2];
+    for (int k = 0; k < 2; k++) {
+        watch_pendulum(&w, at_zero, 80);
+        watch_init(&w, "rk4", k ? 0.2 : 0.05);
+        CU_ASSERT(pk_integrator_set_step(&w.f.it, 0.2) == PK_DONE);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_DONE);
+        t[k] = w.t[2];
+    }
+    CU_ASSERT(t[0] == t[1] && fabs(t[0] - 1.25 * period(80 * acos(-1) / 180)) > 1e-6);
+}
+
 /* Locating leaves the trajectory alone, to the bit. */
 static void undisturbed(void)
 {
@@ -448,6 +463,7 @@ void add_events(void)
     CU_add_test(suite, "periods of the pendulum", periods);
     CU_add_test(suite, "every method", every_method);
     CU_add_test(suite, "times have the method's order", order_of_times);
+    CU_add_test(suite, "a changed step", changed_step);
     CU_add_test(suite, "the trajectory is undisturbed", undisturbed);
     CU_add_test(suite, "several in a step, in order", in_order);
     CU_add_test(suite, "ties", ties);
