@@ -221,11 +221,42 @@ def test_many_rows_do_not_shorten_the_steps_of_gauss(pkgen) -> None:
 
 def test_methods(pkgen) -> None:
     listed = {m["name"]: m for m in json.loads(pkgen("methods", "--json").stdout)}
-    wanted = "euler symplectic_euler verlet yoshida4 rk4 dopri5 dop853 gauss1 gauss4 gauss8 gauss"
+    wanted = (
+        "euler rk2 rk3 rk4 symplectic_euler verlet yoshida4 yoshida6 yoshida8 suzuki4 kahan_li6 "
+    )
+    wanted += "kahan_li8 blanes_moan4 blanes_moan6 mclachlan4 adaptive_verlet dopri5 dop853 gauss "
+    wanted += "gauss1 gauss4 gauss8"
     assert set(wanted.split()) <= set(listed)
-    assert {"gsl_rk8pd", "gsl_msadams"} <= set(listed)
+    gsl = {f"gsl_{name}" for name in ("rkf45", "rk8pd", "msadams", "msbdf", "bsimp")}
+    assert gsl == {name for name in listed if name.startswith("gsl_")}
     assert (listed["gauss4"]["order"], listed["verlet"]["order"]) == (8, 2)
     assert listed["verlet"]["requires"]
+    assert listed["yoshida4"]["limits"]["imaginary"] == pytest.approx(1.5734019474, abs=1e-10)
+    assert listed["gauss"]["limits"] == {"imaginary": "infinite", "real": "infinite"}
+    assert listed["rk2"]["growth"] == [[0, None]]
+    first, second = listed["blanes_moan6"]["growth"][:2]
+    assert 3.1414 < first[0] < first[1] < 3.1424 < 6.3 < second[0] < second[1]
+
+
+def test_methods_as_a_table(pkgen) -> None:
+    lines = pkgen("methods").stdout.splitlines()
+    rows = {words[0]: words[1:] for words in map(str.split, lines[2:]) if words}
+    assert "1.7320508" in next(line for line in lines if line.startswith("rk3"))
+    assert any(
+        line.split() == ["verlet", "2", "1", "yes", "yes", "fixed", "2", "-", "separable"]
+        for line in lines
+    )
+    assert any("gauss2" in line and line.count("any") == 2 for line in lines)
+    assert any("euler " in line and "none" in line for line in lines)
+    assert "SIAM" in " ".join(rows["mclachlan4"])
+
+
+def test_longest_step(pkgen) -> None:
+    def steps(*more: str) -> int:
+        done = pkgen("run", DOUBLE, "--until", "1", "--every", "1", "--json", *more)
+        return json.loads(done.stdout)["report"]["steps"]
+
+    assert steps("--rtol", "1e-3", "--max-step", "0.01") == 100 > 2 * steps("--rtol", "1e-3")
 
 
 @pytest.mark.parametrize("command", [[], ["compile"], ["run"], ["check"], ["explain"], ["methods"]])

@@ -37,6 +37,14 @@ static void predicted(void)
     for (size_t i = 0; i < 4; i++)
         for (int axis = 0; axis < 2; axis++)
             CU_ASSERT(pk_method_limit(pk_method_find(unlimited[i]), (enum pk_axis)axis) > 1e30);
+    /* Growth narrower than the grid, about a period of two steps, and none after it up to 6.34. */
+    double growth[2];
+    const struct pk_method *narrow = pk_method_find("blanes_moan6");
+    CU_ASSERT(pk_method_growth(narrow, PK_AXIS_IMAGINARY, 0, growth) == 1);
+    CU_ASSERT(growth[0] > 3.1414 && growth[0] < acos(-1) && growth[1] > acos(-1) &&
+              growth[1] < 3.1424);
+    CU_ASSERT(pk_method_growth(narrow, PK_AXIS_IMAGINARY, growth[1] * 1.0001, growth) == 1);
+    CU_ASSERT(growth[0] > 6.34 && growth[1] < 6.36);
     const double none = pk_method_limit(pk_gsl_method_find("gsl_rk8pd"), PK_AXIS_IMAGINARY);
     CU_ASSERT(none != none);
 }

@@ -126,7 +126,6 @@ static PK_INLINE unsigned long long PK_STEPPER(block_splitting)(struct pk_block 
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
     pk_real done = 0;
 
-    PK_UNROLL
     for (int i = 0; i < s; i++) {
         if (i > 0 || !b->have_a) {
             PK_STEPPER(block_slope)(b, b->now + done * b->h, from, from + m, a1);

@@ -21,7 +21,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
     enum pk_status status;
 
-    PK_UNROLL
+    PK_UNROLL_FEW
     for (int i = 0; i < s; i++) {
         if (i > 0 || !(it->flags & PK_HAVE_A)) {
             status = PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1);

@@ -37,21 +37,26 @@ struct pk_splitting {
 
 /* PK_EACH_STAGE(X): X(i) for every stage that a table may have but the first. A text that is
  * compiled for one table is to be unrolled whole, so that rows become straight-line code and
- * zeros vanish; compilers do that of themselves only where little is in the loop. */
+ * zeros vanish; compilers do that of themselves only where little is in the loop. PK_UNROLL_FEW:
+ * four turns at a time, where each has an acceleration in it and most methods have many. */
 #if defined PK_ANY_TABLE
 #define PK_EACH_STAGE(X)        \
     for (int i = 1; i < 16; i++) \
         X(i)
 #define PK_UNROLL
+#define PK_UNROLL_FEW
 #else
 #define PK_EACH_STAGE(X) \
     X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15)
 #if defined __clang__
 #define PK_UNROLL _Pragma("clang loop unroll(full)")
+#define PK_UNROLL_FEW _Pragma("clang loop unroll_count(4)")
 #elif defined __GNUC__
 #define PK_UNROLL _Pragma("GCC unroll 16")
+#define PK_UNROLL_FEW _Pragma("GCC unroll 4")
 #else
 #define PK_UNROLL
+#define PK_UNROLL_FEW
 #endif
 #endif
 
