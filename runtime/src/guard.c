@@ -119,20 +119,31 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
     return 1;
 }
 
+/* The first guard that has fallen to `depth` of its value at the state; else their number. */
+static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real depth)
+{
+    const pk_real *first = part(it, NOW);
+    size_t k = 0;
+    while (k < count_of(it) && !(pk_abs(g[k]) <= depth * pk_abs(first[k])))
+        k++;
+    return k;
+}
+
 /* Whether a guard falls to `depth` of its value on the way from the state to t_end; which one, and
  * when it vanishes. */
 static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t *which,
                     pk_real *when)
 {
     const size_t n = it->n, m = count_of(it);
-    const pk_real *first = part(it, NOW), whole = t_end - it->t;
+    const pk_real whole = t_end - it->t;
     pk_real *g = part(it, NEXT), *g1 = part(it, NEXT_SLOPE);
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL);
-    pk_real at = 0, s = whole / 16;
+    pk_real at = 0, made = 0, s = whole / 16;
+    int stuck = 0; /* M is singular to round-off before the guard is quite zero */
     memcpy(y, it->q, n * sizeof *y);
     memcpy(y + n, it->v, n * sizeof *y);
-    memcpy(g, first, m * sizeof *g);
-    for (int count = 0; count < SEARCH_STEPS && pk_abs(s) > 0; count++) {
+    memcpy(g, part(it, NOW), m * sizeof *g);
+    for (int count = 0; count < SEARCH_STEPS && pk_abs(s) > 0 && !stuck; count++) {
         const int last = pk_abs(at + s) >= pk_abs(whole);
         pk_real least = PK_C(1.0), most = PK_C(1.0);
         if (last)
@@ -149,23 +160,24 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size
         }
         if (!good) {
             s /= 2;
+            stuck = pk_abs(s) <= PK_EPS * pk_abs(at);
             continue;
         }
         at += s;
-        for (size_t k = 0; k < m; k++)
-            if (pk_abs(g1[k]) <= depth * pk_abs(first[k])) {
-                *which = k;
-                *when = it->t + at + s * g1[k] / (g[k] - g1[k]);
-                return 1;
-            }
-        if (last)
-            return 0;
+        made = s;
         memcpy(y, trial, 2 * n * sizeof *y);
         memcpy(g, g1, m * sizeof *g);
+        if (fallen(it, g, depth) < m || last)
+            break;
         if (least > PK_C(0.9) && most < PK_C(1.1))
             s *= PK_C(1.5);
     }
-    return 0;
+    *which = fallen(it, g, stuck ? SHALLOW : depth);
+    if (*which == m)
+        return 0;
+    along(it, it->t + at, y, y + n, made / 16, g1);
+    *when = it->t + at + made / 16 * g[*which] / (g[*which] - g1[*which]);
+    return 1;
 }
 
 /* The search leaves counters and the reason of a failure as they were. */

@@ -1,0 +1,133 @@
+"""Never silent: every case of silence_cases.py ends by its status, with the last valid time, rows
+up to it and none after, and exit code 4; docs/never-silent.md says what is printed to each.
+
+`make golden` (PKGEN_UPDATE=1) writes the page.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import tempfile
+from contextlib import redirect_stderr
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from pkgen.__main__ import main
+from silence_cases import CASES, IN_C, Case
+
+PAGE = ROOT / "docs/never-silent.md"
+UPDATE = bool(os.environ.get("PKGEN_UPDATE"))
+HEAD = """# Never silent
+
+No run passes over any of this: it ends with the status, exit code 4, the last valid time, and rows
+up to that time alone. Each line is provoked by `tests/cli/test_silence_table.py`, which also writes
+this page (numbers rounded to four digits); the models are in `tests/cli/silence_cases.py`.
+
+| case | what | run | status | says |
+|---|---|---|---|---|
+"""
+FOOT = """
+By programs of one's own alone, since `pkgen run` sees to it:
+
+| status | provoked by |
+|---|---|
+"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    report: dict
+    rows: list[list[str]]
+    said: str
+    code: int
+
+
+@cache
+def outcome(name: str) -> Outcome:
+    """The command line in this process, since there are many cases."""
+    case = CASES[name]
+    with tempfile.TemporaryDirectory() as scratch, redirect_stderr(io.StringIO()) as stderr:
+        folder = Path(scratch)
+        model, out = folder / f"{model_name(case)}.lag", folder / "rows.csv"
+        model.write_text(case.model, encoding="utf-8")
+        arguments = [*case.arguments.split(), "-o", str(out)]
+        if case.members:
+            (folder / "members.csv").write_text(case.members, encoding="utf-8")
+            arguments += ["--ensemble", str(folder / "members.csv"), "--every", "0.5"]
+        code = main(["run", str(model), *arguments])
+        report = json.loads(Path(f"{out}.json").read_text())["report"]
+        rows = list(csv.reader(out.read_text().splitlines()))[1:]
+    said = [x for x in stderr.getvalue().splitlines() if x.startswith("run: ")]
+    assert len(said) == 1, stderr.getvalue()
+    return Outcome(report, rows, said[0].removeprefix("run: "), code)
+
+
+def model_name(case: Case) -> str:
+    return case.model.split(maxsplit=2)[1]
+
+
+def rounded(text: str) -> str:
+    """Libraries and compilers differ in the last digits; of what is round-off the size stays."""
+
+    def shorter(number: re.Match[str]) -> str:
+        x = float(number[0])
+        return f"{x:.4g}" if abs(x) > 1e-9 else f"{x:.0e}"
+
+    return re.sub(r"-?\d+\.\d+(e[+-]?\d+)?|\d+e[+-]?\d+", shorter, text)
+
+
+def line(name: str) -> str:
+    case = CASES[name]
+    command = f"{model_name(case)} {case.arguments}"
+    command += " --ensemble ..." if case.members else ""
+    said = rounded(outcome(name).said).replace("|", "\\|")
+    return f"| {name} | {case.what} | `{command}` | {case.status or '(of a member)'} | {said} |\n"
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_ends_by_its_status(name: str) -> None:
+    case, found = CASES[name], outcome(name)
+    report, rows = found.report, found.rows
+    assert found.code == 4
+    if case.members:
+        assert report["failed"] == 1 and report["done"] == 1
+        assert report["first_failed"]["status"] == "PK_SINGULAR_TIME"
+        assert [row[0] for row in rows] == ["1"] * 4 + ["2"] * 3  # up to t = 1 of 1.11
+    else:
+        assert report["status"] == case.status
+        assert not rows or float(rows[-1][0]) <= report["t"]
+        if case.status != "PK_DONE":
+            assert all(float(x) - float(x) == 0 for row in rows for x in row)
+            assert f"{report['t']:.4g}" in rounded(found.said) or report["t"] == 0
+        if report["t"] > 0 and case.status != "PK_DONE":
+            assert len(rows) > 1
+    assert UPDATE or line(name) in PAGE.read_text(encoding="utf-8"), found.said
+
+
+def test_the_page_has_every_case() -> None:
+    foot = FOOT
+    for status, (file, test) in IN_C.items():
+        text = (ROOT / file).read_text(encoding="utf-8")
+        body = text[text.index(f"static void {test}(") :]
+        assert status in body[: body.index("\n}\n")]
+        foot += f"| {status} | `{test}` in {file} |\n"
+    if UPDATE:
+        PAGE.write_text(HEAD + "".join(map(line, CASES)) + foot, encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
+    named = re.findall(r"^\| ([a-z-]+) \| ", page.removesuffix(foot), re.MULTILINE)
+    assert page.startswith(HEAD) and page.endswith(foot)
+    assert named == ["case", *CASES]
+
+
+def test_no_status_is_without_a_case() -> None:
+    text = (ROOT / "runtime/include/pk/status.h").read_text(encoding="utf-8")
+    failed = set(re.findall(r"X\((PK_\w+), -\d+,", text))
+    shown = {case.status for case in CASES.values()} | set(IN_C)
+    assert len(failed) > 10 and failed - shown == {"PK_NO_MEMORY", "PK_AMBIGUOUS_STEP"}
