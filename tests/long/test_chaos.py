@@ -1,5 +1,5 @@
-"""Lyapunov exponents of the double pendulum to three digits, and where reversal loses it: what `pkgen
-run --diagnose` finds of REGIMES D2 and D3."""
+"""Lyapunov exponents of the double pendulum to three digits, and where reversal loses it: REGIMES
+D2 and D3 by `pkgen run --diagnose`."""
 
 from __future__ import annotations
 
@@ -41,5 +41,5 @@ def test_reversal(pkgen) -> None:
     midpoint = ["--method", "gauss1", "--step", "0.001", "--until", "60"]
     lost = diagnosed(pkgen, math.pi / 2, "reversal", *midpoint)["reversal"]
     kept = diagnosed(pkgen, 0.5, "reversal", *midpoint)["reversal"]
-    assert lost["lost"] and 31 < lost["horizon_lo"] < lost["horizon_hi"] < 45
+    assert lost["lost"] and 31 < lost["horizon_lo"] < 45 and lost["horizon_hi"] < 50
     assert not kept["lost"] and 0 < kept["times"][-1][1] < 1e-13
