@@ -16,6 +16,13 @@ from pkgen import build
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 FPUT = ROOT / "models/families/fput.lag"
+SWING = """model swing
+coord x
+kinetic x'^2/2
+potential -cos(x)
+start x = 1.3
+event bottom: x falling"""
+RK4 = ("--method", "rk4", "--step", "0.01")
 DAMPED = """model damped
 param c = 0.2 in [0, inf)
 coord x, y
@@ -162,3 +169,16 @@ def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     assert child.wait(timeout=20) == 130
     assert child.stderr.read() == "run: interrupted in --diagnose\n"
     assert out.read_text().splitlines()[-1].startswith("30,")
+
+
+def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
+    # Diagnosed as far as it went; and where the rows are at events no spectrum is made of them.
+    path = tmp_path / "swing.lag"
+    path.write_text(SWING + " stop\n")
+    found, report = diagnosed(pkgen, path, "reversal,symplectic", "--until", "100", *RK4)
+    assert report["status"] == "PK_STOPPED_EVENT" and 1 < report["t"] < 3
+    assert found["reversal"]["times"][-1][0] <= report["t"]
+    assert found["symplectic"]["t"] <= report["t"] and found["symplectic"]["states"] == 16
+    path.write_text(SWING + "\n")
+    done = pkgen("run", path, "--diagnose", "spectrum", "--at", "bottom", "--until", "900", *RK4)
+    assert done.returncode == 2 and "no rows at events" in done.stderr

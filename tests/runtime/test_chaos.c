@@ -2,19 +2,16 @@
  * day; the figures to three digits are in tests/long.
  */
 #include "fixture.h"
-#include "linear_systems.h"
 
 static double memory[1 << 13];
 
 static struct pk_lyapunov exponent(double angle, const char *name, double rtol, double t_end)
 {
-    static struct pk_system system;
     static struct test_params params;
     static struct pk_lyapunov l;
     const double q[] = {angle, angle}, v[] = {0, 0};
-    system = linear_double_pendulum();
-    system.defaults(&params);
-    const struct pk_problem problem = {.system = &system, .params = &params};
+    double_pendulum_system.defaults(&params);
+    const struct pk_problem problem = {.system = &double_pendulum_system, .params = &params};
     struct pk_options options = pk_options_default();
     options.rtol = options.atol = options.h = rtol;
     const struct pk_method *method = pk_method_find(name);
@@ -55,7 +52,7 @@ static void chaos(void)
 /* An inverted oscillator: exactly sqrt(-g); and an upright one, which has none. */
 static void exact_rates(void)
 {
-    struct pk_system oscillator = linear_oscillator();
+    struct pk_system oscillator = oscillator_system;
     struct test_params params = {.g = -2.385};
     const double q[] = {1e-9}, v[] = {0};
     const struct pk_problem problem = {.system = &oscillator, .params = &params};
