@@ -101,10 +101,10 @@ static void lyapunov(struct run *run, struct diagnostics *d)
     struct pk_lyapunov l;
     char reason[512] = "";
     enum pk_status status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q,
-                                             s->v, s->until / BLOCKS, block, size);
-    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < s->until; k++) {
+                                             s->v, run->it.t / BLOCKS, block, size);
+    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < run->it.t; k++) {
         status = pk_lyapunov_step(&l);
-        run_progress(run, (double)(l.it.t / s->until), 0);
+        run_progress(run, (double)(l.it.t / run->it.t), 0);
     }
     if (status == PK_REFUSED && !l.it.method)
         strcpy(reason, NO_LINEAR);
@@ -137,7 +137,7 @@ static void reversal(struct run *run, struct diagnostics *d)
     struct pk_reversal r;
     char reason[512];
     const enum pk_status status =
-        pk_reversal_find(&r, &it, &run->problem, s->method, &s->options, 0, s->q, s->v, s->until,
+        pk_reversal_find(&r, &it, &run->problem, s->method, &s->options, 0, s->q, s->v, run->it.t,
                          (pk_real)THRESHOLD, block, size);
     if (status < 0)
         pk_integrator_reason(&it, reason, sizeof reason);
@@ -173,7 +173,7 @@ static void symplectic(struct run *run, struct diagnostics *d)
     const struct settings *s = &run->settings;
     const struct pk_system *system = run->problem.system;
     const size_t size = pk_stepmap_size(&run->problem, s->method), width = 1 + 2 * s->n;
-    const size_t states = d->n_rows < STATES ? d->n_rows : STATES;
+    const size_t states = d->n_rows < 1 ? 1 : d->n_rows < STATES ? d->n_rows : STATES;
     const int fixed = !(s->method->traits & PK_ADAPTIVE);
     const pk_real h = fixed ? s->options.h : run->it.t / (pk_real)run->it.count.steps;
     void *block = words_allocate(size, 1);
@@ -182,9 +182,11 @@ static void symplectic(struct run *run, struct diagnostics *d)
     enum pk_status status = PK_DONE, last = PK_DONE;
     size_t made = 0;
     for (size_t k = 0; k < states && status != PK_REFUSED; k++) {
-        const pk_real *row = d->rows + (states > 1 ? k * (d->n_rows - 1) / (states - 1) : 0) * width;
-        status = pk_stepmap_find(&map, &run->problem, s->method, &s->options, h, row[0], row + 1,
-                                 row + 1 + s->n, NULL, block, size);
+        const size_t at = states > 1 ? k * (d->n_rows - 1) / (states - 1) * width : 0;
+        const pk_real *row = d->rows ? d->rows + at : NULL; /* no row: the start */
+        status = pk_stepmap_find(&map, &run->problem, s->method, &s->options, h, row ? row[0] : 0,
+                                 row ? row + 1 : s->q, row ? row + 1 + s->n : s->v, NULL, block,
+                                 size);
         if (status < 0) {
             last = status;
             continue;
@@ -192,7 +194,7 @@ static void symplectic(struct run *run, struct diagnostics *d)
         made++;
         if (map.defect - map.rounding > most.defect - most.rounding || most.defect < 0) {
             most = map;
-            t = row[0];
+            t = row ? row[0] : 0;
         }
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
@@ -245,10 +247,12 @@ static void spectrum(struct run *run, struct diagnostics *d)
     size_t count = d->n_rows;
     if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
         count--;
+    if (set->at)
+        count = 0;
     if (count < PK_SPECTRUM_LEAST) {
         char reason[160];
-        snprintf(reason, sizeof reason, "%zu rows at equal times; at least %d are needed: --every",
-                 count, (int)PK_SPECTRUM_LEAST);
+        snprintf(reason, sizeof reason, "%zu rows at equal times; at least %d are needed: --every%s",
+                 count, (int)PK_SPECTRUM_LEAST, set->at ? ", and no rows at events" : "");
         member(d, "spectrum", PK_REFUSED, reason);
         return;
     }
@@ -290,7 +294,8 @@ int diagnose_run(struct run *run, int code)
     static void (*const make[])(struct run *, struct diagnostics *) = {lyapunov, reversal, spectrum,
                                                                        symplectic};
     const unsigned wanted = run->settings.diagnose;
-    if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0)
+    if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
+        !(run->it.t > 0))
         return code;
     if (!run->diagnostics)
         run->diagnostics = (struct diagnostics *)words_allocate(1, sizeof *run->diagnostics);

@@ -162,6 +162,9 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
                                pk_real *S, void *block, size_t block_size)
 {
     const size_t size = pk_stepmap_size(problem, method);
+    if (map && method && method->traits & PK_ADAPTIVE && method->traits & PK_LINEAR &&
+        !(method->traits & PK_IMPLICIT))
+        return PK_REFUSED; /* its step is a function of the state, whose derivative is not made */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

@@ -15,8 +15,14 @@ from conftest import ROOT
 from pkgen import build
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
-COUPLED = ROOT / "models/coupled_oscillators.lag"
 FPUT = ROOT / "models/families/fput.lag"
+SWING = """model swing
+coord x
+kinetic x'^2/2
+potential -cos(x)
+start x = 1.3
+event bottom: x falling"""
+RK4 = ("--method", "rk4", "--step", "0.01")
 DAMPED = """model damped
 param c = 0.2 in [0, inf)
 coord x, y
@@ -72,19 +78,8 @@ def test_a_regular_pendulum(pkgen) -> None:
     assert abs(drifting["drifts"][0]["exponent"] - 1) < 0.1
 
 
-def test_frequencies_of_normal_modes(pkgen, tmp_path: Path) -> None:
-    # REGIMES O1: 1 and sqrt 2; D1: the double pendulum's small swings.
-    pair = ["--size", "n=2", "--set", "kc=0.5", "--start", "q[2]'=0", "--until", "300"]
-    # Of three masses the model starts the third too: with two it has none.
-    model = COUPLED.read_text().replace(", q[3] = 0.1, q[2]' = 0.3, q[3]' = -0.5", "")
-    path = tmp_path / "pair.lag"
-    path.write_text(model)
-    method = ["--method", "gauss8", "--step", "0.1"]
-    found, _ = diagnosed(pkgen, path, "spectrum", *pair, *method)
-    for coordinate in found["spectrum"]["coordinates"]:
-        first, second = sorted(line["frequency"] for line in coordinate["lines"][:2])
-        assert abs(first - 1) < 1e-11 and abs(second - math.sqrt(2)) < 1e-11
-        assert coordinate["lines"][1]["amplitude"] > 0.1
+def test_frequencies_of_normal_modes(pkgen) -> None:
+    # REGIMES D1: the double pendulum's small swings.
     swings = [*starts(1e-6), "--until", "300", "--every", "0.3"]
     method = ["--method", "gauss8", "--step", "0.1"]
     found, _ = diagnosed(pkgen, DOUBLE, "spectrum,symplectic", *swings, *method)
@@ -174,3 +169,16 @@ def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     assert child.wait(timeout=20) == 130
     assert child.stderr.read() == "run: interrupted in --diagnose\n"
     assert out.read_text().splitlines()[-1].startswith("30,")
+
+
+def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
+    # Diagnosed as far as it went; and where the rows are at events no spectrum is made of them.
+    path = tmp_path / "swing.lag"
+    path.write_text(SWING + " stop\n")
+    found, report = diagnosed(pkgen, path, "reversal,symplectic", "--until", "100", *RK4)
+    assert report["status"] == "PK_STOPPED_EVENT" and 1 < report["t"] < 3
+    assert found["reversal"]["times"][-1][0] <= report["t"]
+    assert found["symplectic"]["t"] <= report["t"] and found["symplectic"]["states"] == 16
+    path.write_text(SWING + "\n")
+    done = pkgen("run", path, "--diagnose", "spectrum", "--at", "bottom", "--until", "900", *RK4)
+    assert done.returncode == 2 and "no rows at events" in done.stderr

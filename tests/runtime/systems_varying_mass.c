@@ -36,6 +36,14 @@ static void relativistic_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *
     p_q[0] = pdot_v[0] = 0;
     pdot_q[0] = -G(params);
 }
+static void relativistic_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    const pk_real g = lorentz(v);
+    UNUSED;
+    r_q[0] = -G(params);
+    r_v[0] = -3 * g * g * g * g * g * v[0] * a[0];
+    r_t[0] = 0;
+}
 static pk_real relativistic_energy(ARGS)
 {
     UNUSED;
@@ -47,7 +55,7 @@ SIZES(relativistic, 1, 0)
 #include <pk/inlined.h>
 SYSTEM(relativistic, 1,
        NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_QUADRATIC | PK_SEPARABLE), PK_C(1.0), 0,
-       none_cyclic, LIST(PK_C(1.7)), LIST(PK_C(0.2)), );
+       none_cyclic, LIST(PK_C(1.7)), LIST(PK_C(0.2)), .linear = relativistic_linear);
 
 /* p = E (1 + q^2) v with E = exp(t/2), see systems.h. */
 #define E_OF_T PK_F(exp)(t / 2)

@@ -2,19 +2,16 @@
  * day; the figures to three digits are in tests/long.
  */
 #include "fixture.h"
-#include "linear_systems.h"
 
 static double memory[1 << 13];
 
 static struct pk_lyapunov exponent(double angle, const char *name, double rtol, double t_end)
 {
-    static struct pk_system system;
     static struct test_params params;
     static struct pk_lyapunov l;
     const double q[] = {angle, angle}, v[] = {0, 0};
-    system = linear_double_pendulum();
-    system.defaults(&params);
-    const struct pk_problem problem = {.system = &system, .params = &params};
+    double_pendulum_system.defaults(&params);
+    const struct pk_problem problem = {.system = &double_pendulum_system, .params = &params};
     struct pk_options options = pk_options_default();
     options.rtol = options.atol = options.h = rtol;
     const struct pk_method *method = pk_method_find(name);
@@ -55,7 +52,7 @@ static void chaos(void)
 /* An inverted oscillator: exactly sqrt(-g); and an upright one, which has none. */
 static void exact_rates(void)
 {
-    struct pk_system oscillator = linear_oscillator();
+    struct pk_system oscillator = oscillator_system;
     struct test_params params = {.g = -2.385};
     const double q[] = {1e-9}, v[] = {0};
     const struct pk_problem problem = {.system = &oscillator, .params = &params};
@@ -72,6 +69,12 @@ static void exact_rates(void)
         CU_ASSERT(pk_lyapunov_step(&l) == PK_DONE);
     CU_ASSERT(fabs(pk_lyapunov_exponent(&l, &error) - sqrt(2.385)) < 1e-8 && error < 1e-8);
     CU_ASSERT(pk_lyapunov_motion(&l) == PK_CHAOTIC);
+    const double still[] = {0};
+    CU_ASSERT_FATAL(pk_lyapunov_init(&l, &problem, pk_method_find("dop853"), &options, 0, still, v,
+                                     500, memory, sizeof memory) == PK_DONE);
+    for (int k = 0; k < 20; k++) /* a block in which it grows by e^772, past the largest number */
+        CU_ASSERT(pk_lyapunov_step(&l) == PK_DONE);
+    CU_ASSERT(fabs(pk_lyapunov_exponent(&l, &error) - sqrt(2.385)) < 1e-8);
     params.g = 2.385;
     CU_ASSERT_FATAL(pk_lyapunov_init(&l, &problem, pk_method_find("dop853"), &options, 0, q, v, 2,
                                      memory, sizeof memory) == PK_DONE);
@@ -116,8 +119,10 @@ static void reversal(void)
     CU_ASSERT(!kept.passed && kept.count == 13 && fabs(kept.at[12].t - 60) < 1e-12);
     CU_ASSERT(kept.at[12].absolute > 0 && kept.at[12].absolute < 2e-13);
     CU_ASSERT(rk4.at[12].absolute > 1e3 * kept.at[12].absolute);
-    for (size_t i = 0; i + 1 < kept.count; i++) /* whole steps, each twice the last but for that */
+    for (size_t i = 0; i + 1 < kept.count; i++) { /* whole steps, each twice the last but for that */
         CU_ASSERT(fabs(kept.at[i + 1].t - 2 * kept.at[i].t) < 0.011);
+        CU_ASSERT(fabs(remainder(kept.at[i].t, 0.01)) < 1e-12);
+    }
 }
 
 void add_chaos(void)

@@ -40,7 +40,7 @@ static enum pk_growth growth_of(int law, double size, int samples, double *expon
     unsigned seed = 2385;
     pk_drift_init(&d);
     for (int i = 0; i < samples; i++) {
-        const double t = i, laws[] = {0, sin(0.3 * t), walk, t, t * t, exp(t / 300), t > 100};
+        const double t = i, laws[] = {0, sin(0.3 * t), walk, t, t * t, exp(t / 300), t > 5000};
         pk_drift_update(&d, 1e6 + t, 4 + size * laws[law]);
         seed = seed * 1664525u + 1013904223u;
         walk += seed >> 16 & 1 ? 1 : -1;

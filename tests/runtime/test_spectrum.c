@@ -46,6 +46,27 @@ static void sums_of_cosines(void)
     CU_ASSERT(blurred.resolution > 0.08 && (blurred.residual > 1e-4 || blurred.lines[0].error > 1e-4));
 }
 
+static void single_lines(void)
+{
+    const double dt = 0.31;
+    struct pk_spectrum s = {.count = 2};
+    for (double phase = 0; phase < 6; phase += 0.7) { /* the integral alone, whatever the phase */
+        for (int j = 0; j < COUNT; j++)
+            x[j] = cos(1.1 * dt * j + phase);
+        CU_ASSERT(fabs(pk_spectrum_peak(x, COUNT, dt, 1.0985, 1.1025) - 1.1) < 1e-9);
+    }
+    CU_ASSERT(pk_spectrum_peak(x, COUNT, dt, 1.1005, 1.1025) < 1.1005001); /* not between: the end */
+    for (int j = 0; j < COUNT; j++)
+        x[j] = cos(1.1 * dt * j) + 0.2 * cos(4.25 * dt * j);
+    s.lines[0].frequency = 4.2501; /* guesses, the smaller first */
+    s.lines[1].frequency = 1.0999;
+    CU_ASSERT(pk_spectrum_fit(&s, x, COUNT, dt, work) == PK_DONE && s.lines[1].amplitude > 0.9);
+    pk_spectrum_judge(&s, x, COUNT, dt, work);
+    CU_ASSERT(fabs(s.lines[0].frequency - 1.1) < 1e-12 && fabs(s.lines[1].frequency - 4.25) < 1e-12);
+    s.lines[1].frequency = 1.1002; /* two guesses of one line cannot be told apart */
+    CU_ASSERT(pk_spectrum_fit(&s, x, COUNT, dt, work) == PK_NO_CONVERGENCE || s.residual > 0.1);
+}
+
 static void refusals(void)
 {
     struct pk_spectrum s;
@@ -101,6 +122,7 @@ void add_spectrum(void)
 {
     CU_pSuite suite = CU_add_suite("spectrum", NULL, NULL);
     CU_add_test(suite, "sums of cosines", sums_of_cosines);
+    CU_add_test(suite, "single lines", single_lines);
     CU_add_test(suite, "refusals", refusals);
     CU_add_test(suite, "pendulums", pendulums);
 }

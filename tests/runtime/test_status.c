@@ -27,7 +27,7 @@ static void refused(void)
     }
     CU_ASSERT(found == 12);
     /* What the kernel `linear` and inputs decide. */
-    CU_ASSERT(fixture_run(&f, &relativistic_system, "gsl_msbdf", 1e-6, 1) == PK_REFUSED);
+    CU_ASSERT(fixture_run(&f, &forced_system, "gsl_msbdf", 1e-6, 1) == PK_REFUSED);
     CU_ASSERT(strstr(reason(&f), "derivatives of the acceleration") != NULL);
     CU_ASSERT(fixture_run(&f, &pushed_system, "gsl_bsimp", 1e-6, 1) == PK_REFUSED);
     CU_ASSERT(strstr(reason(&f), "inputs") != NULL);

@@ -27,7 +27,8 @@ struct pk_stepmap {
 /* Bytes, and alignment for pk_real. */
 size_t pk_stepmap_size(const struct pk_problem *problem, const struct pk_method *method);
 /* One step of `h`, forward from t0, q0, v0. An adaptive method makes one of that length, its
- * equations solved to round-off and its error not asked; PK_REFUSED if it will not. S is written
+ * equations solved to round-off and its error not asked; PK_REFUSED if it will not, or if its steps
+ * follow the motion (adaptive_verlet), and where the system has no kernel `linear`. S is written
  * to S, 2 n by 2 n in those variables, row-major, unless S is NULL. */
 enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *problem,
                                const struct pk_method *method, const struct pk_options *options,
