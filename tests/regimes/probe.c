@@ -14,13 +14,19 @@ extern const struct pk_system SYSTEM_OF(MODEL);
 struct probe *probe_open(const char *method)
 {
     struct probe *p = calloc(1, sizeof *p);
-    p->problem.system = &SYSTEM_OF(MODEL);
-    p->params = calloc(1, p->problem.system->params_size + sizeof(double));
+    const struct pk_system *system = p->problem.system = &SYSTEM_OF(MODEL);
+    p->params = calloc(1, system->params_size + sizeof(double));
     p->problem.params = p->params;
-    p->problem.system->defaults(p->params);
+    if (system->count) { /* families as loops: their sizes are the defaults */
+        system->set_sizes(p->params);
+        const size_t bytes = system->block_size(p->params);
+        p->families = malloc(bytes + sizeof(double));
+        system->attach(p->params, p->families);
+    }
+    system->defaults(p->params);
     p->method = pk_method_find(method);
     p->options = pk_options_default();
-    p->n = p->problem.system->n;
+    p->n = pk_system_count(system, p->params);
     p->q = calloc(4 * p->n, sizeof(double));
     p->v = p->q + p->n;
     return p;
@@ -30,6 +36,7 @@ void probe_close(struct probe *p)
 {
     pk_integrator_free(&p->it);
     free(p->block);
+    free(p->families);
     free(p->q);
     free(p->params);
     free(p);

@@ -10,7 +10,7 @@ struct probe {
     struct pk_options options;
     struct pk_integrator it;
     size_t n;
-    void *params, *block;
+    void *params, *families, *block;
     double *q, *v; /* the model's start; two more of n for misused.c */
 };
 

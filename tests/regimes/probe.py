@@ -59,7 +59,7 @@ def model_path(name: str) -> Path:
 def library(name: str, sizes: tuple[tuple[str, int], ...] = ()) -> tuple[ctypes.CDLL, list[str]]:
     """The model's C, the core and the probe in one shared object; and names of q, then of v."""
     path = model_path(name)
-    made = compile_model(Source(str(path), path.read_text()), sizes=dict(sizes), unroll=None)
+    made = compile_model(Source(str(path), path.read_text()), sizes=dict(sizes), unroll=16)
     tools = build.find_toolchain()
     core = build.runtime_library(tools)
     sources = [HERE / "probe.c", HERE / "misused.c"]
