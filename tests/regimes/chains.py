@@ -6,8 +6,9 @@ from functools import cache
 from math import pi, sin, sqrt
 
 import numpy as np
-from prediction import BOUNDARY, CLOSED, MEASURED, Prediction, boundary
-from probe import Probe
+
+from .prediction import BOUNDARY, CLOSED, MEASURED, Prediction, boundary
+from .probe import Probe
 
 # --- Frenkel and Kontorova's kink ----------------------------------------------------------
 

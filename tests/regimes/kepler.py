@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import pi
 
 import numpy as np
-from prediction import CLOSED, MEASURED, Prediction, slope
-from probe import Probe
+
+from .prediction import CLOSED, MEASURED, Prediction, slope
+from .probe import Probe
 
 
 def orbit(method: str, e: float, steps: int, orbits: float = 1, every: int = 1) -> np.ndarray:
@@ -131,7 +132,9 @@ PREDICTIONS = [
             "verlet, as many steps of one length",
             lambda n=orbits: energy_error("verlet", 0.8, 200, n),
         )
-        for id, orbits, predicted in (("K4a", 10, 0.0034), ("K4b", 100, 0.0138), ("K4c", 1000, 0.145))
+        for id, orbits, predicted in (
+            ("K4a", 10, 0.0034), ("K4b", 100, 0.0138), ("K4c", 1000, 0.145),
+        )
     ),
     Prediction(
         "K5a", "Kepler, e = .3, verlet, 2000 steps an orbit, 10 to 1000 orbits",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from math import acos, asin, atan, pi, sqrt
+from itertools import pairwise
+from math import acos, asin, atan
 
 import mpmath as mp
 import numpy as np
-from prediction import BOUNDARY, CLOSED, Prediction, boundary
-from probe import Failed, Probe
+
+from .prediction import BOUNDARY, CLOSED, Prediction, boundary
+from .probe import Failed, Probe
 
 STEPS = 2000
 
@@ -51,7 +53,7 @@ def trace_limit(kick: list, drift: list) -> float:
 def composed(weights: list) -> float:
     """The limit of a composition of Verlet steps of these lengths."""
     kick = [weights[0] / 2]
-    kick += [(a + b) / 2 for a, b in zip(weights, weights[1:], strict=False)]
+    kick += [(a + b) / 2 for a, b in pairwise(weights)]
     return trace_limit([*kick, weights[-1] / 2], weights)
 
 
@@ -98,9 +100,7 @@ def axis_limit(method: str, direction) -> float:
         y += mp.mpf("0.001")
     inside = y - mp.mpf("0.001")
     return float(
-        mp.findroot(
-            lambda x: abs(mp.polyval(r, direction * x)) - 1, (inside, y), solver="anderson"
-        )
+        mp.findroot(lambda x: abs(mp.polyval(r, direction * x)) - 1, (inside, y), solver="anderson")
     )
 
 

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 CLOSED, BOUNDARY, MEASURED = 1e-2, 1e-3, 0.2
+ORDER = 0.05  # of a power that is fitted: .15 of order 3, .2 of order 4
 
 
 @dataclass(frozen=True)

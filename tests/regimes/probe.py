@@ -6,13 +6,13 @@ import ctypes
 import hashlib
 import os
 import subprocess
+import tempfile
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
-from pkgen import build
+from pkgen import build, named
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
@@ -68,28 +68,23 @@ def library(name: str, sizes: tuple[tuple[str, int], ...] = ()) -> tuple[ctypes.
     digest = hashlib.sha256("".join(texts).encode()).hexdigest()[:16]
     target = build.cache_directory() / "regimes" / f"{name}-{digest}.so"
     if not target.exists():
-        folder = target.with_suffix(f".{os.getpid()}")
-        folder.mkdir(parents=True)
-        for file, text in made.files.items():
-            (folder / file).write_text(text)
-        command = [*tools.cc, build.STANDARD, *tools.flags, "-shared", "-fPIC", "-Wl,-Bsymbolic", "-DPK_RUNTIME"]
-        command += [f"-I{build.RUNTIME / 'include'}", f"-I{HERE}", f"-DMODEL={made.model.name}"]
-        command += [f"{made.model.name}.c", *map(str, sources), str(core / "libpk.a")]
-        command += [*tools.gsl_libs, "-lm", "-o", "probe.so"]
-        subprocess.run(command, cwd=folder, check=True)
-        os.replace(folder / "probe.so", target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".new-") as folder:
+            for file, text in made.files.items():
+                (Path(folder) / file).write_text(text)
+            # -Bsymbolic: the library's objects, made for programs, then link into a shared object.
+            command = [*tools.cc, build.STANDARD, *tools.flags, "-O1", "-shared", "-fPIC"]
+            command += ["-Wl,-Bsymbolic", "-DPK_RUNTIME", f"-DMODEL={made.model.name}"]
+            command += [f"-I{build.RUNTIME / 'include'}", f"-I{HERE}", f"{made.model.name}.c"]
+            command += [*map(str, sources), str(core / "libpk.a"), *tools.gsl_libs, "-lm"]
+            subprocess.run([*command, "-o", "probe.so"], cwd=folder, check=True)
+            os.replace(Path(folder) / "probe.so", target)
     found = ctypes.CDLL(str(target))
     for function, (result, arguments) in SIGNATURES.items():
         getattr(found, function).restype = result
         getattr(found, function).argtypes = arguments
-    names = [c.name for c in _quantities(made)]
+    names = [c.name for c in named.coordinates(made).columns(10_000)]
     return found, [*names, *(f"{c}'" for c in names)]
-
-
-def _quantities(made):
-    from pkgen import named
-
-    return named.coordinates(made).columns(10_000)
 
 
 class Probe:
@@ -124,7 +119,12 @@ class Probe:
         for name, value in (start or {}).items():
             where = self.names.index(name)
             (self.q if where < self.n else self.v)[where % self.n] = value
-        self._options = (1e100 if fixed else tolerance, h if fixed else 0.0, int(fixed_point), max_iterations)
+        self._options = (
+            1e100 if fixed else tolerance,
+            h if fixed else 0.0,
+            int(fixed_point),
+            max_iterations,
+        )
         self._begin(h)
 
     def _begin(self, h: float) -> None:

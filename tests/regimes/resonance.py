@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import pi, sqrt
 
 import numpy as np
-from prediction import BOUNDARY, CLOSED, MEASURED, Prediction, boundary
-from probe import Probe
 
+from .prediction import BOUNDARY, MEASURED, Prediction, boundary
+from .probe import Probe
 
 # --- N2: the pendulum under Verlet is the standard map with K = (h omega)^2 -----------------
 
@@ -39,10 +39,10 @@ def residue(method: str, h: float, turns: int, steps: int, origin: float) -> flo
     return (2 - d_theta - d_v) / 4
 
 
-def last_golden_curve(method: str, predicted: float) -> float:
-    """The curve of golden winding is there as long as residues of its convergents stay below
-    1/4; that of 89/144 stands for the limit."""
-    return boundary(predicted, lambda h: residue(method, h, 89, 144, 0.0) > 0.25)
+def last_golden_curve(turns: int, steps: int, predicted: float) -> float:
+    """The curve of golden winding is there as long as the residues of its convergents stay below
+    1/4; one convergent stands for the limit."""
+    return boundary(predicted, lambda h: residue("verlet", h, turns, steps, 0.0) > 0.25, bits=11)
 
 
 # --- N3, N5: swing and stretch of the elastic pendulum as Verlet sees them ------------------
@@ -109,8 +109,8 @@ RESONANT = 2 * sqrt(1 - (1.9 / 2) ** 2)  # where omega_s = 1.9 and 2 sqrt(1 - h^
 PREDICTIONS = [
     Prediction(
         "N2", "pendulum, verlet", "the last rotational curve breaks where (h omega)^2 = .971635406",
-        sqrt(K_CRITICAL), BOUNDARY, lambda: last_golden_curve("verlet", sqrt(K_CRITICAL)),
-        "55/89 of another winding, 34/89", lambda: 0.0,
+        sqrt(K_CRITICAL), BOUNDARY, lambda: last_golden_curve(89, 144, sqrt(K_CRITICAL)),
+        "convergent 3/5 alone", lambda: last_golden_curve(3, 5, sqrt(K_CRITICAL)),
     ),
     Prediction(
         "N3a", "elastic pendulum 1 : 1.9, verlet",
@@ -142,7 +142,9 @@ PREDICTIONS = [
             "max |dE/E|", predicted, MEASURED, lambda h=h: pole("verlet", h),
             f"hv/b = {1.3 * h:g}", lambda h=h: pole("verlet", 1.3 * h),
         )
-        for id, h, predicted in (("N7a", 0.1, 8.3796e-4), ("N7b", 0.5, 0.02493), ("N7c", 1.0, 0.2395))
+        for id, h, predicted in (
+            ("N7a", 0.1, 8.3796e-4), ("N7b", 0.5, 0.02493), ("N7c", 1.0, 0.2395),
+        )
     ),
     *(
         Prediction(
@@ -150,7 +152,9 @@ PREDICTIONS = [
             f"|dE| at t = {until:g}", predicted, MEASURED, lambda t=until: misused(t),
             "gauss1", lambda t=until: energy_error("gauss1", 0.02, min(t, 1000)),
         )
-        for id, until, predicted in (("N8a", 1e2, 0.00195), ("N8b", 1e3, 0.0234), ("N8c", 1e4, 0.247))
+        for id, until, predicted in (
+            ("N8a", 1e2, 0.00195), ("N8b", 1e3, 0.0234), ("N8c", 1e4, 0.247),
+        )
     ),
     Prediction(
         "N8d", "double pendulum, .5/.5, gauss1, h = .02, to t = 1000",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import acos, cos, degrees, pi, radians, sin, sqrt
+from math import acos, cos, degrees, pi, sin, sqrt
 
 import mpmath as mp
 import numpy as np
-from prediction import BOUNDARY, CLOSED, Prediction, boundary, slope
-from probe import Probe
+
+from .prediction import BOUNDARY, CLOSED, Prediction, boundary
+from .probe import Probe
 
 # --- elastic pendulum, m = g = l = 1, k = 4: stretch 2, swing 1 ------------------------------
 
@@ -68,7 +69,9 @@ def nutation() -> tuple[float, float, float]:
         return u, 2 / mp.sqrt(2 * (high - u))
 
     time = 2 * mp.quad(lambda w: at(w)[1], [0, mp.pi / 2])
-    turn = 2 * mp.quad(lambda w: at(w)[1] * 3 * (u0 - at(w)[0]) / (1 - at(w)[0] ** 2), [0, mp.pi / 2])
+    turn = 2 * mp.quad(
+        lambda w: at(w)[1] * 3 * (u0 - at(w)[0]) / (1 - at(w)[0] ** 2), [0, mp.pi / 2]
+    )
     return float(time), float(turn), float(mp.degrees(mp.acos(low)))
 
 
@@ -214,7 +217,8 @@ def flight(method: str, tolerance: float, h: float = 0.0) -> tuple[float, float,
 
 DRAG = (
     mp.log(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")) / mp.mpf("0.04"),
-    mp.atan(50 * mp.sqrt(mp.mpf("0.02") / mp.mpf("9.81"))) / mp.sqrt(mp.mpf("0.02") * mp.mpf("9.81")),
+    mp.atan(50 * mp.sqrt(mp.mpf("0.02") / mp.mpf("9.81")))
+    / mp.sqrt(mp.mpf("0.02") * mp.mpf("9.81")),
     50 / mp.sqrt(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")),
 )
 
@@ -239,7 +243,9 @@ PREDICTIONS = [
             nutation()[i], 1e-8, lambda i=i: top("gauss", 3.0)[i],
             "p_psi = 3.01", lambda i=i: top("gauss", 3.01)[i],
         )
-        for i, text in enumerate(("nutation period", "precession a period", "largest angle, degrees"))
+        for i, text in enumerate(
+            ("nutation period", "precession a period", "largest angle, degrees")
+        )
     ),
     Prediction(
         "T3a", "sleeping top, gauss", "wakes where p_psi < 2 sqrt(I1 mgl)", 2.0, BOUNDARY,
@@ -256,7 +262,8 @@ PREDICTIONS = [
         "p_psi = 1.9", lambda: excursion(1.9),
     ),
     Prediction(
-        "T4a", "free top, I = (1, 2, 3), gauss", "grows at the rate Omega/sqrt 3 about the middle axis",
+        "T4a", "free top, I = (1, 2, 3), gauss",
+        "grows at the rate Omega/sqrt 3 about the middle axis",
         1 / sqrt(3), CLOSED, lambda: middle_growth("gauss"),
         "I = (1, 2, 3.1)", lambda: middle_growth("gauss", inertia=(1.0, 2.0, 3.1)),
     ),
