@@ -1,0 +1,1 @@
+"""Predictions about where methods fail, and how each is measured; docs/stability.md shows them."""

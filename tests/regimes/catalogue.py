@@ -1,0 +1,25 @@
+"""All predictions, in the order of the page."""
+
+from __future__ import annotations
+
+from . import (
+    chains,
+    coupled,
+    driven,
+    kepler,
+    linear,
+    maps,
+    modified,
+    pendulum,
+    resonance,
+    scaling,
+    tops,
+)
+from .prediction import Missing
+
+LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops)
+OWN = (modified, maps, scaling, driven)
+
+PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
+
+MISSING: list[Missing] = []

@@ -1,0 +1,193 @@
+"""Chains (F1, S1, S3) and Henon and Heiles' model (H1, H2)."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi, sin, sqrt
+
+import numpy as np
+
+from .prediction import BOUNDARY, CLOSED, MEASURED, Prediction, boundary
+from .probe import Probe
+
+# --- Frenkel and Kontorova's kink ----------------------------------------------------------
+
+
+@cache
+def at_rest(sites: int, d: float) -> tuple[np.ndarray, float]:
+    """The kink between two sites (an even number of them) or on one (odd), come to rest by
+    friction. That on a site is a saddle, but its symmetry keeps it there for long enough."""
+    probe = Probe("kink_chain", "gauss", size={"N": sites}, set={"d": d, "c": 1.0}, tolerance=1e-15)
+    q = probe.at([70.0])[0, 1 : 1 + sites]
+    return q, probe.energy(q, np.zeros(sites))
+
+
+def barrier(d: float, sites: int) -> float:
+    return at_rest(sites + 1, d)[1] - at_rest(sites, d)[1]
+
+
+def kink_frequency(d: float, sites: int, near: float) -> float:
+    """Of small swings of the kink about its rest between two sites: pushed by 1e-3 of a site, and
+    timed over some swings by a fit to its middle."""
+    rest, _ = at_rest(sites, d)
+    shape = np.gradient(rest)
+    start = {f"q[{i + 1}]": rest[i] + 1e-3 * shape[i] for i in range(sites)}
+    probe = Probe("kink_chain", "gauss", size={"N": sites}, set={"d": d}, start=start,
+                  tolerance=1e-12)  # fmt: skip
+    rows = probe.at(np.linspace(0, 4 * 2 * pi / near, 400)[1:])
+    place, t = (rows[:, 1 : 1 + sites] - rest) @ shape, rows[:, 0]
+
+    def misfit(w: float) -> float:
+        basis = np.stack([np.cos(w * t), np.sin(w * t)], axis=1)
+        return float(np.linalg.lstsq(basis, place, rcond=None)[1][0])
+
+    trial = near * np.linspace(0.8, 1.2, 801)
+    k = int(np.argmin([misfit(w) for w in trial]))
+    fine = trial[k] + near * np.linspace(-5e-4, 5e-4, 201)
+    return float(fine[int(np.argmin([misfit(w) for w in fine]))])
+
+
+def chain_limit(method: str, d: float, predicted: float) -> float:
+    """Of a ring of sites at rest, by its fastest wave, of alternating neighbours."""
+
+    def grows(h: float) -> bool:
+        rows = Probe("chain", method, h, size={"N": 40}, set={"d": d}).steps(400, 50, strict=False)
+        return len(rows) < 8 or np.abs(rows[:, 1:41]).max() > 1e-3
+
+    return boundary(predicted, grows)
+
+
+# --- FPUT -------------------------------------------------------------------------------------
+
+
+@cache
+def recurrence(method: str, h: float) -> tuple[float, float]:
+    """When the first mode has most of its energy again, in its periods, and the share."""
+    period = pi / sin(pi / 64)
+    probe = Probe("families/fput", method, h, size={"N": 31}, tolerance=1e-13)
+    mode = np.sin(pi * np.arange(1, 32) / 32) * sqrt(2 / 32)
+    times = np.arange(140 * period, 153 * period, period / 100)
+    rows = probe.at(times)
+    q, v = rows[:, 1:32] @ mode, rows[:, 32:63] @ mode
+    share = (v * v + (2 * pi / period) ** 2 * q * q) / 2 / rows[:, -1]
+    k = int(np.argmax(share))
+    return rows[k, 0] / period, share[k]
+
+
+def fput_energy() -> float:
+    probe = Probe("families/fput", "gauss", size={"N": 31})
+    return probe.now[-1]
+
+
+def first_period(amplitude: float) -> float:
+    """Of the first mode, in a small motion."""
+    start = {f"q[{i}]": amplitude * sin(pi * i / 32) for i in range(1, 32)}
+    probe = Probe("families/fput", "gauss", size={"N": 31}, start=start)
+    x = probe.at(np.arange(1, 800) * 1.0)[:, 1:32] @ np.sin(pi * np.arange(1, 32) / 32)
+    return float(2 * pi / np.arccos((x[1:-1] @ (x[2:] + x[:-2])) / (2 * x[1:-1] @ x[1:-1])))
+
+
+# --- Henon and Heiles ---------------------------------------------------------------------
+
+
+def starts(energy: float, count: int, seed: int = 2385) -> list[tuple[float, float, float]]:
+    """y, x', y' spread evenly over the section x = 0 at this energy, in the well alone."""
+    random, found = np.random.default_rng(seed), []
+    while len(found) < count:
+        y, v = random.uniform(-0.6, 1.0), random.uniform(-0.7, 0.7)
+        rest = 2 * energy - v * v - y * y + 2 * y**3 / 3
+        if rest > 0:
+            found.append((y, sqrt(rest), v))
+    return found
+
+
+def regular_fraction(
+    energy: float, count: int = 1000, until: float = 3000, method: str = "yoshida4", h: float = 0.1
+) -> float:
+    """Share of starts whose tangent has grown by less than exp(.01 t): on a torus it grows like t,
+    to 1e-2 |ln(t)/t| here, and .01 leaves all tori at E = 1/12 below."""
+    regular = 0
+    for y, x1, y1 in starts(energy, count):
+        probe = Probe("henon_heiles", method, h, start={"y": y, "x'": x1, "y'": y1, "u": 1.0})
+        row = probe.steps(round(until / h), round(until / h))[-1]
+        size = np.linalg.norm(row[[3, 4, 7, 8]])
+        regular += np.log(size) / until < 0.01
+    return regular / count
+
+
+def escaped(energy: float, count: int = 1000, method: str = "yoshida4", h: float = 0.05) -> float:
+    """Share of starts that leave the well by t = 500."""
+    gone = 0
+    for y, x1, y1 in starts(energy, count):
+        probe = Probe("henon_heiles", method, h, start={"y": y, "x'": x1, "y'": y1})
+        rows = probe.steps(round(500 / h), 20, strict=False)
+        gone += len(rows) < 500 / h / 20 or np.hypot(rows[:, 1], rows[:, 2]).max() > 1.5
+    return gone / count
+
+
+PREDICTIONS = [
+    Prediction(
+        "F1a", "FPUT-alpha, 32 springs, first mode, amplitude 1", "energy", 0.07704437, 1e-6,
+        fput_energy, "amplitude 1.01", lambda: 1.01**2 * fput_energy(),
+    ),
+    Prediction(
+        "F1b", "FPUT-alpha, first mode, amplitude 1e-6, gauss", "period pi / sin(pi/64)",
+        pi / sin(pi / 64), 1e-7, lambda: first_period(1e-6),
+        "amplitude 1", lambda: first_period(1.0),
+    ),
+    Prediction(
+        "F1c", "FPUT-alpha, amplitude 1, gauss", "the first mode's energy recurs, after so many T1",
+        146.447, 1e-4, lambda: recurrence("gauss", 0.0)[0],
+        "verlet, h = .5", lambda: recurrence("verlet", 0.5)[0],
+    ),
+    Prediction(
+        "F1d", "FPUT-alpha, amplitude 1, gauss", "share of the energy that recurs",
+        0.98127, 1e-4, lambda: recurrence("gauss", 0.0)[1],
+        "verlet, h = .5", lambda: recurrence("verlet", 0.5)[1],
+    ),
+    *(
+        Prediction(
+            id, f"kink, d = {d}, come to rest by gauss", "Peierls and Nabarro's barrier",
+            predicted, CLOSED, lambda d=d, n=n: barrier(d, n),
+            f"d = {1.1 * d:g}", lambda d=d, n=n: barrier(1.1 * d, n),
+        )
+        for id, d, n, predicted in (("S1a", 0.5, 80, 3.1260e-6), ("S1c", 1.0, 40, 0.02536415557))
+    ),
+    *(
+        Prediction(
+            id, f"kink, d = {d}, gauss", "frequency about its rest",
+            predicted, CLOSED, lambda d=d, n=n, p=predicted: kink_frequency(d, n, p),
+            f"d = {1.1 * d:g}", lambda d=d, n=n, p=predicted: kink_frequency(1.1 * d, n, p),
+        )
+        for id, d, n, predicted in (("S1b", 0.5, 80, 5.524376e-3), ("S1d", 1.0, 40, 0.24583955))
+    ),
+    Prediction(
+        "S3", "ring of 40 sites, d = 1, verlet", "limit 2 / sqrt(1 + 4/d^2)",
+        2 / sqrt(5), BOUNDARY, lambda: chain_limit("verlet", 1.0, 2 / sqrt(5)),
+        "yoshida4", lambda: chain_limit("yoshida4", 1.0, 2 / sqrt(5)),
+    ),
+    *(
+        Prediction(
+            id, f"Henon-Heiles, E = {text}, yoshida4, h = .1, 1000 starts, t = 3000",
+            "share of tangents that grow by less than exp(.01 t)", band, 0,
+            lambda e=energy: regular_fraction(e),
+            worse, lambda e=other: regular_fraction(e), long=True,
+        )
+        for id, text, energy, band, worse, other in (
+            ("H1a", "1/12", 1 / 12, (0.99, 1.0), "E = 1/8", 1 / 8),
+            ("H1b", "1/8", 1 / 8, (0.40, 0.44), "E = 1/6", 1 / 6),
+            ("H1c", "1/6", 1 / 6, (0.024, 0.036), "E = 1/8", 1 / 8),
+        )
+    ),
+    *(
+        Prediction(
+            id, f"Henon-Heiles, E = {energy:.4g}, yoshida4, h = .05, 1000 starts",
+            "share that escapes by t = 500", predicted, MEASURED,
+            lambda e=energy: escaped(e), f"E = {other:g}", lambda e=other: escaped(e), long=True,
+        )
+        for id, energy, predicted, other in (
+            ("H2a", 0.166, (0.0, 0.0), 0.17), ("H2b", 0.17, 0.58, 0.2),
+            ("H2c", 0.18, 0.95, 0.17), ("H2d", 0.2, (0.995, 1.0), 0.18),
+        )
+    ),
+]  # fmt: skip

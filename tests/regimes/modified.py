@@ -1,0 +1,130 @@
+"""What the modified Hamiltonian of Verlet, H + h^2 (p V'' p/12 - |V'|^2/24) + O(h^4) (GNI IX.8),
+foretells (A1, A2, A6)."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+
+from .prediction import CLOSED, Prediction
+from .probe import Probe
+
+# --- the pendulum under Verlet, from rest at 1.2 --------------------------------------------
+
+AMPLITUDE = 1.2
+
+
+def swing(k: float, count: int = 400) -> tuple[float, float]:
+    """Period, and integral of g = v^2 V''/12 - V'^2/24 over it, of modulus k, by the trapezoidal
+    rule in phi, sin(theta/2) = k sin(phi)."""
+    s = np.sin(2 * pi * np.arange(count) / count)
+    weight = 2 * pi / count / np.sqrt(1 - k * k * s * s)
+    cosine, v2 = 1 - 2 * k * k * s * s, 4 * k * k * (1 - s * s)
+    g = v2 * cosine / 12 - (1 - cosine**2) / 24
+    return float(weight.sum()), float((g * weight).sum())
+
+
+def period_coefficient(amplitude: float) -> float:
+    """(T(h) - T) / h^2: with J the action, T = d(2 pi J)/dE, and at a given value of the modified
+    Hamiltonian 2 pi J is less by the integral of h^2 g; the start lies h^2 g(start) higher."""
+    d = 1e-4
+
+    def at(energy: float) -> tuple[float, float]:
+        return swing(sqrt((1 + energy) / 2))
+
+    e = -cos(amplitude)
+    (t_low, g_low), (t_high, g_high) = at(e - d), at(e + d)
+    return (-(g_high - g_low) - (t_high - t_low) * sin(amplitude) ** 2 / 24) / (2 * d)
+
+
+def turning_times(rows: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """When `value` passes through zero downwards, by a quintic through six samples."""
+    t, found = rows[:, 0], []
+    for k in np.flatnonzero((value[:-1] > 0) & (value[1:] <= 0)):
+        if 2 <= k < len(t) - 4:
+            part = slice(k - 2, k + 4)
+            found.append(t[k] + np.polyfit(value[part], t[part] - t[k], 5)[-1])
+    return np.array(found)
+
+
+def period_measured(method: str, h: float) -> float:
+    start = {"theta": AMPLITUDE, "theta'": 0.0}
+    rows = Probe("pendulum", method, h, start=start).steps(round(400 / h))
+    times = turning_times(rows, rows[:, 2])
+    exact = swing(sin(AMPLITUDE / 2))[0]
+    return float(((times[-1] - times[0]) / (len(times) - 1) - exact) / h**2)
+
+
+def energy_swing(amplitude: float) -> float:
+    """max |E - E(0)| / h^2 of a swing from rest."""
+    theta = np.linspace(0, amplitude, 100_001)
+    v2 = 2 * (np.cos(theta) - cos(amplitude))
+    g = v2 * np.cos(theta) / 12 - np.sin(theta) ** 2 / 24
+    return float(np.abs(g - g[-1]).max())
+
+
+def energy_measured(method: str, h: float) -> float:
+    start = {"theta": AMPLITUDE, "theta'": 0.0}
+    rows = Probe("pendulum", method, h, start=start).steps(round(100 / h))
+    return float(np.abs(rows[:, -1] + cos(AMPLITUDE)).max() / h**2)
+
+
+# --- apsidal turn in another central field -------------------------------------------------------
+
+
+def quartic(energy: float, momentum: float) -> tuple[float, float]:
+    """Apsidal angle, and integral of g over a radial period, of V = r^4/4: with u = r^2,
+    u p_r^2 = (u - u1)(u2 - u)(u + u1 + u2)/2, by the trapezoidal rule in u = mean + half sin s."""
+    roots = np.sort(np.roots([-0.5, 0, 2 * energy, -(momentum**2)]).real)
+    u1, u2 = roots[1:]
+    s = 2 * pi * (np.arange(400) + 0.5) / 400
+    u = (u1 + u2) / 2 + (u2 - u1) / 2 * np.sin(s)
+    dt = 2 * pi / 400 / (2 * np.sqrt((u + u1 + u2) / 2))
+    along2 = (u - u1) * (u2 - u) * (u + u1 + u2) / 2
+    g = (u * (2 * energy - u * u / 2) + 2 * along2) / 12 - u**3 / 24
+    return float((momentum / u * dt).sum()), float((g * dt).sum())
+
+
+def apsidal_coefficient(speed: float) -> float:
+    """(turn(h) - turn) / h^2 from the apocentre r = 1: the turn is -d(2 pi J_r)/dL."""
+    d, energy = 1e-4, speed**2 / 2 + 1 / 4
+    by_momentum = (quartic(energy, speed + d)[1] - quartic(energy, speed - d)[1]) / (2 * d)
+    by_energy = (quartic(energy + d, speed)[0] - quartic(energy - d, speed)[0]) / (2 * d)
+    return by_momentum + by_energy * (speed**2 / 12 - 1 / 24)
+
+
+def apsidal_measured(method: str, h: float) -> float:
+    rows = Probe("quartic_plane", method, h).steps(round(300 / h))
+    x, y, u, v = rows[:, 1:5].T
+    angle = np.unwrap(np.arctan2(y, x))
+    times = turning_times(rows, x * u + y * v)
+    at = []
+    for t in times:
+        k = int(np.searchsorted(rows[:, 0], t))
+        part = slice(k - 3, k + 3)
+        at.append(np.polyval(np.polyfit(rows[part, 0] - t, angle[part], 5), 0))
+    exact = quartic(0.6**2 / 2 + 1 / 4, 0.6)[0]
+    return float(((at[-1] - at[0]) / (len(at) - 1) - exact) / h**2)
+
+
+PREDICTIONS = [
+    Prediction(
+        "A1", "pendulum from rest at 1.2, verlet, h = .01",
+        "max |dE| / h^2, by the modified Hamiltonian", energy_swing(AMPLITUDE), 1e-3,
+        lambda: energy_measured("verlet", 0.01),
+        "yoshida4", lambda: energy_measured("yoshida4", 0.01), own=True,
+    ),
+    Prediction(
+        "A2", "pendulum from rest at 1.2, verlet, h = .02",
+        "(T(h) - T) / h^2, from the action of the modified Hamiltonian",
+        period_coefficient(AMPLITUDE), 1e-3, lambda: period_measured("verlet", 0.02),
+        "gauss1", lambda: period_measured("gauss1", 0.02), own=True,
+    ),
+    Prediction(
+        "A6", "central force -r^3, verlet, h = .02",
+        "(apsidal turn(h) - turn) / h^2, from the modified Hamiltonian",
+        apsidal_coefficient(0.6), CLOSED, lambda: apsidal_measured("verlet", 0.02),
+        "gauss1", lambda: apsidal_measured("gauss1", 0.02), own=True,
+    ),
+]  # fmt: skip

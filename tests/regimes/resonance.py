@@ -1,0 +1,164 @@
+"""Nonlinear resonance of the step with the motion (N2 to N8), and misuse of a step."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+
+from .prediction import BOUNDARY, MEASURED, Prediction, boundary
+from .probe import Probe
+
+# --- N2: the pendulum under Verlet is the standard map with K = (h omega)^2 -----------------
+
+
+def residue(method: str, h: float, turns: int, steps: int, origin: float) -> float:
+    """Greene's residue (2 - trace)/4 of the orbit that turns `turns` times in `steps` steps, and
+    starts on the line theta = origin, to which the map is symmetric (J. Greene, J. Math. Phys. 20
+    (1979) 1183). The orbit is followed from a small step, where it turns at a constant rate."""
+
+    def after(theta: float, v: float, h: float) -> np.ndarray:
+        probe = Probe("pendulum", method, h, start={"theta": theta, "theta'": v})
+        return probe.steps(steps, steps)[-1, 1:3]
+
+    whole = 2 * pi * turns
+    advance = whole / steps  # h v at the start, which hardly changes with h
+    for part in np.linspace(0.05, 1, 40) * h:
+        x0, x1 = advance, advance * (1 + 1e-7)
+        f0, f1 = (after(origin, x / part, part)[0] - origin - whole for x in (x0, x1))
+        for _ in range(30):
+            if f1 == f0 or abs(f1) < 1e-11:
+                break
+            x0, x1, f0 = x1, x1 - f1 * (x1 - x0) / (f1 - f0), f1
+            f1 = after(origin, x1 / part, part)[0] - origin - whole
+        advance = x1
+    assert abs(f1) < 1e-9
+    v, d = advance / h, 1e-6
+    d_theta = (after(origin + d, v, h) - after(origin - d, v, h))[0] / (2 * d)
+    d_v = (after(origin, v + d, h) - after(origin, v - d, h))[1] / (2 * d)
+    return (2 - d_theta - d_v) / 4
+
+
+def last_golden_curve(turns: int, steps: int, predicted: float) -> float:
+    """The curve of golden winding is there as long as the residues of its convergents stay below
+    1/4; one convergent stands for the limit."""
+    return boundary(predicted, lambda h: residue("verlet", h, turns, steps, 0.0) > 0.25, bits=11)
+
+
+# --- N3, N5: swing and stretch of the elastic pendulum as Verlet sees them ------------------
+
+
+def gain(h: float, k: float, stretch: float, rate: float, until: float) -> float:
+    """Largest swing over its start, which is given by its rate."""
+    start = {"x": 0.0, "x'": rate, "y": -1 - stretch}
+    probe = Probe("spring_plane", "verlet", h, set={"k": k}, start=start)
+    return np.abs(probe.steps(int(until / h))[:, 1]).max() / rate
+
+
+def resonant_step(method: str, predicted: float) -> float:
+    """The middle of the band of steps where a stretch of 5e-4 passes half of what it can over
+    to the swing; the band's width shrinks with the stretch."""
+    rate = 1e-5
+
+    def resonant(h: float) -> bool:
+        start = {"x": 0.0, "x'": rate, "y": -1.0005}
+        probe = Probe("spring_plane", method, h, set={"k": 3.61}, start=start)
+        swing = probe.steps(int(20_000 / h), 5)[:, 1]
+        return np.abs(swing).max() > 40 * rate
+
+    steps = predicted * (1 + np.linspace(-0.02, 0.02, 161))
+    inside = [h for h in steps if resonant(h)]
+    return (inside[0] + inside[-1]) / 2 if inside else 0.0
+
+
+# --- N7: a polar chart near its pole ----------------------------------------------------
+
+
+def pole(method: str, h: float) -> float:
+    """Largest |E/E(0) - 1| of a flight past the pole from afar, over the phase in which the
+    grid of times meets the closest approach; b = v = 1, so h = h v/b."""
+    worst = 0.0
+    for phase in np.linspace(0, 1, 21):
+        x = -50 - phase * h
+        r = sqrt(x * x + 1)
+        rows = Probe("radial", method, h, start={"r": r, "r'": x / r}).steps(int(100 / h))
+        worst = max(worst, np.abs(rows[:, -1] / 0.5 - 1).max())
+    return worst
+
+
+# --- N8: a step misused ------------------------------------------------------------------
+
+REST = {"theta1": 0.5, "theta2": 0.5, "theta1'": 0.0, "theta2'": 0.0}
+
+
+def misused(until: float) -> float:
+    probe = Probe("double_pendulum", "gauss1", 0.02, start=REST)
+    q, v = probe.q.copy(), probe.v.copy()
+    return abs(probe.lib.misused_verlet(probe.p, 0.02, round(until / 0.02), q, v))
+
+
+def energy_error(method: str, h: float, until: float) -> float:
+    probe = Probe("double_pendulum", method, h, start=REST)
+    first = probe.energy(probe.q, probe.v)
+    return np.abs(probe.steps(round(until / h))[:, -1] - first).max()
+
+
+K_CRITICAL = 0.971635406  # R. MacKay, Physica D 7 (1983) 283
+RESONANT = 2 * sqrt(1 - (1.9 / 2) ** 2)  # where omega_s = 1.9 and 2 sqrt(1 - h^2/4) agree
+
+PREDICTIONS = [
+    Prediction(
+        "N2", "pendulum, verlet", "the last rotational curve breaks where (h omega)^2 = .971635406",
+        sqrt(K_CRITICAL), BOUNDARY, lambda: last_golden_curve(89, 144, sqrt(K_CRITICAL)),
+        "convergent 3/5 alone", lambda: last_golden_curve(3, 5, sqrt(K_CRITICAL)),
+    ),
+    Prediction(
+        "N3a", "elastic pendulum 1 : 1.9, verlet",
+        "spurious 1:2 where omega_s = 2 omega_p sqrt(1 - (h omega_p/2)^2): at h",
+        RESONANT, BOUNDARY, lambda: resonant_step("verlet", RESONANT),
+        "yoshida4", lambda: resonant_step("yoshida4", RESONANT),
+    ),
+    Prediction(
+        "N3b", "elastic pendulum 1 : 1.9, verlet, h = .6244998, stretch .05, swing .001",
+        "stretch turns into swing, which gains", 87.0, MEASURED,
+        lambda: gain(RESONANT, 3.61, 0.05, 1e-3, 4000),
+        "h = .3", lambda: gain(0.3, 3.61, 0.05, 1e-3, 4000),
+    ),
+    Prediction(
+        "N5a", "elastic pendulum 1 : 2, verlet, h = .01, stretch .05, swing .001",
+        "the true 1:2 resonance: the swing gains", 100.0, MEASURED,
+        lambda: gain(0.01, 4, 0.05, 1e-3, 400),
+        "h = .6", lambda: gain(0.6, 4, 0.05, 1e-3, 2000),
+    ),
+    Prediction(
+        "N5b", "elastic pendulum 1 : 2, verlet, h = .6, stretch .05, swing .001",
+        "detuned by the step: the swing gains", 2.2, MEASURED,
+        lambda: gain(0.6, 4, 0.05, 1e-3, 2000),
+        "h = .01", lambda: gain(0.01, 4, 0.05, 1e-3, 400),
+    ),
+    *(
+        Prediction(
+            id, f"free flight past the pole of a polar chart, verlet, hv/b = {h}",
+            "max |dE/E|", predicted, MEASURED, lambda h=h: pole("verlet", h),
+            f"hv/b = {1.3 * h:g}", lambda h=h: pole("verlet", 1.3 * h),
+        )
+        for id, h, predicted in (
+            ("N7a", 0.1, 8.3796e-4), ("N7b", 0.5, 0.02493), ("N7c", 1.0, 0.2395),
+        )
+    ),
+    *(
+        Prediction(
+            id, "double pendulum, .5/.5, velocity Verlet misused, h = .02",
+            f"|dE| at t = {until:g}", predicted, MEASURED, lambda t=until: misused(t),
+            "gauss1", lambda t=until: energy_error("gauss1", 0.02, min(t, 1000)),
+        )
+        for id, until, predicted in (
+            ("N8a", 1e2, 0.00195), ("N8b", 1e3, 0.0234), ("N8c", 1e4, 0.247),
+        )
+    ),
+    Prediction(
+        "N8d", "double pendulum, .5/.5, gauss1, h = .02, to t = 1000",
+        "max |dE|", 1.09e-4, MEASURED, lambda: energy_error("gauss1", 0.02, 1000),
+        "h = .03", lambda: energy_error("gauss1", 0.03, 1000),
+    ),
+]  # fmt: skip

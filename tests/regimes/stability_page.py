@@ -1,0 +1,104 @@
+"""docs/stability.md: predicted against measured, a row a prediction, written under PKGEN_UPDATE=1.
+
+Each test that runs puts its own row in place, so that the long ones' stay when the short ones are
+measured again; text, order and predictions are the catalogue's.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import math
+import os
+import re
+from pathlib import Path
+
+from .catalogue import MISSING, PREDICTIONS
+from .prediction import Prediction
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "stability.md"
+LOCK = PAGE.parents[1] / "build" / "stability-page.lock"
+HEAD = """\
+# Where methods fail: predicted and measured
+
+Each prediction was made before it was run: a closed form, evaluated beside the test, or a value
+converged by other means. The models are in `tests/regimes/models/` (some in `models/`), the
+predictions and how each is measured in `tests/regimes/*.py`; steps are the runtime's own, taken
+one by one. A prediction is met if the measured value lies within the tolerance of it, or in the
+band that it is, and the worse method or step beside it, measured in the same way, does not. A
+limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make test`
+measures the short ones, `make test-long` those marked *long*; with `PKGEN_UPDATE=1` either writes
+its rows here. Closed forms are to be met within 1% or closer, boundaries within .1%, fitted powers
+within 5%, what was only ever measured within its band or 20%. y = h omega; frequencies are in
+units of omega where no unit is given.
+
+"""
+COLUMNS = (
+    "id", "system and method", "prediction", "predicted", "tolerance", "measured", "difference",
+    "worse", "its value", "",
+)  # fmt: skip
+
+
+def number(x: float) -> str:
+    return "none" if math.isinf(x) else "lost" if math.isnan(x) else f"{x:.9g}"
+
+
+def predicted(entry: Prediction) -> str:
+    if isinstance(entry.predicted, tuple):
+        return f"{entry.predicted[0]:.3g} to {entry.predicted[1]:.3g}"
+    return number(entry.predicted)
+
+
+def row(entry: Prediction, measured: float, worse: float) -> list[str]:
+    band = isinstance(entry.predicted, tuple)
+    return [
+        entry.id,
+        entry.system + (" *(long)*" if entry.long else ""),
+        entry.says.replace("|", "\\|"),
+        predicted(entry),
+        "band" if band else f"{100 * entry.tolerance:g}%",
+        number(measured),
+        "" if band else f"{measured / entry.predicted - 1:+.1e}",
+        entry.worse,
+        number(worse),
+        "met" if entry.met(measured) else "**MISSED**",
+    ]
+
+
+def cells(line: str) -> list[str]:
+    return [c.strip() for c in re.split(r"(?<!\\)\|", line)[1:-1]]
+
+
+def rows() -> dict[str, list[str]]:
+    """Those of the page as it is, by id."""
+    lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
+    found = [cells(line) for line in lines if line.startswith("| ")]
+    return {c[0]: c for c in found if len(c) == len(COLUMNS) and c[0] not in ("id", "---")}
+
+
+def write(entry: Prediction, measured: float, worse: float) -> None:
+    if not os.environ.get("PKGEN_UPDATE"):
+        return
+    with LOCK.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        known = rows() | {entry.id: row(entry, measured, worse)}
+        PAGE.write_text(text(known), encoding="utf-8")
+
+
+def table(entries: list[Prediction], known: dict[str, list[str]]) -> str:
+    lines = [COLUMNS, ("---",) * len(COLUMNS)]
+    lines += [known[e.id] for e in entries if e.id in known]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def text(known: dict[str, list[str]]) -> str:
+    listed = [e for e in PREDICTIONS if not e.own]
+    own = [e for e in PREDICTIONS if e.own]
+    said = [HEAD, "## Regimes\n\n", table(listed, known)]
+    said += ["\n## More of them\n\n", "Predictions that are not in that list.\n\n"]
+    said += [table(own, known), "\n## Misses\n\n"]
+    missed = [e for e in PREDICTIONS if e.missed]
+    said += [f"- **{e.id}**: {e.missed}\n" for e in missed] or ["None.\n"]
+    if MISSING:
+        said.append("\n## Not written yet\n\n")
+        said += [f"- **{m.id}**, {m.system}: {m.lacks}\n" for m in MISSING]
+    return "".join(said)

@@ -1,0 +1,50 @@
+"""Each prediction of the catalogue: met, and not met by the worse method or step beside it."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from .catalogue import MISSING, PREDICTIONS
+from .prediction import Prediction
+from .stability_page import HEAD, PAGE, predicted, rows, write
+
+
+def parameters() -> list:
+    return [
+        pytest.param(p, id=p.id, marks=[pytest.mark.long] if p.long else []) for p in PREDICTIONS
+    ]
+
+
+@pytest.mark.parametrize("entry", parameters())
+def test_prediction(entry: Prediction) -> None:
+    measured, worse = entry.measure(), entry.measure_worse()
+    write(entry, measured, worse)
+    assert entry.met(measured) == (not entry.missed), f"{measured!r}: {entry.missed or 'missed'}"
+    assert not entry.met(worse), f"{entry.worse} meets it too: {worse!r}"
+    # Nothing at all is no measurement, unless nothing is what was predicted.
+    assert measured != 0 or entry.predicted == (0.0, 0.0)
+
+
+def test_the_catalogue_is_large_enough() -> None:
+    ids = [p.id for p in PREDICTIONS] + [m.id for m in MISSING]
+    assert len(set(ids)) == len(ids)
+    own = [p for p in PREDICTIONS if p.own]
+    assert len(own) >= 10 and sum("limit" in p.says for p in own) <= 3
+
+
+def test_the_page_is_the_catalogues() -> None:
+    known = rows()
+    assert list(known) == [
+        *(p.id for p in PREDICTIONS if not p.own), *(p.id for p in PREDICTIONS if p.own)
+    ]  # fmt: skip
+    assert PAGE.read_text().startswith(HEAD)
+    for entry in PREDICTIONS:
+        cells = known[entry.id]
+        assert cells[1].removesuffix(" *(long)*") == entry.system
+        assert cells[3] == predicted(entry) and cells[7] == entry.worse
+        measured, worse = (math.inf if c == "none" else float(c) for c in (cells[5], cells[8]))
+        assert cells[9] == ("met" if entry.met(measured) else "**MISSED**")
+        assert entry.met(measured) == (not entry.missed) and not entry.met(worse)
+    assert all(f"**{m.id}**" in PAGE.read_text() for m in MISSING)

@@ -1,0 +1,286 @@
+"""Elastic pendulum (E), tops (T) and a throw through air (X2)."""
+
+from __future__ import annotations
+
+from math import acos, cos, degrees, pi, sin, sqrt
+
+import mpmath as mp
+import numpy as np
+
+from .prediction import BOUNDARY, CLOSED, Prediction, boundary
+from .probe import Probe
+
+# --- elastic pendulum, m = g = l = 1, k = 4: stretch 2, swing 1 ------------------------------
+
+
+def parametric_growth(stretch: float, k: float = 4.0) -> float:
+    """Rate at which a swing of 1e-7 grows beside a stretch, seen once a swing."""
+    start = {"x": 1e-7, "y": -1 - stretch, "x'": 0.0}
+    probe = Probe("spring_plane", "gauss", set={"k": k}, start=start)
+    rows = probe.at(2 * pi * np.arange(1, 201))
+    size = np.hypot(rows[:, 1], rows[:, 3])
+    part = (size > 3e-6) & (size < 3e-4)
+    if part.sum() < 5:
+        return 0.0
+    return float(np.polyfit(rows[part, 0], np.log(size[part]), 1)[0])
+
+
+def exchange_period(stretch: float, swing: float, tolerance: float = 1e-13) -> float:
+    """Mean time between greatest swings, each the top of a parabola through three samples once
+    a swing."""
+    start = {"x": swing, "y": -1 - stretch, "x'": 0.0}
+    probe = Probe("spring_plane", "gauss", start=start, tolerance=tolerance)
+    rows = probe.at(2 * pi * np.arange(1, 1801))
+    action = rows[:, 1] ** 2 + rows[:, 3] ** 2
+    tops = []
+    for k in range(20, len(action) - 20):
+        if action[k] == action[k - 20 : k + 21].max():
+            c = np.polyfit(np.arange(-20, 21), action[k - 20 : k + 21], 2)
+            tops.append(2 * pi * (k + 1 - c[1] / (2 * c[0])))
+    return float((tops[-1] - tops[0]) / (len(tops) - 1))
+
+
+def stiff_limit(method: str, predicted: float) -> float:
+    """Of the stretch, k = 1e4: m = l = g = 1."""
+    start = {"x": 0.0, "y": -1 - 1e-6, "x'": 0.0}
+
+    def grows(h: float) -> bool:
+        probe = Probe("spring_plane", method, h, set={"k": 1e4}, start=start)
+        rows = probe.steps(1000, 50, strict=False)
+        return len(rows) < 20 or np.abs(rows[:, 2] + 1).max() > 1e-3
+
+    return boundary(predicted, grows)
+
+
+# --- heavy top, I1 = mgl = 1 --------------------------------------------------------------------
+
+
+def nutation() -> tuple[float, float, float]:
+    """Period, precession a period, and largest angle in degrees of the top released at rest at 60
+    degrees with p_psi = 3: with u = cos theta, u'^2 = 2 (u0 - u)(1 - u^2) - 9 (u0 - u)^2, and
+    phi' = 3 (u0 - u)/(1 - u^2)."""
+    u0 = mp.mpf(1) / 2
+    # u'^2 = (u0 - u) (2 - 2 u^2 - 9 (u0 - u)): the other end of the swing is a root of the second.
+    low = (9 - mp.sqrt(81 - 8 * (9 * u0 - 2))) / 4
+    high = (9 + mp.sqrt(81 - 8 * (9 * u0 - 2))) / 4
+
+    def at(w):  # u from u0 to low as w goes from 0 to pi/2
+        u = u0 - (u0 - low) * mp.sin(w) ** 2
+        return u, 2 / mp.sqrt(2 * (high - u))
+
+    time = 2 * mp.quad(lambda w: at(w)[1], [0, mp.pi / 2])
+    turn = 2 * mp.quad(
+        lambda w: at(w)[1] * 3 * (u0 - at(w)[0]) / (1 - at(w)[0] ** 2), [0, mp.pi / 2]
+    )
+    return float(time), float(turn), float(mp.degrees(mp.acos(low)))
+
+
+def top(method: str, spin: float, h: float = 0.0) -> tuple[float, float, float]:
+    """The same of the top itself: back at rest, by Newton's iteration on theta' with theta''."""
+    start = {"phi": 0.0, "theta": pi / 3, "psi": 0.0, "phi'": 0.0, "theta'": 0.0, "psi'": 2 * spin}
+
+    def at(t: float) -> np.ndarray:
+        more = {"set": {"g": 1.0}, "start": start, "tolerance": 1e-14}
+        return Probe("heavy_top", method, h, **more).at([t])[0]
+
+    def turning(t: float) -> tuple[float, np.ndarray]:
+        probe = Probe("heavy_top", method, h, set={"g": 1.0}, start=start)
+        for _ in range(12):
+            row = at(t)
+            step = row[5] / probe.acceleration(row[1:4], row[4:7])[1]
+            t -= step
+            if abs(step) < 1e-12:
+                break
+        return t, row
+
+    period = nutation()[0]
+    t, row = turning(period)
+    middle = turning(period / 2)[1]
+    return t, row[1], degrees(middle[2])
+
+
+def sleeping_growth(spin: float, until: tuple[float, float] = (10, 25)) -> float:
+    """Growth rate of a tilt of 1e-8."""
+    start = {"alpha": 1e-8, "psi'": 2 * spin}
+    probe = Probe("sleeping_top", "gauss", set={"p_spin": spin}, start=start)
+    rows = probe.at(np.linspace(*until, 60))
+    return float(np.polyfit(rows[:, 0], np.log(np.hypot(rows[:, 1], rows[:, 2])), 1)[0])
+
+
+def excursion(spin: float, until: float = 80) -> float:
+    """How far from upright it goes, in degrees."""
+    start = {"alpha": 1e-6, "psi'": 2 * spin}
+    probe = Probe("sleeping_top", "gauss", set={"p_spin": spin}, start=start)
+    rows = probe.at(np.arange(1, int(until * 100)) * 0.01)
+    return degrees(acos((np.cos(rows[:, 1]) * np.cos(rows[:, 2])).min()))
+
+
+def sleeping_boundary(factor: float = 1.0) -> float:
+    """The spin below which it wakes: a tilt of 1e-7 grows a hundredfold."""
+
+    def wakes(spin: float) -> bool:
+        start = {"alpha": 1e-7, "psi'": 2 * spin}
+        probe = Probe("sleeping_top", "gauss", set={"mgl": factor}, start=start)
+        rows = probe.at(np.linspace(1, 400, 400))
+        return np.hypot(rows[:, 1], rows[:, 2]).max() > 1e-5
+
+    low, high = 1.998, 2.002
+    if not wakes(low) or wakes(high):
+        return 0.0
+    for _ in range(9):
+        middle = (low + high) / 2
+        low, high = (middle, high) if wakes(middle) else (low, middle)
+    return (low + high) / 2
+
+
+# --- free top ------------------------------------------------------------------------------------
+
+
+def body_rates(rows: np.ndarray) -> np.ndarray:
+    _, beta, psi, alpha1, beta1, psi1 = rows[:, 1:7].T
+    a = alpha1 * np.cos(beta)
+    return np.stack(
+        [
+            a * np.cos(psi) + beta1 * np.sin(psi),
+            -a * np.sin(psi) + beta1 * np.cos(psi),
+            psi1 + alpha1 * np.sin(beta),
+        ]
+    )
+
+
+# Tilted so that the motion keeps clear of beta = 90 degrees, where these angles end.
+TILT = {"alpha": 0.3, "beta": 0.4, "psi": 0.5}
+
+
+def free_start(w1: float, w2: float, w3: float) -> dict[str, float]:
+    beta, psi = TILT["beta"], TILT["psi"]
+    alpha1 = (w1 * cos(psi) - w2 * sin(psi)) / cos(beta)
+    rates = {"alpha'": alpha1, "beta'": w1 * sin(psi) + w2 * cos(psi)}
+    return TILT | rates | {"psi'": w3 - alpha1 * sin(beta)}
+
+
+def middle_growth(method: str, h: float = 0.0, inertia: tuple = (1.0, 2.0, 3.0)) -> float:
+    """Growth rate of w1 = 1e-6 beside w2 = 1."""
+    set = dict(zip(("I1", "I2", "I3"), inertia, strict=True))
+    probe = Probe("free_top", method, h, set=set, start=free_start(1e-6, 1.0, 0.0))
+    rows = probe.at(np.linspace(4, 12, 60))
+    w1 = np.abs(body_rates(rows)[0])
+    return float(np.polyfit(rows[:, 0], np.log(w1), 1)[0])
+
+
+def tumbling_period(w: tuple[float, float, float], method: str, h: float = 0.0) -> float:
+    """Twice the time between zeros of the middle rate, by parabolas through samples."""
+    probe = Probe("free_top", method, h, start=free_start(*w), tolerance=1e-14)
+    rows = probe.at(np.arange(1, 6001) * 0.01)
+    w2, t = body_rates(rows)[1], rows[:, 0]
+    zeros = []
+    for k in np.flatnonzero(w2[1:] * w2[:-1] < 0):
+        part = slice(k - 2, k + 4)
+        middle = t[part].mean()
+        zeros.append(middle + np.polyfit(w2[part], t[part] - middle, 5)[-1])
+    return float(2 * np.mean(np.diff(zeros))) if len(zeros) > 1 else 0.0
+
+
+def tumbling_closed(w1: float, w3: float) -> float:
+    """4 K / rate for I = (1, 2, 3), w2 = 1: L. D. Landau, E. M. Lifshitz, Mechanics, section 37."""
+    energy2 = mp.mpf(w1) ** 2 + 2 + 3 * mp.mpf(w3) ** 2
+    momentum2 = mp.mpf(w1) ** 2 + 4 + 9 * mp.mpf(w3) ** 2
+    if momentum2 > 2 * energy2:
+        rate = mp.sqrt((3 - 2) * (momentum2 - energy2) / 6)
+        m = (2 - 1) * (3 * energy2 - momentum2) / ((3 - 2) * (momentum2 - energy2))
+    else:
+        rate = mp.sqrt((2 - 1) * (3 * energy2 - momentum2) / 6)
+        m = (3 - 2) * (momentum2 - energy2) / ((2 - 1) * (3 * energy2 - momentum2))
+    return float(4 * mp.ellipk(m) / rate)
+
+
+# --- drag ------------------------------------------------------------------------------------
+
+
+def flight(method: str, tolerance: float, h: float = 0.0) -> tuple[float, float, float]:
+    """Apex, its time, and the speed of impact, by Newton's iteration."""
+
+    def at(t: float) -> np.ndarray:
+        return Probe("drag", method, h, tolerance=tolerance).at([t])[0]
+
+    t = 2.6
+    for _ in range(20):
+        row = at(t)
+        t += row[2] / 9.81
+    top, height = t, at(t)[1]
+    t = 6.0
+    for _ in range(30):
+        row = at(t)
+        t -= row[1] / row[2]
+    return height, top, -at(t)[2]
+
+
+DRAG = (
+    mp.log(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")) / mp.mpf("0.04"),
+    mp.atan(50 * mp.sqrt(mp.mpf("0.02") / mp.mpf("9.81")))
+    / mp.sqrt(mp.mpf("0.02") * mp.mpf("9.81")),
+    50 / mp.sqrt(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")),
+)
+
+PREDICTIONS = [
+    Prediction(
+        "E1", "elastic pendulum 1:2, stretch .01, gauss", "a swing grows at the rate 3/4 A",
+        0.0075, CLOSED, lambda: parametric_growth(0.01),
+        "k = 4.05", lambda: parametric_growth(0.01, 4.05),
+    ),
+    Prediction(
+        "E2", "elastic pendulum 1:2, stretch .01, swing .001, gauss", "exchange period",
+        1075.28117, 2e-3, lambda: exchange_period(0.01, 0.001),
+        "swing .0011", lambda: exchange_period(0.01, 0.0011),
+    ),
+    Prediction(
+        "E3", "elastic pendulum, k = 1e4, verlet", "limit 2 / sqrt(k)", 0.02, BOUNDARY,
+        lambda: stiff_limit("verlet", 0.02), "yoshida4", lambda: stiff_limit("yoshida4", 0.02),
+    ),
+    *(
+        Prediction(
+            f"T2{'abc'[i]}", "heavy top, p_psi = 3, at rest at 60 degrees, gauss", text,
+            nutation()[i], 1e-8, lambda i=i: top("gauss", 3.0)[i],
+            "p_psi = 3.01", lambda i=i: top("gauss", 3.01)[i],
+        )
+        for i, text in enumerate(
+            ("nutation period", "precession a period", "largest angle, degrees")
+        )
+    ),
+    Prediction(
+        "T3a", "sleeping top, gauss", "wakes where p_psi < 2 sqrt(I1 mgl)", 2.0, BOUNDARY,
+        sleeping_boundary, "mgl = 1.01", lambda: sleeping_boundary(1.01),
+    ),
+    Prediction(
+        "T3b", "sleeping top, p_psi = 1.8, gauss", "a tilt grows at the rate sqrt(1 - .81)",
+        sqrt(1 - 0.81), 1e-4, lambda: sleeping_growth(1.8),
+        "p_psi = 1.9", lambda: sleeping_growth(1.9),
+    ),
+    Prediction(
+        "T3c", "sleeping top, p_psi = 1.8, gauss", "cos of the largest tilt is p_psi^2/2 - 1",
+        degrees(acos(1.8**2 / 2 - 1)), 1e-4, lambda: excursion(1.8),
+        "p_psi = 1.9", lambda: excursion(1.9),
+    ),
+    Prediction(
+        "T4a", "free top, I = (1, 2, 3), gauss",
+        "grows at the rate Omega/sqrt 3 about the middle axis",
+        1 / sqrt(3), CLOSED, lambda: middle_growth("gauss"),
+        "I = (1, 2, 3.1)", lambda: middle_growth("gauss", inertia=(1.0, 2.0, 3.1)),
+    ),
+    *(
+        Prediction(
+            id, f"free top from omega = ({w[0]}, {w[1]}, {w[2]}), gauss", "period 4 K / rate",
+            tumbling_closed(w[0], w[2]), 1e-8, lambda w=w: tumbling_period(w, "gauss"),
+            "rk4, h = .1", lambda w=w: tumbling_period(w, "rk4", 0.1),
+        )
+        for id, w in (("T4b", (0.01, 1, 0)), ("T4c", (0, 1, 0.01)))
+    ),
+    *(
+        Prediction(
+            f"X2{'abc'[i]}", "ball in air, k = .02, 50 m/s straight up, dop853", text,
+            float(DRAG[i]), 1e-9, lambda i=i: flight("dop853", 1e-13)[i],
+            "rk4, h = .1 s", lambda i=i: flight("rk4", 1.0, 0.1)[i],
+        )
+        for i, text in enumerate(("apex", "time of the apex", "speed of impact"))
+    ),
+]  # fmt: skip
