@@ -4,7 +4,7 @@
  * short steps: at h = 0 it is V_i = v0, with M for Newton's matrix, and it goes on with h as long as
  * that matrix J stays regular. Three tests, the cheaper first:
  *
- * 1. A fixed-point iteration would contract by 1/2: |M^-1 (J - M)| <= 1/2 by the derivatives at the
+ * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from a step before, by the derivatives at the
  *    stages and at those of the step before, that is at this one's start (pk_gauss_contraction).
  *    This costs nothing where the matrix is kept, and is the case while h omega < 1 to 1.4.
  * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J with the derivatives of the
@@ -170,7 +170,8 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
         pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
         before = pk_gauss_contraction(it, w, w->start_J, 1);
     }
-    if (*w->contraction <= PK_GAUSS_SURE && before <= PK_GAUSS_SURE)
+    if (*w->contraction <= (*w->fresh > 0 ? PK_GAUSS_SURE_ONCE : PK_GAUSS_SURE) &&
+        before <= PK_GAUSS_SURE_ONCE)
         return PK_DONE;
     pk_gauss_stage_derivatives(it, w);
     if (ratio > 0)
@@ -181,8 +182,8 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
         return status;
     *w->lu_h = it->h;
     it->flags |= PK_HAVE_LU;
-    if (*w->contraction <= PK_GAUSS_SURE &&
-        pk_gauss_contraction(it, w, w->start_J, 1) <= PK_GAUSS_SURE)
+    if (*w->contraction <= PK_GAUSS_SURE_ONCE &&
+        pk_gauss_contraction(it, w, w->start_J, 1) <= PK_GAUSS_SURE_ONCE)
         return factor(it, w, w->jacobian, stride, 1) ? PK_DONE : follow(it, w);
     if (regular(it, w)) {
         const pk_real varied = apart(it, w, w->start_J, 0, 1);

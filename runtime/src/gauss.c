@@ -29,7 +29,7 @@ size_t pk_gauss_size(const struct pk_method *method, size_t n)
 {
     const struct pk_gauss *table = (const struct pk_gauss *)method->table;
     const size_t s = (size_t)table->stages, m = s * n;
-    return 11 * m + 9 * s * n * n + 2 * m * m + 8 * n * n + 3 * n + 6 * s * s + 2 * s + 13 +
+    return 11 * m + 9 * s * n * n + 2 * m * m + 6 * n * n + 3 * n + 6 * s * s + s * s * s + 2 * s + 19 +
            (s == PK_LANES ? pk_gauss_nystrom_size(n) : 0);
 }
 
@@ -62,8 +62,11 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
     w.hb = x, x += s;
     w.h = x++, w.lu_h = x++, w.ratio = x++, w.last_h = x++, w.best = x++;
     w.wait = x++, w.patience = x++, w.slow_h = x++;
-    w.contraction = x++, w.last_contraction = x++, w.sure = x++;
+    w.contraction = x++, w.last_contraction = x++, w.sure = x++, w.fresh = x++;
     w.first_rate = x++, w.worst_rate = x++;
+    w.loose = x++, w.loose_for = x++;
+    w.norms = x, x += 3;
+    w.hh = x, x += s * s * s;
     w.mu_columns = x, x += s * s;
     w.start_J = x, x += 4 * n * n;
     w.old_J = x, x += 4 * s * n * n;
@@ -71,7 +74,7 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
     w.older_V = x, x += m;
     w.x = x, x += m;
     w.y = x, x += m;
-    w.other = x, x += m * m + 3 * n * n; /* or three of n by n */
+    w.other = x, x += m * m + n * n;
     w.rest = x;
     return w;
 }
@@ -93,7 +96,7 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
             w.mu_columns[j * w.s + i] = *mu;
         }
     *w.contraction = *w.last_contraction = PK_INFINITY;
-    *w.sure = 0;
+    *w.sure = *w.loose_for = 0;
     *w.slow_h = *w.h = *w.lu_h = *w.ratio = *w.last_h = *w.best = *w.wait = *w.patience = 0;
     pk_eval_canonical(it, it->t, it->q, it->v, p, w.F);
     it->p = p;
@@ -116,6 +119,21 @@ void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_rea
     for (size_t i = 0; i < s * s; i++) {
         w->hA[i] = w->mu[i] * w->hb[i % s];
         w->hA_p[i] = w->mu_p[i] * w->hb[i % s];
+    }
+    memset(w->norms, 0, 3 * sizeof *w->norms);
+    for (size_t i = 0; i < s; i++) {
+        pk_real sums[3] = {0, 0, 0};
+        for (size_t j = 0; j < s; j++) {
+            for (size_t r = 0; r < s; r++) {
+                const pk_real both = w->hA_p[i * s + r] * w->hA[r * s + j];
+                w->hh[(i * s + j) * s + r] = both;
+                sums[2] += pk_abs(both);
+            }
+            sums[0] += pk_abs(w->hA[i * s + j]);
+            sums[1] += pk_abs(w->hA_p[i * s + j]);
+        }
+        for (int k = 0; k < 3; k++)
+            w->norms[k] = pk_max(w->norms[k], sums[k]);
     }
     *w->h = h;
 }

@@ -13,8 +13,10 @@
 #define PK_GAUSS_BIAS (PK_EPS / PK_C(8192.0))
 /* A step so much longer than the last one is not predicted from it. */
 #define PK_GAUSS_REACH PK_C(64.0)
-/* Below this contraction the solution found is the one of short steps; see branch.c. */
+/* Below these contractions the solution found is the one of short steps: so too in steps to come
+ * that keep the matrix, and in one for which it was made. See branch.c. */
 #define PK_GAUSS_SURE PK_C(0.5)
+#define PK_GAUSS_SURE_ONCE PK_C(0.9)
 /* Corrections of a fixed-point iteration that shrink like this are those of a contraction. */
 #define PK_GAUSS_FAST PK_C(0.7)
 
@@ -26,6 +28,7 @@ struct pk_gauss_work {
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
     pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;
     pk_real *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* _p: for p */
+    pk_real *hh, *norms;                           /* h^2 a^_ir a_rj; norms of hA, hA_p, hh */
     pk_real *mu_columns, *rest; /* of gauss8: mu for the lanes; work of gauss_nystrom.c. Of radau:
                                    work of radau.c */
     pk_real *slow_h;            /* the step at which that did not converge */
@@ -34,9 +37,10 @@ struct pk_gauss_work {
      * these were. */
     pk_real *h, *lu_h, *ratio, *last_h, *best, *wait, *patience;
     /* branch.c: the contraction where lu was made, and in the last step; whether that lu was found
-     * to be on the branch; the rate of an iteration at its start, and the worst. Derivatives at the
+     * to be on the branch, or is of this step; the rate of an iteration at its start, and the worst; what
+     * part of the quick bound the better one was, and for how many more matrices that is taken. Derivatives at the
      * start and at the point before, V there and before that, another matrix, vectors. */
-    pk_real *contraction, *last_contraction, *sure, *first_rate, *worst_rate;
+    pk_real *contraction, *last_contraction, *sure, *fresh, *first_rate, *worst_rate, *loose, *loose_for;
     pk_real *start_J, *old_J, *old_V, *older_V, *other, *x, *y;
 };
 

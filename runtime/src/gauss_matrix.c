@@ -40,14 +40,15 @@ void pk_gauss_matrix(const struct pk_integrator *it, const struct pk_gauss_work 
             pk_real *block = matrix + i * n * m + j * n;
             const pk_real *Ji = J + i * stride, *Jj = J + j * stride;
             const pk_real a = tau * w->hA[i * s + j], a_p = tau * w->hA_p[i * s + j];
+            const pk_real *hh = w->hh + (i * s + j) * s;
             for (size_t k = 0; k < n; k++)
                 for (size_t l = 0; l < n; l++) {
                     const size_t x = k * n + l;
-                    pk_real sum = a * Ji[nn + x] - a_p * Jj[3 * nn + x] + (i == j ? Ji[x] : 0);
+                    pk_real sum = 0;
                     for (size_t r = 0; r < s; r++)
-                        sum -= (tau * w->hA_p[i * s + r]) * (tau * w->hA[r * s + j]) *
-                               J[r * stride + 2 * nn + x];
-                    block[k * m + l] = sum;
+                        sum += hh[r] * J[r * stride + 2 * nn + x];
+                    block[k * m + l] = (i == j ? Ji[x] : 0) + a * Ji[nn + x] -
+                                       a_p * Jj[3 * nn + x] - tau * tau * sum;
                 }
         }
 }
@@ -82,6 +83,7 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     }
     *w->contraction = pk_gauss_contraction(it, w, w->jacobian, each ? s : 1);
     *w->sure = 0;
+    *w->fresh = 1;
     pk_gauss_matrix(it, w, w->jacobian, each ? 4 * n * n : 0, 1, w->lu);
     *w->lu_h = it->h;
     if (!pk_lu_factor(w->lu, w->pivot, s * n))
@@ -120,56 +122,88 @@ pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y)
     return least;
 }
 
-/* most_ij += factor max |(M^-1 X)_ij| */
-static void add_most(const pk_real *ldl, const pk_real *X, size_t n, pk_real factor, pk_real *x,
-                     pk_real *N)
+/* Without a solution with M: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e / det C, since the
+ * eigenvalues of C > 0 sum to n; the rest by Frobenius norms, and the norms of the tables. */
+static pk_real quick_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                                 const pk_real *J, size_t count)
 {
-    for (size_t j = 0; j < n; j++) {
+    const size_t n = it->n, nn = n * n;
+    const int separable = (it->problem.system->facts & PK_SEPARABLE) != 0;
+    pk_real *ldl = w->other, *r = w->x, p_q = 0, pdot_q = 0, pdot_v = 0, least = 1;
+    for (size_t k = 0; k < count; k++, J += 4 * nn) {
+        pk_real det = 1, of_p_q = 0, of_pdot_q = 0, of_pdot_v = 0;
+        if (n > 1) {
+            for (size_t i = 0; i < nn; i++)
+                ldl[i] = J[i];
+            if (pk_ldl_factor(ldl, n))
+                return PK_INFINITY;
+        } else if (!(J[0] > 0)) {
+            return PK_INFINITY;
+        }
+        for (size_t i = 0; i < n; i++) {
+            r[i] = 1 / J[i * n + i];
+            if (n > 1)
+                det *= ldl[i * n + i] * r[i];
+        }
         for (size_t i = 0; i < n; i++)
-            x[i] = X[i * n + j];
-        pk_ldl_solve(ldl, n, x);
-        for (size_t i = 0; i < n; i++)
-            N[i * n + j] += factor * pk_abs(x[i]);
+            for (size_t j = 0; j < n; j++) {
+                const pk_real *x = J + i * n + j, scale = r[i] * r[j];
+                of_pdot_q += x[2 * nn] * x[2 * nn] * scale;
+                if (!separable) {
+                    of_p_q += x[nn] * x[nn] * scale;
+                    of_pdot_v += x[3 * nn] * x[3 * nn] * scale;
+                }
+            }
+        least = pk_min(least, det);
+        p_q = pk_max(p_q, of_p_q);
+        pdot_q = pk_max(pdot_q, of_pdot_q);
+        pdot_v = pk_max(pdot_v, of_pdot_v);
+        if (!pk_finite(of_p_q + of_pdot_q + of_pdot_v))
+            return PK_INFINITY;
     }
+    pk_real sum = w->norms[2] * PK_F(sqrt)(pdot_q);
+    if (!separable)
+        sum += w->norms[0] * PK_F(sqrt)(p_q) + w->norms[1] * PK_F(sqrt)(pdot_v);
+    return n > 1 ? PK_C(2.72) * sum / least : sum;
 }
 
-/* With N = h |A| |M^-1 p_q| + h |A^| |M^-1 pdot_v| + h^2 |A^| |A| |M^-1 pdot_q|, the norms of the
- * tables being their largest row sums. */
-pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
-                             const pk_real *J, size_t count)
+/* |M^-1 (J - M)| itself. */
+static pk_real contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                           const pk_real *J, size_t stride)
 {
-    const size_t n = it->n, s = w->s, nn = n * n;
-    const int separable = (it->problem.system->facts & PK_SEPARABLE) != 0;
-    pk_real *ldl = w->other, *N = ldl + nn, *all = N + nn;
-    pk_real of_a = 0, of_p = 0, of_both = 0;
-    for (size_t i = 0; i < s; i++) {
-        pk_real a = 0, p = 0, both = 0;
-        for (size_t j = 0; j < s; j++) {
-            pk_real sum = 0;
-            for (size_t r = 0; r < s; r++)
-                sum += pk_abs(w->hA[j * s + r]);
-            a += pk_abs(w->hA[i * s + j]);
-            p += pk_abs(w->hA_p[i * s + j]);
-            both += pk_abs(w->hA_p[i * s + j]) * sum;
-        }
-        of_a = pk_max(of_a, a);
-        of_p = pk_max(of_p, p);
-        of_both = pk_max(of_both, both);
-    }
-    memset(all, 0, nn * sizeof *all);
-    for (size_t k = 0; k < count; k++, J += 4 * nn) {
+    const size_t n = it->n, s = w->s, m = s * n, nn = n * n;
+    pk_real *X = w->other, *ldl = X + m * m;
+    pk_gauss_matrix(it, w, J, stride, 1, X);
+    for (size_t i = 0; i < s; i++, J += stride) {
         memcpy(ldl, J, nn * sizeof *ldl);
         if (pk_ldl_factor(ldl, n))
             return PK_INFINITY;
-        memset(N, 0, nn * sizeof *N);
-        add_most(ldl, J + 2 * nn, n, of_both, w->x, N);
-        if (!separable) {
-            add_most(ldl, J + nn, n, of_a, w->x, N);
-            add_most(ldl, J + 3 * nn, n, of_p, w->x, N);
+        for (size_t j = 0; j < m; j++) {
+            pk_real *column = X + i * n * m + j;
+            for (size_t k = 0; k < n; k++)
+                w->x[k] = column[k * m] - (j / n == i ? J[k * n + j % n] : 0);
+            pk_ldl_solve(ldl, n, w->x);
+            for (size_t k = 0; k < n; k++)
+                column[k * m] = w->x[k];
         }
-        for (size_t i = 0; i < nn; i++)
-            if (!(N[i] <= all[i]))
-                all[i] = N[i];
     }
-    return pk_gauss_norm(all, n, w->x, w->y);
+    return pk_gauss_norm(X, m, w->x, w->y);
+}
+
+pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                             const pk_real *J, size_t count)
+{
+    const pk_real quick = quick_contraction(it, w, J, count);
+    if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
+        return quick;
+    /* How much too large that is changes little from step to step: it is seen now and then. */
+    const pk_real guess = 2 * *w->loose * quick;
+    if (*w->loose_for > 0 && guess <= PK_GAUSS_SURE) {
+        *w->loose_for -= 1;
+        return guess;
+    }
+    const pk_real norm = contraction(it, w, J, count > 1 ? 4 * it->n * it->n : 0);
+    *w->loose = norm / quick;
+    *w->loose_for = 16;
+    return norm;
 }

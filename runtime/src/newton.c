@@ -138,7 +138,7 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                                                     : 50;
     int fresh = 0, growing = 0, last = 0;
     pk_real before = 0, least = 0, window[2] = {0, 0};
-    *w->first_rate = *w->worst_rate = 0;
+    *w->fresh = *w->first_rate = *w->worst_rate = 0;
     for (int count = 0; count <= most; count++) {
         if (!pk_gauss_residual(it, w))
             return NO_NUMBER;
