@@ -69,7 +69,7 @@ static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * it->n * it->n;
-    pk_real at = 0, step = 1;
+    pk_real at = 0, step = 1 / PK_F(sqrt)(pk_max(*w->contraction, PK_C(1.0)));
     if (!factor(it, w, w->jacobian, stride, at))
         return 0;
     for (int count = 0; at < 1 && count < MOST_POINTS; count++) {
@@ -157,6 +157,16 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
     if (status < 0)
         it->detail = pk_abs(at * h);
     return status;
+}
+
+enum pk_status pk_gauss_follow(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const pk_real size = it->detail;
+    pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+    if (follow(it, w) == PK_DONE)
+        return PK_DONE;
+    it->detail = size;
+    return PK_NO_CONVERGENCE;
 }
 
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w)

@@ -148,7 +148,7 @@ static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
             const pk_real x = PK_C(1.0) + ratio * w->table->c[i];
             const pk_real xj = j < s ? w->table->c[j] : PK_C(1.0);
             pk_real weight = j < nodes;
-            for (size_t k = 0; k < nodes; k++) {
+            for (size_t k = 0; k < nodes && j < nodes; k++) {
                 const pk_real xk = k < s ? w->table->c[k] : PK_C(1.0);
                 if (k != j)
                     weight *= (x - xk) / (xj - xk);

@@ -90,5 +90,7 @@ pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y);
 /* Whether V is the solution that belongs to short steps; if not, that solution, or
  * PK_AMBIGUOUS_STEP with the longest step for which there is one in it->detail. */
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w);
+/* That solution, where none was found otherwise. */
+enum pk_status pk_gauss_follow(struct pk_integrator *it, struct pk_gauss_work *w);
 
 #endif

@@ -66,8 +66,8 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
             if (!(pk_abs(w->G[i * n + k]) <= size))
                 size = pk_abs(w->G[i * n + k]);
         if (size > 0 || !pk_finite(size)) {
-            *own = pk_max(size / (w->scale[k] + PK_EPS * most), *own);
-            *shared = pk_max(size / (w->scale[k] + PK_C(1e-3) * most), *shared);
+            *own = pk_max(size / (w->scale[k] + PK_EPS * most + PK_TINY), *own);
+            *shared = pk_max(size / (w->scale[k] + PK_C(1e-3) * most + PK_TINY), *shared);
         }
     }
 }
@@ -212,7 +212,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
         return PK_NOT_FINITE; /* at the mildest guess there is */
     const int converged = pk_gauss_newton(it, w);
     it->flags &= ~PK_HAVE_LU;
-    return converged ? pk_gauss_certify(it, w) : PK_NO_CONVERGENCE;
+    return converged ? pk_gauss_certify(it, w) : pk_gauss_follow(it, w);
 }
 
 int pk_gauss_newton(struct pk_integrator *it, struct pk_gauss_work *w)

@@ -56,13 +56,13 @@ static const pk_real radau9_mu[] = {
 };
 
 #define RADAU(s, p, text)                                                                   \
-    static const struct pk_gauss radau##p = {s, radau##p##_c, radau##p##_b, radau##p##_mu, 0}; \
+    const struct pk_gauss pk_radau##p##_table = {s, radau##p##_c, radau##p##_b, radau##p##_mu, 0}; \
     const struct pk_method pk_radau##p = {.name = "radau" #p,                               \
                                           .doc = text,                                      \
                                           .order = p,                                       \
                                           .stages = s,                                      \
                                           .traits = PK_IMPLICIT | PK_JACOBIANS,             \
-                                          .table = &radau##p,                               \
+                                          .table = &pk_radau##p##_table,                    \
                                           .size = pk_gauss_size,                            \
                                           .init = pk_gauss_init,                            \
                                           .step = pk_gauss_step}

@@ -14,6 +14,7 @@ struct pk_gauss {
     int conjugate;
 };
 
+extern const struct pk_gauss pk_radau5_table, pk_radau9_table;
 extern const struct pk_method pk_euler, pk_rk4, pk_dopri5, pk_dop853;
 extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
