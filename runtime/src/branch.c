@@ -8,7 +8,7 @@
  *    stages and at those of the step before, that is at this one's start (pk_gauss_contraction).
  *    This costs nothing where the matrix is kept, and is the case while h omega < 1 to 1.4.
  * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J with the derivatives of the
- *    start is near by. From one matrix to the next by |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1:
+ *    start is near by, and J on average on the way from the start. From one matrix to the next by |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1:
  *    all between them are regular then, which the sign of a determinant does not say, two
  *    eigenvalues at once changing theirs. Convex stiffness passes, if not in one leap then in some.
  * 3. The solution is followed from tau = 0 on, with the same test from one point to the next, and
@@ -86,6 +86,28 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
     return at >= 1;
 }
 
+/* Whether J, factored in w->lu, is also near what it is on average over the straight way from V = v0
+ * to V, as G there tells: G(V) - G(v0) = (average of J) (V - v0). A solution far off, with a fold
+ * on the way, is told by this alone. Leaves V as it was, and Q, P, F, G too. */
+static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n, m = w->s * n;
+    pk_real most = 0, off = 0;
+    memcpy(w->older_V, w->V, m * sizeof *w->V);
+    for (size_t i = 0; i < w->s; i++)
+        memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+    if (!pk_gauss_residual(it, w))
+        return 0;
+    pk_lu_solve(w->lu, w->pivot, m, w->G);
+    for (size_t k = 0; k < m; k++) {
+        const pk_real d = w->older_V[k] - it->v[k % n], scale = w->scale[k % n] + PK_TINY;
+        most = pk_max(most, pk_abs(d) / scale);
+        off = pk_max(off, pk_abs(w->G[k] + d) / scale);
+    }
+    memcpy(w->V, w->older_V, m * sizeof *w->V);
+    return pk_gauss_residual(it, w) && (off < REGULAR * most || off <= PK_GAUSS_ROUND);
+}
+
 /* M at the stages, of w->jacobian, must be positive definite: at the ends it is seen anyway. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
@@ -103,9 +125,9 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
 }
 
 /* One point of the solution followed, a step of `to` h from what is predicted by the two points
- * before. 1 where it is found and the way to it is regular. */
-static int advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h, pk_real was,
-                   pk_real at, pk_real to)
+ * before. PK_DONE where it is found and the way to it is regular. */
+static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
+                              pk_real was, pk_real at, pk_real to)
 {
     const size_t m = w->s * it->n, stride = 4 * it->n * it->n;
     const pk_real further = at > 0 ? (to - at) / (at - was) : 0;
@@ -114,12 +136,15 @@ static int advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
     it->h = to * h;
     pk_gauss_set_step(it, w, it->h);
     if (!pk_gauss_newton(it, w) || *w->first_rate > NEWTON_RATE)
-        return 0;
+        return PK_AMBIGUOUS_STEP;
     pk_gauss_stage_derivatives(it, w);
-    if (check_mass(it, w) < 0)
-        return 0;
+    const enum pk_status status = check_mass(it, w);
+    if (status < 0)
+        return status;
     return factor(it, w, w->old_J, stride, at / to) &&
-           leap(it, w, w->old_J, stride, at / to, w->jacobian, stride, 1);
+                   leap(it, w, w->old_J, stride, at / to, w->jacobian, stride, 1)
+               ? PK_DONE
+               : PK_AMBIGUOUS_STEP;
 }
 
 static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
@@ -135,7 +160,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
     }
     for (int count = 0; at < 1; count++) {
         const pk_real to = pk_min(at + step, PK_C(1.0));
-        if (advance(it, w, h, was, at, to)) {
+        status = advance(it, w, h, was, at, to);
+        if (status >= 0) {
             memcpy(w->older_V, w->old_V, s * n * sizeof *w->V);
             memcpy(w->old_V, w->V, s * n * sizeof *w->V);
             memcpy(w->old_J, w->jacobian, 4 * s * nn * sizeof *w->V);
@@ -144,29 +170,25 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
             step *= 2;
         } else {
             step = (to - at) / 2;
-            if (!(step > LEAST_LEAP * pk_max(at, LEAST_LEAP)) || count > MOST_POINTS) {
-                status = PK_AMBIGUOUS_STEP;
+            if (!(step > LEAST_LEAP * pk_max(at, LEAST_LEAP)) || count > MOST_POINTS)
                 break;
-            }
         }
     }
     it->flags &= ~PK_HAVE_LU;
     it->h = h;
     pk_gauss_set_step(it, w, h);
     *w->contraction = PK_INFINITY;
-    if (status < 0)
+    if (status == PK_AMBIGUOUS_STEP)
         it->detail = pk_abs(at * h);
     return status;
 }
 
 enum pk_status pk_gauss_follow(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const pk_real size = it->detail;
     pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
-    if (follow(it, w) == PK_DONE)
-        return PK_DONE;
-    it->detail = size;
-    return PK_NO_CONVERGENCE;
+    const enum pk_status status = follow(it, w);
+    it->where = status == PK_AMBIGUOUS_STEP ? PK_BY_NEWTON : it->where;
+    return status == PK_AMBIGUOUS_STEP ? PK_NO_CONVERGENCE : status;
 }
 
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w)
@@ -183,6 +205,7 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
     if (*w->contraction <= (*w->fresh > 0 ? PK_GAUSS_SURE_ONCE : PK_GAUSS_SURE) &&
         before <= PK_GAUSS_SURE_ONCE)
         return PK_DONE;
+    pk_gauss_set_scale(it, w);
     pk_gauss_stage_derivatives(it, w);
     if (ratio > 0)
         pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
@@ -197,9 +220,10 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
         return factor(it, w, w->jacobian, stride, 1) ? PK_DONE : follow(it, w);
     if (regular(it, w)) {
         const pk_real varied = apart(it, w, w->start_J, 0, 1);
-        *w->sure = varied <= LASTING;
-        if (varied < REGULAR)
+        if (varied < REGULAR && straight(it, w)) {
+            *w->sure = varied <= LASTING;
             return PK_DONE;
+        }
     }
     return follow(it, w);
 }

@@ -10,7 +10,7 @@
  * included: Gauss with a^ = a, Lobatto with IIIA for q and IIIB for p. That row of IIIA which is
  * zero makes Q_1 = q0, that column of IIIB leaves pdot_s out of the stages; each V_i is still
  * determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of the
- * step, and it loses energy.
+ * step, and it damps what is fast.
  * p is the state carried from step to step; v1 is recovered and errs by round-off alone. The
  * products h b_i are made so that they sum to h, and mu_ij + mu^_ji = 1 exactly; both sums are
  * compensated. Here is the step; the equations are solved in newton.c.
@@ -218,6 +218,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
         before = size;
     }
     it->detail = before;
+    it->where = PK_OF_RATES;
     return PK_NO_CONVERGENCE;
 }
 

@@ -63,6 +63,8 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w);
 /* V -= (matrix)^-1 G; G is then that correction. */
 void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
+/* w->scale of each coordinate's rates, from V and q/h. */
+void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w);
 /* Newton's iteration from V. 0 where it did not converge. */
 int pk_gauss_newton(struct pk_integrator *it, struct pk_gauss_work *w);
 
@@ -90,7 +92,7 @@ pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y);
 /* Whether V is the solution that belongs to short steps; if not, that solution, or
  * PK_AMBIGUOUS_STEP with the longest step for which there is one in it->detail. */
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w);
-/* That solution, where none was found otherwise. */
+/* That solution, where none was found otherwise; or PK_NO_CONVERGENCE. */
 enum pk_status pk_gauss_follow(struct pk_integrator *it, struct pk_gauss_work *w);
 
 #endif

@@ -74,7 +74,7 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
 
 /* Set once a step, after the first correction: a scale that grew with a diverging V would hide
  * its divergence. */
-static void set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
+void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 {
     for (size_t k = 0; k < it->n; k++) {
         w->scale[k] = pk_max(pk_abs(it->q[k] / it->h), pk_abs(it->v[k]));
@@ -157,13 +157,13 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         it->count.iterations++;
         pk_real size, shared;
         if (count == 0)
-            set_scale(it, w);
+            pk_gauss_set_scale(it, w);
         sizes(it, w, &size, &shared);
         it->detail = size;
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return NO_NUMBER;
         const pk_real rate = count ? size / before : PK_C(1.0);
-        if (count == 1)
+        if (count == 1 && size > PK_GAUSS_ROUND)
             *w->first_rate = rate;
         if (count && size > PK_GAUSS_ROUND)
             *w->worst_rate = pk_max(*w->worst_rate, rate);
@@ -198,6 +198,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n;
     if (it->options.iteration == PK_FIXED_POINT) {
+        it->where = PK_BY_FIXED_POINT;
         if (iterate(it, w, PK_BY_MASS) != CONVERGED)
             return PK_NO_CONVERGENCE;
         /* It contracted all the way: it is the solution next to the guess. */

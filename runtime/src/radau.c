@@ -99,6 +99,17 @@ static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_
     return PK_F(sqrt)(sum / (pk_real)(2 * w->s * it->n));
 }
 
+/* The last correction, relative to rates and |q/h|. */
+static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    pk_real size = 0, scale = PK_TINY;
+    for (size_t i = 0; i < w->s * it->n; i++) {
+        size = pk_max(size, pk_abs(w->G[i]));
+        scale = pk_max(scale, pk_max(pk_abs(w->V[i]), pk_abs(it->q[i % it->n] / it->h)));
+    }
+    return size / scale;
+}
+
 /* Simplified Newton to a part of the tolerance; *count iterations. */
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct parts *r, int *count)
@@ -117,11 +128,13 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             return PK_NO_CONVERGENCE;
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
         it->count.iterations++;
-        const pk_real now = correction(it, w, r);
+        const pk_real now = correction(it, w, r), asked_for = it->options.newton_tol;
         it->detail = now;
         if (!pk_finite(now))
             return PK_NOT_FINITE;
-        if (*count > 0) {
+        if (asked_for > 0) {
+            done = relative(it, w) <= asked_for;
+        } else if (*count > 0) {
             const pk_real rate = now / before;
             if (!(rate < 1))
                 return PK_NO_CONVERGENCE;
@@ -132,7 +145,8 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                 return PK_NO_CONVERGENCE;
         }
         before = now;
-        done = left * now <= *r->enough;
+        if (!(asked_for > 0))
+            done = left * now <= *r->enough;
     }
     return PK_NO_CONVERGENCE;
 }

@@ -48,5 +48,7 @@ void add_limits(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);
+void add_branch(void);
+void add_implicit(void);
 
 #endif

@@ -36,7 +36,9 @@ static void fixed_order(void)
 {
     static const char *const names[] = {"euler",  "symplectic_euler", "verlet", "yoshida4",
                                         "rk4",    "dopri5",           "dop853", "gauss1",
-                                        "gauss2", "gauss3",           "gauss4"};
+                                        "gauss2", "gauss3",           "gauss4",
+                                        "lobatto2", "lobatto3",       "lobatto4",
+                                        "radau5"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const struct pk_method *m = pk_method_find(names[i]);
         const double p = measured_order(&pendulum_system, m->name, 2);
@@ -68,9 +70,10 @@ static void order_general_mass(void)
 {
     static const struct pk_system *const systems[] = {&double_pendulum_system,
                                                       &relativistic_system, &forced_system};
-    static const char *const names[] = {"rk4", "gauss1", "gauss2", "gauss3"};
+    static const char *const names[] = {"rk4",      "gauss1",   "gauss2",   "gauss3",
+                                        "lobatto2", "lobatto3", "lobatto4", "radau5"};
     for (size_t s = 0; s < 3; s++)
-        for (size_t i = 0; i < 4; i++) {
+        for (size_t i = 0; i < 8; i++) {
             const double p = measured_order(systems[s], names[i], 1);
             printf("\n    %s, %-7s measured %.3f", systems[s]->name, names[i], p);
             CU_ASSERT(fabs(p - pk_method_find(names[i])->order) < 0.15);
