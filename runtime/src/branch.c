@@ -25,6 +25,7 @@
 #include "gauss.h"
 
 #define REGULAR PK_C(0.95) /* where the norms above must be < 1 */
+#define STRAIGHT PK_C(0.5)
 #define LASTING PK_C(0.3)  /* so little between start and stages that steps to come are as sure */
 #define LEAST_LEAP PK_C(1e-4)
 #define NEWTON_RATE PK_C(0.25) /* from a prediction within reach of the solution followed */
@@ -105,7 +106,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
         off = pk_max(off, pk_abs(w->G[k] + d) / scale);
     }
     memcpy(w->V, w->older_V, m * sizeof *w->V);
-    return pk_gauss_residual(it, w) && (off < REGULAR * most || off <= PK_GAUSS_ROUND);
+    return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
 /* M at the stages, of w->jacobian, must be positive definite: at the ends it is seen anyway. */

@@ -17,8 +17,10 @@
  * that keep the matrix, and in one for which it was made. See branch.c. */
 #define PK_GAUSS_SURE PK_C(0.5)
 #define PK_GAUSS_SURE_ONCE PK_C(0.9)
-/* Corrections of a fixed-point iteration that shrink like this are those of a contraction. */
+/* Corrections of a fixed-point iteration that shrink like this are those of a contraction; smaller
+ * ones, relative, may rise and fall without leading to another solution. */
 #define PK_GAUSS_FAST PK_C(0.7)
+#define PK_GAUSS_FAR PK_C(0.1)
 
 struct pk_gauss_work {
     const struct pk_gauss *table;

@@ -86,7 +86,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
             return PK_NO_CONVERGENCE; /* unless Newton's iteration says that there is no number */
-        if (change > PK_GAUSS_ROUND && count && change > PK_GAUSS_FAST * before) {
+        if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
             it->detail = change;
             return PK_NO_CONVERGENCE; /* no contraction: Newton's, which says of what solution */
         }

@@ -165,7 +165,7 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         const pk_real rate = count ? size / before : PK_C(1.0);
         if (count == 1 && size > PK_GAUSS_ROUND)
             *w->first_rate = rate;
-        if (count && size > PK_GAUSS_ROUND)
+        if (count && size > PK_GAUSS_FAR)
             *w->worst_rate = pk_max(*w->worst_rate, rate);
         if (it->options.newton_tol > 0)
             last = size <= it->options.newton_tol;

@@ -72,10 +72,10 @@ static void tables(void)
         double a[5][5], a_p[5][5], pair = 0, mirror = 0;
         tables_of(t, a, a_p);
         CU_ASSERT(method->stages == s && method->order == (radau ? 2 * s - 1 : 2 * s - 2));
-        CU_ASSERT(defect_b(t, method->order) < 1e-14 && defect_b(t, method->order + 1) > 1e-5);
+        CU_ASSERT(defect_b(t, method->order) < 1e-14 && defect_b(t, method->order + 1) > 1e-6);
         CU_ASSERT(defect_c(t, a, s) < 1e-15 && defect_c(t, a, s + 1) > 1e-4);
         const int d = radau ? s - 1 : s - 2;
-        CU_ASSERT(defect_d(t, a, d) < 1e-14 && defect_d(t, a, d + 1) > 1e-3);
+        CU_ASSERT(defect_d(t, a, d) < 1e-14 && defect_d(t, a, d + 1) > 1e-5);
         if (!radau) {
             CU_ASSERT(defect_c(t, a_p, s - 2) < 1e-15 && defect_c(t, a_p, s - 1) > 1e-3);
             CU_ASSERT(defect_d(t, a_p, s) < 1e-15 && defect_d(t, a_p, s + 1) > 1e-5);
@@ -88,7 +88,7 @@ static void tables(void)
                 mirror = fmax(mirror, fabs(a[ii][jj] + a[i][j] - t->b[j]));
                 mirror = fmax(mirror, fabs(a_p[ii][jj] + a_p[i][j] - t->b[j]));
             }
-        CU_ASSERT(method->traits & PK_SYMPLECTIC ? pair < 1e-15 : pair > 0.01);
+        CU_ASSERT(method->traits & PK_SYMPLECTIC ? pair < 1e-15 : pair > 1e-3);
         CU_ASSERT(method->traits & PK_SYMMETRIC ? mirror < 1e-15 : mirror > 0.01);
         CU_ASSERT(!radau == !!(method->traits & PK_SYMPLECTIC));
     }
