@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, run_pkgen
-from pkgen import limits
+from pkgen import build, limits
 
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 
@@ -69,6 +69,37 @@ def test_the_embedding_example_runs(tmp_path: Path) -> None:
     )
     exact = [float(x) for x in done.stdout.splitlines()[-1].split(",")]
     assert [float(x) for x in said] == pytest.approx([*exact[1:3], exact[-1]], abs=5e-6)
+
+
+def test_the_scenes_in_the_docs_run(tmp_path: Path) -> None:
+    (text,) = [b for b in blocks(ROOT / "docs/language.md", "lag") if "scene section" in b]
+    path = tmp_path / "swing.lag"
+    path.write_text(text)
+    rows = {}
+    for scene in ("slow", "section"):
+        done = run_pkgen("run", path, "--scene", scene)
+        assert done.returncode == 0, done.stderr
+        rows[scene] = done.stdout.splitlines()
+    assert rows["slow"][0] == "t,theta,theta',T,energy" and len(rows["slow"]) == 510
+    # Released at 3 rad the period is 2.5708 that of small swings, 5.157 s.
+    assert rows["section"][0] == "t,theta',p_theta" and len(rows["section"]) == 1 + 19
+
+
+def test_the_example_of_events_runs(tmp_path: Path) -> None:
+    page = ROOT / "docs/events.md"
+    model = ROOT / "models/events/thrown_stone.lag"
+    (text,), (program,) = blocks(page, "lag"), blocks(page, "c")
+    assert model.read_text().startswith(text)
+    run_pkgen(model, "-o", tmp_path)
+    (tmp_path / "main.c").write_text(program)
+    library = build.runtime_library(build.find_toolchain()) / "libpk.a"
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-DPK_RUNTIME"]
+    command = ["gcc", *flags, f"-I{ROOT}/runtime/include", "main.c", "thrown_stone.c", library]
+    if build.find_toolchain().has_gsl:
+        command += build.find_toolchain().gsl_libs
+    subprocess.run([*command, "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    assert blocks(page, "text") == [said]
 
 
 def test_the_readme_shows_the_c_that_its_model_becomes(tmp_path: Path) -> None:

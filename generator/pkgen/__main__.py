@@ -57,7 +57,7 @@ def _libm_argument(parser: argparse.ArgumentParser) -> None:
 
 def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("--scene", metavar="NAME")
+    add("--scene", metavar="NAME", help="run one scene of the model; options override it")
     add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
     add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
     add("--until", metavar="T", help="duration (default 10)")
@@ -67,10 +67,13 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
         help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
         "for --rtol above 1e-5",
     )
-    add("--step", metavar="H", help="of a method with fixed steps")
+    add("--step", metavar="H", help="of a method with fixed steps; else the first step")
+    add("--max-step", metavar="H", help="of an adaptive method")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     add("--atol", metavar="A", help="default: that of --rtol")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
+    add("--record", metavar="a,b,energy", help="only these columns, behind t")
+    add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
     add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")

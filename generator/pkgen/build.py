@@ -20,6 +20,8 @@ from pathlib import Path
 
 import pkgen_runtime
 
+from .cache import cache_directory
+
 RUNTIME = Path(pkgen_runtime.__file__).parent
 # No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
 # clang differ in their defaults; it is off, since lanes and scalars then agree to the bit and
@@ -37,14 +39,15 @@ FLAGS = (
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
 # Whose steps are compiled together with the model, by its -DPK_INLINE_; see pk/inlined.h.
 INLINED = {
-    "euler": "ERK",
-    "rk4": "ERK",
-    "dopri5": "EMBEDDED",
-    "dop853": "EMBEDDED",
-    "symplectic_euler": "SPLITTING",
-    "verlet": "SPLITTING",
-    "yoshida4": "SPLITTING",
-    "gauss": "GAUSS",
+    method: family
+    for family, methods in {
+        "ERK": "euler rk2 rk3 rk4",
+        "EMBEDDED": "dopri5 dop853",
+        "SPLITTING": "symplectic_euler verlet yoshida4 suzuki4 mclachlan4 blanes_moan4 "
+        "yoshida6 kahan_li6 blanes_moan6 yoshida8 kahan_li8",
+        "GAUSS": "gauss",
+    }.items()
+    for method in methods.split()
 }
 STANDARD = "-std=c11"
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
@@ -123,14 +126,6 @@ def _output(command: list[str]) -> str | None:
     return done.stdout
 
 
-def cache_directory() -> Path:
-    named = os.environ.get("PKGEN_CACHE")
-    if named:
-        return Path(named)
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "pkgen"
-
-
 def runtime_library(tools: Toolchain) -> Path:
     """The directory with libpk.a and librun.a for this compiler, made if missing."""
     sources = sorted(path for path in RUNTIME.rglob("*.[ch]"))
@@ -201,6 +196,8 @@ def build_program(
     library = runtime_library(tools)
     family = INLINED.get(method or "")
     inlined = [f"-DPK_INLINE_{family}"] if family else []
+    if family in ("ERK", "EMBEDDED", "SPLITTING"):  # that method alone: others only take time
+        inlined.append(f"-DPK_{family}_METHODS(X)=X({method})")
     inlined += ["-DPK_INLINE_ENSEMBLE"] if family and ensemble else []
     parts = (library.name, inlined, sorted(files.items()))
     digest = hashlib.sha256(repr(parts).encode()).hexdigest()[:24]

@@ -15,9 +15,10 @@ from .back.kernels import KERNELS
 from .build import driver_methods
 from .compiler import Compilation, check_model, compile_model
 from .dump import dump
-from .exits import DONE
+from .exits import DONE, UsageError
 from .explain_loops import explain_loops, record_loops
 from .front.read import read
+from .methods_table import methods_text
 from .resources import bounded
 from .source import Diagnostic, Source
 
@@ -42,6 +43,10 @@ def _warn(source: Source, warnings: tuple[Diagnostic, ...]) -> None:
 
 def compile_to_c(options: argparse.Namespace) -> int:
     """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
+    if options.scene is not None:
+        raise UsageError(
+            f"--scene {options.scene}: C of a scene alone cannot be made yet; 'pkgen run' runs it"
+        )
     source = read(options.model)
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
@@ -52,7 +57,6 @@ def compile_to_c(options: argparse.Namespace) -> int:
     compilation = compile_within_limits(
         options, source, kernels=kernels, self_test=options.self_test, libm=options.libm
     )
-    parsing.refuse_scene(compilation.model, options.scene)
     directory = Path(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
     for name, text in compilation.files.items():
@@ -105,10 +109,5 @@ def methods(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps(found, indent=1))
         return DONE
-    width = max(len(m["name"]) for m in found)
-    for m in found:
-        facts = [f"order {m['order']}", f"{m['stages']} stages"] + m["flags"]
-        if m["requires"]:
-            facts.append("requires " + ", ".join(m["requires"]))
-        print(f"{m['name']:<{width}}  {', '.join(facts)}\n{'':<{width}}  {m['doc']}")
+    print(methods_text(found))
     return DONE

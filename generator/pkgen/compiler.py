@@ -17,7 +17,7 @@ Each stage imports only what is above it, changes nothing that it is given, and 
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -61,6 +61,7 @@ def stages(
     self_test: bool = False,
     libm: bool = False,
     unroll: int | None = 0,
+    use: Callable[[Model], Model] | None = None,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -69,6 +70,8 @@ def stages(
     file = parse.parse_all(source)
     yield file
     model, warnings = check.check(file, sizes)
+    if use is not None:
+        model = use(model)
     yield model, warnings
     with _no_collection():
         equations = _equations(model, kernels, self_test, unroll)
@@ -144,6 +147,7 @@ def compile_model(
     self_test: bool = False,
     libm: bool = False,
     unroll: int | None = 0,
+    use: Callable[[Model], Model] | None = None,
 ) -> Compilation:
     """Compile a model to C.
 
@@ -151,8 +155,9 @@ def compile_model(
     `self_test` adds a program that checks the kernels against each other; with `libm` sine and
     cosine are the library's, not the inline pair. Up to `unroll` coordinates (None: any number)
     families are unrolled though they could be loops; so they are for some kernels or a self-test.
+    `use` makes of the checked model what is compiled: what a scene needs.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test, libm, unroll)
+    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use)
     _, (model, warnings), _, structure, (equations, report), program, files = made
     return Compilation(model, warnings, equations, structure, report, program, files)

@@ -30,6 +30,16 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class Guard:
+    """The equations end where it vanishes; with `chart` the coordinates alone do, M being singular
+    there."""
+
+    quantity: Quantity  # its name is the expression
+    node: Node
+    chart: bool
+
+
+@dataclass(frozen=True)
 class ParameterSlot:
     """One scalar parameter. `family` and `position` say which element of a C array it is."""
 
@@ -46,6 +56,15 @@ class ParameterSlot:
 
 
 @dataclass(frozen=True)
+class Linear:
+    """Derivatives of r = f - M a, with a held: M (da/dq) = r_q, and so on."""
+
+    r_q: Matrix
+    r_v: Matrix
+    r_t: Row
+
+
+@dataclass(frozen=True)
 class Equations:
     model: Model
     graph: Graph
@@ -56,6 +75,7 @@ class Equations:
     inputs: tuple[Quantity, ...]  # an input, then those of its derivatives that occur
     observed_names: tuple[Quantity, ...]
     conserved_names: tuple[Quantity, ...]
+    event_names: tuple[Quantity, ...]
 
     lagrangian: Node
     kinetic: Node | None  # None, like potential, where the model states L itself
@@ -72,8 +92,11 @@ class Equations:
     p_q: Matrix | None  # None, like the next two, where the kernel is not asked for
     pdot_q: Matrix | None
     pdot_v: Matrix | None
+    linear: Linear | None  # None: not asked for
+    guards: tuple[Guard, ...]
     observed: Row
     conserved: Row
+    events: Row  # what crosses zero; model.events has the directions
     start_q: Row
     start_v: Row
     unrolled: str = ""  # why the families of coordinates are not loops

@@ -6,11 +6,14 @@ what is large is shown by its size only. The C does not come from here.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure
 from .middle import sympy_bridge
 from .middle.graph import Node, Op
+from .model import Event
 
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
 
@@ -25,6 +28,7 @@ def explain(compilation: Compilation) -> str:
         _lagrangian(compilation.equations),
         _equations(compilation.equations, compilation.structure),
         _outputs(compilation.equations),
+        _events(compilation.equations),
         _structure(compilation),
         _reductions(compilation),
         _cost(compilation),
@@ -46,6 +50,15 @@ def record(compilation: Compilation) -> dict[str, object]:
         "force": [_text(equations, node) for node in equations.force],
         "structure": {**vars(structure), "cyclic": list(structure.cyclic)},
         "conserved": _constants(equations, structure),
+        "events": [
+            {
+                **vars(q),
+                "crosses_zero": _text(equations, node),
+                "direction": _DIRECTIONS[event.direction],
+                "stop": event.stop,
+            }
+            for q, event, node in _named_events(equations)
+        ],
         "operations": {k.name: dict(k.operations) for k in compilation.program.kernels},
     }
 
@@ -138,6 +151,22 @@ def _outputs(equations: Equations) -> str:
         )
     ]
     return "\n".join(["Outputs", *lines]) if lines else ""
+
+
+_DIRECTIONS = {1: "rising", -1: "falling", 0: "either"}
+
+
+def _named_events(equations: Equations) -> Iterator[tuple[Quantity, Event, Node]]:
+    return zip(equations.event_names, equations.model.events, equations.events, strict=True)
+
+
+def _events(equations: Equations) -> str:
+    lines = [
+        f"  {q.name}: {_text(equations, node)} {_unit(q.unit)}".rstrip()
+        + f" {_DIRECTIONS[event.direction]}{' stop' if event.stop else ''}"
+        for q, event, node in _named_events(equations)
+    ]
+    return "\n".join(["Events", *lines]) if lines else ""
 
 
 def _structure(compilation: Compilation) -> str:

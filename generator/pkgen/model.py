@@ -131,11 +131,54 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Deferred:
-    """A statement that is understood but that pkgen cannot run yet (scene, event)."""
+class Event:
+    """`event NAME: EXPR rising stop`: where EXPR crosses zero."""
 
-    kind: str
     name: str
+    value: Expr
+    direction: int  # +1 rising, -1 falling, 0 either
+    stop: bool
+    unit: str
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """`set NAME = EXPR` in a scene: a parameter, or an input. `varies`: EXPR contains t."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    value: Expr
+    varies: bool
+    span: Span
+
+
+@dataclass(frozen=True)
+class Record:
+    """`record a, b every H at EVENT`; the columns are named as in the CSV: "q[3]", "theta'"."""
+
+    columns: tuple[Definition, ...]
+    every: Expr | None
+    at: str  # "" without
+    span: Span
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One use of the model. `refused` are the clauses that cannot be run yet, and why."""
+
+    name: str
+    description: str
+    assignments: tuple[Assignment, ...]
+    starts: tuple[Start, ...]
+    until: Expr | None
+    method: str  # "" without
+    step: Expr | None
+    rtol: Expr | None
+    record: Record | None
+    refused: tuple[tuple[str, Span], ...]
     span: Span
 
 
@@ -160,6 +203,7 @@ class Model:
     forces: tuple[Force, ...]
     observed: tuple[Definition, ...]
     conserved: tuple[Definition, ...]
+    events: tuple[Event, ...]
     starts: tuple[Start, ...]
-    deferred: tuple[Deferred, ...]
+    scenes: tuple[Scene, ...]
     span: Span  # of the `model` statement

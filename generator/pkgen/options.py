@@ -8,15 +8,15 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import limits, named, rows
+from . import limits, named, rows, scene
 from .compiler import Compilation
 from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
 from .middle.loops import LoopEquations
 from .middle.quantities import indexed
-from .model import Deferred, Model
-from .simulate import Settings
+from .model import Model, Scene
+from .simulate import Settings, Shown
 
 UNTIL = 10.0
 RTOL = 1e-10
@@ -54,32 +54,14 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
     return frozenset(wanted)
 
 
-def refuse_scene(model: Model, name: str | None) -> None:
-    """Scenes are understood, but nothing is made of them yet."""
-    if name is None:
-        return
-    scenes = {s.name: s for s in model.deferred if s.kind == "scene"}
-    if name not in scenes:
-        raise UsageError(_unknown("--scene", name, list(scenes), "scene"))
-    raise UsageError(
-        f"{_place(model, scenes[name])}: scene '{name}' cannot be compiled or run yet; "
-        "give its settings by --set, --start, --until, --method and --every"
-    )
-
-
-def refuse_deferred(model: Model) -> None:
-    """A run must not leave out what would change it."""
-    for statement in model.deferred:
-        if statement.kind == "event":
+def refuse_stops(model: Model) -> None:
+    """Members of an ensemble go on to the end; one that should stop before would be wrong."""
+    for event in model.events:
+        if event.stop:
             raise UsageError(
-                f"{_place(model, statement)}: event '{statement.name}' cannot be located yet, so "
-                "the model cannot be run; remove it, or embed the C (pkgen MODEL.lag)"
+                f"--ensemble: {scene.place(model, event.span)}: event '{event.name}' stops a run; "
+                "members of an ensemble cannot stop at events yet"
             )
-
-
-def _place(model: Model, statement: Deferred) -> str:
-    line, column = model.source.position(statement.span.start)
-    return f"{model.source.path}:{line}:{column}"
 
 
 def output(path: str | None) -> Path | None:
@@ -90,42 +72,88 @@ def output(path: str | None) -> Path | None:
     return Path(path)
 
 
-def settings(options: argparse.Namespace, compilation: Compilation, members: int = 1) -> Settings:
-    """The settings of `pkgen run`, all values in SI; `members` are those of an ensemble."""
+def settings(
+    options: argparse.Namespace,
+    compilation: Compilation,
+    members: int = 1,
+    chosen: Scene | None = None,
+) -> Settings:
+    """The settings of `pkgen run`, all values in SI: options first, then what the scene says, then
+    defaults. `members` are those of an ensemble."""
     values = _Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
-    step = values.positive("--step", options.step, values.time)
     starts = [_assignment("--start", text) for text in options.start]
     sets = [_assignment("--set", text) for text in options.set]
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
-    values_set = values.assigned("--set", sets, parameters, inputs)
-    single, of_families = _places(compilation, parameters, values_set)
+    parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
+    inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
+    said = scene.Numbers({}, {})
+    if chosen is not None:
+        said = scene.numbers(compilation.model, chosen, values.by_key(parameters, parameters_set))
+        of_scene = {
+            parameters[indexed(name, index)][0]: x for (name, index), x in said.parameters.items()
+        }
+        parameters_set = {**of_scene, **parameters_set}
+        inputs_set = {**{inputs[n][0]: x for n, x in said.inputs.items()}, **inputs_set}
+    single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
     if rtol is not None and rtol < ROUND_OFF and options.atol is None:
         # No step is short enough: it would be halved for ever.
         raise UsageError(
             f"--rtol {options.rtol}: no double is that exact; the smallest is {ROUND_OFF:.1e}"
         )
-    until = values.positive("--until", options.until, values.time) or UNTIL
-    every = values.positive("--every", options.every, values.time)
-    numbers = 2 * values.coordinates.count + len(named.observed(compilation)) + 2
-    if every is None and options.ensemble is None:
+    rtol = rtol or said.rtol or RTOL
+    step = values.positive("--step", options.step, values.time) or said.step
+    until = values.positive("--until", options.until, values.time) or said.until or UNTIL
+    every = values.positive("--every", options.every, values.time) or said.every
+    show, at = _recorded(options, values, chosen)
+    numbers = len(show) + 1
+    if not show:
+        numbers = 2 * values.coordinates.count + len(named.observed(compilation)) + 2
+    if every is None and options.ensemble is None and at is None:
         every = rows.interval(until, step, numbers)
     rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members)
     return Settings(
-        method=options.method or default_method(compilation, rtol or RTOL),
+        method=options.method or said.method or default_method(compilation, rtol),
         until=until,
         every=every,
         step=step,
-        rtol=rtol or RTOL,
-        atol=values.positive("--atol", options.atol, "") or rtol or RTOL,
+        rtol=rtol,
+        atol=values.positive("--atol", options.atol, "") or rtol,
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
+        max_step=values.positive("--max-step", options.max_step, values.time),
         parameters=single,
         members=of_families,
-        inputs=values.assigned("--set", sets, inputs, parameters),
+        inputs=tuple(inputs_set.items()),
         start_q=values.started(starts, 0),
         start_v=values.started(starts, 1),
+        show=show,
+        at=at,
     )
+
+
+def _recorded(
+    options: argparse.Namespace, values: _Values, chosen: Scene | None
+) -> tuple[tuple[Shown, ...], int | None]:
+    """The columns of rows (none: all of them), and the event at which rows are."""
+    compilation = values.compilation
+    show = at = None
+    if chosen is not None and chosen.record is not None:
+        show = [values.shown(*c) for c in scene.columns(compilation.model, chosen)]
+        at = chosen.record.at or None
+    if options.record is not None:
+        show = [values.shown_as(text) for text in options.record.split(",")]
+    if options.at is not None:
+        at = options.at
+    if options.ensemble is not None and (show or at):
+        raise UsageError(
+            "--ensemble: rows of members are by time and have all columns; leave out --record, "
+            "--at and a scene that records"
+        )
+    events = [event.name for event in compilation.model.events]
+    if at is not None and at not in events:
+        raise UsageError(_unknown("--at", at, events, "event"))
+    return tuple(show or ()), None if at is None else events.index(at)
 
 
 def default_method(compilation: Compilation, rtol: float) -> str:
@@ -171,6 +199,7 @@ class _Values:
     """Values of options for one model: its units, its sizes, its names."""
 
     def __init__(self, compilation: Compilation):
+        self.compilation = compilation
         self.model = compilation.model
         self.coordinates = named.coordinates(compilation)
         self.rates = named.coordinates(compilation, rates=True)
@@ -237,6 +266,39 @@ class _Values:
                 index, quantity = known[name + "'" * order]
                 found.append((index, self.value("--start", text, quantity.unit, left)))
         return tuple(found)
+
+    def by_key(
+        self, parameters: named.Named, values: dict[int, float]
+    ) -> dict[tuple[str, int | None], float]:
+        """Values of parameters under their names and indices."""
+        found = {}
+        for item in parameters.declared:
+            for flat, x in values.items():
+                if item.first <= flat < item.first + item.count:
+                    index = None if item.lo is None else item.lo + flat - item.first
+                    found[item.quantity.name, index] = x
+        return found
+
+    def shown(self, kind: str, name: str) -> Shown:
+        """A column, by the index that the driver counts."""
+        observed = [q.name for q in named.observed(self.compilation)]
+        if kind == "energy":
+            return Shown(kind, 0, name)
+        if kind == "observed":
+            return Shown(kind, observed.index(name), name)
+        return Shown(kind, (self.rates if kind == "v" else self.coordinates)[name][0], name)
+
+    def shown_as(self, text: str) -> Shown:
+        """`--record`: one of the columns that rows have without it."""
+        name = self.flat_name("--record", text.strip())
+        observed = [q.name for q in named.observed(self.compilation)]
+        for kind, known in (("q", self.coordinates), ("v", self.rates), ("observed", observed)):
+            if name in known:
+                return self.shown(kind, name)
+        if name == "energy":
+            return self.shown(name, name)
+        known = [*self.coordinates, *self.rates, *observed, "energy"]
+        raise UsageError(_unknown("--record", name, known, "column"))
 
     def left(self, option: str, text: str) -> options_text.LeftSide:
         try:

@@ -8,8 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-class ResourcesExceeded(Exception):
-    """Compiling took more than its share; the text says what and how to allow more."""
+class ResourcesExceeded(BaseException):
+    """Compiling took more than its share; the text says what and how to allow more.
+
+    It comes from a signal, wherever the program is; so libraries that catch every Exception, as
+    lark does while it reads its tables, must not swallow it."""
 
 
 @contextmanager

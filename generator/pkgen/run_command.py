@@ -19,11 +19,12 @@ from typing import IO
 
 from . import ensemble as members
 from . import options as parsing
-from . import rows
+from . import rows, scene
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .exits import DONE
+from .model import Model
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
 # The share of steps that an iteration may hold back before it is worth a word.
@@ -45,12 +46,17 @@ def run(options: argparse.Namespace) -> int:
     output = parsing.output(options.output)
     # Members of an ensemble run in lanes, which loops do not have.
     unroll = None if options.ensemble else parsing.UNROLL
-    compilation = compile_within_limits(options, libm=options.libm, unroll=unroll)
-    parsing.refuse_scene(compilation.model, options.scene)
-    parsing.refuse_deferred(compilation.model)
+    compilation = compile_within_limits(
+        options, libm=options.libm, unroll=unroll, use=_use(options)
+    )
+    chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
+    if options.ensemble:
+        parsing.refuse_stops(compilation.model)
     threads = parsing.threads(options)
     ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
-    settings = parsing.settings(options, compilation, len(ensemble.lines) if ensemble else 1)
+    settings = parsing.settings(
+        options, compilation, len(ensemble.lines) if ensemble else 1, chosen
+    )
     asked = _Run(compilation, settings, ensemble, threads)
     note = rows.note(options, settings, compilation)
     if note:
@@ -62,6 +68,13 @@ def run(options: argparse.Namespace) -> int:
         outcome = _to_file(options, asked, output)
     _tell(options, outcome)
     return outcome.code
+
+
+def _use(options: argparse.Namespace) -> Callable[[Model], Model] | None:
+    """What the scene of the command line makes of the model."""
+    if options.scene is None:
+        return None
+    return lambda model: scene.used(model, scene.chosen(model, options.scene))
 
 
 def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> Outcome:
@@ -149,9 +162,20 @@ def _tell(options: argparse.Namespace, outcome: Outcome) -> None:
             "(fixed steps, Newton) or dop853 may take less time",
             file=sys.stderr,
         )
+    for event in report["events"]:
+        print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
     for drift in report["drifts"]:
         print(
             f"drift({drift['name']}) max {drift['max']:.2e}, final {drift['final']:.2e}, "
             f"slope {drift['slope']:.1e} per unit of time, relative to {drift['scale']:.2g}",
             file=sys.stderr,
         )
+
+
+def _crossings(event: dict) -> str:
+    """How often, and when for the first and the last time."""
+    times, count = event["times"], event["count"]
+    if count < 2:
+        return f"once, at t = {times[0]:.12g}" if count else "never"
+    last = f", last at {times[-1]:.12g}" if len(times) == count else ""
+    return f"{count} times, first at t = {times[0]:.12g}{last}"

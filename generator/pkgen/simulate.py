@@ -27,23 +27,35 @@ LISTED = 10_000  # members of a family that are described one by one
 
 
 @dataclass(frozen=True)
+class Shown:
+    """A column of the rows: the driver's word for its kind, the index there."""
+
+    kind: str  # q, v, observed, energy
+    index: int
+    name: str
+
+
+@dataclass(frozen=True)
 class Settings:
     """Of one run; values in SI. Indices count flattened quantities in declaration order, those of
     parameters declared names where families are loops."""
 
     method: str
     until: float
-    every: float | None  # None: an ensemble's final states alone
+    every: float | None  # None: rows at an event, or an ensemble's final states, alone
     step: float | None
     rtol: float
     atol: float
     iteration: str
     max_steps: int
+    max_step: float | None
     parameters: tuple[tuple[int, float], ...]
     members: tuple[tuple[int, int, float], ...]  # of families kept as loops: which one, position
     inputs: tuple[tuple[int, float], ...]
     start_q: tuple[tuple[int, float], ...]
     start_v: tuple[tuple[int, float], ...]
+    show: tuple[Shown, ...] = ()  # the columns behind t; none: all
+    at: int | None = None  # the event that has rows
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -59,11 +71,16 @@ class Settings:
             said.append(f"every {self.every.hex()}")
         if self.step is not None:
             said.append(f"step {self.step.hex()}")
+        if self.max_step is not None:
+            said.append(f"h_max {self.max_step.hex()}")
         said += [f"param {i} {x.hex()}" for i, x in self.parameters]
         said += [f"param {i} {x.hex()} {k}" for i, k, x in self.members]
         said += [f"input {i} {x.hex()}" for i, x in self.inputs]
         said += [f"start q {i} {x.hex()}" for i, x in self.start_q]
         said += [f"start v {i} {x.hex()}" for i, x in self.start_v]
+        said += [f"show {c.kind} {c.index}".replace("energy 0", "energy") for c in self.show]
+        if self.at is not None:
+            said.append(f"at {self.at}")
         return said
 
 
@@ -76,11 +93,17 @@ class Outcome:
     messages: str
 
 
-def columns(compilation: Compilation, ensemble: Ensemble | None = None) -> list[Quantity]:
+def columns(
+    compilation: Compilation, ensemble: Ensemble | None = None, show: tuple[Shown, ...] = ()
+) -> list[Quantity]:
     """The columns of the CSV, in order; of a very long family one entry for all members."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
     member = [Quantity("member", "", "row of the ensemble's file, from 1")] if ensemble else []
+    if show:
+        coordinates, rates = (named.coordinates(compilation, rates=r) for r in (False, True))
+        observed = named.observed(compilation)
+        return [time, *(_column(c, coordinates, rates, observed, energy) for c in show)]
     return [
         *member,
         time,
@@ -89,6 +112,23 @@ def columns(compilation: Compilation, ensemble: Ensemble | None = None) -> list[
         *named.observed(compilation),
         energy,
     ]
+
+
+def _column(
+    shown: Shown,
+    coordinates: named.Named,
+    rates: named.Named,
+    observed: list[Quantity],
+    energy: Quantity,
+) -> Quantity:
+    match shown.kind:
+        case "q":
+            return coordinates[shown.name][1]
+        case "v":
+            return rates[shown.name][1]
+        case "observed":
+            return observed[shown.index]
+    return energy
 
 
 def simulate(
@@ -167,7 +207,7 @@ def sidecar(
         "source": os.path.basename(compilation.model.source.path),
         "source_sha256": compilation.model.source.sha256,
         "data": data,
-        "columns": [asdict(c) for c in columns(compilation, ensemble)],
+        "columns": [asdict(c) for c in columns(compilation, ensemble, settings.show)],
         "settings": {**asdict(settings), **of},
         "report": outcome.report,
     }

@@ -1,8 +1,13 @@
-/* GSL's steppers rk8pd (Prince-Dormand 8(9)) and msadams (variable-order Adams) on y = (q, v),
- * with GSL's own step control, as methods like the core's. GSL's error handler, which aborts, is
- * switched off around every call into it and put back. Reference: GNU Scientific Library
- * Reference Manual, "Ordinary Differential Equations"; P. J. Prince, J. R. Dormand,
- * J. Comp. Appl. Math. 7 (1981) 67.
+/* GSL's steppers rkf45 and rk8pd (explicit Runge-Kutta), msadams and msbdf (multistep, of variable
+ * order) and bsimp (extrapolation of the implicit midpoint rule) on y = (q, v), with GSL's own step
+ * control, as methods like the core's. The last two take the Jacobian of y' = (v, a) from the
+ * system's `linear`. GSL's error handler, which aborts, is switched off around every call into it
+ * and put back.
+ *
+ * References: GNU Scientific Library Reference Manual, "Ordinary Differential Equations";
+ * E. Fehlberg, NASA TR R-315 (1969); P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7 (1981) 67;
+ * G. Bader, P. Deuflhard, Numer. Math. 41 (1983) 373; G. D. Byrne, A. C. Hindmarsh, ACM TOMS 1
+ * (1975) 71.
  */
 #include <float.h>
 #include <stdlib.h>
@@ -12,6 +17,7 @@
 #include <gsl/gsl_odeiv2.h>
 
 #include <pk/gsl.h>
+#include <pk/linear.h>
 
 #include "../src/internal.h"
 
@@ -20,6 +26,7 @@ struct foreign {
     gsl_odeiv2_driver *driver;
     enum pk_status status; /* of the right-hand side, which GSL sees only as "failed" */
     double h;              /* the step that GSL proposes; 0: to be guessed */
+    double *linear;        /* work for the Jacobian; NULL where it is not asked for */
 };
 
 static size_t no_size(const struct pk_method *method, size_t n)
@@ -53,12 +60,37 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
     return GSL_FAILURE; /* GSL halves the step on this, and gives up only on GSL_EBADFUNC */
 }
 
+static int jacobian(double t, const double *y, double *df_dy, double *df_dt, void *context)
+{
+    struct pk_integrator *it = (struct pk_integrator *)context;
+    struct foreign *f = (struct foreign *)it->extra;
+    const size_t n = it->n, m = 2 * n;
+    double *a = f->linear, *a_q = a + n, *a_v = a_q + n * n, *rest = a_v + n * n;
+    it->count.jacobians++;
+    f->status =
+        pk_system_linear(&it->problem, t, y, y + n, a, a_q, a_v, df_dt + n, rest);
+    if (f->status < 0) {
+        it->trouble = f->status;
+        it->trouble_t = t;
+        return GSL_FAILURE;
+    }
+    memset(df_dy, 0, m * m * sizeof *df_dy);
+    memset(df_dt, 0, n * sizeof *df_dt);
+    for (size_t i = 0; i < n; i++) {
+        df_dy[i * m + n + i] = 1;
+        memcpy(df_dy + (n + i) * m, a_q + i * n, n * sizeof *a_q);
+        memcpy(df_dy + (n + i) * m + n, a_v + i * n, n * sizeof *a_v);
+    }
+    return GSL_SUCCESS;
+}
+
 static void release(struct pk_integrator *it)
 {
     struct foreign *f = (struct foreign *)it->extra;
     if (f) {
         if (f->driver)
             gsl_odeiv2_driver_free(f->driver);
+        free(f->linear);
         free(f);
     }
     it->extra = NULL;
@@ -73,6 +105,13 @@ static enum pk_status init(struct pk_integrator *it)
     if (!f)
         return PK_NO_MEMORY;
     it->extra = f;
+    if (it->method->traits & PK_LINEAR) {
+        const size_t reals = it->n + 2 * it->n * it->n + pk_system_linear_size(&it->problem);
+        f->linear = (double *)calloc(reals, sizeof *f->linear);
+        f->system.jacobian = jacobian;
+        if (!f->linear)
+            return PK_NO_MEMORY;
+    }
     f->system.function = right_hand_side;
     f->system.dimension = 2 * it->n;
     f->system.params = it;
@@ -143,24 +182,31 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define GSL_METHOD(symbol, label, text, p, s, type)                  \
+#define GSL_METHOD(symbol, label, text, p, s, more, type)            \
     static const struct pk_method symbol = {.name = label,           \
                                             .doc = text,             \
                                             .order = p,              \
                                             .stages = s,             \
-                                            .traits = PK_ADAPTIVE,   \
+                                            .traits = PK_ADAPTIVE | (more), \
                                             .table = &type,          \
                                             .size = no_size,         \
                                             .init = init,            \
                                             .step = step,            \
                                             .release = release}
 
-GSL_METHOD(rk8pd, "gsl_rk8pd", "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67", 8, 13,
+GSL_METHOD(rkf45, "gsl_rkf45", "GSL: Fehlberg 4(5); NASA TR R-315 (1969)", 5, 6, 0,
+           gsl_odeiv2_step_rkf45);
+GSL_METHOD(rk8pd, "gsl_rk8pd", "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67", 8, 13, 0,
            gsl_odeiv2_step_rk8pd);
-GSL_METHOD(msadams, "gsl_msadams", "GSL: Adams in Nordsieck form, orders 1 to 12", 0, 0,
+GSL_METHOD(msadams, "gsl_msadams", "GSL: Adams in Nordsieck form, orders 1 to 12", 0, 0, 0,
            gsl_odeiv2_step_msadams);
+GSL_METHOD(msbdf, "gsl_msbdf", "GSL: backward differentiation, orders 1 to 5; Byrne, Hindmarsh (1975)",
+           0, 0, PK_IMPLICIT | PK_LINEAR, gsl_odeiv2_step_msbdf);
+GSL_METHOD(bsimp, "gsl_bsimp",
+           "GSL: extrapolated implicit midpoint; G. Bader, P. Deuflhard, Numer. Math. 41 (1983) 373",
+           0, 0, PK_IMPLICIT | PK_LINEAR | PK_NO_INPUTS, gsl_odeiv2_step_bsimp);
 
-static const struct pk_method *const methods[] = {&rk8pd, &msadams};
+static const struct pk_method *const methods[] = {&rkf45, &rk8pd, &msadams, &msbdf, &bsimp};
 
 const struct pk_method *pk_gsl_method_at(size_t index)
 {

@@ -20,6 +20,7 @@
 #include <time.h>
 
 #include "ensemble.h"
+#include "watch.h"
 
 static volatile sig_atomic_t interrupted;
 
@@ -74,18 +75,19 @@ pk_real run_intervals(pk_real whole, pk_real part)
 static int step(struct run *run, pk_real limit)
 {
     struct pk_integrator *it = &run->it;
-    if (pk_integrator_step(it, limit) < 0)
+    const enum pk_status status = watch_step(run, limit);
+    if (status < 0)
         return 0;
-    const pk_real h = it->t - it->last_t;
-    if (it->count.steps == 1 || h < run->h_min)
+    const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
+    if (h > 0 && (!(run->h_max > 0) || h < run->h_min))
         run->h_min = h;
-    if (it->count.steps == 1 || h > run->h_max)
+    if (h > run->h_max)
         run->h_max = h;
     pk_monitor_update(&run->monitor, it->t, it->q, it->v);
     if (it->count.steps % 64 == 0)
         progress(run, 0);
     run->interrupted = interrupted;
-    return !interrupted && !run->write_failed;
+    return status == PK_DONE && !interrupted && !run->write_failed;
 }
 
 /* Many steps of a large system at once: some 0.1 s of them. Drifts are measured where they end. */
@@ -112,9 +114,10 @@ static pk_real row_time(const struct run *run, pk_real k, pk_real count)
     return k < count ? k * run->settings.every : run->settings.until;
 }
 
-static void integrate_landing(struct run *run, pk_real count)
+static void integrate_landing(struct run *run)
 {
     struct pk_integrator *it = &run->it;
+    const pk_real count = run->count;
     const int fixed = !(run->settings.method->traits & PK_ADAPTIVE);
     for (pk_real k = 1; k <= count; k += 1) {
         const pk_real t = row_time(run, k, count);
@@ -131,34 +134,60 @@ static void integrate_landing(struct run *run, pk_real count)
     }
 }
 
-static void integrate_dense(struct run *run, pk_real count)
+int run_dense_rows(struct run *run, pk_real end)
 {
-    struct pk_integrator *it = &run->it;
-    const size_t n = it->n;
-    pk_real k = 1;
-    while (it->t < run->settings.until) {
-        if (!step(run, run->settings.until))
-            return;
-        for (; k <= count && row_time(run, k, count) <= it->t; k += 1) {
-            const pk_real t = row_time(run, k, count);
-            if (t < it->t && pk_integrator_dense(it, t, run->row, run->row + n) < 0)
-                return;
-            if (t < it->t)
-                output_row(run, stdout, t, run->row, run->row + n);
-            else
-                output_row(run, stdout, t, it->q, it->v);
-        }
+    const struct pk_integrator *it = &run->it;
+    pk_real *q = run->row, *v = run->row + it->n;
+    for (; run->next <= run->count && row_time(run, run->next, run->count) <= end;
+         run->next += 1) {
+        const pk_real t = row_time(run, run->next, run->count);
+        if (!(t < it->t))
+            output_row(run, stdout, t, it->q, it->v);
+        else if (pk_integrator_dense(&run->it, t, q, v) < 0)
+            return 0;
+        else
+            output_row(run, stdout, t, q, v);
     }
+    return 1;
 }
 
-static void integrate_each_step(struct run *run)
+static void integrate_dense(struct run *run)
 {
+    while (run->it.t < run->settings.until)
+        if (!step(run, run->settings.until) || !run_dense_rows(run, run->it.t))
+            return;
+}
+
+/* A row at each step, or with rows at events alone at none. */
+static void integrate_steps(struct run *run)
+{
+    const int rows = run->settings.has_every || !run->settings.at;
     while (run->it.t < run->settings.until && step(run, run->settings.until))
-        output_row(run, stdout, run->it.t, run->it.q, run->it.v);
+        if (rows)
+            output_row(run, stdout, run->it.t, run->it.q, run->it.v);
+}
+
+/* Rows from the start to the end, which may be at an event. */
+static void integrate(struct run *run)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_integrator *it = &run->it;
+    const int by_time = s->has_every || !s->at;
+    if (by_time)
+        output_row(run, stdout, 0, it->q, it->v);
+    pk_monitor_update(&run->monitor, 0, it->q, it->v);
+    if (!by_time || !(s->every > 0))
+        integrate_steps(run);
+    else if (s->land)
+        integrate_landing(run);
+    else
+        integrate_dense(run);
+    if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
+        output_row(run, stdout, it->t, it->q, it->v);
 }
 
 /* Settings that depend on one another: the recording interval, the fixed step, landing. */
-static int choose(struct run *run, pk_real *count)
+static int choose(struct run *run)
 {
     struct settings *s = &run->settings;
     const int fixed = s->ensemble ? ensemble_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
@@ -171,6 +200,8 @@ static int choose(struct run *run, pk_real *count)
         fprintf(stderr, "run: every 0 (each step) is for one run of a method of a fixed step\n");
         return 2;
     }
+    if (s->at && !s->has_every)
+        s->every = 0;
     const pk_real interval = s->every > 0 ? s->every : s->until;
     if (!(interval > 10 * PK_EPSILON * s->until) ||
         (fixed && s->options.h > 0 && !(s->options.h > 10 * PK_EPSILON * s->until))) {
@@ -178,7 +209,8 @@ static int choose(struct run *run, pk_real *count)
                 (double)(10 * PK_EPSILON * s->until));
         return 2;
     }
-    *count = s->every > 0 ? run_intervals(s->until, s->every) : 0;
+    run->next = 1;
+    run->count = s->every > 0 ? run_intervals(s->until, s->every) : 0;
     if (fixed && !(s->options.h > 0)) {
         fprintf(stderr, "run: method %s has a fixed step: give it by --step\n", s->method->name);
         return 2;
@@ -227,6 +259,10 @@ static int finish(struct run *run, int code)
         fprintf(stderr, "run: %s: %s\n", run->settings.method->name, reason);
         code = run->it.status == PK_BAD_ARGUMENT ? 2 : 4;
     }
+    if (run->it.status == PK_STOPPED_EVENT) {
+        pk_integrator_reason(&run->it, reason, sizeof reason);
+        fprintf(stderr, "run: %s\n", reason);
+    }
     if (run->not_finite) {
         fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);
@@ -249,7 +285,6 @@ int main(int argc, char **argv)
 {
     static struct run run;
     static char buffer[1 << 16];
-    pk_real count = 0;
     if (argc == 2 && strcmp(argv[1], "--methods") == 0)
         return output_methods(stdout) ? 2 : 0;
     if (argc > 1) {
@@ -258,7 +293,7 @@ int main(int argc, char **argv)
     }
     int code = settings_read(&run.settings, run_system, stdin);
     if (code == 0)
-        code = choose(&run, &count);
+        code = choose(&run);
     if (code) {
         settings_free(&run.settings);
         return code;
@@ -268,27 +303,22 @@ int main(int argc, char **argv)
     signal(SIGINT, on_interrupt);
     const double began = run_now();
     if (run.settings.ensemble) {
-        code = ensemble_run(&run, count);
+        code = ensemble_run(&run, run.count);
         settings_free(&run.settings);
         return code;
     }
     code = start(&run);
     if (run.it.state) {
         output_header(&run, stdout);
-        if (code == 0) {
-            output_row(&run, stdout, 0, run.it.q, run.it.v);
-            pk_monitor_update(&run.monitor, 0, run.it.q, run.it.v);
-            if (!(run.settings.every > 0))
-                integrate_each_step(&run);
-            else if (run.settings.land)
-                integrate_landing(&run, count);
-            else
-                integrate_dense(&run, count);
-        }
+        if (code == 0)
+            code = watch_start(&run);
+        if (code == 0)
+            integrate(&run);
     }
     run.seconds = run_now() - began;
     progress(&run, 1);
     code = finish(&run, code);
+    watch_free(&run);
     pk_integrator_free(&run.it);
     settings_free(&run.settings);
     free(run.block);

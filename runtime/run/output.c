@@ -1,7 +1,7 @@
-/* Rows, report and the list of methods. CSV quotes a name that holds a comma, a quote or a blank
+/* Rows and report. CSV quotes a name that holds a comma, a quote or a blank
  * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
  */
-#include "output.h"
+#include "watch.h"
 
 #include <errno.h>
 #include <string.h>
@@ -30,6 +30,19 @@ void output_header(struct run *run, FILE *file)
     const struct pk_quantity *const tables[] = {system->coordinates, system->rates};
     char name[128];
     fputc('t', file);
+    for (size_t i = 0; i < run->settings.n_show; i++) {
+        const struct shown *show = &run->settings.show[i];
+        if (show->kind == 'q' || show->kind == 'v')
+            pk_system_name(system, run->settings.params, tables[show->kind == 'v'], show->index,
+                           name, sizeof name);
+        csv_name(file, show->kind == 'o'   ? system->observed[show->index].name
+                       : show->kind == 'e' ? "energy"
+                                           : name);
+    }
+    if (run->settings.n_show) {
+        fputc('\n', file);
+        return;
+    }
     for (int k = 0; k < 2; k++)
         for (size_t i = 0; i < run->settings.n; i++) {
             pk_system_name(system, run->settings.params, tables[k], i, name, sizeof name);
@@ -40,43 +53,65 @@ void output_header(struct run *run, FILE *file)
     fputs(",energy\n", file);
 }
 
-/* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
-static void check_row(struct run *run, pk_real t, const pk_real *out, pk_real energy)
+static int finite(pk_real x) { return x - x == PK_C(0.0); }
+
+/* The columns that were asked for; the name of the first that is not finite, or NULL. */
+static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
+                             const pk_real *v, pk_real *out)
 {
     const struct pk_system *system = run->problem.system;
-    const char *name = energy - energy == PK_C(0.0) ? NULL : "energy";
-    for (size_t i = system->n_observed; i-- > 0;)
-        if (!(out[i] - out[i] == PK_C(0.0)))
-            name = system->observed[i].name;
-    if (!name)
-        return;
-    if (run->bad_rows++ == 0) {
-        run->not_finite = name;
-        run->bad_t = (double)t;
+    const struct settings *s = &run->settings;
+    const char *bad = NULL;
+    if (system->n_observed)
+        system->observe(s->params, t, q, v, s->u, out);
+    for (size_t i = 0; i < s->n_show; i++) {
+        const struct shown *show = &s->show[i];
+        const pk_real x = show->kind == 'q'   ? q[show->index]
+                          : show->kind == 'v' ? v[show->index]
+                          : show->kind == 'o' ? out[show->index]
+                                              : system->energy(s->params, t, q, v, s->u);
+        fprintf(file, ",%.17g", (double)x);
+        if (!finite(x) && !bad)
+            bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
+    return bad;
 }
 
-void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v)
+static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
+                             const pk_real *v, pk_real *out)
 {
     const struct pk_system *system = run->problem.system;
-    const pk_real *u = run->settings.u;
-    const size_t n = run->settings.n;
-    pk_real *out = run->row + 2 * n;
-
-    fprintf(file, "%.17g", (double)t);
-    for (size_t i = 0; i < n; i++)
+    const struct settings *s = &run->settings;
+    const char *bad = NULL;
+    for (size_t i = 0; i < s->n; i++)
         fprintf(file, ",%.17g", (double)q[i]);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < s->n; i++)
         fprintf(file, ",%.17g", (double)v[i]);
-    if (system->n_observed) {
-        system->observe(run->settings.params, t, q, v, u, out);
-        for (size_t i = 0; i < system->n_observed; i++)
-            fprintf(file, ",%.17g", (double)out[i]);
+    if (system->n_observed)
+        system->observe(s->params, t, q, v, s->u, out);
+    for (size_t i = 0; i < system->n_observed; i++) {
+        fprintf(file, ",%.17g", (double)out[i]);
+        if (!finite(out[i]) && !bad)
+            bad = system->observed[i].name;
     }
-    const pk_real energy = system->energy(run->settings.params, t, q, v, u);
-    fprintf(file, ",%.17g\n", (double)energy);
+    const pk_real energy = system->energy(s->params, t, q, v, s->u);
+    fprintf(file, ",%.17g", (double)energy);
+    return finite(energy) || bad ? bad : "energy";
+}
+
+/* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
+void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v)
+{
+    pk_real *out = run->row + 2 * run->settings.n;
+    fprintf(file, "%.17g", (double)t);
+    const char *bad = (run->settings.n_show ? shown_row : whole_row)(run, file, t, q, v, out);
+    fputc('\n', file);
     run->rows++;
-    check_row(run, t, out, energy);
+    run->last_row = t;
+    if (bad && run->bad_rows++ == 0) {
+        run->not_finite = bad;
+        run->bad_t = (double)t;
+    }
     if (ferror(file))
         run->write_failed = errno ? errno : EIO;
 }
@@ -204,6 +239,7 @@ static void json_run(struct run *run, FILE *file)
             "  \"iterations\": %lu,\n  \"held\": %lu,\n  \"seconds\": %.6g,\n",
             run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
             c->iterations, c->held, run->seconds);
+    watch_report(run, file);
     json_drifts(run, file);
 }
 
@@ -221,38 +257,4 @@ int output_report(struct run *run, const char *path)
         return 1;
     }
     return 0;
-}
-
-static void json_flags(FILE *file, unsigned flags, const char *const *names, size_t count)
-{
-    int first = 1;
-    fputc('[', file);
-    for (size_t i = 0; i < count; i++)
-        if (flags & (1u << i)) {
-            fprintf(file, "%s\"%s\"", first ? "" : ", ", names[i]);
-            first = 0;
-        }
-    fputc(']', file);
-}
-
-int output_methods(FILE *file)
-{
-    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
-                                         "dense",      "jacobians"};
-    static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
-                                        "separable",     "autonomous",    "conservative",
-                                        "variational",   "smooth"};
-    for (size_t i = 0; run_method_at(i); i++) {
-        const struct pk_method *m = run_method_at(i);
-        fprintf(file, "{\"name\": \"%s\", \"order\": %d, \"stages\": %d, \"dense_order\": %d, ",
-                m->name, m->order, m->stages, m->dense_order);
-        fputs("\"flags\": ", file);
-        json_flags(file, m->traits, traits, sizeof traits / sizeof *traits);
-        fputs(", \"requires\": ", file);
-        json_flags(file, m->needs, facts, sizeof facts / sizeof *facts);
-        fputs(", \"doc\": ", file);
-        output_text(file, m->doc);
-        fputs("}\n", file);
-    }
-    return fflush(file) || ferror(file);
 }

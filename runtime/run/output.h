@@ -6,13 +6,24 @@
 
 #include "settings.h"
 
+/* The crossings of one event; the first of them by their times. */
+struct crossed {
+    unsigned long count;
+    pk_real *t;
+};
+
 struct run {
     struct settings settings;
     struct pk_problem problem;
     struct pk_integrator it;
     struct pk_monitor monitor;
     void *block, *monitor_block;
+    struct pk_events events;
+    void *events_block;
+    struct crossed *crossed; /* of each event */
     pk_real *row; /* q, v, u, observed of a row */
+    pk_real count, next; /* rows by time behind the first, and the number of the next one */
+    pk_real last_row;    /* its time */
     unsigned long rows;
     pk_real h_min, h_max; /* steps made */
     int interrupted;

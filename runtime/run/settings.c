@@ -47,6 +47,30 @@ static int set_start(struct settings *s, size_t line, char *const word[])
     return 0;
 }
 
+static int set_show(struct settings *s, const struct pk_system *system, size_t line,
+                    char *const word[])
+{
+    const struct {
+        const char *name;
+        size_t count;
+    } table[] = {{"q", s->n}, {"v", s->n}, {"observed", system->n_observed}, {"energy", 1}};
+    struct shown *more = (struct shown *)realloc(s->show, (s->n_show + 1) * sizeof *more);
+    if (!more)
+        return words_usage(line, "out of memory", NULL);
+    s->show = more;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (!word[1] || strcmp(word[1], table[i].name) != 0)
+            continue;
+        more[s->n_show].kind = table[i].name[0];
+        more[s->n_show].index = 0;
+        if (i < 3 && !words_index(word[2], table[i].count, &more[s->n_show].index))
+            return words_usage(line, "no such column", word[2]);
+        s->n_show++;
+        return 0;
+    }
+    return words_usage(line, "show wants q, v, observed or energy", word[1]);
+}
+
 static int set_number(struct settings *s, const struct pk_system *system, size_t line,
                       char *const word[])
 {
@@ -86,6 +110,14 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
         return settings_param(s, system, line, word);
     if (strcmp(word[0], "start") == 0)
         return set_start(s, line, word);
+    if (strcmp(word[0], "show") == 0)
+        return settings_begin(s, system), set_show(s, system, line, word);
+    if (strcmp(word[0], "at") == 0) {
+        if (!words_index(word[1], system->n_events, &index))
+            return words_usage(line, "no such event", word[1]);
+        s->at = index + 1;
+        return 0;
+    }
     if (strcmp(word[0], "input") == 0) {
         if (!words_index(word[1], system->n_inputs, &index))
             return words_usage(line, "no such input", word[1]);
@@ -217,5 +249,6 @@ void settings_free(struct settings *s)
     free(s->start_given);
     free(s->report);
     free(s->ensemble);
+    free(s->show);
     free(s->columns);
 }

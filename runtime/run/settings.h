@@ -4,9 +4,13 @@
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
+ *     show q|v|observed INDEX | show energy | at INDEX
  *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
+ *
+ * Each `show` is a column of the rows, behind t; without any they have all columns. `at` is an event:
+ * a row at each of its crossings, and others only if there is an `every`.
  *
  * The file of an ensemble says what differs from member to member: a row of doubles, as they are
  * in memory, for each; in a row a number for each `column`, in their order.
@@ -27,6 +31,12 @@ struct column {
     size_t index;
 };
 
+/* A column of the rows. */
+struct shown {
+    char kind; /* q, v, o of an observed value, e of the energy */
+    size_t index;
+};
+
 struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
@@ -43,6 +53,9 @@ struct settings {
     unsigned char *given; /* which parameters were set */
     pk_real *q, *v, *u;
     unsigned char *start_given; /* 2 n flags */
+    struct shown *show; /* NULL: all columns */
+    size_t n_show;
+    size_t at; /* 1 + which event has rows; 0: none */
     char *ensemble; /* a path, or NULL: one trajectory */
     size_t members, threads, n_columns;
     struct column *columns;

@@ -95,6 +95,11 @@ static enum pk_status embedded_step(struct pk_integrator *it, pk_real limit)
     return generic_embedded(it, table_of(it->method), limit);
 }
 
+const struct pk_tableau *pk_embedded_table(const struct pk_method *method)
+{
+    return method->step == embedded_step ? table_of(method) : NULL;
+}
+
 static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_embedded_work *w)
 {
     const struct pk_tableau *table = table_of(it->method);

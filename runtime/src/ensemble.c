@@ -13,11 +13,12 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
     return NULL;
 }
 
-/* NULL: one member after the other. */
+/* NULL: one member after the other. So are those of a system with guards, which a block does not
+ * watch. */
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
-    if (!(e->options.h > 0))
+    if (!(e->options.h > 0) || e->system->n_guards)
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }

@@ -22,20 +22,23 @@ static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
     return generic_erk(it, (const struct pk_tableau *)it->method->table);
 }
 
-const struct pk_method pk_euler = {.name = "euler",
-                                   .doc = "explicit Euler; HNW I.7",
-                                   .order = 1,
-                                   .stages = 1,
-                                   .table = &pk_euler_table,
-                                   .size = erk_size,
-                                   .init = erk_init,
-                                   .step = erk_step};
-const struct pk_method pk_rk4 = {.name = "rk4",
-                                 .doc = "the classical Runge-Kutta method; W. Kutta (1901), "
-                                        "HNW II.1 Table 1.2",
-                                 .order = 4,
-                                 .stages = 4,
-                                 .table = &pk_rk4_table,
-                                 .size = erk_size,
-                                 .init = erk_init,
-                                 .step = erk_step};
+const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
+{
+    return method->step == erk_step ? (const struct pk_tableau *)method->table
+                                    : pk_embedded_table(method);
+}
+
+#define ERK(symbol, text, p, s)                                         \
+    const struct pk_method pk_##symbol = {.name = #symbol,              \
+                                          .doc = text,                  \
+                                          .order = p,                   \
+                                          .stages = s,                  \
+                                          .table = &pk_##symbol##_table, \
+                                          .size = erk_size,             \
+                                          .init = erk_init,             \
+                                          .step = erk_step}
+
+ERK(euler, "explicit Euler; HNW I.7", 1, 1);
+ERK(rk2, "the explicit midpoint rule; C. Runge (1895), HNW II.1 (1.4)", 2, 2);
+ERK(rk3, "Kutta's method of order 3, of Simpson's weights; W. Kutta (1901)", 3, 3);
+ERK(rk4, "the classical Runge-Kutta method; W. Kutta (1901), HNW II.1 Table 1.2", 4, 4);

@@ -29,6 +29,42 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
     return generic_acceleration(it, t, q, v, a);
 }
 
+/* The pivot of coordinate `last` of M = L D L^T beside its diagonal entry, the others eliminated
+ * first: 1 where they do not share its inertia, 0 where M is singular along it. Or that of an
+ * earlier one which is no more than rounding. NaN where M is unknown or too large for the stack. */
+static pk_real condition(const struct pk_integrator *it, pk_real t, const pk_real *q,
+                         const pk_real *v, size_t last)
+{
+    enum { MOST = 16 };
+    pk_real M[MOST * MOST], ratio = (pk_real)NAN;
+    size_t order[MOST];
+    const size_t n = it->n;
+    if (n > MOST || last >= n || !it->problem.system->mass || it->problem.system->count)
+        return ratio;
+    it->problem.system->mass(it->problem.params, t, q, v, it->u, M);
+    for (size_t i = 0, k = 0; i < n; i++)
+        if (i != last)
+            order[k++] = i;
+    order[n - 1] = last;
+    for (size_t k = 0; k < n; k++) {
+        const size_t row = order[k] * n, at = row + order[k];
+        const pk_real diagonal = M[at];
+        for (size_t j = 0; j < k; j++) /* L below the diagonal, D on it, both in place */
+            M[at] -= M[row + order[j]] * M[row + order[j]] * M[order[j] * n + order[j]];
+        ratio = diagonal > 0 ? M[at] / diagonal : diagonal < 0 ? -PK_C(1.0) : PK_C(0.0);
+        if (!(ratio > PK_PIVOT_MIN))
+            break;
+        for (size_t i = k + 1; i < n; i++) {
+            pk_real *entry = &M[order[i] * n + order[k]];
+            for (size_t j = 0; j < k; j++)
+                *entry -= M[order[i] * n + order[j]] * M[row + order[j]] *
+                          M[order[j] * n + order[j]];
+            *entry /= M[at];
+        }
+    }
+    return ratio;
+}
+
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed)
 {
@@ -37,6 +73,7 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
         return PK_NOT_FINITE;
     it->where = (size_t)failed - 1;
     it->detail = t;
+    it->condition = condition(it, t, q, v, it->where);
     return PK_SINGULAR_MASS;
 }
 

@@ -197,11 +197,8 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
         if (!constant || !(it->flags & PK_HAVE_A)) {
             system->mass(it->problem.params, t, q, v, pk_eval_input(it, t), w->mass);
             const size_t failed = pk_ldl_factor(w->mass, n);
-            if (failed) {
-                it->where = failed - 1;
-                it->detail = t;
-                return PK_SINGULAR_MASS;
-            }
+            if (failed)
+                return pk_eval_failed(it, t, q, v, (int)failed);
             it->flags |= PK_HAVE_A;
         }
         pk_ldl_solve(w->mass, n, r);

@@ -31,6 +31,7 @@ const struct pk_method pk_gauss_adaptive = {
     .dense_order = 16,
     .traits = PK_SYMMETRIC | PK_ADAPTIVE | PK_IMPLICIT | PK_DENSE,
     .needs = PK_SMOOTH,
+    .formula = &pk_gauss8,
     .size = size,
     .init = init,
     .step = step,

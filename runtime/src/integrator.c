@@ -23,7 +23,7 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t n = pk_system_count(system, problem->params);
     const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
     const size_t inputs = system->n_inputs * (1 + PK_LANES);
-    const size_t work = inputs + lane + method->size(method, n);
+    const size_t work = inputs + lane + method->size(method, n) + pk_guard_size(system, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
 }
@@ -66,6 +66,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_REFUSED, 0);
     if (system->count && !system->jacobian && (method->traits & PK_JACOBIANS))
         return fail(it, PK_REFUSED, 0);
+    if (!system->linear && (method->traits & PK_LINEAR))
+        return fail(it, PK_REFUSED, 0);
+    if (system->n_inputs && (method->traits & PK_NO_INPUTS))
+        return fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
     if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))
@@ -78,6 +82,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->u = it->next + PK_PARTS * it->n;
     it->lane = it->u + system->n_inputs * (1 + PK_LANES);
     it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
+    it->guards = system->n_guards ? it->work + method->size(method, it->n) : NULL;
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
     return pk_integrator_reset(it, t0, q0, v0);
@@ -114,9 +119,11 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->t = it->last_t = it->next_t = t;
     it->direction = 0;
     it->trouble = PK_DONE;
+    it->event = 0;
     it->flags = 0;
     it->h = 0;
     it->status = it->method->init(it);
+    pk_guard_start(it);
     it->ready = it->status >= 0;
     return it->status;
 }
@@ -198,6 +205,16 @@ void pk_step_made(struct pk_integrator *it, int fixed)
     }
 }
 
+/* What methods keep of their last step may belong to the one that failed; and where the equations
+ * end, no step follows. */
+static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
+{
+    it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+    if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
+        it->ready = 0;
+    return it->status = status;
+}
+
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = it->n;
@@ -213,11 +230,15 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     enum pk_status status = pk_step_choose(it, limit, fixed);
     if (status < 0)
         return it->status = status;
+    status = pk_guard_here(it);
+    if (status < 0)
+        return stop(it, status);
     status = it->step(it, limit);
     if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
         status = PK_NOT_FINITE;
+    status = status < 0 ? pk_guard_cause(it, status, fixed) : pk_guard_step(it, fixed);
     if (status < 0)
-        return it->status = status;
+        return stop(it, status);
 
     pk_real *left_behind = it->state;
     it->state = it->next;

@@ -16,7 +16,8 @@ enum {
     BAD_TIME,
     BAD_DENSE,
     BAD_ITERATION,
-    BAD_PARAMS
+    BAD_PARAMS,
+    BAD_SCALE
 };
 
 /* it->where of PK_NO_CONVERGENCE, and what it->detail is: the last correction of a fixed-point
@@ -39,6 +40,15 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
                                     const pk_real *v, pk_real *a);
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
+
+/* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at a
+ * start; whether a guard is zero there; after a trial step, which is still it->next; and after one
+ * that failed, whether a guard is its cause. */
+size_t pk_guard_size(const struct pk_system *system, size_t n);
+void pk_guard_start(struct pk_integrator *it);
+enum pk_status pk_guard_here(struct pk_integrator *it);
+enum pk_status pk_guard_step(struct pk_integrator *it, int fixed);
+enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);

@@ -325,6 +325,7 @@ const struct pk_method pk_radau_adaptive = {
     .stages = 3,
     .traits = PK_ADAPTIVE | PK_IMPLICIT | PK_JACOBIANS,
     .table = &pk_radau5_table,
+    .formula = &pk_radau5,
     .size = size,
     .init = init,
     .step = step,

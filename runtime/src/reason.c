@@ -14,6 +14,7 @@ static const char *const bad_argument[] = {
     "the time is outside the last step, or the method has no dense output",
     "newton_tol must be in [0, 1), max_iterations not negative, iteration one of its enum",
     "a parameter was changed without prepare() after it",
+    "da/dq vanishes at the start, so it gives no step: give h_max, and a tolerance instead of h",
 };
 
 static const struct {
@@ -70,6 +71,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs Jacobians; %s keeps its families as loops and has none",
                             it->method->name, system->name);
+        if (!system->linear && (it->method->traits & PK_LINEAR))
+            return snprintf(text, size,
+                            "%s needs the derivatives of the acceleration; %s has none",
+                            it->method->name, system->name);
+        if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
+            return snprintf(text, size,
+                            "%s needs the derivative by time, and %s has inputs, whose is unknown",
+                            it->method->name, system->name);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_OUT_OF_BOUNDS:
         if (it->where < system->n_parameters)
@@ -81,10 +90,19 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_SINGULAR_MASS:
         pk_system_name(system, it->problem.params, system->coordinates, it->where, name,
                        sizeof name);
+        if (!pk_finite(it->condition))
+            return snprintf(text, size,
+                            "%s: pivot of coordinate %s is not positive at t = %.17g; "
+                            "last valid time %.17g",
+                            what, name, (double)it->detail, t);
         return snprintf(text, size,
-                        "%s: pivot of coordinate %s is not positive at t = %.17g; "
+                        "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g; "
                         "last valid time %.17g",
-                        what, name, (double)it->detail, t);
+                        what, name, (double)it->condition, (double)it->detail, t);
+    case PK_SINGULAR_TIME:
+    case PK_SINGULAR_COORDINATES:
+        return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
+                        system->guards[it->where].what.name, (double)it->detail, t);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:
@@ -93,12 +111,26 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "not to %.6g: make the step shorter; last valid time %.17g",
                         what, (double)it->detail, (double)pk_abs(it->h), t);
     case PK_STEP_UNDERFLOW:
+        if (it->detail < 0) /* adaptive_verlet's */
+            return snprintf(text, size,
+                            "%s cannot follow: the time scale changes too much within a step; give "
+                            "a smaller one, or h_max; last valid time %.17g",
+                            it->method->name, t);
         return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
                         (double)it->detail, t);
     case PK_TOO_MANY_STEPS:
         return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
-    case PK_DONE:
     case PK_STOPPED_EVENT:
+        if (it->event)
+            return snprintf(text, size, "stopped at event %s at t = %.17g",
+                            system->events[it->event - 1].what.name, t);
+        return snprintf(text, size, "%s at t = %.17g", what, t);
+    case PK_NOT_FINITE:
+        if (it->event)
+            return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
+                            system->events[it->event - 1].what.name, t);
+        return snprintf(text, size, "%s; last valid time %.17g", what, t);
+    case PK_DONE:
     case PK_STOPPED_USER:
         return snprintf(text, size, "%s at t = %.17g", what, t);
     default:

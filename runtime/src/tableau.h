@@ -15,15 +15,24 @@ struct pk_gauss {
 };
 
 extern const struct pk_gauss pk_radau5_table, pk_radau9_table;
-extern const struct pk_method pk_euler, pk_rk4, pk_dopri5, pk_dop853;
-extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4;
+extern const struct pk_method pk_euler, pk_rk2, pk_rk3, pk_rk4, pk_dopri5, pk_dop853;
+extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4, pk_suzuki4;
+extern const struct pk_method pk_mclachlan4, pk_blanes_moan4, pk_yoshida6, pk_kahan_li6;
+extern const struct pk_method pk_blanes_moan6, pk_yoshida8, pk_kahan_li8;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
 extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
 extern const struct pk_method pk_lobatto2, pk_lobatto3, pk_lobatto4, pk_radau5, pk_radau9;
-extern const struct pk_method pk_gauss_adaptive, pk_radau_adaptive;
+extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive, pk_radau_adaptive;
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+/* Those of an explicit Runge-Kutta method, adaptive or not. */
+const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
+const struct pk_tableau *pk_embedded_table(const struct pk_method *method);
+
+enum { PK_MOST_STAGES = 16 };
+/* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
+int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
 size_t pk_gauss_size(const struct pk_method *method, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);

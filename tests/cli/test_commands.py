@@ -173,17 +173,6 @@ def test_commands_to_come_are_no_models(pkgen) -> None:
     assert done.returncode == 2 and "'chart' is not there yet" in done.stderr
 
 
-def test_a_scene_is_refused_with_its_place(pkgen, tmp_path: Path) -> None:
-    model = tmp_path / "scenes.lag"
-    model.write_text(DOUBLE.read_text() + "\nscene butterfly\n  until 5 [s]\nend\n")
-    line = len(model.read_text().splitlines()) - 2
-    for command in (["run", model], [model, "-o", tmp_path]):
-        done = pkgen(*command, "--scene", "butterfly")
-        assert done.returncode == 2 and f"scenes.lag:{line}:" in done.stderr
-    assert not (tmp_path / "double_pendulum.c").exists()
-    assert pkgen("check", model).returncode == 0
-
-
 def test_the_drift_of_a_constant_that_is_zero_says_so(pkgen) -> None:
     # The cart starts at rest: its momentum is 0 but for error, and so is what it is relative to.
     model = ROOT / "tests/models/written/spherical_pendulum_cart.lag"

@@ -157,7 +157,8 @@ def model(
         observed=definitions(observed),
         conserved=definitions(conserved),
         starts=tuple(start(n, value) for n, value in (starts or {}).items()),
-        deferred=(),
+        events=(),
+        scenes=(),
         span=HERE,
     )
 

@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 from pkgen.back import lower, render
+from pkgen.back.kernels import KERNELS
 from pkgen.back.program import Program
 from pkgen.equations import Equations
 from pkgen.front import check
@@ -26,6 +27,8 @@ STRICT = [
     "-Werror",
 ]
 COMPILERS = ("gcc", "clang")
+# Warnings that need optimisation are the same in every type: the others are only read.
+THOROUGHLY = {"float": ["-fsyntax-only"], "double": ["-O2", "-c"], "long double": ["-fsyntax-only"]}
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
 
 # Every helper, every kind of power, an input, dissipation, families, names that are macros.
@@ -50,6 +53,9 @@ force gamma = push*cos(p)
 observe far = q[2] + p
 observe near = atan2(p, 2 + gamma)
 conserve nothing = I*p'
+event meet: q[2] + p - 0.1*t rising stop  # where ??/ they meet
+event work: energy - push*gamma' + far falling
+event turn: p_gamma
 start q[1] = 0.2, p = 0.3, gamma' = pi/2
 """
 
@@ -113,7 +119,7 @@ class Loaded:
         flags = None if given is None else (ctypes.c_ubyte * len(given))(*given)
         self.function("derive", None)(self.params, flags)
 
-    def call(self, kernel: str, t=0.0, q=(), v=(), u=()) -> tuple[object, list[list[float]]]:
+    def call(self, kernel: str, t=0.0, q=(), v=(), u=(), a=()) -> tuple[object, list[list[float]]]:
         """What a kernel returns and the arrays that it writes."""
         spec = self.program.kernel(kernel)
         assert spec is not None, kernel
@@ -121,6 +127,9 @@ class Loaded:
             kernel, {"int": ctypes.c_int, "void": None, "pk_real": ctypes.c_double}[spec.result]
         )
         outputs = [(ctypes.c_double * o.length)(*[9.875] * o.length) for o in spec.outputs]
-        arrays = [(ctypes.c_double * max(1, len(x)))(*x) for x in (q, v, u)]
+        arrays = [
+            (ctypes.c_double * max(1, len(x)))(*x)
+            for x in (q, v, u, *([a] * len(KERNELS[kernel].given)))
+        ]
         result = function(self.params, ctypes.c_double(t), *arrays, *outputs)
         return result, [list(o) for o in outputs]

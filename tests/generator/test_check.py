@@ -106,7 +106,7 @@ def test_units_of_scenes_do_not_count():
     text = "model test\ncoord x\nkinetic x'^2/2\nscene a\n  until 5 [s]\nend\n"
     model = model_of(text)
     assert model.dimensionless
-    assert [(d.kind, d.name) for d in model.deferred] == [("scene", "a")]
+    assert [s.name for s in model.scenes] == ["a"]
 
 
 def test_bare_numbers_take_the_unit_of_their_target():

@@ -246,3 +246,12 @@ def test_the_same_for_every_hash_seed(tmp_path):
 
 def test_expressions_of_the_builder_have_a_place():
     assert replace(links(2)).kinetic[0].span == expression("1").span
+
+
+def test_a_large_linearisation_has_to_be_asked_for():
+    chain = model(sizes={"n": 17}, coords=("q[1..n]",), kinetic="S('i', 1, n, D(q[i])**2)")
+    assert derive(chain).linear is None
+    assert derive(chain, frozenset({"linear"})).linear is not None
+    small = model(sizes={"n": 16}, coords=("q[1..n]",), kinetic="S('i', 1, n, D(q[i])**2)")
+    assert derive(small).linear is not None
+    assert derive(small, frozenset({"mass"})).linear is None

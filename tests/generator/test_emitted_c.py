@@ -11,6 +11,7 @@ from c_harness import (
     ODD,
     ROOT,
     STRICT,
+    THOROUGHLY,
     TYPES,
     read_model,
     read_text,
@@ -38,7 +39,7 @@ def test_no_warnings(model, compiler, scalar, tmp_path):
     _, program = model
     name = program.equations.model.name
     write(program, tmp_path, self_test=True)
-    flags = [*STRICT, "-O2", *TYPES[scalar], "-c", "-o", "x.o"]
+    flags = [*STRICT, *TYPES[scalar], *THOROUGHLY[scalar], "-o", "x.o"]
     run(compiler, *flags, f"{name}.c", cwd=tmp_path)
     run(compiler, *flags, *RUNTIME, f"{name}.c", cwd=tmp_path)
     run(compiler, *flags, *INLINED, f"{name}.c", cwd=tmp_path)

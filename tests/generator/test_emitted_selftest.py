@@ -32,6 +32,7 @@ BROKEN = [
     "momenta",
     "gradient",
     "jacobian",
+    "linear",
     "energy",
     "lagrangian",
     "kinetic",

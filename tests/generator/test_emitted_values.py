@@ -31,11 +31,12 @@ def test_values_are_those_of_the_graph(model, compiler, tmp_path):
         for i, slot in enumerate(equations.parameters):
             loaded.params[i] = rng.uniform(0.5, 2) * (-1 if slot.lo is None and i % 2 else 1)
         assert loaded.prepare() == 0
-        t, q, v, u = (
+        t, q, v, u, a = (
             rng.uniform(0, 3),
             [rng.uniform(-2, 2) for _ in range(n)],
             [rng.uniform(-2, 2) for _ in range(n)],
             [rng.uniform(-2, 2) for _ in equations.inputs],
+            [rng.uniform(-2, 2) for _ in range(n)],
         )
         values = {Symbol(Kind.TIME): t}
         for kind, row in [
@@ -43,10 +44,11 @@ def test_values_are_those_of_the_graph(model, compiler, tmp_path):
             (Kind.COORDINATE, q),
             (Kind.RATE, v),
             (Kind.INPUT, u),
+            (Kind.ACCELERATION, a),
         ]:
             values |= {Symbol(kind, i): x for i, x in enumerate(row)}
         for kernel in program.kernels:
-            result, outputs = loaded.call(kernel.name, t, q, v, u)
+            result, outputs = loaded.call(kernel.name, t, q, v, u, a)
             if kernel.result == "int":
                 assert result == 0
             by_name = {o.name: x for o, x in zip(kernel.outputs, outputs, strict=True)}

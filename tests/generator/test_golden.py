@@ -1,5 +1,5 @@
-"""Four models' C, one with its families as loops, kept under version control so that every change
-of the output is seen.
+"""Five models' C, one with its families as loops, one with events, kept under version control so
+that every change of the output is seen.
 
 After a wanted change: PKGEN_UPDATE=1 pytest tests/generator/test_golden.py  (make golden)
 """
@@ -18,13 +18,16 @@ from pkgen.source import Source
 GOLDEN = ROOT / "tests" / "golden"
 UNROLLED = ("coupled_oscillators", "double_pendulum", "heavy_top")
 LOOPED = ("fput",)
-NAMES = UNROLLED + LOOPED
+WITH_EVENTS = ("thrown_stone",)
+NAMES = UNROLLED + LOOPED + WITH_EVENTS
 
 
 def files_of(name: str) -> dict[str, str]:
     if name in LOOPED:
         path = ROOT / "models" / "families" / f"{name}.lag"
         return compile_model(Source(path.name, path.read_text(encoding="utf-8"))).files
+    if name in WITH_EVENTS:
+        return render(read_model(ROOT / "models" / "events" / f"{name}.lag")[1])
     _, program = read_model(next(p for p in MODELS if p.stem == name))
     return render(program)
 

@@ -16,7 +16,12 @@ VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonica
 SCALARS = ("energy", "lagrangian", "kinetic", "potential")
 
 
-@pytest.mark.parametrize("name", MODELS)
+SLOW = {"paired"}  # 70 members unrolled
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.long] if n in SLOW else []) for n in MODELS]
+)
 def test_loops_equal_the_unrolled_code(name, tmp_path):
     text, sizes = MODELS[name]
     loops = Looped(text, tmp_path / "loops")

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from c_harness import COMPILERS, ROOT, STRICT, TYPES, run
+from c_harness import COMPILERS, ROOT, STRICT, THOROUGHLY, TYPES, run
 from loop_models import FPUT, MODELS
 from pkgen.compiler import compile_model
 from pkgen.source import Source
@@ -26,12 +26,13 @@ def emitted(text: str, directory, sizes=None) -> str:
 @pytest.mark.parametrize("name", ["ring", "paired", "cart", "wheel", "spin", "lattice"])
 def test_clean_in_every_type(name, compiler, tmp_path):
     model = emitted(MODELS[name][0], tmp_path)
-    for flags in TYPES.values():
+    for scalar, flags in TYPES.items():
         for more in ([], RUNTIME):
-            run(compiler, *STRICT, *flags, *more, "-O2", "-c", f"{model}.c", cwd=tmp_path)
+            how = [*STRICT, *flags, *more, *THOROUGHLY[scalar]]
+            run(compiler, *how, f"{model}.c", cwd=tmp_path)
     if compiler == "gcc":
         strict = [flag for flag in STRICT if flag != "-Wpedantic"]
-        run("gcc", *strict, "-DPK_FLOAT128", "-O2", "-c", f"{model}.c", cwd=tmp_path)
+        run("gcc", *strict, "-DPK_FLOAT128", "-fsyntax-only", f"{model}.c", cwd=tmp_path)
 
 
 USE = """\

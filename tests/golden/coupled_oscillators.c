@@ -363,6 +363,34 @@ void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk
     pdot_q[4] = -p->c_[4];
 }
 
+/* derivatives of r = f - M a by q, v and t, with a and the inputs held. 2 operations: 2 neg. */
+void coupled_oscillators_linear(const struct coupled_oscillators_params *p, pk_real t,
+                                const pk_real *q, const pk_real *v, const pk_real *u,
+                                const pk_real *a, pk_real *restrict r_q, pk_real *restrict r_v,
+                                pk_real *restrict r_t)
+{
+    (void)t;
+    (void)q;
+    (void)v;
+    (void)u;
+    (void)a;
+
+    for (size_t k = 0; k < 9; k++)
+        r_v[k] = 0;
+    r_q[0] = -p->c_[3];
+    r_q[8] = r_q[0];
+    r_q[1] = p->kc;
+    r_q[3] = r_q[1];
+    r_q[5] = r_q[1];
+    r_q[7] = r_q[1];
+    r_q[2] = 0;
+    r_q[6] = 0;
+    r_t[0] = 0;
+    r_t[1] = 0;
+    r_t[2] = 0;
+    r_q[4] = -p->c_[4];
+}
+
 /* h = v.p - L. 18 operations: 6 +, 2 -, 10 *. */
 pk_real coupled_oscillators_energy(const struct coupled_oscillators_params *p, pk_real t,
                                    const pk_real *q, const pk_real *v, const pk_real *u)
@@ -532,6 +560,13 @@ static void coupled_oscillators_sys_jacobian(const void *p, pk_real t, const pk_
     coupled_oscillators_jacobian(p, t, q, v, u, p_q, pdot_q, pdot_v);
 }
 
+static void coupled_oscillators_sys_linear(const void *p, pk_real t, const pk_real *q,
+                                           const pk_real *v, const pk_real *u, const pk_real *a,
+                                           pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    coupled_oscillators_linear(p, t, q, v, u, a, r_q, r_v, r_t);
+}
+
 static pk_real coupled_oscillators_sys_energy(const void *p, pk_real t, const pk_real *q,
                                               const pk_real *v, const pk_real *u)
 {
@@ -601,6 +636,11 @@ const struct pk_system coupled_oscillators_system = {
     .potential = coupled_oscillators_sys_potential,
     .observe = NULL,
     .conserve = NULL,
+    .linear = coupled_oscillators_sys_linear,
+    .guard = NULL,
+    .event = NULL,
+    .n_guards = 0,
+    .guards = NULL,
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };

@@ -40,6 +40,7 @@
  *   momenta       3 operations: 3 *
  *   gradient      9 operations: 1 +, 4 -, 4 *
  *   jacobian      2 operations: 2 neg
+ *   linear        2 operations: 2 neg
  *   energy        18 operations: 6 +, 2 -, 10 *
  *   lagrangian    18 operations: 5 +, 3 -, 10 *
  *   kinetic       6 operations: 2 +, 4 *
@@ -275,6 +276,15 @@ void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk
 void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
                                   pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
+
+/* derivatives of r = f - M a by q, v and t, with a and the inputs held
+ *   r_q[3*3]: r_q[i*3 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
+ *   r_v[3*3]: r_v[i*3 + j] = dr_i/dv_j
+ *   r_t[3]
+ * 2 operations: 2 neg. */
+void coupled_oscillators_linear(const struct coupled_oscillators_params *p, pk_real t,
+                                const pk_real *q, const pk_real *v, const pk_real *u,
+                                const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
 
 /* h = v.p - L
  *   returned in J

@@ -39,11 +39,12 @@
  *   momenta       15 operations: 3 +, 8 *, 2 cos, 2 sin
  *   gradient      15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin
  *   jacobian      25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin
+ *   linear        32 operations: 3 +, 4 -, 18 *, 3 neg, 2 cos, 2 sin
  *   energy        19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin
  *   lagrangian    19 operations: 5 +, 10 *, 2 cos, 2 sin
  *   kinetic       15 operations: 3 +, 8 *, 2 cos, 2 sin
  *   potential     6 operations: 1 -, 2 *, 1 neg, 2 cos
- *   prepare       28 operations: 3 +, 24 *, 1 /
+ *   prepare       29 operations: 3 +, 25 *, 1 /
  *
  * MIT No Attribution (MIT-0)
  *
@@ -189,7 +190,7 @@ struct double_pendulum_params {
  /* lower rod [m] in (0, inf) */
     pk_real g;
  /* gravity [m/s^2] */
-    pk_real c_[12]; /* computed by double_pendulum_prepare(); do not set */
+    pk_real c_[13]; /* computed by double_pendulum_prepare(); do not set */
 };
 
 /* Sets every parameter to its default and calls double_pendulum_prepare(). */
@@ -274,6 +275,15 @@ void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t,
 void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                               pk_real *pdot_v);
+
+/* derivatives of r = f - M a by q, v and t, with a and the inputs held
+ *   r_q[2*2]: r_q[i*2 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
+ *   r_v[2*2]: r_v[i*2 + j] = dr_i/dv_j
+ *   r_t[2]
+ * 32 operations: 3 +, 4 -, 18 *, 3 neg, 2 cos, 2 sin. */
+void double_pendulum_linear(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
+                            const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
+                            pk_real *r_v, pk_real *r_t);
 
 /* h = v.p - L
  *   returned in J

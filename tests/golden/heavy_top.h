@@ -39,10 +39,12 @@
  *   momenta       12 operations: 2 +, 8 *, 1 cos, 1 sin
  *   gradient      9 operations: 1 +, 1 -, 5 *, 1 cos, 1 sin
  *   jacobian      21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin
+ *   linear        45 operations: 4 +, 5 -, 33 *, 1 neg, 1 cos, 1 sin
  *   energy        15 operations: 4 +, 9 *, 1 cos, 1 sin
  *   lagrangian    15 operations: 3 +, 1 -, 9 *, 1 cos, 1 sin
  *   kinetic       13 operations: 3 +, 8 *, 1 cos, 1 sin
  *   potential     2 operations: 1 *, 1 cos
+ *   guard         1 operation: 1 sin
  *   conserve      4 operations: 1 +, 2 *, 1 cos
  *   prepare       16 operations: 5 -, 10 *, 1 /
  *
@@ -281,6 +283,15 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
                         const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                         pk_real *pdot_v);
 
+/* derivatives of r = f - M a by q, v and t, with a and the inputs held
+ *   r_q[3*3]: r_q[i*3 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
+ *   r_v[3*3]: r_v[i*3 + j] = dr_i/dv_j
+ *   r_t[3]
+ * 45 operations: 4 +, 5 -, 33 *, 1 neg, 1 cos, 1 sin. */
+void heavy_top_linear(const struct heavy_top_params *p, pk_real t, const pk_real *q,
+                      const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
+                      pk_real *r_v, pk_real *r_t);
+
 /* h = v.p - L
  *   returned in J
  * 15 operations: 4 +, 9 *, 1 cos, 1 sin. */
@@ -304,6 +315,12 @@ pk_real heavy_top_kinetic(const struct heavy_top_params *p, pk_real t, const pk_
  * 2 operations: 1 *, 1 cos. */
 pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u);
+
+/* what the equations divide by, or take a root or a logarithm of: they end where it is 0
+ *   out[1]: sin(theta)
+ * 1 operation: 1 sin. */
+void heavy_top_guard(const struct heavy_top_params *p, pk_real t, const pk_real *q,
+                     const pk_real *v, const pk_real *u, pk_real *out);
 
 /* quantities claimed to be constant
  *   out[1]: p_axis [kg*m^2/s]

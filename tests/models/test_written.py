@@ -46,6 +46,7 @@ def shaken_pendulum():
     return L, [th], -c * sp.diff(th, t), [np.pi - 0.2, 0]
 
 
+SLOW = {"spherical_pendulum_cart"}  # for SymPy
 CASES = {f.__name__: f for f in (spherical_pendulum_cart, magnetic_charge, shaken_pendulum)}
 
 
@@ -76,7 +77,9 @@ def independent(case, until: float, steps: int) -> np.ndarray:
     return y
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.long] if n in SLOW else []) for n in CASES]
+)
 def test_motion(pkgen, name: str) -> None:
     until = 0.5
     model = HERE / f"{name}.lag"

@@ -51,6 +51,14 @@ for bad in "method nosuch\n" "method rk4\nuntil x\n" "param 9 1\n" "start q 7 1\
     check "usage error for $bad" [ $code -eq 2 ]
     check "and says why" [ -s "$tmp/err" ]
 done
+for bad in "show q 1\n" "show observed 0\n" "show\n" "show what 0\n" "at 0\n"; do
+    run run_pendulum "$bad"
+    check "what is not there cannot be in a row: $bad" [ $code -eq 2 ]
+done
+run run_pendulum "method rk4\nuntil 1\nevery 0.5\nstep 0.1\nshow v 0\nshow energy\nshow v 0\n"
+check "columns as asked for" [ "$(sed -n 1p "$tmp/out.csv")" = "t,x',energy,x'" ]
+check "and their rows" [ "$(wc -l <"$tmp/out.csv")" -eq 4 ]
+check "a column is the same wherever it stands" [ "$(cut -d, -f2 "$tmp/out.csv")" = "$(cut -d, -f4 "$tmp/out.csv")" ]
 run run_pendulum "column q 0\ncolumn q 7\n"
 check "a column that is not there: exit 2" [ $code -eq 2 ]
 run run_pendulum "method rk4\nuntil 1\nstep .1\nparam 0 -1\n"
@@ -116,8 +124,11 @@ check "progress was shown" grep -q '^progress ' "$tmp/err"
 check "not too often" [ "$(grep -c '^progress ' "$tmp/err")" -le 9 ]
 check "methods are JSON lines" sh -c "'$dir/run_pendulum' --methods | python3 -c '
 import json, sys
-names = [json.loads(l)[\"name\"] for l in sys.stdin]
-assert len(names) == 18 and \"gauss8\" in names and \"gsl_msadams\" in names, names'"
+found = {m[\"name\"]: m for m in map(json.loads, sys.stdin)}
+assert len(found) >= 32 and \"gauss8\" in found and \"gsl_msadams\" in found, list(found)
+assert abs(found[\"rk4\"][\"limits\"][\"real\"] - 2.7852935634) < 1e-9, found[\"rk4\"]
+assert found[\"gauss4\"][\"limits\"][\"imaginary\"] == \"infinite\", found[\"gauss4\"]
+assert found[\"verlet\"][\"limits\"][\"real\"] is None, found[\"verlet\"]'"
 
 echo "driver: $count checks passed"
 exit $failed

@@ -48,6 +48,11 @@ void add_limits(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);
+void add_adaptive_verlet(void);
+void add_linear(void);
+void add_guard(void);
+void add_after_failure(void);
+void add_events(void);
 void add_branch(void);
 void add_implicit(void);
 

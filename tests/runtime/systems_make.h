@@ -136,8 +136,9 @@ static const unsigned char none_cyclic[] = {0, 0};
 #define GENERAL (NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_SEPARABLE))
 #define DRIVEN (NATURAL & ~(unsigned)(PK_AUTONOMOUS | PK_CONSERVATIVE))
 
-/* One degree of freedom and M = 1: all kernels from V(q, t), its derivatives, and nothing else. */
-#define POINT_MASS(NAME, V, FORCE, DFORCE)                                                   \
+/* One degree of freedom and M = 1: all kernels from V(q, t), the force, and its derivatives by q
+ * and t. */
+#define POINT_MASS(NAME, V, FORCE, DFORCE, TFORCE)                                                  \
     static int NAME##_acceleration(ARGS, pk_real *a)                                        \
     {                                                                                       \
         UNUSED;                                                                             \
@@ -171,6 +172,15 @@ static const unsigned char none_cyclic[] = {0, 0};
         p_q[0] = 0;                                                                         \
         pdot_q[0] = DFORCE;                                                                 \
         pdot_v[0] = 0;                                                                      \
+    }                                                                                       \
+    static void NAME##_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v,           \
+                              pk_real *r_t)                                                 \
+    {                                                                                       \
+        UNUSED;                                                                             \
+        (void)a;                                                                            \
+        r_q[0] = DFORCE;                                                                    \
+        r_v[0] = 0;                                                                         \
+        r_t[0] = TFORCE;                                                                    \
     }                                                                                       \
     static pk_real NAME##_energy(ARGS)                                                      \
     {                                                                                       \

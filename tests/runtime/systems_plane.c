@@ -58,6 +58,19 @@ static void double_pendulum_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_rea
     pdot_v[0] = -s * v[1], pdot_v[1] = -s * v[0];
     pdot_v[2] = s * v[1], pdot_v[3] = s * v[0];
 }
+static void double_pendulum_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v,
+                                   pk_real *r_t)
+{
+    const pk_real s = PK_F(sin)(q[0] - q[1]), c = PK_F(cos)(q[0] - q[1]);
+    UNUSED;
+    r_q[1] = c * v[1] * v[1] - s * a[1];
+    r_q[0] = -r_q[1] - 2 * G(params) * PK_F(cos)(q[0]);
+    r_q[2] = c * v[0] * v[0] + s * a[0];
+    r_q[3] = -r_q[2] - G(params) * PK_F(cos)(q[1]);
+    r_v[0] = r_v[3] = r_t[0] = r_t[1] = 0;
+    r_v[1] = -2 * s * v[1];
+    r_v[2] = 2 * s * v[0];
+}
 static pk_real double_pendulum_energy(ARGS)
 {
     UNUSED;
@@ -69,7 +82,7 @@ SIZES(double_pendulum, 2, 0)
 #define PK_MODEL(x) double_pendulum_##x
 #include <pk/inlined.h>
 SYSTEM(double_pendulum, 2, GENERAL, PK_C(9.81), 0, none_cyclic, LIST(PK_C(1.3), PK_C(-0.9)),
-       LIST(PK_C(0.2), PK_C(0.4)), );
+       LIST(PK_C(0.2), PK_C(0.4)), .linear = double_pendulum_linear);
 
 /* Kepler, L = v^2/2 + mu/r. */
 static void kepler_gradient(ARGS, pk_real *d)
@@ -106,6 +119,13 @@ static void kepler_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v
         pdot_q[i] = k * (3 * q[i / 2] * q[i % 2] / r2 - (i / 2 == i % 2 ? 1 : 0));
     }
 }
+static void kepler_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    pk_real none[4];
+    (void)a;
+    kepler_jacobian(params, t, q, v, u, none, r_q, r_v);
+    r_t[0] = r_t[1] = 0;
+}
 static pk_real kepler_energy(ARGS)
 {
     UNUSED;
@@ -122,7 +142,7 @@ SIZES(kepler, 2, 0)
 #include <pk/inlined.h>
 SYSTEM(kepler, 2, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.4), PK_C(0.0)),
        LIST(PK_C(0.0), PK_C(2.0)), .n_conserved = 1, .conserved = angular,
-       .conserve = kepler_conserve);
+       .conserve = kepler_conserve, .linear = kepler_linear);
 
 /* Restricted three bodies, mu = .012277471. */
 static int arenstorf_acceleration(ARGS, pk_real *a)

@@ -6,35 +6,39 @@
 static const struct pk_quantity inputs[] = {{"u", "", ""}};
 
 POINT_MASS(pendulum, -G(params) * PK_F(cos)(q[0]), -G(params) * PK_F(sin)(q[0]),
-           -G(params) * PK_F(cos)(q[0]))
+           -G(params) * PK_F(cos)(q[0]), 0)
 SIZES(pendulum, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) pendulum_##x
 #include <pk/inlined.h>
-SYSTEM(pendulum, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(2.385)), LIST(PK_C(0.13)), );
+SYSTEM(pendulum, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(2.385)), LIST(PK_C(0.13)),
+       .linear = pendulum_linear);
 
-POINT_MASS(oscillator, G(params) * q[0] * q[0] / 2, -G(params) * q[0], -G(params))
+POINT_MASS(oscillator, G(params) * q[0] * q[0] / 2, -G(params) * q[0], -G(params), 0)
 SIZES(oscillator, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) oscillator_##x
 #include <pk/inlined.h>
-SYSTEM(oscillator, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)), );
+SYSTEM(oscillator, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
+       .linear = oscillator_linear);
 
 POINT_MASS(stiffening, G(params) * q[0] * q[0] * (1 + q[0] * q[0] / 2) / 2,
-           -G(params) * q[0] * (1 + q[0] * q[0]), -G(params) * (1 + 3 * q[0] * q[0]))
+           -G(params) * q[0] * (1 + q[0] * q[0]), -G(params) * (1 + 3 * q[0] * q[0]), 0)
 SIZES(stiffening, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) stiffening_##x
 #include <pk/inlined.h>
-SYSTEM(stiffening, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(1.3)), LIST(PK_C(0.2)), );
+SYSTEM(stiffening, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(1.3)), LIST(PK_C(0.2)),
+       .linear = stiffening_linear);
 
 POINT_MASS(driven, G(params) * q[0] * q[0] / 2 - q[0] * PK_F(cos)(3 * t),
-           -G(params) * q[0] + PK_F(cos)(3 * t), -G(params))
+           -G(params) * q[0] + PK_F(cos)(3 * t), -G(params), -3 * PK_F(sin)(3 * t))
 SIZES(driven, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) driven_##x
 #include <pk/inlined.h>
-SYSTEM(driven, 1, DRIVEN, PK_C(2.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)), );
+SYSTEM(driven, 1, DRIVEN, PK_C(2.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
+       .linear = driven_linear);
 
 void driven_exact(pk_real t, pk_real *q, pk_real *v)
 {
@@ -44,10 +48,10 @@ void driven_exact(pk_real t, pk_real *q, pk_real *v)
     *v = -3 * A * PK_F(sin)(3 * t) - a * w * PK_F(sin)(w * t) + b * w * PK_F(cos)(w * t);
 }
 
-POINT_MASS(pushed, 0, u[0], 0)
+POINT_MASS(pushed, 0, u[0], 0, 0)
 SIZES(pushed, 1, 1)
 #undef PK_MODEL
 #define PK_MODEL(x) pushed_##x
 #include <pk/inlined.h>
 SYSTEM(pushed, 1, DRIVEN, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
-       .n_inputs = 1, .inputs = inputs);
+       .n_inputs = 1, .inputs = inputs, .linear = pushed_linear);

@@ -42,7 +42,8 @@ static enum pk_status run(struct fixture *f, const struct pk_system *system, con
 
 static void as_single_steps(void)
 {
-    static const char *const methods[] = {"symplectic_euler", "verlet", "yoshida4"};
+    static const char *const methods[] = {"symplectic_euler", "verlet", "yoshida4", "kahan_li8",
+                                          "blanes_moan6"};
     static struct fixture one, all;
     for (size_t k = 0; k < sizeof methods / sizeof *methods; k++)
         for (double t_end = -3.00025; t_end < 4; t_end += 6.0005) {

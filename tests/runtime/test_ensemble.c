@@ -115,6 +115,8 @@ static const struct {
              {&pushed_system, "rk4", 0.01},            {&forced_system, "rk4", 0.01},
              {&driven_system, "verlet", 0.01},         {&driven_system, "yoshida4", 0.01},
              {&pendulum_system, "symplectic_euler", 0.01},
+             {&double_pendulum_system, "rk3", 0.01},   {&driven_system, "blanes_moan6", 0.05},
+             {&driven_system, "kahan_li8", 0.05},      {&pendulum_system, "adaptive_verlet", 0.01},
              {&double_pendulum_system, "gauss2", 0.05}, {&double_pendulum_system, "dop853", 0},
              {&kepler_system, "dopri5", 0}};
 

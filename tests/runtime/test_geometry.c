@@ -120,9 +120,11 @@ static double reversal(const struct pk_system *system, const char *method)
 
 static void reversible(void)
 {
-    static const char *const symmetric[] = {"verlet", "yoshida4", "gauss1", "gauss4"};
-    for (int i = 0; i < 4; i++)
-        CU_ASSERT(reversal(&pendulum_system, symmetric[i]) < 1e-13);
+    for (size_t i = 0; pk_method_at(i); i++) {
+        const unsigned traits = pk_method_at(i)->traits;
+        if ((traits & PK_SYMMETRIC) && !(traits & PK_ADAPTIVE))
+            CU_ASSERT(reversal(&pendulum_system, pk_method_at(i)->name) < 1e-13);
+    }
     CU_ASSERT(reversal(&double_pendulum_system, "gauss2") < 1e-12);
     CU_ASSERT(reversal(&pendulum_system, "symplectic_euler") > 1e-4);
     CU_ASSERT(reversal(&double_pendulum_system, "rk4") > 1e-10);

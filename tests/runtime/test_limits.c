@@ -1,39 +1,145 @@
-/* Linear limits of the step on q'' = -q: bounded at .999 of the limit, growing at 1.001. The
- * predictions are closed forms: 2, 2, 1.5734019474 for symplectic Euler, Verlet, Yoshida4; 2 sqrt 2
- * for RK4 on the imaginary axis; and h omega < 2, 2 sqrt 3, 4.6443707 for fixed-point iteration of
- * Gauss with 1, 2, 3 stages (spectral radius of h^2 A^2), where Newton has no limit.
+/* Linear limits of the step (pk/limits.h). Predictions, closed forms or roots of the polynomials
+ * found elsewhere: 2, 2, 1.5734019474, 2.2690579964, 2.7209745386, 2.5326273883 for symplectic
+ * Euler, Verlet, Yoshida 4 and 6, Suzuki 4, Kahan-Li 6; on the imaginary axis 0, sqrt 3, 2 sqrt 2,
+ * 0.9971890086 for RK2, RK3, RK4, DOPRI5, on the real one 2, 2.5127453266, 2.7852935634 for RK2,
+ * RK3, RK4. And what tables say is what steps do: bounded at .999 of a limit, growing at 1.001 as
+ * fast as the map does. h omega < 2, 2 sqrt 3, 4.6443707 for fixed-point iteration of Gauss with 1,
+ * 2, 3 stages (spectral radius of h^2 A^2), where Newton has no limit.
  */
 #include "fixture.h"
 
-static double growth(const char *method, double h, int steps)
-{
-    static struct fixture f;
-    fixture_set(&f, &oscillator_system);
-    f.options.h = h;
-    CU_ASSERT_FATAL(fixture_init(&f, method) == PK_DONE);
-    for (int i = 0; i < steps; i++)
-        if (pk_integrator_step(&f.it, 1e9) < 0)
-            return (double)INFINITY;
-    return fabs(f.it.q[0]) + fabs(f.it.v[0]);
-}
-
-static void stability(void)
+static void predicted(void)
 {
     static const struct {
         const char *name;
-        double limit;
-    } row[] = {{"symplectic_euler", 2}, {"verlet", 2}, {"yoshida4", 1.5734019474},
-               {"rk4", 2.8284271247}};
-    for (int i = 0; i < 4; i++) {
-        const double below = growth(row[i].name, 0.999 * row[i].limit, 4000);
-        const double above = growth(row[i].name, 1.001 * row[i].limit, 4000);
-        printf("\n    %-16s .999: %.3g, 1.001: %.3g", row[i].name, below, above);
-        CU_ASSERT(below < 300 && above > 1e6);
-        if (i < 3)
-            CU_ASSERT(below > 1e-6);
+        double imaginary, real; /* real < 0: has none */
+    } row[] = {{"euler", 0, 2},
+               {"rk2", 0, 2},
+               {"rk3", 1.7320508076, 2.5127453266},
+               {"rk4", 2.8284271247, 2.7852935634},
+               {"dopri5", 0.9971890086, 3.3065678926},
+               {"symplectic_euler", 2, -1},
+               {"verlet", 2, -1},
+               {"adaptive_verlet", 2, -1},
+               {"yoshida4", 1.5734019474, -1},
+               {"suzuki4", 2.7209745386, -1},
+               {"yoshida6", 2.2690579964, -1},
+               {"kahan_li6", 2.5326273883, -1}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        const struct pk_method *m = pk_method_find(row[i].name);
+        const double imaginary = pk_method_limit(m, PK_AXIS_IMAGINARY);
+        const double real = pk_method_limit(m, PK_AXIS_REAL);
+        printf("\n    %-16s %.10f %.10f", m->name, imaginary, real);
+        CU_ASSERT(fabs(imaginary - row[i].imaginary) < 1e-10);
+        CU_ASSERT(row[i].real < 0 ? real != real : fabs(real - row[i].real) < 1e-10);
     }
-    CU_ASSERT(growth("euler", 0.1, 1000) > 50); /* no limit at all */
-    CU_ASSERT(growth("gauss1", 50, 1000) < 60 && growth("gauss4", 50, 1000) < 60);
+    static const char *const unlimited[] = {"gauss1", "gauss4", "gauss8", "gauss"};
+    for (size_t i = 0; i < 4; i++)
+        for (int axis = 0; axis < 2; axis++)
+            CU_ASSERT(pk_method_limit(pk_method_find(unlimited[i]), (enum pk_axis)axis) > 1e30);
+    const double none = pk_method_limit(pk_gsl_method_find("gsl_rk8pd"), PK_AXIS_IMAGINARY);
+    CU_ASSERT(none != none);
+}
+
+/* The logarithm of what n steps of y make of the amplitude, per step. */
+static double growth(const struct pk_system *system, const struct pk_method *method, double y,
+                     unsigned long n)
+{
+    static struct fixture f;
+    fixture_set(&f, system);
+    f.options.h = y; /* an adaptive method makes just these */
+    f.options.h_max = method->needs & PK_SEPARABLE ? 0 : y;
+    f.options.rtol = f.options.atol = 1e300;
+    CU_ASSERT_FATAL(fixture_init(&f, method->name) == PK_DONE);
+    for (unsigned long i = 0; i < n; i++)
+        if (pk_integrator_step(&f.it, 1e12) < 0)
+            return (double)INFINITY;
+    CU_ASSERT(f.it.count.steps == n && fabs(f.it.t - y * (double)n) < 1e-8 * f.it.t);
+    return log(hypot(f.it.q[0], f.it.v[0]) / hypot(f.q0[0], f.v0[0])) / (double)n;
+}
+
+static int drag_acceleration(const void *params, double t, const double *q, const double *v,
+                             const double *u, double *a)
+{
+    (void)params, (void)t, (void)q, (void)u;
+    a[0] = -v[0];
+    return 0;
+}
+
+/* At a limit's two sides, and in the middle of growth that a thousandth above is over again. */
+static void step_against_table(enum pk_axis axis)
+{
+    static struct pk_system drag;
+    drag = oscillator_system;
+    drag.acceleration = drag_acceleration;
+    drag.facts = PK_MASS_CONSTANT | PK_QUADRATIC | PK_AUTONOMOUS;
+    drag.steppers = NULL;
+    const struct pk_system *system = axis == PK_AXIS_REAL ? &drag : &oscillator_system;
+    int found = 0;
+    for (size_t i = 0; pk_method_at(i); i++) {
+        const struct pk_method *m = pk_method_at(i);
+        double interval[2], map[4] = {0};
+        if (!pk_method_growth(m, axis, 0, interval) || interval[0] > 1e30 ||
+            (m->traits & PK_IMPLICIT))
+            continue;
+        found++;
+        const double limit = interval[0];
+        const double above = interval[1] < 1.001 * limit ? (limit + interval[1]) / 2 : 1.001 * limit;
+        const double y = limit > 0 ? above : 0.1;
+        CU_ASSERT((axis == PK_AXIS_REAL ? pk_method_decay(m, y, map)
+                                        : pk_method_oscillator(m, y, map)) == PK_DONE);
+        const double rate = log(pk_map_growth(map));
+        const unsigned long n = rate > 5e-4 ? (unsigned long)(50 / rate) : 100000;
+        const double over = growth(system, m, y, n);
+        CU_ASSERT(rate > 0 && over * (double)n > 0.04);
+        /* v = 0 is reached, and q stays: what is left of a decay is not the rate's. */
+        CU_ASSERT(fabs(over / rate - 1) < 0.15);
+        printf("\n    %-16s above %.6f: %.3e a step, of the map %.3e", m->name, limit, over, rate);
+        if (!(limit > 0))
+            continue;
+        const double below = growth(system, m, 0.999 * limit, 4000) * 4000;
+        printf(", below by %.2g in 4000", below);
+        CU_ASSERT(below < log(300));
+    }
+    CU_ASSERT(found >= (axis == PK_AXIS_REAL ? 6 : 18));
+}
+
+static void imaginary_axis(void) { step_against_table(PK_AXIS_IMAGINARY); }
+static void real_axis(void) { step_against_table(PK_AXIS_REAL); }
+
+/* A step's own frequency: 2 asin(y/2) of Verlet, 2 atan(y/2) of the midpoint rule; RK4's damping,
+ * |R|^2 = 1 - y^6/72 + y^8/576; a map that is run is that of its table. */
+static void maps(void)
+{
+    const double y = 0.1;
+    double map[4], other[4];
+    CU_ASSERT(pk_method_oscillator(pk_method_find("verlet"), y, map) == PK_DONE);
+    CU_ASSERT(fabs(pk_map_angle(map) / y - 1 - 4.171361e-4) < 1e-10);
+    CU_ASSERT(pk_method_oscillator(pk_method_find("gauss1"), y, map) == PK_DONE);
+    CU_ASSERT(fabs(pk_map_angle(map) / y - 1 + 8.320856e-4) < 1e-10);
+    CU_ASSERT(pk_method_oscillator(pk_method_find("rk4"), 1.3, map) == PK_DONE);
+    const double square = pk_map_growth(map) * pk_map_growth(map);
+    CU_ASSERT(fabs(square - (1 - pow(1.3, 6) / 72 + pow(1.3, 8) / 576)) < 1e-14 && square < 0.95);
+    for (size_t i = 0; pk_method_at(i); i++) {
+        struct pk_method own = *pk_method_at(i);
+        if (own.formula || pk_method_oscillator(&own, 0.9, map) < 0)
+            continue;
+        struct fixture f;
+        for (int column = 0; column < 2; column++) {
+            fixture_set(&f, &oscillator_system);
+            f.options.h = f.options.h_max = 0.9;
+            f.options.rtol = f.options.atol = 1e10;
+            f.q0[0] = column == 0, f.v0[0] = column == 1;
+            CU_ASSERT_FATAL(fixture_init(&f, own.name) == PK_DONE);
+            CU_ASSERT(pk_integrator_step(&f.it, 0.9) == PK_DONE && f.it.t == 0.9);
+            other[column] = f.it.q[0], other[2 + column] = f.it.v[0];
+        }
+        for (int k = 0; k < 4; k++)
+            CU_ASSERT(fabs(map[k] - other[k]) < 1e-14);
+        CU_ASSERT(fabs(map[0]) > 0.1);
+    }
+    CU_ASSERT(pk_method_oscillator(pk_method_find("rk4"), 0, map) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_method_decay(pk_method_find("verlet"), 1, map) == PK_REFUSED);
 }
 
 static void exact_invariants(void)
@@ -90,7 +196,10 @@ static void fixed_point(void)
 void add_limits(void)
 {
     CU_pSuite suite = CU_add_suite("limits", NULL, NULL);
-    CU_add_test(suite, "stable at .999, growing at 1.001", stability);
+    CU_add_test(suite, "as predicted", predicted);
+    CU_add_test(suite, "an oscillation: stable at .999, growing at 1.001", imaginary_axis);
+    CU_add_test(suite, "a decay: stable at .999, growing at 1.001", real_axis);
+    CU_add_test(suite, "maps", maps);
     CU_add_test(suite, "exact invariants", exact_invariants);
     CU_add_test(suite, "fixed-point iteration", fixed_point);
 }

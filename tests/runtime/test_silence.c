@@ -276,11 +276,12 @@ static void sums(void)
 /* Backward as forward: adaptive and fixed methods return to their start. */
 static void backward(void)
 {
-    static const char *const names[] = {"dopri5", "dop853", "gsl_rk8pd", "gsl_msadams", "rk4"};
+    static const char *const names[] = {"dopri5", "dop853", "gsl_rk8pd", "gsl_msadams", "gsl_rkf45",
+                                        "gsl_msbdf", "gsl_bsimp", "rk4"};
     static struct fixture f;
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 8; i++) {
         fixture_set(&f, &kepler_system);
-        f.options.h = i == 4 ? 1e-3 : 0;
+        f.options.h = i == 7 ? 1e-3 : 0;
         f.options.rtol = f.options.atol = 1e-11;
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 5) == PK_DONE);

@@ -95,10 +95,13 @@ static void check_order(const char *name, const struct dense_table *t, int order
 
 static void explicit_tables(void)
 {
-    static const char *const names[] = {"euler", "rk4", "dopri5", "dop853"};
-    for (size_t m = 0; m < 4; m++) {
-        const struct pk_method *method = pk_method_find(names[m]);
-        const struct pk_tableau *table = (const struct pk_tableau *)method->table;
+    int found = 0;
+    for (size_t m = 0; pk_method_at(m); m++) {
+        const struct pk_method *method = pk_method_at(m);
+        const struct pk_tableau *table = pk_explicit_table(method);
+        if (!table)
+            continue;
+        found++;
         struct dense_table t = {.s = table->stages};
         const pk_real *a = table->a;
         for (int i = 0; i < t.s; i++) {
@@ -126,6 +129,7 @@ static void explicit_tables(void)
             check_order("  its second", &e, 3);
         }
     }
+    CU_ASSERT(found == 6);
     /* The check sees a wrong digit. */
     struct dense_table bad = {.s = 1, .b = {1.000001}};
     int trees;
@@ -250,23 +254,30 @@ static void lane_tables(void)
 
 static void splitting_tables(void)
 {
-    static const char *const names[] = {"symplectic_euler", "verlet", "yoshida4"};
-    for (int m = 0; m < 3; m++) {
-        const struct pk_method *method = pk_method_find(names[m]);
-        const struct pk_splitting *t = (const struct pk_splitting *)method->table;
-        double kick = 0, drift = 0, cubes = 0, skew = 0;
+    /* Sums and symmetry; order conditions are in tests/runtime/test_compositions.py, and in every
+     * order that is measured. Symplectic they are by what they are made of. */
+    int found = 0;
+    for (size_t m = 0; pk_method_at(m); m++) {
+        const struct pk_method *method = pk_method_at(m);
+        const struct pk_splitting *t = pk_splitting_table(method);
+        double kick = 0, drift = 0, skew = 0;
+        if (!t)
+            continue;
+        found++;
+        CU_ASSERT(method->stages == t->stages);
         for (int i = 0; i <= t->stages; i++)
             kick += t->kick[i];
-        for (int i = 0; i < t->stages; i++) {
+        for (int i = 0; i < t->stages; i++)
             drift += t->drift[i];
-            cubes += pow(t->drift[i], 3);
-        }
         for (int i = 0; i <= t->stages; i++)
             skew = fmax(skew, fabs(t->kick[i] - t->kick[t->stages - i]));
-        CU_ASSERT(fabs(kick - 1) < 1e-15 && fabs(drift - 1) < 1e-15);
+        for (int i = 0; i < t->stages; i++)
+            skew = fmax(skew, fabs(t->drift[i] - t->drift[t->stages - 1 - i]));
+        CU_ASSERT(fabs(kick - 1) < 2e-15 && fabs(drift - 1) < 2e-15);
         CU_ASSERT((method->traits & PK_SYMMETRIC) ? skew == 0 : skew > 0.5);
-        CU_ASSERT(method->order == 4 ? fabs(cubes) < 1e-14 : fabs(cubes - 1) < 1e-15);
+        CU_ASSERT((method->traits & PK_SYMPLECTIC) != 0);
     }
+    CU_ASSERT(found == 11);
 }
 
 static void registry(void)
@@ -278,11 +289,14 @@ static void registry(void)
         CU_ASSERT(m->order > 0 && m->stages > 0 && strlen(m->doc) > 10);
         CU_ASSERT(!(m->traits & PK_DENSE) == !m->dense);
     }
-    CU_ASSERT(count == 22);
+    CU_ASSERT(count >= 33);
     CU_ASSERT_PTR_NULL(pk_method_find("rk5"));
     CU_ASSERT_PTR_NOT_NULL(pk_gsl_method_find("gsl_rk8pd"));
     CU_ASSERT_PTR_NOT_NULL(pk_gsl_method_find("gsl_msadams"));
     CU_ASSERT_PTR_NULL(pk_gsl_method_find("rk8pd"));
+    for (count = 0; pk_gsl_method_at(count); count++)
+        CU_ASSERT(strncmp(pk_gsl_method_at(count)->name, "gsl_", 4) == 0);
+    CU_ASSERT(count == 5);
 }
 
 void add_tables(void)

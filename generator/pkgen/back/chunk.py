@@ -15,7 +15,7 @@ from .program import CHECK, LOAD, STORE, Block, Statement
 # block (gcc), and run as fast; those of 50 gain little more.
 _LONGEST = 800
 _BLOCK = 100
-_ARGUMENTS = ("p", "t", "q", "v", "u", "w")
+_ARGUMENTS = ("p", "t", "q", "v", "u", "a", "w")
 _WORD = re.compile(r">?\w+")  # a member keeps its >, so that it is nobody's name
 
 

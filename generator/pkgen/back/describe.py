@@ -44,6 +44,8 @@ _MATRICES = {
     "p_q": "p_q[i*{n} + j] = dp_i/dq_j",
     "pdot_q": "pdot_q[i*{n} + j] = d(pdot_i)/dq_j",
     "pdot_v": "pdot_v[i*{n} + j] = d(pdot_i)/dv_j",
+    "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
+    "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
 }
 
 
@@ -57,17 +59,22 @@ def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) ->
     ]
 
 
+_OUT = {
+    "observe": lambda e: e.observed_names,
+    "conserve": lambda e: e.conserved_names,
+    "event": lambda e: e.event_names,
+    "guard": lambda e: tuple(guard.quantity for guard in e.guards),
+}
 _VECTORS = {
     "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
     "f": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "momenta": lambda p, _: p.equations.momenta_names,
     "pdot": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "dLdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "r_t": lambda p, _: (),
     "q": lambda p, _: p.equations.coordinates,
     "v": lambda p, _: p.equations.rates,
-    "out": lambda p, kernel: (
-        p.equations.observed_names if kernel.name == "observe" else p.equations.conserved_names
-    ),
+    "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }
 
 

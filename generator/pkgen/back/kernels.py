@@ -32,6 +32,7 @@ class KernelSpec:
     targets: Callable[[Equations], list[Target]]
     exists: Callable[[Equations], bool] = lambda _: True
     kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
+    given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
 
     def hints(self, equations: Equations) -> Iterator[Hint]:
         """Names for values that mean something to a reader, if they become locals."""
@@ -122,10 +123,26 @@ def _acceleration_targets(equations: Equations) -> list[Target]:
     return checks + _stores("a", equations.acceleration)
 
 
+def _linear(equations: Equations) -> list[Target]:
+    linear = equations.linear
+    if linear is None:
+        return []
+    return _copied(
+        [
+            *_matrix_stores("r_q", linear.r_q),
+            *_matrix_stores("r_v", linear.r_v),
+            *_stores("r_t", linear.r_t),
+        ]
+    )
+
+
 def _jacobian(equations: Equations) -> list[Target]:
-    """An entry that is in several places, as the second derivatives of L are, is copied."""
     matrices = {name: getattr(equations, name) or () for name in ("p_q", "pdot_q", "pdot_v")}
-    targets = [t for name, matrix in matrices.items() for t in _matrix_stores(name, matrix)]
+    return _copied([t for name, matrix in matrices.items() for t in _matrix_stores(name, matrix)])
+
+
+def _copied(targets: list[Target]) -> list[Target]:
+    """An entry that is in several places, as the second derivatives of L are, is copied."""
     places: dict[Node, list[str]] = {}
     for target in targets:
         for node in target.nodes:
@@ -173,6 +190,15 @@ def _specs() -> Iterator[KernelSpec]:
         _jacobian,
         exists=lambda e: e.p_q is not None,
     )
+    yield KernelSpec(
+        "linear",
+        "void",
+        "derivatives of r = f - M a by q, v and t, with a and the inputs held",
+        lambda e: (_square("r_q", e), _square("r_v", e), Output("r_t", len(e.force), 1)),
+        _linear,
+        exists=lambda e: e.linear is not None,
+        given=("a",),
+    )
     yield KernelSpec("energy", "pk_real", "h = v.p - L", *_scalar(lambda e: e.energy))
     yield KernelSpec("lagrangian", "pk_real", "L", *_scalar(lambda e: e.lagrangian))
     yield KernelSpec(
@@ -190,6 +216,13 @@ def _specs() -> Iterator[KernelSpec]:
         exists=lambda e: e.potential is not None,
     )
     yield KernelSpec(
+        "guard",
+        "void",
+        "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
+        *_vector("out", lambda e: tuple(guard.node for guard in e.guards)),
+        exists=lambda e: bool(e.guards),
+    )
+    yield KernelSpec(
         "observe",
         "void",
         "observed outputs",
@@ -202,6 +235,13 @@ def _specs() -> Iterator[KernelSpec]:
         "quantities claimed to be constant",
         *_vector("out", lambda e: e.conserved),
         exists=lambda e: bool(e.conserved),
+    )
+    yield KernelSpec(
+        "event",
+        "void",
+        "functions whose zeros are the events",
+        *_vector("out", lambda e: e.events),
+        exists=lambda e: bool(e.events),
     )
     yield KernelSpec(
         "start",

@@ -8,7 +8,7 @@ the parameter struct. The rest of the work is in `rewrite.py` (powers, products)
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..equations import Equations, Structure
 from ..middle.graph import Kind, Node, Op, Symbol
@@ -33,7 +33,12 @@ from .schedule import Schedule, Target, number_text
 
 __all__ = ["Program", "lower"]
 
-_ARGUMENT = {Kind.COORDINATE: "q", Kind.RATE: "v", Kind.INPUT: "u"}
+_ARGUMENT = {
+    Kind.COORDINATE: "q",
+    Kind.RATE: "v",
+    Kind.INPUT: "u",
+    Kind.ACCELERATION: "a",
+}
 
 
 def lower(
@@ -250,12 +255,14 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 
 
 def _local_names(equations: Equations) -> dict[Symbol, str]:
-    """What coordinates, rates and inputs are called in the kernels."""
+    """What coordinates, rates, inputs and given accelerations are called in the kernels."""
     names = Names(LOCAL_RESERVED)
+    accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates]
     rows = [
         (Kind.COORDINATE, equations.coordinates),
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
+        (Kind.ACCELERATION, accelerations),
     ]
     return {
         Symbol(kind, index): names.take(local_wish(quantity.name))

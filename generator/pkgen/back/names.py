@@ -46,8 +46,8 @@ _FUNCTIONS = """
 
 # What the templates call arguments, loop variables and members of their own.
 _OURS = """
-    p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v out given lo hi c_ i j k n status bad pass
-    sc
+    p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
+    status bad pass sc
 """
 
 FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS).split()) | {"c_"}

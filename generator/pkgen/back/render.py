@@ -45,6 +45,9 @@ SYSTEM_KERNELS = [
     "potential",
     "observe",
     "conserve",
+    "linear",
+    "guard",
+    "event",
 ]
 
 _TESTED = [
@@ -127,6 +130,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_inputs": len(equations.inputs),
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
+        "events": tables.events(program),
         "n_hoisted": program.hoisted,
         "indices": tables.indices(program),
         "fields": tables.fields(program),
@@ -141,11 +145,13 @@ def _context(program: Program) -> dict[str, Any]:
             any(len(k.blocks) > 1 for k in (program.start, program.prepare, *program.kernels))
         ),
         "helpers": list(program.helpers),
+        "guards": tables.guards(program),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],
         "system_kernels": [
             {"name": kernel, "present": kernel in present} for kernel in SYSTEM_KERNELS
         ],
+        "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
     } | lanes.context(program)
@@ -153,11 +159,13 @@ def _context(program: Program) -> dict[str, Any]:
 
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
     spec = KERNELS.get(kernel.name)
-    arguments = {"start": ["p"], "prepare": []}.get(kernel.name, ["p", "t", "q", "v", "u"])
+    given = spec.given if spec else ()
+    arguments = {"start": ["p"], "prepare": []}.get(kernel.name, ["p", "t", "q", "v", "u", *given])
     unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
     return {
         "name": kernel.name,
         "result": kernel.result,
+        "given": list(given),
         "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
         "says": spec.says if spec else "",
         "entries": entries(program, kernel),
@@ -175,7 +183,7 @@ def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
         "groups": tables.groups(block.statements),
         "checks": int(block.checks),
         "arguments": [
-            a for a in ("p", "t", "q", "v", "u", "w") if a in block.uses and a not in outputs
+            a for a in ("p", "t", "q", "v", "u", "a", "w") if a in block.uses and a not in outputs
         ],
         "outputs": outputs,
     }

@@ -35,6 +35,24 @@ def tables(program: Program) -> list[dict[str, Any]]:
     ]
 
 
+def guards(program: Program) -> list[dict[str, Any]]:
+    """Of the system's table: there is none where the kernel is not asked for."""
+    if program.kernel("guard") is None:
+        return []
+    return [
+        {"name": x.quantity.name, "kind": "PK_GUARD_COORDINATES" if x.chart else "PK_GUARD_MOTION"}
+        for x in program.equations.guards
+    ]
+
+
+def events(program: Program) -> list[dict[str, Any]]:
+    e = program.equations
+    return [
+        _quantity(quantity) | {"direction": event.direction, "stop": int(event.stop)}
+        for quantity, event in zip(e.event_names, e.model.events, strict=True)
+    ]
+
+
 def indices(program: Program) -> list[dict[str, Any]]:
     """Named indices, one for a plain quantity or the first of a family."""
     e = program.equations
@@ -44,6 +62,7 @@ def indices(program: Program) -> list[dict[str, Any]]:
         ("u", e.inputs, "into u"),
         ("o", e.observed_names, "into the observed outputs"),
         ("c", e.conserved_names, "into the quantities claimed to be constant"),
+        ("e", e.event_names, "into the events"),
     ]
     return [
         {"stem": stem, "says": says, "rows": families(quantities)}

@@ -78,7 +78,7 @@ class _Checker:
         )
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         definitions, coordinates = Definitions(self.shared), Coordinates(self.shared)
-        dynamics = Dynamics(self.shared)
+        dynamics = self.dynamics = Dynamics(self.shared)
         self.checks = {
             st.ModelName: definitions.model,
             st.SizeOf: definitions.size,
@@ -90,7 +90,7 @@ class _Checker:
             st.ForceAlong: dynamics.force,
             st.Event: dynamics.event,
             st.StartAt: dynamics.start,
-            st.Scene: dynamics.scene,
+            st.Scene: lambda _: None,  # when all names are known
         }
 
     def _line(self, span: Span) -> int:
@@ -99,11 +99,11 @@ class _Checker:
     def run(self) -> m.Model:
         for statement in self.file.statements:
             self._check(statement)
-        self.expressions.indices.finish()
-        scenes = Scenes(self.report, self.names)
+        scenes = Scenes(self.shared, self.dynamics)
         for statement in self.file.statements:
             if isinstance(statement, st.Scene):
                 scenes.check(statement)
+        self.expressions.indices.finish()
         self._given_sizes()
         self._required()
         parts = self.shared.parts
@@ -216,8 +216,9 @@ class _Checker:
             forces=tuple(parts["force"]),
             observed=tuple(parts["observe"]),
             conserved=tuple(parts["conserve"]),
+            events=tuple(parts["event"]),
             starts=tuple(parts["start"]),
-            deferred=tuple(parts["deferred"]),
+            scenes=tuple(parts["scene"]),
             span=head.span,
         )
 

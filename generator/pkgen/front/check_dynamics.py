@@ -20,6 +20,8 @@ NOT_COMPILED = {
     "rolling": "choose coordinates that fulfil it by themselves, or add a force",
 }
 
+_DIRECTIONS = {"rising": 1, "falling": -1, "either": 0}
+
 
 class Dynamics:
     def __init__(self, shared: Shared) -> None:
@@ -72,11 +74,11 @@ class Dynamics:
 
     def start(self, statement: st.StartAt) -> None:
         for item in statement.items:
-            checked = self._start_item(item)
+            checked = self.start_item(item)
             if checked is not None:
                 self.parts["start"].append(checked)
 
-    def _start_item(self, item: st.StartItem) -> m.Start | None:
+    def start_item(self, item: st.StartItem) -> m.Start | None:
         left = item.left
         if item.function:
             self.report.error(
@@ -103,16 +105,33 @@ class Dynamics:
         return m.Start(left.name, left.index, left.range, item.order, value, item.span)
 
     def event(self, statement: st.Event) -> None:
-        _, facts = self.expressions.check(statement.value, Scope(PLACES["output"]))
+        value, facts = self.expressions.check(statement.value, Scope(PLACES["event"]))
+        at = statement.value.span
+        if facts.vector:
+            self.report.error(
+                f"the event '{statement.name}' is a vector; it must be a number",
+                at,
+                "take a component (.x, .y, .z), dot(a, b) or norm(a)",
+            )
+        elif facts.known and not facts.moves:
+            self.report.error(
+                f"the event '{statement.name}' never happens: nothing in it moves",
+                at,
+                "it is where an expression of the motion crosses zero, e.g. y - h falling",
+            )
         self.shared.use_inputs(facts)
         self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
-        self.parts["deferred"].append(m.Deferred("event", statement.name, statement.span))
-
-    def scene(self, statement: st.Scene) -> None:
-        known = {d.name for d in self.parts["deferred"] if d.kind == "scene"}
-        if statement.name in known:
-            self.report.error(f"there is a scene '{statement.name}' already", statement.name_span)
-        self.parts["deferred"].append(m.Deferred("scene", statement.name, statement.span))
+        self.parts["event"].append(
+            m.Event(
+                statement.name,
+                value,
+                _DIRECTIONS[statement.direction],
+                statement.stop,
+                self.shared.shown_unit(statement.value, facts),
+                statement.description,
+                statement.span,
+            )
+        )
 
 
 def refuse(statement: st.Define | st.Declare | st.Equation, shared: Shared) -> None:

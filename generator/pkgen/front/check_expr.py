@@ -195,7 +195,7 @@ class Expressions:
         if entry.kind == "output":
             help = f"define {expr.id} with 'let' to use it elsewhere"
         elif entry.kind == "built-in":
-            help = "it can be used in 'observe' and 'conserve'"
+            help = "it can be used in 'observe', 'conserve' and 'event'"
         else:
             help = f"{place.what} may use {place.may_use}"
         self.report.error(

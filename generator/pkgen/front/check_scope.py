@@ -37,8 +37,15 @@ PLACES: dict[str, Place] = {
     "energy": Place("an energy", _MOTION, "all but outputs", derivatives=True),
     "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
     "output": Place("an output", _MOTION | {"built-in"}, "all but other outputs", derivatives=True),
-    "scene": Place(
-        "a scene", _MOTION | {"built-in", "output", "event"}, "any name", derivatives=True
+    "event": Place(
+        "an event", _MOTION | {"built-in", "output"}, "names of the motion", derivatives=True
+    ),
+    "setting": Place("a scene", _PARAMETERS, "numbers, sizes, constants and parameters"),
+    "driving": Place(
+        "an input", _PARAMETERS | {"time"}, "numbers, sizes, constants, parameters and t"
+    ),
+    "record": Place(
+        "a record", _MOTION | {"built-in", "output"}, "names of the motion", derivatives=True
     ),
 }
 

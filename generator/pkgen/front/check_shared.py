@@ -17,7 +17,7 @@ from .units import described as described_dimension
 
 _PART_NAMES = """
     name size param coord ends input definitions kinetic potential lagrangian dissipation force
-    observe conserve start deferred
+    observe conserve event start scene
 """
 _PARTS = tuple(_PART_NAMES.split())
 

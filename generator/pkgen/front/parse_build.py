@@ -201,6 +201,7 @@ class Build(Transformer):
             value,
             "either" if direction is None else str(direction),
             stop is not None,
+            self.comment,
             _over(word, last),
         )
 

@@ -138,6 +138,7 @@ class Event:
     value: Expr
     direction: str  # "rising", "falling" or "either"
     stop: bool
+    description: str
     span: Span
 
 

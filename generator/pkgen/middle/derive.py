@@ -9,12 +9,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import limits
-from ..equations import Equations, Matrix, ParameterSlot, Quantity, Row
+from ..equations import Equations, Guard, Matrix, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
-from .graph import ZERO, Node
-from .motion import Energies, Motion, Wanted, energy_of, jacobians_of, motion_of, shorter, shortest
+from .graph import VARIABLE, ZERO, Kind, Node, Symbol
+from .guards import guards_of
+from .motion import (
+    Energies,
+    Motion,
+    Wanted,
+    energy_of,
+    jacobians_of,
+    linear_of,
+    motion_of,
+    shorter,
+    shortest,
+)
 from .quantities import (
     error,
     families,
@@ -22,7 +33,7 @@ from .quantities import (
     input_quantities,
     quantities,
 )
-from .solve import SingularMass
+from .solve import SingularMass, Solution
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -58,6 +69,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         jacobians: tuple[Matrix | None, ...] = (None, None, None)
         if wanted("jacobian"):
             jacobians = jacobians_of(x.graph, motion)
+        linear = linear_of(x.graph, motion) if wanted.linear(x.count) else None
         energy = energy_of(x.graph, energies, motion, wanted)
         energies = shorter(x.graph, energies, wanted)
     outputs = _outputs(x, energies, motion, energy)
@@ -65,6 +77,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     start_q, start_v = _starts(x)
     names = x.coordinates
     declared = model.coordinates
+    guards: tuple[Guard, ...] = ()
+    if wanted("guard"):
+        guards = _guards(x, motion, solution, parameters, orders)
     return Equations(
         model=model,
         graph=x.graph,
@@ -75,6 +90,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         inputs=input_quantities(model, orders),
         observed_names=outputs.observed_names,
         conserved_names=outputs.conserved_names,
+        event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
         lagrangian=energies.lagrangian,
         kinetic=energies.kinetic,
         potential=energies.potential,
@@ -90,8 +106,11 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         p_q=jacobians[0],
         pdot_q=jacobians[1],
         pdot_v=jacobians[2],
+        linear=linear,
+        guards=guards,
         observed=outputs.observed,
         conserved=outputs.conserved,
+        events=_events(x),
         start_q=start_q,
         start_v=start_v,
     )
@@ -154,6 +173,30 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
     return slots
 
 
+def _guards(
+    x: Expander,
+    motion: Motion,
+    solution: Solution | None,
+    parameters: tuple[ParameterSlot, ...],
+    orders: tuple[int, ...],
+) -> tuple[Guard, ...]:
+    coordinates = [indexed(f.name, index) for f in x.coordinates.values() for index in f.members]
+    names = {
+        Kind.PARAMETER: [slot.quantity.name for slot in parameters],
+        Kind.COORDINATE: coordinates,
+        Kind.RATE: [name + "'" for name in coordinates],
+        Kind.INPUT: [quantity.name for quantity in input_quantities(x.model, orders)],
+        Kind.TIME: ["t"],
+    }
+
+    def name(symbol: Symbol) -> str:
+        return names[symbol.kind][symbol.index]
+
+    acceleration, pivots = solution or (motion.force, None)
+    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
+    return guards_of(x.graph, parameters, motion.mass, outputs, pivots, name)
+
+
 def _starts(x: Expander) -> tuple[Row, Row]:
     count = x.count
     values = ([ZERO] * count, [ZERO] * count)
@@ -208,6 +251,19 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
                 help = "the coordinates can move together without kinetic energy: leave one out"
                 return ModelError(x.model.source, [Diagnostic(message, item.span, help)])
     raise AssertionError(coordinate)
+
+
+def _events(x: Expander) -> Row:
+    """May use what outputs may, and so come after them."""
+    nodes = []
+    for item in x.model.events:
+        with x.statement(item.span):
+            node = x.scalar(item.value)
+            if not x.graph.depends[node] & VARIABLE:
+                message = f"the event '{item.name}' never happens: its expression is constant"
+                raise error(x.model, message, item.value.span)
+            nodes.append(node)
+    return tuple(nodes)
 
 
 # -- outputs -------------------------------------------------------------------------------------

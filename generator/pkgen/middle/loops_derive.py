@@ -39,6 +39,8 @@ def derive_loops(model: Model) -> LoopEquations:
 
 def _derive(x: LoopExpander) -> LoopEquations:
     model, gather = x.model, Gather(x)
+    if model.events:
+        raise Unrolled(f"'{model.events[0].name}' is an event")
     found: dict[str, list[tuple[Term, int]]] = {}
     for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
         found[kind] = []

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..equations import Matrix, Row
+from ..equations import Linear, Matrix, Row
 from .collect import THOROUGH, fewest, forms, settled
 from .count import operations
 from .differentiate import Columns, Forward, gradient, reachable
@@ -19,6 +19,12 @@ from .solve import Solution, solve
 COORDINATES = BIT[Kind.COORDINATE]
 RATES = BIT[Kind.RATE]
 STATE = COORDINATES | RATES
+TIME = BIT[Kind.TIME]
+
+
+# Of 20 links of a pendulum it has more operations than all else, and takes a fifth of the C
+# compiler's time; past this many coordinates it has to be asked for by name.
+LINEARISED = 16
 
 
 class Wanted:
@@ -29,6 +35,9 @@ class Wanted:
 
     def __call__(self, *names: str) -> bool:
         return self.kernels is None or not self.kernels.isdisjoint(names)
+
+    def linear(self, count: int) -> bool:
+        return "linear" in self.kernels if self.kernels is not None else count <= LINEARISED
 
 
 @dataclass(frozen=True)
@@ -103,7 +112,7 @@ def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solut
     found = []
     for form in forms(g, outputs, thorough, short_kept=not thorough):
         mass, force = _symmetric(form, n), tuple(form[-n:])
-        solution = solve(g, mass, force) if wanted("acceleration") else None
+        solution = solve(g, mass, force) if wanted("acceleration", "guard") else None
         cost = operations(g, [*form, *(solution[0] if solution else ())])
         found.append((cost, len(found), mass, force, solution))
     _, _, mass, force, solution = min(found)
@@ -158,6 +167,24 @@ def jacobians_of(g: Graph, motion: Motion) -> tuple[Matrix, Matrix, Matrix]:
     best = found[0] if len(found) == 1 else min(found, key=lambda x: operations(g, x))
     rows = [tuple(best[i : i + n]) for i in range(0, len(best), n)]
     return tuple(rows[:n]), tuple(rows[n : 2 * n]), tuple(rows[2 * n :])
+
+
+def linear_of(g: Graph, motion: Motion) -> Linear:
+    """The derivatives of r = f - M a by q, v and t, with a held; inputs are held too."""
+    n = len(motion.force)
+    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
+    a = symbols(g, Kind.ACCELERATION, n)
+    r = tuple(
+        g.subtract(f, g.sum(map(g.multiply, row, a)))
+        for f, row in zip(motion.force, motion.mass, strict=True)
+    )
+    r_q, r_v = _matrix(g, r, q, COORDINATES), _matrix(g, r, v, RATES)
+    r_t = _matrix(g, r, symbols(g, Kind.TIME, 1), TIME)
+    entries = [entry for row in (*r_q, *r_v, *r_t) for entry in row]
+    if len(reachable(g, entries)) <= THOROUGH:
+        entries = fewest(g, settled(g, entries))
+    rows = [tuple(entries[i : i + n]) for i in range(0, len(entries), n)]
+    return Linear(tuple(rows[:n]), tuple(rows[n : 2 * n]), rows[2 * n])
 
 
 def _sum(g: Graph, a: Matrix, b: Matrix) -> Matrix:

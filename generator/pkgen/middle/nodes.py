@@ -34,13 +34,22 @@ class Kind:
     RATE = "rate"
     TIME = "time"
     INPUT = "input"
+    ACCELERATION = "acceleration"  # given, in a linearisation
 
 
-KINDS = (Kind.PI, Kind.PARAMETER, Kind.COORDINATE, Kind.RATE, Kind.TIME, Kind.INPUT)
+KINDS = (
+    Kind.PI,
+    Kind.PARAMETER,
+    Kind.COORDINATE,
+    Kind.RATE,
+    Kind.TIME,
+    Kind.INPUT,
+    Kind.ACCELERATION,
+)
 # What a node depends on is a mask of these.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
-VARIABLE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME] | BIT[Kind.INPUT]
+VARIABLE = ~CONSTANT & ((1 << len(KINDS)) - 1)
 
 NUMBER_BITS = 512  # numbers beyond are left to the C as a product
 FACTORS = 16  # a product of more is one factor of any larger product

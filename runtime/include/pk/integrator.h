@@ -79,6 +79,8 @@ struct pk_integrator {
     size_t n;
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
     pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
+    pk_real *guards; /* NULL: the system has none; see src/guard.c */
+    int slopes;      /* of the guards: known at this state */
     pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
     pk_real next_t, last_t;   /* end of the step being made; start of the last one made */
     pk_real h;                /* signed step, made or to be made */
@@ -90,6 +92,8 @@ struct pk_integrator {
     int flags;                /* the method's own */
     size_t where;             /* which coordinate or parameter a status is about */
     pk_real detail;           /* a number that belongs to the reason */
+    pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
+    size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
     enum pk_status trouble;   /* what the last trial step that broke down met, and when: the */
     pk_real trouble_t;        /* cause to name if steps then shrink to nothing just before it */
     void *extra;              /* of a foreign library */

@@ -22,7 +22,9 @@ enum pk_trait {
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
     PK_DENSE = 1u << 4,    /* pk_integrator_dense() works */
-    PK_JACOBIANS = 1u << 5 /* calls the system's mass and jacobian */
+    PK_JACOBIANS = 1u << 5, /* calls the system's mass and jacobian */
+    PK_LINEAR = 1u << 6,    /* calls the system's mass and linear */
+    PK_NO_INPUTS = 1u << 7  /* needs d/dt of all, which inputs do not give */
 };
 
 struct pk_integrator;
@@ -36,6 +38,8 @@ struct pk_method {
     unsigned traits; /* of enum pk_trait */
     unsigned needs;  /* of enum pk_fact (`requires` is a keyword of C++20) */
     const void *table;
+    const struct pk_method *formula; /* the method of a fixed step that an adaptive one varies, for
+                                        pk/limits.h; NULL: itself */
 
     /* Number of pk_real of work for n degrees of freedom. */
     size_t (*size)(const struct pk_method *method, size_t n);

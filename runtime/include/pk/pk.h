@@ -4,7 +4,10 @@
 
 #include <pk/diagnostics.h>
 #include <pk/ensemble.h>
+#include <pk/events.h>
 #include <pk/integrator.h>
+#include <pk/linear.h>
+#include <pk/limits.h>
 #include <pk/method.h>
 #include <pk/real.h>
 #include <pk/status.h>

@@ -152,8 +152,9 @@ struct pk_system {
     void (*conserve)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u, pk_real *out);
 
-    /* Derivatives of r = f - M a, with a held, by q, v and t: so M da/dq = r_q, and so on. For
-     * variational equations and implicit methods in (q, v). NULL: there is none. */
+    /* Derivatives of r = f - M a by q, v and t, with a and the inputs held: where a is the
+     * acceleration, M da/dq = r_q, and so on. For variational equations and implicit methods in
+     * (q, v); see pk/linear.h. NULL: there is none. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
 

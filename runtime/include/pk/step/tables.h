@@ -1,24 +1,43 @@
 /* The tables of every family, and which methods are in it.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, I.7
- * and II.1 Table 1.2 (W. Kutta 1901); E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
- * Integration, I.1, II.4; H. Yoshida, Phys. Lett. A 150 (1990) 262.
+ * and II.1 (1.4), (1.11), Table 1.2 (C. Runge 1895, W. Kutta 1901).
  */
 #ifndef PK_STEP_TABLES_H
 #define PK_STEP_TABLES_H
 
 #include <pk/step/dop853.h>
 #include <pk/step/dopri5.h>
+#include <pk/step/tables_splitting.h>
 
-#define PK_ERK_METHODS(X) X(euler) X(rk4)
+#ifndef PK_ERK_METHODS
+#define PK_ERK_METHODS(X) X(euler) X(rk2) X(rk3) X(rk4)
+#endif
+#ifndef PK_EMBEDDED_METHODS
 #define PK_EMBEDDED_METHODS(X) X(dopri5) X(dop853)
-#define PK_SPLITTING_METHODS(X) X(symplectic_euler) X(verlet) X(yoshida4)
+#endif
 
 static const pk_real pk_euler_c[] = {PK_C(0.0)};
 static const pk_real pk_euler_b[] = {PK_C(1.0)};
 static const struct pk_tableau pk_euler_table = {
     .stages = 1, .c = pk_euler_c, .a = NULL, .b = pk_euler_b};
 
+/* Runge's midpoint rule. */
+static const pk_real pk_rk2_c[] = {PK_C(0.0), PK_C(0.5)};
+static const pk_real pk_rk2_a[] = {PK_C(0.5)};
+static const pk_real pk_rk2_b[] = {PK_C(0.0), PK_C(1.0)};
+static const struct pk_tableau pk_rk2_table = {
+    .stages = 2, .c = pk_rk2_c, .a = pk_rk2_a, .b = pk_rk2_b};
+
+/* Kutta's, of Simpson's weights. */
+static const pk_real pk_rk3_c[] = {PK_C(0.0), PK_C(0.5), PK_C(1.0)};
+static const pk_real pk_rk3_a[] = {PK_C(0.5), PK_C(-1.0), PK_C(2.0)};
+static const pk_real pk_rk3_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(2.0) / PK_C(3.0),
+                                   PK_C(1.0) / PK_C(6.0)};
+static const struct pk_tableau pk_rk3_table = {
+    .stages = 3, .c = pk_rk3_c, .a = pk_rk3_a, .b = pk_rk3_b};
+
+/* Kutta's classical one. */
 static const pk_real pk_rk4_c[] = {PK_C(0.0), PK_C(0.5), PK_C(0.5), PK_C(1.0)};
 static const pk_real pk_rk4_a[] = {PK_C(0.5), PK_C(0.0), PK_C(0.5),
                                    PK_C(0.0), PK_C(0.0), PK_C(1.0)};
@@ -26,22 +45,5 @@ static const pk_real pk_rk4_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(1.0) / PK_C(3.0),
                                    PK_C(1.0) / PK_C(3.0), PK_C(1.0) / PK_C(6.0)};
 static const struct pk_tableau pk_rk4_table = {
     .stages = 4, .c = pk_rk4_c, .a = pk_rk4_a, .b = pk_rk4_b};
-
-static const pk_real pk_symplectic_euler_kick[] = {PK_C(1.0), PK_C(0.0)};
-static const pk_real pk_symplectic_euler_drift[] = {PK_C(1.0)};
-static const pk_real pk_verlet_kick[] = {PK_C(0.5), PK_C(0.5)};
-static const pk_real pk_verlet_drift[] = {PK_C(1.0)};
-/* Triple jump: w1 = 1/(2 - 2^(1/3)), w0 = 1 - 2 w1; kicks w1/2, (w1 + w0)/2, .... */
-static const pk_real pk_yoshida4_kick[] = {
-    PK_C(0.675603595979828817023843904485730413), PK_C(-0.175603595979828817023843904485730413),
-    PK_C(-0.175603595979828817023843904485730413), PK_C(0.675603595979828817023843904485730413)};
-static const pk_real pk_yoshida4_drift[] = {PK_C(1.35120719195965763404768780897146083),
-                                            PK_C(-1.70241438391931526809537561794292165),
-                                            PK_C(1.35120719195965763404768780897146083)};
-
-static const struct pk_splitting pk_symplectic_euler_table = {1, pk_symplectic_euler_kick,
-                                                              pk_symplectic_euler_drift};
-static const struct pk_splitting pk_verlet_table = {1, pk_verlet_kick, pk_verlet_drift};
-static const struct pk_splitting pk_yoshida4_table = {3, pk_yoshida4_kick, pk_yoshida4_drift};
 
 #endif

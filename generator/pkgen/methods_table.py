@@ -1,0 +1,65 @@
+"""The methods of the runtime as a table for people; `--json` has the same as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+HEADER = (
+    "method",
+    "order",
+    "stages",
+    "symplectic",
+    "symmetric",
+    "step",
+    "h omega",
+    "h lambda",
+    "requires",
+)
+NOTE = """\
+h omega   limit below which the steps of an oscillation q'' = -omega^2 q do not grow
+h lambda  the same of a decay q'' = -lambda q'
+          none: all steps grow; any: none does; -: no answer, since splitting methods take no
+          damping and GSL keeps its tables. Adaptive methods: of their formula at a fixed step.
+"""
+
+
+def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
+    """A line a method, and below each one's reference."""
+    rows = [HEADER, *(_row(m) for m in found)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADER))]
+    lines = ["  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
+    lines = [line.rstrip() for line in lines]
+    lines.insert(1, "  ".join("-" * w for w in widths))
+    lines += ["", NOTE]
+    width = max(len(str(m["name"])) for m in found)
+    lines += [f"{m['name']:<{width}}  {m['doc']}" for m in found]
+    return "\n".join(lines)
+
+
+def _row(m: Mapping[str, Any]) -> tuple[str, ...]:
+    flags = set(m["flags"])
+    requires = [str(fact).replace("_", " ") for fact in m["requires"]]
+    if "separable" in requires:  # which says so
+        requires.remove("mass constant")
+    requires += ["da/dq, da/dv"] if "linear" in flags else []
+    requires += ["no inputs"] if "no_inputs" in flags else []
+    return (
+        str(m["name"]),
+        str(m["order"]) if m["order"] else "varies",
+        str(m["stages"]) if m["stages"] else "varies",
+        "yes" if "symplectic" in flags else "",
+        "yes" if "symmetric" in flags else "",
+        "adaptive" if "adaptive" in flags else "fixed",
+        _limit(m["limits"]["imaginary"]),
+        _limit(m["limits"]["real"]),
+        ", ".join(requires),
+    )
+
+
+def _limit(value: float | str | None) -> str:
+    if value is None:
+        return "-"
+    if value == "infinite":
+        return "any"
+    return f"{value:.8g}" if float(value) > 0 else "none"

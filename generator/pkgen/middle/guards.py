@@ -1,0 +1,190 @@
+"""Where the equations of motion end: what they divide by, or take a root or a logarithm of, as far
+as that depends on the motion and can vanish.
+
+Each such expression is taken apart into factors (r sin(theta) vanishes where r does, and where
+sin(theta) does), and what interval arithmetic proves to be never zero is left out. A pivot of M
+that is a sum, such as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a guard only if a
+search finds M singular or indefinite somewhere: M of a sound model is positive definite almost
+everywhere, and where it is not, the acceleration itself says so.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Iterator
+
+from ..equations import Guard, Matrix, ParameterSlot, Quantity, Row
+from .differentiate import reachable
+from .evaluate import evaluate
+from .graph import ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
+from .ranges import INF, Range, Ranges
+from .wording import wording
+
+# Functions that vanish where their argument does, and never elsewhere.
+_LIKE_ARGUMENT = frozenset({"abs", "sinh", "tanh", "asin", "atan", "sqrt"})
+SAMPLES = 40  # states at which the pivots of M are looked at,
+EFFORT = 100_000  # values computed in the search for a worse one: some 0.1 s
+NEARLY = 1e-4  # a pivot beside its diagonal entry: M is singular nearby
+
+
+def guards_of(
+    g: Graph,
+    parameters: tuple[ParameterSlot, ...],
+    mass: Matrix,
+    outputs: Iterable[Node],
+    pivots: Row | None,
+    name: Callable[[Symbol], str],
+) -> tuple[Guard, ...]:
+    """The guards of the equations that `outputs` are; those of the chart first."""
+    ranges = Ranges(g, [_bounds(g, slot) for slot in parameters])
+    of_mass = {i: p for i, p in enumerate(pivots or ()) if g.depends[p] & VARIABLE}
+    charts: dict[Node, None] = {}
+    motions: dict[Node, None] = {}
+    unsure: dict[Node, int] = {}
+    for i, pivot in of_mass.items():
+        for node, rest in _zeros(g, ranges, pivot):
+            if rest and pivot != mass[i][i]:
+                unsure[node] = i
+            else:
+                charts[node] = None
+    if unsure:
+        least = _least_definite(g, parameters, mass)
+        for node, i in unsure.items():
+            pivot, diagonal = evaluate(g, [of_mass[i], mass[i][i]], least)
+            if not pivot > NEARLY * diagonal:
+                charts[node] = None
+    known = {g.split(p)[1] for p in of_mass.values()}
+    for base in _dangerous(g, ranges, [*outputs, *of_mass.values()]):
+        if g.split(base)[1] not in known:
+            motions.update(dict.fromkeys(node for node, _ in _zeros(g, ranges, base)))
+    found = dict.fromkeys([*charts, *motions])
+    squares = {g.args[node][0] for node in found if _is_call(g, node, "sqrt")}
+    return tuple(
+        Guard(Quantity(wording(g, node, name), "", ""), node, node in charts)
+        for node in found
+        if node not in squares  # r, not r^2 too
+    )
+
+
+def _bounds(g: Graph, slot: ParameterSlot) -> Range:
+    lo = -INF if slot.lo is None or g.value(slot.lo) is None else float(g.value(slot.lo))
+    hi = INF if slot.hi is None or g.value(slot.hi) is None else float(g.value(slot.hi))
+    return Range(lo, hi, slot.lo_open, slot.hi_open)
+
+
+def _is_call(g: Graph, node: Node, *functions: str) -> bool:
+    return g.op[node] is Op.CALL and g.data[node] in functions
+
+
+def _dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:
+    """What must not vanish for the outputs to be finite and smooth."""
+    for node in reachable(g, outputs, VARIABLE):
+        first = g.args[node][0] if g.args[node] else node
+        if g.op[node] is Op.POWER:
+            if g.data[node] < 0 or (
+                g.data[node].denominator > 1 and not ranges(first).not_negative
+            ):
+                yield first
+        elif _is_call(g, node, "log", "reciprocal", "pow"):
+            yield first
+        elif _is_call(g, node, "sqrt") and not ranges(first).not_negative:
+            yield first  # of a sum of squares, a root alone is no more than a kink
+        elif _is_call(g, node, "tan"):
+            yield g.call("cos", first)
+        elif _is_call(g, node, "asin", "acos"):
+            yield g.subtract(ONE, g.power(first, 2))
+
+
+def _zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
+    """The factors of a node that may vanish, down to what is no product; and whether it is a sum of
+    which no more is known."""
+    for base, _ in g.factors(node):
+        if not g.depends[base] & VARIABLE or ranges(base).never_zero:
+            continue
+        op, first = g.op[base], (g.args[base] or (base,))[0]
+        inside = op is Op.POWER or _is_call(g, base, *_LIKE_ARGUMENT)
+        if inside and not (_is_call(g, base, "sqrt") and ranges(first).not_negative):
+            yield from _zeros(g, ranges, first)
+        elif op is Op.ADD:
+            common, rest = _common(g, base)
+            for factor in common:
+                yield from _zeros(g, ranges, factor)
+            if not ranges(rest).never_zero:
+                yield rest, True
+        else:
+            yield base, False
+
+
+def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
+    """The factors that all terms of a sum share, and the sum without them."""
+    terms, stack = [], [node]
+    while stack:
+        part = stack.pop()
+        if g.op[part] is Op.ADD:
+            stack.extend(g.args[part])
+        else:
+            terms.append(part)
+    powers = [dict(g.factors(term)) for term in terms]
+    shared = {
+        base: min(p[base] for p in powers)
+        for base in powers[0]
+        if g.value(base) is None and all(p.get(base, 0) > 0 for p in powers)
+    }
+    if not shared:
+        return [], node
+    divisor = {base: -power for base, power in shared.items()}
+    rest = g.sum(g.product(g.power(b, e + divisor.get(b, 0)) for b, e in p.items()) for p in powers)
+    return list(shared), rest
+
+
+def _least_definite(
+    g: Graph, parameters: tuple[ParameterSlot, ...], mass: Matrix
+) -> dict[Symbol, float]:
+    """The state, of many with the parameters' defaults, at which M is nearest to singular."""
+    entries = [x for i, row in enumerate(mass) for x in row[: i + 1]]
+    below = reachable(g, entries)
+    draw = random.Random(2385)
+    fixed: dict[Symbol, float] = {}
+    for k, slot in enumerate(parameters):
+        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
+    found = {g.data[x] for x in below if g.op[x] is Op.SYMBOL} - {Symbol(Kind.PI), *fixed}
+    moving = sorted(found)
+    left = max(SAMPLES, EFFORT // (len(below) + len(mass) ** 3))
+
+    def ratio(state: dict[Symbol, float]) -> float:
+        return _least_ratio(len(mass), evaluate(g, entries, state))
+
+    states = [
+        fixed | {s: draw.uniform(-3, 3) * (0.3 if s.kind == Kind.RATE else 1) for s in moving}
+        for _ in range(SAMPLES)
+    ]
+    least, best = min((ratio(state), k) for k, state in enumerate(states))
+    state, width = states[best], 1.0
+    for k in range((left - SAMPLES) // 2):  # a coordinate at a time, by ever shorter steps
+        symbol = moving[k % len(moving)]
+        for step in (width, -width):
+            moved = state | {symbol: state[symbol] + step}
+            there = ratio(moved)
+            if there < least:
+                least, state = there, moved
+        width *= 0.8 if symbol == moving[-1] else 1
+    return state
+
+
+def _least_ratio(n: int, entries: list[float]) -> float:
+    """The least pivot of M = L D L^T beside its diagonal entry; negative where one is not positive.
+    `entries` are those of the lower triangle, row by row."""
+    flat = iter(entries)
+    rows = [[next(flat) for _ in range(i + 1)] for i in range(n)]
+    least = INF
+    for j in range(n):
+        diagonal = rows[j][j]
+        pivot = diagonal - sum(rows[j][k] ** 2 * rows[k][k] for k in range(j))
+        if not (pivot > 0 and diagonal > 0):
+            return -1.0
+        least = min(least, pivot / diagonal)
+        rows[j][j] = pivot
+        for i in range(j + 1, n):
+            inner = sum(rows[i][k] * rows[j][k] * rows[k][k] for k in range(j))
+            rows[i][j] = (rows[i][j] - inner) / pivot
+    return least

@@ -1,0 +1,77 @@
+/* The list of methods, a line of JSON each: what each is and needs, and where its steps grow on
+ * linear equations (pk/limits.h). A limit that is infinite is the word, one without an answer null.
+ */
+#include <pk/limits.h>
+
+#include "output.h"
+
+enum { MOST_INTERVALS = 8 };
+
+static void flags(FILE *file, unsigned set, const char *const *names, size_t count)
+{
+    int first = 1;
+    fputc('[', file);
+    for (size_t i = 0; i < count; i++)
+        if (set & (1u << i)) {
+            fprintf(file, "%s\"%s\"", first ? "" : ", ", names[i]);
+            first = 0;
+        }
+    fputc(']', file);
+}
+
+static void limit(FILE *file, const struct pk_method *method, enum pk_axis axis)
+{
+    const pk_real x = pk_method_limit(method, axis);
+    if (x > PK_C(1e30))
+        fputs("\"infinite\"", file);
+    else
+        output_real(file, x);
+}
+
+/* [[from, to], ...] on the imaginary axis; the last one may have no end. */
+static void growth(FILE *file, const struct pk_method *method)
+{
+    pk_real from = 0, found[2];
+    fputc('[', file);
+    for (int i = 0; i < MOST_INTERVALS; i++) {
+        if (!pk_method_growth(method, PK_AXIS_IMAGINARY, from, found) || found[0] > PK_C(1e30))
+            break;
+        fputs(i ? ", [" : "[", file);
+        output_real(file, found[0]);
+        fputs(", ", file);
+        output_real(file, found[1]);
+        fputc(']', file);
+        from = found[1] * (1 + PK_C(1e-9));
+        if (from > PK_C(1e30))
+            break;
+    }
+    fputc(']', file);
+}
+
+int output_methods(FILE *file)
+{
+    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
+                                         "dense",      "jacobians", "linear",   "no_inputs"};
+    static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
+                                        "separable",     "autonomous",    "conservative",
+                                        "variational",   "smooth"};
+    for (size_t i = 0; run_method_at(i); i++) {
+        const struct pk_method *m = run_method_at(i);
+        fprintf(file, "{\"name\": \"%s\", \"order\": %d, \"stages\": %d, \"dense_order\": %d, ",
+                m->name, m->order, m->stages, m->dense_order);
+        fputs("\"flags\": ", file);
+        flags(file, m->traits, traits, sizeof traits / sizeof *traits);
+        fputs(", \"requires\": ", file);
+        flags(file, m->needs, facts, sizeof facts / sizeof *facts);
+        fputs(", \"limits\": {\"imaginary\": ", file);
+        limit(file, m, PK_AXIS_IMAGINARY);
+        fputs(", \"real\": ", file);
+        limit(file, m, PK_AXIS_REAL);
+        fputs("}, \"growth\": ", file);
+        growth(file, m);
+        fputs(", \"doc\": ", file);
+        output_text(file, m->doc);
+        fputs("}\n", file);
+    }
+    return fflush(file) || ferror(file);
+}

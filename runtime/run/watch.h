@@ -1,0 +1,19 @@
+/* Events of a run: rows at them, their times for the report, where they stop. */
+#ifndef RUN_WATCH_H
+#define RUN_WATCH_H
+
+#include "output.h"
+
+/* Behind pk_integrator_init(); 0, or the process's exit code with a message. */
+int watch_start(struct run *run);
+/* One step, with all that is crossed in it. */
+enum pk_status watch_step(struct run *run, pk_real limit);
+/* The member "events" of the report. */
+void watch_report(struct run *run, FILE *file);
+void watch_free(struct run *run);
+
+/* Of main.c: rows by time up to t, of the last step by the method's dense output. 0 where that
+ * fails. */
+int run_dense_rows(struct run *run, pk_real t);
+
+#endif

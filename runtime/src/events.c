@@ -1,0 +1,206 @@
+/* Events: crossings of zero within a step, located by the method itself; see pk/events.h.
+ *
+ * The functions of the events are looked at on an interpolant of the step, which costs no step. It
+ * only proposes times: what is believed is g at states that a second integrator, the scout, reaches
+ * from where the step began. Between two such times with opposite signs lies a crossing.
+ *
+ * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
+ * Comput. Math. Appl. 39 (2000) 43.
+ */
+#include <string.h>
+
+#include "events.h"
+
+/* Samples are taken in proportion to the stages, for steps are as long as the stages are many. */
+static int samples_of(const struct pk_method *method)
+{
+    const int wanted = 2 * method->stages;
+    return wanted < 2 || wanted > PK_MOST_SAMPLES ? PK_MOST_SAMPLES : wanted;
+}
+
+static size_t reals(const struct pk_problem *problem, const struct pk_method *method)
+{
+    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t m = problem->system->n_events;
+    return 4 * n + problem->system->n_inputs +
+           m * (size_t)(samples_of(method) + 2 + PK_EVENT_ENTRY * PK_MOST_NODES);
+}
+
+size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method)
+{
+    const size_t scout = pk_integrator_size(problem, method);
+    return scout ? scout + reals(problem, method) * sizeof(pk_real) : 0;
+}
+
+enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it,
+                              void *block, size_t block_size)
+{
+    memset(events, 0, sizeof *events);
+    if (!it || !it->ready || !block)
+        return it && it->status < 0 ? it->status : PK_BAD_ARGUMENT;
+    const struct pk_problem *problem = &it->problem;
+    if (block_size < pk_events_size(problem, it->method) || (size_t)block % _Alignof(pk_real))
+        return PK_BLOCK_TOO_SMALL;
+    struct pk_options options = it->options;
+    options.h_min = 0; /* a step to a crossing may be as short as it is near */
+    options.max_steps = 0;
+    events->n = it->n;
+    events->n_events = problem->system->n_events;
+    if (events->n_events == 0)
+        return PK_DONE;
+    const size_t scout = pk_integrator_size(problem, it->method);
+    events->samples = samples_of(it->method);
+    events->dense = (it->method->traits & PK_DENSE) &&
+                    it->method->dense_order >= it->method->order;
+    events->q0 = (pk_real *)block + scout / sizeof(pk_real);
+    events->v0 = events->q0 + it->n;
+    events->trial = events->v0 + it->n;
+    events->u = events->trial + 2 * it->n;
+    events->g = events->u + problem->system->n_inputs;
+    events->list = events->g + events->n_events * (size_t)(events->samples + 2);
+    memset(events->q0, 0, reals(problem, it->method) * sizeof(pk_real));
+    return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,
+                              block, scout);
+}
+
+void pk_events_free(struct pk_events *events) { pk_integrator_free(&events->scout); }
+
+void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                      const pk_real *q, const pk_real *v, pk_real *g)
+{
+    const struct pk_problem *p = &it->problem;
+    if (p->system->n_inputs && p->input)
+        p->input(p->context, t, e->u);
+    p->system->event(p->params, t, q, v, e->u, g);
+}
+
+enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
+{
+    it->event = k + 1;
+    return it->status = PK_NOT_FINITE;
+}
+
+static enum pk_status at_ends(const struct pk_events *e, struct pk_integrator *it, int j,
+                              const pk_real *q, const pk_real *v)
+{
+    pk_real *g = pk_events_sample(e, j);
+    pk_events_functions(e, it, it->t, q, v, g);
+    for (size_t k = 0; k < e->n_events; k++)
+        if (!pk_finite(g[k]))
+            return pk_events_not_finite(it, k);
+    return PK_DONE;
+}
+
+/* Cubic of Hermite through q and v at the ends, and its derivative. */
+static void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
+{
+    const pk_real h = it->t - e->from, y = 1 - x;
+    const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
+    const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
+    for (size_t i = 0; i < e->n; i++) {
+        const pk_real rise = it->q[i] - e->q0[i];
+        e->trial[i] = e->q0[i] + h01 * rise + h10 * e->v0[i] + h11 * it->v[i];
+        e->trial[e->n + i] = slope * rise + d10 * e->v0[i] + d11 * it->v[i];
+    }
+}
+
+static enum pk_status look(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real h = it->t - e->from;
+    for (int j = 1; j < e->samples; j++) {
+        const pk_real x = (pk_real)j / (pk_real)e->samples, t = e->from + x * h;
+        if (!e->dense)
+            hermite(e, it, x);
+        else if (pk_integrator_dense(it, t, e->trial, e->trial + e->n) < 0)
+            return it->status;
+        pk_events_functions(e, it, t, e->trial, e->trial + e->n, pk_events_sample(e, j));
+    }
+    return PK_DONE;
+}
+
+/* The motion at t within the step, by the method itself. */
+enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
+{
+    struct pk_integrator *scout = &e->scout;
+    const size_t bytes = e->n * sizeof *e->trial;
+    if (!(t < it->t) && !(t > it->t)) {
+        memcpy(e->trial, it->q, bytes);
+        memcpy(e->trial + e->n, it->v, bytes);
+        return PK_DONE;
+    }
+    e->tries++;
+    if (e->dense)
+        return pk_integrator_dense(it, t, e->trial, e->trial + e->n);
+    pk_integrator_reset(scout, e->from, e->q0, e->v0);
+    if (scout->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
+        (t < e->from || t > e->from))
+        pk_integrator_set_step(scout, pk_abs(t - e->from));
+    if (scout->status >= 0 && pk_integrator_to(scout, t) >= 0) {
+        memcpy(e->trial, scout->q, bytes);
+        memcpy(e->trial + e->n, scout->v, bytes);
+        return PK_DONE;
+    }
+    it->where = scout->where;
+    it->detail = scout->detail;
+    return it->status = scout->status;
+}
+
+/* Reports what was found, as far as the first event that stops. */
+static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
+{
+    for (size_t i = 0; i < e->listed; i++) {
+        const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
+        e->which = (size_t)entry[1];
+        e->direction = (int)entry[2];
+        e->t = pk_events_time(e, it, entry[0]);
+        if (pk_events_reach(e, it, e->t) < 0)
+            return it->status;
+        e->q = e->trial;
+        e->v = e->trial + e->n;
+        e->count++;
+        int stop = it->problem.system->events[e->which].stop;
+        if (e->found && e->found(e->context, e))
+            stop = 1;
+        if (it->status < 0) /* of dense output that found() asked for */
+            return it->status;
+        if (!stop)
+            continue;
+        if ((e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
+            return it->status;
+        it->event = e->which + 1;
+        return it->status = PK_STOPPED_EVENT;
+    }
+    return it->status = PK_DONE;
+}
+
+enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    if (e->n_events == 0 || !it->ready)
+        return pk_integrator_step(it, limit);
+    it->event = 0;
+    e->from = it->t;
+    e->listed = 0;
+    e->scout.options.h = it->options.h;
+    memcpy(e->q0, it->q, e->n * sizeof *e->q0);
+    memcpy(e->v0, it->v, e->n * sizeof *e->v0);
+    if (at_ends(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
+        return it->status;
+    if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
+        return it->status;
+    if (at_ends(e, it, e->samples, it->q, it->v) < 0 || look(e, it) < 0)
+        return it->status;
+    for (size_t k = 0; k < e->n_events; k++)
+        if (pk_events_seek(e, it, k) < 0)
+            return it->status;
+    return report(e, it);
+}
+
+enum pk_status pk_events_to(struct pk_events *e, struct pk_integrator *it, pk_real t_end)
+{
+    do {
+        const enum pk_status status = pk_events_step(e, it, t_end);
+        if (status != PK_DONE)
+            return status;
+    } while (it->t < t_end || it->t > t_end);
+    return PK_DONE;
+}

@@ -1,0 +1,48 @@
+/* The root of a function that changes its sign, by the method ITP: interpolate (regula falsi),
+ * truncate (towards the middle, so that both ends close in), project (so that no more steps are
+ * taken than bisection would, plus one). Superlinear for smooth functions.
+ *
+ * Reference: I. F. D. Oliveira, R. H. C. Takahashi, An enhancement of the bisection method average
+ * performance preserving minmax optimality, ACM Trans. Math. Softw. 47 (2020) 5, algorithm 1;
+ * kappa_1 = 0.2/(b - a), kappa_2 = 2, n_0 = 1 as proposed there.
+ */
+#include "internal.h"
+#include "root.h"
+
+enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_real *b,
+                       pk_real fb, pk_real width)
+{
+    const pk_real kappa = PK_C(0.2) / (*b - *a);
+    pk_real reach = width / 2; /* epsilon 2^(n_max - j) of the reference */
+    while (2 * reach < *b - *a)
+        reach *= 2;
+    reach *= 2;
+    while (*b - *a > width) {
+        const pk_real half = (*b - *a) / 2, middle = *a + half;
+        const pk_real chord = *a - fa * (*b - *a) / (fb - fa);
+        const pk_real towards = middle < chord ? PK_C(-1.0) : PK_C(1.0);
+        const pk_real cut = kappa * (*b - *a) * (*b - *a), most = reach - half;
+        pk_real x = cut <= pk_abs(middle - chord) ? chord + towards * cut : middle;
+        if (!(pk_abs(x - middle) <= most)) /* or the chord is no number: both ends are tiny */
+            x = middle - towards * most;
+        if (!(x > *a && x < *b))
+            x = middle;
+        if (!(x > *a && x < *b))
+            break; /* no number between them */
+        pk_real y;
+        const enum pk_status status = f(context, x, &y);
+        if (status < 0)
+            return status;
+        if ((y > 0 && fa > 0) || (y < 0 && fa < 0)) {
+            *a = x;
+            fa = y;
+        } else {
+            *b = x;
+            fb = y;
+        }
+        if (!(fb < 0 || fb > 0))
+            break;
+        reach /= 2;
+    }
+    return PK_DONE;
+}

@@ -1,0 +1,54 @@
+/* The linearised equations of motion; see pk/linear.h. One factorisation of M = L D L^T serves all
+ * 2 n + 1 right-hand sides.
+ */
+#include <string.h>
+
+#include <pk/linear.h>
+
+#include "internal.h"
+
+size_t pk_system_linear_size(const struct pk_problem *problem)
+{
+    const size_t n = pk_system_count(problem->system, problem->params);
+    return n * n + n + problem->system->n_inputs;
+}
+
+/* The columns of an n by n matrix of right-hand sides, in place. */
+static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *column)
+{
+    for (size_t j = 0; j < n; j++) {
+        for (size_t i = 0; i < n; i++)
+            column[i] = matrix[i * n + j];
+        pk_ldl_solve(L, n, column);
+        for (size_t i = 0; i < n; i++)
+            matrix[i * n + j] = column[i];
+    }
+}
+
+enum pk_status pk_system_linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
+                                const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
+                                pk_real *a_t, pk_real *work)
+{
+    const struct pk_system *system = problem->system;
+    const void *params = problem->params;
+    if (!system->linear || !system->mass)
+        return PK_REFUSED;
+    const size_t n = pk_system_count(system, params);
+    pk_real *L = work, *column = L + n * n, *u = column + n;
+    memset(u, 0, system->n_inputs * sizeof *u);
+    if (system->n_inputs && problem->input)
+        problem->input(problem->context, t, u);
+    if (system->acceleration(params, t, q, v, u, a))
+        return PK_SINGULAR_MASS;
+    system->mass(params, t, q, v, u, L);
+    if (pk_ldl_factor(L, n))
+        return PK_SINGULAR_MASS;
+    system->linear(params, t, q, v, u, a, a_q, a_v, a_t);
+    solve_columns(L, n, a_q, column);
+    solve_columns(L, n, a_v, column);
+    pk_ldl_solve(L, n, a_t);
+    return pk_all_finite(a, n) && pk_all_finite(a_q, n * n) && pk_all_finite(a_v, n * n) &&
+                   pk_all_finite(a_t, n)
+               ? PK_DONE
+               : PK_NOT_FINITE;
+}

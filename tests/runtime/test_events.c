@@ -1,0 +1,460 @@
+/* Events: times against closed forms, order and direction, what does not fire, stops, failures. */
+#include <stdlib.h>
+
+#include "fixture.h"
+
+static const struct pk_event one_event[] = {{{"crossing", "", ""}, 0, 0}};
+
+/* A system with events of its own, run with a list of what was found. */
+struct watch {
+    struct pk_system system;
+    struct pk_event declared[4];
+    struct fixture f;
+    struct pk_events events;
+    double block[4096];
+    int count, stop_after;
+    size_t which[200];
+    int direction[200];
+    double t[200], q[200], v[200];
+};
+
+static int note(void *context, const struct pk_events *events)
+{
+    struct watch *w = (struct watch *)context;
+    CU_ASSERT_FATAL(w->count < 200);
+    w->which[w->count] = events->which;
+    w->direction[w->count] = events->direction;
+    w->t[w->count] = events->t;
+    w->q[w->count] = events->q[0];
+    w->v[w->count] = events->v[0];
+    w->count++;
+    return w->count == w->stop_after;
+}
+
+typedef void event_function(const void *, pk_real, const pk_real *, const pk_real *,
+                            const pk_real *, pk_real *);
+
+/* Before watch_init(): the system with n events of function g, as `declared` says. */
+static void watch_set(struct watch *w, const struct pk_system *system, event_function *g, size_t n)
+{
+    memset(w, 0, sizeof *w);
+    w->system = *system;
+    w->system.n_events = n;
+    w->system.events = w->declared;
+    w->system.event = g;
+    for (size_t k = 0; k < n; k++)
+        w->declared[k] = one_event[0];
+    fixture_set(&w->f, &w->system);
+}
+
+static void watch_init(struct watch *w, const char *method, double h)
+{
+    const struct pk_method *m = pk_method_find(method);
+    if (!m)
+        m = pk_gsl_method_find(method);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(m);
+    if (m->traits & PK_ADAPTIVE)
+        w->f.options.rtol = w->f.options.atol = h;
+    else
+        w->f.options.h = h;
+    CU_ASSERT_FATAL(fixture_init(&w->f, method) == PK_DONE);
+    CU_ASSERT_FATAL(pk_events_size(&w->f.problem, m) <= sizeof w->block);
+    CU_ASSERT_FATAL(pk_events_init(&w->events, &w->f.it, w->block,
+                                   pk_events_size(&w->f.problem, m)) == PK_DONE);
+    w->events.found = note;
+    w->events.context = w;
+}
+
+static void watch_free(struct watch *w)
+{
+    pk_events_free(&w->events);
+    pk_integrator_free(&w->f.it);
+}
+
+static void at_zero(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                    const pk_real *u, pk_real *g)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    g[0] = q[0];
+}
+
+static void at_rest(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                    const pk_real *u, pk_real *g)
+{
+    (void)p, (void)t, (void)q, (void)u;
+    g[0] = v[0];
+}
+
+/* Period of a pendulum of theta'' = -sin theta: 2 pi / agm(1, cos(amplitude/2)). */
+static double period(double amplitude)
+{
+    double a = 1, b = cos(amplitude / 2);
+    for (int k = 0; k < 40 && a != b; k++) {
+        const double mean = (a + b) / 2;
+        b = sqrt(a * b);
+        a = mean;
+    }
+    return 2 * acos(-1) / a;
+}
+
+static void watch_pendulum(struct watch *w, event_function *g, double degrees)
+{
+    watch_set(w, &pendulum_system, g, 1);
+    w->f.params.g = 1;
+    w->system.prepare(&w->f.params);
+    w->f.q0[0] = degrees * acos(-1) / 180;
+    w->f.v0[0] = 0;
+}
+
+/* REGIMES P1: periods over those of small swings, from rest to rest on the same side; also across
+ * the lowest point, which is a quarter of a period earlier. */
+static void periods(void)
+{
+    const double degrees[] = {90, 170, 179, 179.9};
+    const double ratio[] = {1.1803405990, 2.4393627197, 3.9010651604, 5.3668671090};
+    static struct watch w;
+    for (int k = 0; k < 4; k++) {
+        const double amplitude = degrees[k] * acos(-1) / 180, T = period(amplitude);
+        CU_ASSERT_DOUBLE_EQUAL(T / (2 * acos(-1)), ratio[k], 6e-11);
+        for (int m = 0; m < 3; m++) {
+            const char *const method[] = {"gauss", "dop853", "gauss8"};
+            watch_pendulum(&w, at_rest, degrees[k]);
+            w.declared[0].direction = -1;
+            watch_init(&w, method[m], m < 2 ? 1e-14 : 0.05);
+            CU_ASSERT(pk_events_to(&w.events, &w.f.it, 1.1 * T) == PK_DONE);
+            CU_ASSERT_EQUAL_FATAL(w.count, 1);
+            /* What errors of the start and of rounding grow to: their growth is exp(T/2). */
+            const double bound = 2e-15 * T * exp(T / 2);
+            CU_ASSERT(fabs(w.t[0] - T) < bound && bound < 1e-3 * T);
+            CU_ASSERT(fabs(w.f.it.t - w.t[0]) > 0.01);
+            watch_free(&w);
+        }
+    }
+}
+
+/* Every method: the time of the lowest point, as accurate as the method; the crossing of its own
+ * map to the last digits; a state behind it. */
+static void every_method(void)
+{
+    static struct watch w;
+    const double T = period(1.5);
+    size_t core = 0;
+    while (pk_method_at(core))
+        core++;
+    for (size_t i = 0; pk_method_at(i) || pk_gsl_method_at(i - core); i++) {
+        const struct pk_method *m = i < core ? pk_method_at(i) : pk_gsl_method_at(i - core);
+        const int adaptive = (m->traits & PK_ADAPTIVE) != 0;
+        watch_pendulum(&w, at_zero, 1.5 * 180 / acos(-1));
+        watch_init(&w, m->name, adaptive ? 1e-10 : 0.01);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, T) == PK_DONE);
+        CU_ASSERT_EQUAL(w.count, 2);
+        const double bound = adaptive ? 1e-7 : m->order == 1 ? 0.05 : m->order == 2 ? 1e-4 : 1e-6;
+        for (int k = 0; k < 2; k++) {
+            const double error = fabs(w.t[k] - (0.25 + 0.5 * k) * T);
+            CU_ASSERT(error < bound);
+            CU_ASSERT(k ? w.q[k] >= 0 && w.direction[k] == 1 : w.q[k] <= 0 && w.direction[k] == -1);
+            CU_ASSERT(fabs(w.q[k]) < 2e-14); /* |v| < 1.4, t < 6 */
+        }
+        CU_ASSERT(m->order != 1 || fabs(w.t[0] - 0.25 * T) > 1e-4);
+        watch_free(&w);
+    }
+}
+
+/* The order of the method shows in the times of events. */
+static void order_of_times(void)
+{
+    static struct watch w;
+    double h[5], error[5];
+    for (int k = 0; k < 5; k++) {
+        h[k] = 0.2 / (1 << k);
+        watch_pendulum(&w, at_zero, 80);
+        watch_init(&w, "rk4", h[k]);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_DONE);
+        error[k] = fabs(w.t[2] - 1.25 * period(80 * acos(-1) / 180));
+    }
+    CU_ASSERT_DOUBLE_EQUAL(fit_slope(h, error, 5), 4, 0.3);
+}
+
+/* Locating leaves the trajectory alone, to the bit. */
+static void undisturbed(void)
+{
+    static struct watch w;
+    static struct fixture f;
+    const char *const method[] = {"verlet", "gauss4", "dop853", "gauss"};
+    for (int m = 0; m < 4; m++) {
+        watch_pendulum(&w, at_zero, 100);
+        watch_init(&w, method[m], m < 2 ? 0.07 : 1e-9);
+        fixture_set(&f, &pendulum_system);
+        f.params = w.f.params;
+        f.options = w.f.options;
+        memcpy(f.q0, w.f.q0, sizeof f.q0);
+        memcpy(f.v0, w.f.v0, sizeof f.v0);
+        CU_ASSERT(fixture_init(&f, method[m]) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 50) == PK_DONE);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 50) == PK_DONE);
+        CU_ASSERT(w.count > 10 && w.events.tries > 20);
+        CU_ASSERT(f.it.count.steps == w.f.it.count.steps);
+        CU_ASSERT(f.it.q[0] == w.f.it.q[0] && f.it.v[0] == w.f.it.v[0]);
+    }
+}
+
+static void four(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+                 pk_real *g)
+{
+    (void)p, (void)u, (void)v;
+    g[0] = t - 0.61;
+    g[1] = 0.32 - t;
+    g[2] = q[0] - cos(0.32); /* with the second, to rounding */
+    g[3] = t - 0.47;
+}
+
+/* Several in one step, in order of time; both directions of integration. */
+static void in_order(void)
+{
+    static struct watch w;
+    for (int backward = 0; backward < 2; backward++) {
+        watch_set(&w, &oscillator_system, four, 4);
+        w.declared[2].direction = 1; /* it falls: not asked for */
+        w.f.params.g = 1;
+        w.system.prepare(&w.f.params);
+        w.f.q0[0] = backward ? cos(1) : 1;
+        w.f.v0[0] = backward ? -sin(1) : 0;
+        watch_init(&w, "gauss8", 1);
+        if (backward)
+            pk_integrator_reset(&w.f.it, 1, w.f.q0, w.f.v0);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, backward ? 0 : 1) == PK_DONE);
+        CU_ASSERT_EQUAL(w.f.it.count.steps, 1);
+        CU_ASSERT_EQUAL_FATAL(w.count, 3);
+        const double t[] = {0.32, 0.47, 0.61};
+        const size_t which[] = {1, 3, 0};
+        const int direction[] = {-1, 1, 1};
+        for (int k = 0; k < 3; k++) {
+            const int at = backward ? 2 - k : k;
+            CU_ASSERT_DOUBLE_EQUAL(w.t[at], t[k], 3e-15);
+            CU_ASSERT_EQUAL(w.which[at], which[k]);
+            CU_ASSERT_EQUAL(w.direction[at], direction[k]);
+        }
+    }
+}
+
+static void both_at_once(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u, pk_real *g)
+{
+    (void)p, (void)u, (void)q, (void)v;
+    g[0] = t - 0.25;
+    g[1] = g[0];
+    g[2] = t - 0.125; /* at a sample, exactly zero there */
+}
+
+static void ties(void)
+{
+    static struct watch w;
+    watch_set(&w, &oscillator_system, both_at_once, 3);
+    watch_init(&w, "rk4", 0.5);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 2) == PK_DONE);
+    CU_ASSERT_EQUAL_FATAL(w.count, 3);
+    CU_ASSERT(w.which[0] == 2 && w.which[1] == 0 && w.which[2] == 1);
+    CU_ASSERT(w.t[0] == 0.125 && w.t[1] == 0.25 && w.t[2] == 0.25);
+}
+
+/* q = cos t. */
+static void watch_cosine(struct watch *w, event_function *g, size_t n)
+{
+    watch_set(w, &oscillator_system, g, n);
+    w->f.params.g = 1;
+    w->system.prepare(&w->f.params);
+    w->f.q0[0] = 1;
+    w->f.v0[0] = 0;
+}
+
+static void directions(void)
+{
+    static struct watch w;
+    for (int direction = -1; direction <= 1; direction++) {
+        watch_cosine(&w, at_rest, 1); /* v is 0 at the start, and falls: that is no event */
+        w.declared[0].direction = direction;
+        watch_init(&w, "gauss4", 0.1);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 20) == PK_DONE);
+        CU_ASSERT_EQUAL(w.count, direction == 0 ? 6 : 3);
+        for (int k = 0; k < w.count; k++)
+            CU_ASSERT_EQUAL(w.direction[k], direction ? direction : k % 2 ? -1 : 1);
+        CU_ASSERT_DOUBLE_EQUAL(w.t[0], (direction < 0 ? 2 : 1) * acos(-1), 1e-9);
+    }
+}
+
+static void near_the_top(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u, pk_real *g)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    g[0] = q[0] - 0.9999;
+}
+
+static void touching(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                     const pk_real *u, pk_real *g)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    g[0] = q[0] - 1.0001;
+}
+
+/* Two crossings within a step, for 2 acos(.9999) = .028, while the step is ten times as long and
+ * more (dop853: six times). */
+static void twice_in_a_step(void)
+{
+    static struct watch w;
+    const char *const method[] = {"gauss4", "gauss8", "gauss", "dop853"};
+    const double h[] = {0.3, 0.7, 1e-12, 1e-12};
+    for (int m = 0; m < 4; m++) {
+        watch_cosine(&w, near_the_top, 1);
+        w.f.q0[0] = cos(1);
+        w.f.v0[0] = -sin(1);
+        watch_init(&w, method[m], h[m]);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 40) == PK_DONE);
+        CU_ASSERT(w.f.it.count.steps < 250);
+        CU_ASSERT_EQUAL_FATAL(w.count, 12);
+        for (int k = 0; k < w.count; k++) {
+            const double top = 2 * acos(-1) * (1 + k / 2) - 1, away = acos(0.9999);
+            CU_ASSERT_DOUBLE_EQUAL(w.t[k], top + (k % 2 ? away : -away), 1e-7);
+        }
+        watch_cosine(&w, touching, 1); /* near misses are misses */
+        watch_init(&w, method[m], h[m]);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 40) == PK_DONE);
+        CU_ASSERT_EQUAL(w.count, 0);
+    }
+}
+
+static void down(void *context, pk_real t, pk_real *u)
+{
+    (void)t;
+    u[0] = *(const double *)context;
+}
+
+/* q'' = -9.81 above a floor: stops at the floor, is thrown back, goes on. Closed form. */
+static void bounces(void)
+{
+    static struct watch w;
+    const char *const method[] = {"verlet", "rk4", "dop853", "gauss", "gauss2"};
+    double weight = -9.81, e = 0.8;
+    for (int m = 0; m < 5; m++) {
+        watch_set(&w, &pushed_system, at_zero, 1);
+        w.declared[0].direction = -1;
+        w.declared[0].stop = 1;
+        w.f.problem.input = down;
+        w.f.problem.context = &weight;
+        w.f.q0[0] = 2;
+        w.f.v0[0] = 0;
+        watch_init(&w, method[m], m == 2 || m == 3 ? 1e-12 : 0.01);
+        double t = sqrt(2 * 2 / 9.81), v = 9.81 * t;
+        for (int k = 0; k < 8; k++) {
+            CU_ASSERT_FATAL(pk_events_to(&w.events, &w.f.it, 100) == PK_STOPPED_EVENT);
+            CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, t, 1e-12);
+            CU_ASSERT_DOUBLE_EQUAL(w.f.it.v[0], -v, 1e-11);
+            CU_ASSERT(w.f.it.q[0] <= 0 && w.f.it.q[0] > -1e-13);
+            CU_ASSERT_EQUAL(w.f.it.event, 1);
+            v *= e;
+            t += 2 * v / 9.81;
+            const double back = -e * w.f.it.v[0], q = w.f.it.q[0];
+            CU_ASSERT(pk_integrator_reset(&w.f.it, w.f.it.t, &q, &back) == PK_DONE);
+        }
+        CU_ASSERT_EQUAL(w.count, 8);
+    }
+}
+
+/* Stops name the event; a second call goes on; found() can stop too. */
+static void stops(void)
+{
+    static struct watch w;
+    char reason[100];
+    watch_cosine(&w, at_zero, 1);
+    w.declared[0].stop = 1;
+    watch_init(&w, "rk4", 0.01);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_STOPPED_EVENT);
+    CU_ASSERT(w.f.it.status == PK_STOPPED_EVENT);
+    CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, acos(-1) / 2, 1e-8);
+    CU_ASSERT_EQUAL(w.f.it.t, w.t[0]);
+    CU_ASSERT(w.f.it.q[0] == w.q[0] && w.f.it.v[0] == w.v[0]);
+    pk_integrator_reason(&w.f.it, reason, sizeof reason);
+    CU_ASSERT(strncmp(reason, "stopped at event crossing at t = 1.5707963", 42) == 0);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_STOPPED_EVENT);
+    CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, 3 * acos(-1) / 2, 1e-8);
+
+    watch_cosine(&w, at_zero, 1);
+    w.stop_after = 3;
+    watch_init(&w, "dop853", 1e-12);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 100) == PK_STOPPED_EVENT);
+    CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, 5 * acos(-1) / 2, 1e-10);
+    CU_ASSERT_EQUAL(w.count, 3);
+    w.events.found = NULL;
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 100) == PK_DONE);
+    CU_ASSERT_EQUAL(w.f.it.event, 0);
+    CU_ASSERT_EQUAL(w.events.count, 3 + 29); /* 100/pi + 1/2 crossings in all */
+}
+
+static void no_number(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *g)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    g[0] = sqrt(q[0] - 0.5) - 0.1;
+}
+
+/* What fails: its function, its memory, the motion. */
+static void failures(void)
+{
+    static struct watch w;
+    char reason[100];
+    watch_cosine(&w, no_number, 1);
+    watch_init(&w, "rk4", 0.01);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_NOT_FINITE);
+    CU_ASSERT_EQUAL(w.count, 1); /* at cos t = .51 */
+    CU_ASSERT_DOUBLE_EQUAL(w.t[0], acos(0.51), 1e-7);
+    CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, acos(0.5), 0.011);
+    pk_integrator_reason(&w.f.it, reason, sizeof reason);
+    CU_ASSERT(strstr(reason, "function of event crossing is not finite at t = 1.0") != NULL);
+    /* The motion's own failure has the motion's reason, after an event's too. */
+    watch_set(&w, &broken_system, at_zero, 1);
+    watch_init(&w, "rk4", 0.01);
+    w.f.it.event = 1;
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_NOT_FINITE);
+    pk_integrator_reason(&w.f.it, reason, sizeof reason);
+    CU_ASSERT(strstr(reason, "the motion is no longer finite; last valid time") != NULL);
+
+    watch_cosine(&w, at_zero, 1);
+    watch_init(&w, "rk4", 0.01);
+    const struct pk_method *rk4 = pk_method_find("rk4");
+    const size_t size = pk_events_size(&w.f.problem, rk4);
+    CU_ASSERT(size > pk_integrator_size(&w.f.problem, rk4));
+    CU_ASSERT(pk_events_init(&w.events, &w.f.it, w.block, size - 1) == PK_BLOCK_TOO_SMALL);
+    CU_ASSERT(pk_events_init(&w.events, &w.f.it, (char *)w.block + 1, size) == PK_BLOCK_TOO_SMALL);
+    CU_ASSERT(pk_events_init(&w.events, &w.f.it, NULL, size) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_events_init(&w.events, NULL, w.block, size) == PK_BAD_ARGUMENT);
+    memset(w.block, 0x5a, sizeof w.block);
+    CU_ASSERT(pk_events_init(&w.events, &w.f.it, w.block, size) == PK_DONE);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10) == PK_DONE);
+    CU_ASSERT(*((unsigned char *)w.block + size) == 0x5a); /* nothing is written behind it */
+}
+
+/* Without events in the system all is as without them. */
+static void none(void)
+{
+    static struct watch w;
+    watch_set(&w, &pendulum_system, NULL, 0);
+    watch_init(&w, "verlet", 0.1);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 1) == PK_DONE);
+    CU_ASSERT_EQUAL(w.f.it.count.steps, 10);
+}
+
+void add_events(void)
+{
+    CU_pSuite suite = CU_add_suite("events", NULL, NULL);
+    CU_add_test(suite, "periods of the pendulum", periods);
+    CU_add_test(suite, "every method", every_method);
+    CU_add_test(suite, "times have the method's order", order_of_times);
+    CU_add_test(suite, "the trajectory is undisturbed", undisturbed);
+    CU_add_test(suite, "several in a step, in order", in_order);
+    CU_add_test(suite, "ties", ties);
+    CU_add_test(suite, "directions, zero at the start", directions);
+    CU_add_test(suite, "two crossings within a step", twice_in_a_step);
+    CU_add_test(suite, "bounces", bounces);
+    CU_add_test(suite, "stops", stops);
+    CU_add_test(suite, "failures", failures);
+    CU_add_test(suite, "no events", none);
+}

@@ -1,0 +1,211 @@
+/* Where the equations end: a collision, a chart's pole, through every kind of method, and not where
+ * a motion only passes near. Without guards a fixed step steps over each of them.
+ */
+#include "fixture.h"
+
+static const double FALL = 1.1107207345395915; /* pi/(2 sqrt 2): from rest at 1, mu = 1 */
+
+static void distance(const void *p, double t, const double *q, const double *v, const double *u,
+                     double *out)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    out[0] = 1 + q[0] * q[0]; /* one that stays */
+    out[1] = sqrt(q[0] * q[0] + q[1] * q[1]);
+}
+
+static const struct pk_guard kepler_guards[] = {{{"1 + x^2", "", ""}, PK_GUARD_COORDINATES},
+                                                {{"r", "", ""}, PK_GUARD_MOTION}};
+
+static struct pk_system guarded_kepler(void)
+{
+    struct pk_system system = kepler_system;
+    system.n_guards = 2;
+    system.guards = kepler_guards;
+    system.guard = distance;
+    return system;
+}
+
+static const struct {
+    const char *name;
+    double h;
+} methods[] = {{"euler", 1e-3},  {"rk4", 1e-2},    {"symplectic_euler", 1e-3}, {"verlet", 1e-2},
+               {"verlet", 0.1},  {"yoshida4", .01}, {"gauss1", 1e-2},          {"gauss4", 1e-2},
+               {"gauss8", 1e-2}, {"dopri5", 0},    {"dop853", 0},              {"gauss", 0},
+               {"gsl_rk8pd", 0}, {"gsl_msadams", 0}};
+enum { METHODS = sizeof methods / sizeof *methods };
+
+static void skew_start(struct fixture *f)
+{
+    f->q0[0] = 0.6;
+    f->q0[1] = 0.8;
+    f->v0[0] = f->v0[1] = 0;
+}
+
+static void collision(void)
+{
+    static struct fixture f;
+    struct pk_system system = guarded_kepler();
+    char text[200];
+    for (int i = 0; i < METHODS; i++) {
+        double q[2], v[2], t;
+        fixture_set(&f, &system);
+        skew_start(&f);
+        f.options.h = methods[i].h;
+        CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+        enum pk_status status;
+        do {
+            t = f.it.t;
+            memcpy(q, f.it.q, sizeof q);
+            memcpy(v, f.it.v, sizeof v);
+            status = pk_integrator_step(&f.it, 3);
+        } while (status == PK_DONE && f.it.t < 3);
+        CU_ASSERT(status == PK_SINGULAR_TIME && f.it.where == 1);
+        if (status != PK_SINGULAR_TIME)
+            printf("\n    %s: %d at t = %.17g h %g: q %g %g v %g %g p %g", methods[i].name, (int)status, f.it.t, f.it.h, q[0],q[1],v[0],v[1], q[0]*v[1]-q[1]*v[0]);
+        CU_ASSERT(fabs(f.it.detail - FALL) < (methods[i].h > 0 ? 10 * methods[i].h : 1e-6));
+        CU_ASSERT(f.it.t == t && memcmp(q, f.it.q, sizeof q) == 0);
+        CU_ASSERT(memcmp(v, f.it.v, sizeof v) == 0 && t > 0.9);
+        CU_ASSERT(pk_integrator_reason(&f.it, text, sizeof text) > 0);
+        CU_ASSERT(strstr(text, "ends in a singularity: r vanishes at t = 1.1") != NULL);
+        /* Nothing more comes of it, but a new start. */
+        CU_ASSERT(pk_integrator_step(&f.it, 3) == PK_SINGULAR_TIME && f.it.t == t);
+        CU_ASSERT(pk_integrator_dense(&f.it, t, q, v) == PK_SINGULAR_TIME);
+        CU_ASSERT(pk_integrator_steps(&f.it, 3, 7) == PK_SINGULAR_TIME && f.it.t == t);
+        CU_ASSERT(pk_integrator_reset(&f.it, 0, f.q0, f.v0) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 0.5) == PK_DONE && f.it.t == 0.5);
+        pk_integrator_free(&f.it);
+    }
+}
+
+/* What would have come out. */
+static void stepped_over_without_guards(void)
+{
+    static struct fixture f;
+    for (int i = 0; i < 6; i++) {
+        fixture_set(&f, &kepler_system);
+        skew_start(&f);
+        f.options.h = methods[i].h;
+        CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE && isfinite(f.it.q[0]));
+    }
+}
+
+/* Past the centre at a distance b with speed v, by steps of up to h v/b = 1. */
+static void near_pass(void)
+{
+    static struct fixture f;
+    struct pk_system system = guarded_kepler();
+    static const char *const names[] = {"verlet", "rk4", "yoshida4", "euler"};
+    for (int i = 0; i < 4; i++)
+        for (double part = 0.1; part < 1.1; part += 0.45) {
+            fixture_set(&f, &system);
+            f.q0[0] = 1.9, f.q0[1] = 0; /* e = .9, from the far end; b = .1, v = sqrt 19 */
+            f.v0[0] = 0, f.v0[1] = sqrt(1 / 19.);
+            f.options.h = part * 0.1 / sqrt(19.);
+            CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&f.it, 4) == PK_DONE && f.it.t == 4);
+        }
+}
+
+/* The radial equation of a free point, r'' = J^2/r^3: limit is J. */
+static int radial_acceleration(const void *p, double t, const double *q, const double *v,
+                               const double *u, double *a)
+{
+    const double J = ((const struct test_params *)p)->limit;
+    (void)t, (void)v, (void)u;
+    a[0] = J * J / (q[0] * q[0] * q[0]);
+    return 0;
+}
+
+static void radius(const void *p, double t, const double *q, const double *v, const double *u,
+                   double *out)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    out[0] = q[0];
+}
+
+static const struct pk_guard pole_guard[] = {{{"r", "", ""}, PK_GUARD_COORDINATES}};
+
+static struct pk_system polar(void)
+{
+    struct pk_system system = oscillator_system;
+    system.acceleration = radial_acceleration;
+    system.lanes = NULL;
+    system.steppers = NULL;
+    system.block_steppers = NULL;
+    system.members = NULL;
+    system.n_guards = 1;
+    system.guards = pole_guard;
+    system.guard = radius;
+    return system;
+}
+
+static void pole(void)
+{
+    static struct fixture f;
+    struct pk_system system = polar();
+    static const double parts[] = {0.1, 0.5, 1, 3};
+    char text[200];
+    for (int i = 0; i < 4; i++) { /* |Delta E/E| at most .24 up to 1: it passes; by 3 too */
+        fixture_set(&f, &system);
+        f.params.limit = 1; /* b = v = 1, from x = -5.03 */
+        f.q0[0] = sqrt(1 + 5.03 * 5.03);
+        f.v0[0] = -5.03 / f.q0[0];
+        f.options.h = parts[i];
+        CU_ASSERT(fixture_init(&f, "verlet") == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 9) == PK_DONE && f.it.q[0] > 1);
+    }
+    f.params.limit = 0; /* through the pole, where nothing but the chart ends */
+    f.q0[0] = 5.03;
+    f.v0[0] = -1;
+    for (int i = 0; i < METHODS; i++) {
+        if (strncmp(methods[i].name, "gauss", 5) == 0 && methods[i].name[5])
+            continue; /* in (q, p), of which this system has the oscillator's */
+        f.options.h = methods[i].h;
+        CU_ASSERT(fixture_init(&f, methods[i].name) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 9) == PK_SINGULAR_COORDINATES);
+        CU_ASSERT(fabs(f.it.detail - 5.03) < 1e-9 && f.it.t < 5.03);
+        CU_ASSERT(pk_integrator_reason(&f.it, text, sizeof text) > 0);
+        CU_ASSERT(strstr(text, "coordinates are singular here: r vanishes at t = 5.0") != NULL);
+        pk_integrator_free(&f.it);
+    }
+    f.q0[0] = 0; /* a start there is no start */
+    f.options.h = 0.1;
+    CU_ASSERT(fixture_init(&f, "rk4") == PK_DONE);
+    CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_COORDINATES && f.it.t == 0);
+}
+
+/* Members of an ensemble end where each does alone. */
+static void members(void)
+{
+    static struct fixture f;
+    static double block[20000];
+    struct pk_system system = guarded_kepler();
+    const double q0[6] = {0.6, 0.8, 1, 0, 0.3, 0.4}, v0[6] = {0, 0, 0, 1, 0, 0}, times[] = {0.3, 2};
+    double q[12], v[12], last[3];
+    struct test_params params[3];
+    size_t done[3];
+    enum pk_status status[3];
+    fixture_set(&f, &system);
+    params[0] = params[1] = params[2] = f.params;
+    f.options.h = 0.01;
+    const struct pk_ensemble e = {.system = &system, .method = pk_method_find("rk4"),
+                                  .options = f.options, .members = 3, .params = params, .q0 = q0,
+                                  .v0 = v0, .rows = 2, .t = times, .q = q, .v = v, .done = done,
+                                  .last_t = last, .status = status};
+    CU_ASSERT_FATAL(pk_ensemble_size(&e) <= sizeof block);
+    CU_ASSERT(pk_ensemble_run(&e, 0, 3, block, sizeof block) == PK_SINGULAR_TIME);
+    CU_ASSERT(status[0] == PK_SINGULAR_TIME && done[0] == 1 && fabs(last[0] - FALL) < 0.02);
+    CU_ASSERT(status[1] == PK_DONE && done[1] == 2);
+    CU_ASSERT(status[2] == PK_SINGULAR_TIME && fabs(last[2] - FALL * sqrt(0.125)) < 0.02);
+}
+
+void add_guard(void)
+{
+    CU_pSuite suite = CU_add_suite("guards", NULL, NULL);
+    CU_add_test(suite, "collision", collision);
+    CU_add_test(suite, "stepped over without", stepped_over_without_guards);
+    CU_add_test(suite, "near pass", near_pass);
+    CU_add_test(suite, "pole of a chart", pole);
+    CU_add_test(suite, "members", members);
+}
