@@ -71,7 +71,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, of->rest);
     pk_real *v = pk_part(it->next, n, PK_V), *q = pk_part(it->next, n, PK_Q);
     pk_real *L = pk_part(it->next, n, PK_LOW_X), *P = pk_part(it->next, n, PK_LOW_Q);
-    pk_real least = 1;
+    pk_real least = 1, before = 0;
     int idle = 0;
     struct pk_gauss_trial y;
     y.h = it->h;
@@ -86,6 +86,11 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
             return PK_NO_CONVERGENCE; /* unless Newton's iteration says that there is no number */
+        if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
+            it->detail = change;
+            return PK_NO_CONVERGENCE; /* no contraction: Newton's, which says of what solution */
+        }
+        before = change;
         idle = change < least ? 0 : idle + 1;
         least = pk_min(least, change);
         /* Corrections of a slow iteration rise and fall, since its eigenvalues are complex. */

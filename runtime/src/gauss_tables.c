@@ -173,7 +173,7 @@ static const pk_real gauss7_mu[] = {
 #define gauss8_mu pk_gauss8_mu
 
 #define GAUSS(s, p, text)                                                                     \
-    static const struct pk_gauss gauss##s = {s, gauss##s##_c, gauss##s##_b, gauss##s##_mu};    \
+    static const struct pk_gauss gauss##s = {s, gauss##s##_c, gauss##s##_b, gauss##s##_mu, 1}; \
     const struct pk_method pk_gauss##s = {.name = "gauss" #s,                                  \
                                           .doc = text,                                         \
                                           .order = p,                                          \

@@ -20,6 +20,11 @@ enum {
     BAD_SCALE
 };
 
+/* it->where of PK_NO_CONVERGENCE, and what it->detail is: the last correction of a fixed-point
+ * iteration; the longest step for which Newton's found the solution; the last correction of rates
+ * from momenta. */
+enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
+
 /* Checks before the first step; scratch holds pk_params_reals() numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);

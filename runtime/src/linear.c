@@ -39,13 +39,14 @@ void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x)
         x[k] = x[best];
         x[best] = swap;
     }
-    for (size_t i = 1; i < m; i++)
-        for (size_t j = 0; j < i; j++)
+    /* By columns: what is subtracted in one does not wait for the others. */
+    for (size_t j = 0; j + 1 < m; j++)
+        for (size_t i = j + 1; i < m; i++)
             x[i] -= A[i * m + j] * x[j];
-    for (size_t i = m; i-- > 0;) {
-        for (size_t j = i + 1; j < m; j++)
+    for (size_t j = m; j-- > 0;) {
+        x[j] /= A[j * m + j];
+        for (size_t i = 0; i < j; i++)
             x[i] -= A[i * m + j] * x[j];
-        x[i] /= A[i * m + i];
     }
 }
 

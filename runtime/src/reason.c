@@ -31,6 +31,27 @@ static const struct {
     {PK_MASS_DIAGONAL, "of diagonal M"},
 };
 
+static int no_convergence(const struct pk_integrator *it, char *text, size_t size)
+{
+    const char *what = pk_status_text(it->status);
+    const double t = (double)it->t, h = (double)pk_abs(it->h), detail = (double)it->detail;
+    if (it->where == PK_BY_NEWTON)
+        return snprintf(text, size,
+                        "%s: by Newton's method there is a solution up to a step of %.6g, not to "
+                        "%.6g: make the step shorter; last valid time %.17g",
+                        what, detail, h, t);
+    if (it->where == PK_OF_RATES)
+        return snprintf(text, size,
+                        "%s: that of the rates from the momenta, after a correction of %.3g; "
+                        "last valid time %.17g",
+                        what, detail, t);
+    return snprintf(text, size,
+                    "%s: the fixed-point one, after a correction of %.3g of the rates; it "
+                    "converges for short steps alone: use Newton's or a step shorter than %.6g; "
+                    "last valid time %.17g",
+                    what, detail, h, t);
+}
+
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
@@ -83,9 +104,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
                         system->guards[it->where].what.name, (double)it->detail, t);
     case PK_NO_CONVERGENCE:
+        return no_convergence(it, text, size);
+    case PK_AMBIGUOUS_STEP:
         return snprintf(text, size,
-                        "%s: after a correction of %.3g of the rates; last valid time %.17g",
-                        what, (double)it->detail, t);
+                        "%s: the one that belongs to short steps is followed up to a step of %.6g, "
+                        "not to %.6g: make the step shorter; last valid time %.17g",
+                        what, (double)it->detail, (double)pk_abs(it->h), t);
     case PK_STEP_UNDERFLOW:
         if (it->detail < 0) /* adaptive_verlet's */
             return snprintf(text, size,

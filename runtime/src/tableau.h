@@ -4,21 +4,25 @@
 
 #include <pk/step/tableau.h>
 
-/* A Gauss method: nodes, weights, and mu_ij = a_ij / b_j, of which only the larger of each pair
- * counts: mu_ji = 1 - mu_ij then holds exactly in floating point, and with it symplecticity. */
+/* An implicit Runge-Kutta method: nodes, weights, and mu_ij = a_ij / b_j, for q. For p the same, or
+ * the conjugate table mu^_ji = 1 - mu_ij: of each such pair only the larger counts, so that it holds
+ * exactly in floating point, and with it symplecticity. Gauss methods are their own conjugates. */
 struct pk_gauss {
     int stages;
     const pk_real *c, *b;
     const pk_real *mu;
+    int conjugate;
 };
 
+extern const struct pk_gauss pk_radau5_table, pk_radau9_table;
 extern const struct pk_method pk_euler, pk_rk2, pk_rk3, pk_rk4, pk_dopri5, pk_dop853;
 extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4, pk_suzuki4;
 extern const struct pk_method pk_mclachlan4, pk_blanes_moan4, pk_yoshida6, pk_kahan_li6;
 extern const struct pk_method pk_blanes_moan6, pk_yoshida8, pk_kahan_li8;
 extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
 extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
-extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive;
+extern const struct pk_method pk_lobatto2, pk_lobatto3, pk_lobatto4, pk_radau5, pk_radau9;
+extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive, pk_radau_adaptive;
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);

@@ -56,5 +56,7 @@ void add_events(void);
 void add_variation(void);
 void add_chaos(void);
 void add_spectrum(void);
+void add_branch(void);
+void add_implicit(void);
 
 #endif

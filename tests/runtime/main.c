@@ -88,8 +88,7 @@ static void right_instance(void)
         f.options.h = 0.1;
         CU_ASSERT(fixture_init(&f, method->name) == PK_DONE);
         const int calls = /* Newton's method and `linear` are called through pointers */
-            (method->traits & PK_LINEAR) ||
-            (method->traits & (PK_IMPLICIT | PK_ADAPTIVE)) == PK_IMPLICIT;
+            (method->traits & (PK_LINEAR | PK_JACOBIANS)) != 0;
         CU_ASSERT((f.it.step != method->step) == (inlined && !calls));
     }
 }
@@ -121,6 +120,8 @@ int main(int argc, char **argv)
     add_variation();
     add_chaos();
     add_spectrum();
+    add_branch();
+    add_implicit();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

@@ -37,6 +37,12 @@ void driven_exact(pk_real t, pk_real *q, pk_real *v);
 /* L = exp(t/2) (1 + q^2) v^2/2 - g cos(t) q^2/2, D = .3 (2 + cos t) v^2/2,
  * Q = .2 sin(3 t) - v^3/9: explicit time everywhere, M(q), forces without a Lagrangian. */
 extern const struct pk_system forced_system;
+/* q'' = g (1 - q^2) q' - q. */
+extern const struct pk_system van_der_pol_system;
+/* A pendulum and a mass, between them a spring g and a damper `limit`. */
+extern const struct pk_system damped_system;
+/* L = M(t) v^2/2 with M = 1 but about t = limit, where M < 0: p is constant. */
+extern const struct pk_system dipping_system;
 /* q'' = u: an input. */
 extern const struct pk_system pushed_system;
 

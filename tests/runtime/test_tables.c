@@ -289,7 +289,7 @@ static void registry(void)
         CU_ASSERT(m->order > 0 && m->stages > 0 && strlen(m->doc) > 10);
         CU_ASSERT(!(m->traits & PK_DENSE) == !m->dense);
     }
-    CU_ASSERT(count >= 27);
+    CU_ASSERT(count >= 33);
     CU_ASSERT_PTR_NULL(pk_method_find("rk5"));
     CU_ASSERT_PTR_NOT_NULL(pk_gsl_method_find("gsl_rk8pd"));
     CU_ASSERT_PTR_NOT_NULL(pk_gsl_method_find("gsl_msadams"));

@@ -27,7 +27,7 @@ static int run(const struct pk_system *system, const char *name, int steps, pk_r
     system->start(&params, q, v);
     options.h = options.h_max = t_end / steps;
     options.rtol = options.atol = 1e10Q;
-    options.newton_tol = strcmp(name, "gauss") == 0 ? 1e-32Q : 0;
+    options.newton_tol = strcmp(name, "gauss") == 0 || strcmp(name, "radau") == 0 ? 1e-32Q : 0;
     if (pk_integrator_init(&it, &problem, pk_method_find(name), &options, 0, q, v, block,
                            sizeof block) < 0 ||
         pk_integrator_to(&it, t_end) < 0)

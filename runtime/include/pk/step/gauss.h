@@ -64,6 +64,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations : 30;
     const int with_v = !(it->problem.system->facts & PK_SEPARABLE);
     int asked = 0;
+    y->change2 = 0;
     for (int l = 0; l < PK_GAUSS_S; l++) {
         y->hc[l] = y->h * pk_gauss8_c[l];
         y->t[l] = it->t + y->hc[l];
