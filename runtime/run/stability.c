@@ -100,9 +100,9 @@ int stability_run(const char *path)
         s.shapes = (double *)words_allocate(most * 4 * n * n, sizeof *s.shapes);
     }
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, file); line++) {
-        char *words[9] = {NULL};
+        char *words[11] = {NULL};
         size_t count = 0;
-        for (char *w = strtok(text, " \r\n"); w && count < 8; w = strtok(NULL, " \r\n"))
+        for (char *w = strtok(text, " \r\n"); w && count < 10; w = strtok(NULL, " \r\n"))
             words[count++] = w;
         if (count)
             code = answer(&s, line, words);

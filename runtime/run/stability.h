@@ -7,7 +7,8 @@
  *     equilibria TRIES               where the system can rest, and its modes there
  *     motion                         the motion itself, by dop853 at rtol 1e-10
  *     point METHOD H                 what becomes of that motion (after `motion`)
- *     near METHOD H E K AMPLITUDE STEPS   from close to equilibrium E, along mode K or `all`
+ *     near METHOD H E K AMPLITUDE STEPS [OTHER SEED]
+ *                                    from close to equilibrium E, along mode K or `all`
  *     leave E K AMPLITUDE            how fast mode K leaves equilibrium E, by dop853 at rtol 1e-13
  *     oscillator METHOD K D Y        its step's map of (q, v) for q'' = -K q - D q', h = Y
  *

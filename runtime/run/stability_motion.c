@@ -7,10 +7,12 @@
  *     rise      max E - E0;   early: the same over the first eighth
  *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back
  *               (away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
- *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
+ *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R; and if it is small, away < S/10,
+ *               it goes on: run on for four times as long, away is half as much again
  *     bounded   neither: E comes back to where it was
  *
- * A drift that is smaller than 2.2 times the oscillation is not seen. Where energy is not constant
+ * A drift that is smaller than 2.2 times the oscillation is not seen. What goes on is asked since
+ * near a resonance of the step the energy's own oscillation may take longer than the run. Where energy is not constant
  * by itself, in place of E0 stand the energies of the motion: in its last quarter, and the largest.
  * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All other
  * classes are statuses of the runtime.
@@ -23,6 +25,19 @@
 #include "words.h"
 
 enum { LEAST_STEPS = 200, MOST_STEPS = 4000000 };
+
+static void print_parameters(const struct stability *s)
+{
+    const struct pk_system *system = s->problem.system;
+    fputs(", \"parameters\": [", stdout);
+    for (size_t i = 0; i < system->n_parameters; i++) {
+        double x;
+        memcpy(&x, (const char *)s->problem.params + system->parameters[i].offset, sizeof x);
+        fputs(i ? ", " : "", stdout);
+        output_real(stdout, x);
+    }
+    fputs("]", stdout);
+}
 
 int stability_motion(struct stability *s)
 {
@@ -71,6 +86,7 @@ int stability_motion(struct stability *s)
     output_numbers(stdout, "q", s->settings.q, s->n);
     fputs(", ", stdout);
     output_numbers(stdout, "v", s->settings.v, s->n);
+    print_parameters(s);
     fputs("}\n", stdout);
     stability_end(it);
     return 0;
@@ -98,25 +114,67 @@ static const char *failure(enum pk_status status)
 
 /* Energies of a run, as they come. */
 struct energies {
-    double rise, early; /* beyond the largest of the motion */
+    double rise, early; /* beyond the largest of the motion; in the first eighth */
     double low, high;   /* in the last quarter */
-    int late;
+    double away;        /* of these from the motion's */
+    unsigned long steps;
 };
 
-static const char *classify(const struct stability *s, const struct energies *e, double *away)
+/* Steps on until there are `steps` in all. */
+static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsigned long steps,
+                             struct energies *e)
 {
-    const double width = e->high - e->low;
-    *away = fmax(fmax(e->low - s->high, s->low - e->high), 0);
-    const int left = *away > width / 4;
-    if (e->rise > s->scale && (e->rise > 2 * e->early || left || e->rise > 1e4 * s->scale))
-        return "growing";
-    return left && *away > 1e-11 * s->size ? "drifting" : "bounded";
+    const unsigned long early = steps / 8, late = steps - steps / 4;
+    int begun = 0;
+    while (e->steps < steps) {
+        double energy, vp, size;
+        const enum pk_status status =
+            pk_integrator_step(it, (double)(steps + 1) * it->options.h);
+        if (status < 0)
+            return status;
+        stability_energies(s, it->t, it->q, it->v, &energy, &vp, &size);
+        if (!(fabs(energy) < HUGE_VAL))
+            return PK_NOT_FINITE;
+        e->rise = fmax(e->rise, energy - s->top);
+        if (++e->steps <= early)
+            e->early = e->rise;
+        if (e->steps > late) {
+            e->low = begun ? fmin(e->low, energy) : energy;
+            e->high = begun ? fmax(e->high, energy) : energy;
+            begun = 1;
+        }
+    }
+    e->away = fmax(fmax(e->low - s->high, s->low - e->high), 0);
+    return PK_DONE;
+}
+
+static int has_left(const struct energies *e) { return e->away > (e->high - e->low) / 4; }
+
+/* PK_DONE with the class, or what ended the run. */
+static enum pk_status classify(struct stability *s, struct pk_integrator *it,
+                               unsigned long steps, struct energies *e, const char **class)
+{
+    enum pk_status status = follow(s, it, steps, e);
+    if (status < 0)
+        return status;
+    *class = "bounded";
+    if (e->rise > s->scale &&
+        (e->rise > 2 * e->early || has_left(e) || e->rise > 1e4 * s->scale)) {
+        *class = "growing";
+    } else if (has_left(e) && e->away > 1e-11 * s->size) {
+        const double before = e->away;
+        if (before < s->scale / 10)
+            status = follow(s, it, 4 * steps, e);
+        if (status >= 0 && (before >= s->scale / 10 || (has_left(e) && e->away > 1.5 * before)))
+            *class = "drifting";
+    }
+    return status;
 }
 
 int stability_point(struct stability *s, size_t line, char *const words[])
 {
     const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
-    double h, away = 0;
+    double h;
     if (!method || method->traits & PK_ADAPTIVE)
         return words_usage(line, "no method of a fixed step", words[1]);
     if (!words_real(words[2], &h) || !(h > 0))
@@ -128,38 +186,19 @@ int stability_point(struct stability *s, size_t line, char *const words[])
     const double wanted = ceil(s->settings.until / h);
     const unsigned long steps =
         (unsigned long)fmin(fmax(wanted, (double)LEAST_STEPS), (double)MOST_STEPS);
-    struct energies e = {0, 0, 0, 0, 0};
+    struct energies e = {0, 0, 0, 0, 0, 0};
+    const char *class = "";
     enum pk_status status;
     struct pk_integrator *it = stability_begin(&s->problem, method, &options, s->settings.q,
                                                s->settings.v, &status);
-    unsigned long k = 0;
-    while (it && k < steps) {
-        double energy, vp, size;
-        status = pk_integrator_step(it, (double)(steps + 1) * h);
-        if (status < 0)
-            break;
-        k++;
-        stability_energies(s, it->t, it->q, it->v, &energy, &vp, &size);
-        if (!(fabs(energy) < HUGE_VAL)) {
-            status = PK_NOT_FINITE;
-            break;
-        }
-        e.rise = fmax(e.rise, energy - s->top);
-        if (8 * k <= steps)
-            e.early = e.rise;
-        if (4 * k >= 3 * steps) {
-            e.low = e.late ? fmin(e.low, energy) : energy;
-            e.high = e.late ? fmax(e.high, energy) : energy;
-            e.late = 1;
-        }
-    }
-    const char *class = status < 0 ? failure(status) : classify(s, &e, &away);
+    if (it)
+        status = classify(s, it, steps, &e, &class);
     printf("{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
            "\"steps\": %lu, \"rise\": ",
-           method->name, h, class, pk_status_name(status), k);
+           method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
     output_real(stdout, e.rise / s->scale);
     fputs(", \"away\": ", stdout);
-    output_real(stdout, away / s->scale);
+    output_real(stdout, e.away / s->scale);
     fputs("}\n", stdout);
     stability_end(it);
     return 0;

@@ -5,6 +5,8 @@
  * `near` tells of STEPS steps of a method from there: by how much the largest displacement of a
  * coordinate that is not cyclic has grown, and the mean angle a step by which the mode's leading
  * coordinate turns about q* in the plane (q, -v/omega). Both are measured, not taken from a map.
+ * With a second mode OTHER, begun at amplitude SEED, what grows is that mode's part of the motion,
+ * |u.M (q - q*)| and |u.M v|/omega together.
  * Built with GSL alone.
  */
 #include "stability.h"
@@ -12,6 +14,7 @@
 #ifdef PK_WITH_GSL
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "output.h"
@@ -77,22 +80,53 @@ static double displacement(const struct stability *s, size_t e, const double *q)
     return most;
 }
 
-/* The start, in s->work: q, then v. Of `all` modes those that do not grow. */
+/* Adds a mode at some amplitude to the start in s->work: q, then v. */
+static void add_mode(struct stability *s, size_t e, size_t k, double amplitude)
+{
+    const size_t n = s->n;
+    const struct pk_mode mode = s->modes[e * 2 * n + k];
+    const double *re = s->shapes + e * 4 * n * n + k * 2 * n, *im = re + n;
+    for (size_t i = 0; i < n; i++) {
+        s->work[i] += amplitude * re[i];
+        s->work[n + i] += amplitude * (mode.growth * re[i] - mode.frequency * im[i]);
+    }
+}
+
+/* The start: of several modes those that move and do not grow. */
 static void start_near(struct stability *s, size_t e, size_t from, size_t to, double amplitude)
 {
     const size_t n = s->n;
-    double *q = s->work, *v = q + n;
-    memcpy(q, s->q + e * n, n * sizeof *q);
-    memcpy(v, s->v + e * n, n * sizeof *v);
+    memcpy(s->work, s->q + e * n, n * sizeof *s->work);
+    memcpy(s->work + n, s->v + e * n, n * sizeof *s->work);
     for (size_t k = from; k < to; k++) {
         const struct pk_mode mode = s->modes[e * 2 * n + k];
-        const double *re = s->shapes + e * 4 * n * n + k * 2 * n, *im = re + n;
-        if (to - from > 1 && !(mode.frequency > 0))
-            continue;
-        for (size_t i = 0; i < n; i++) {
-            q[i] += amplitude * re[i];
-            v[i] += amplitude * (mode.growth * re[i] - mode.frequency * im[i]);
-        }
+        if (to - from == 1 || (!(mode.growth > 0) && hypot(mode.growth, mode.frequency) > 0))
+            add_mode(s, e, k, amplitude);
+    }
+}
+
+/* Mode k's part of the motion at q, v: its amplitude times u.M u. `weights` is M u. */
+static double part_of(const struct stability *s, size_t e, size_t k, const double *weights,
+                      const double *q, const double *v)
+{
+    const size_t n = s->n;
+    double place = 0, rate = 0;
+    for (size_t i = 0; i < n; i++) {
+        place += weights[i] * (q[i] - s->q[e * n + i]);
+        rate += weights[i] * (v[i] - s->v[e * n + i]);
+    }
+    return hypot(place, rate / s->modes[e * 2 * n + k].frequency);
+}
+
+static void weigh(const struct stability *s, size_t e, size_t k, double *weights, double *mass)
+{
+    const size_t n = s->n;
+    const double *u = s->shapes + e * 4 * n * n + k * 2 * n;
+    s->problem.system->mass(s->problem.params, 0, s->q + e * n, s->v + e * n, s->settings.u, mass);
+    for (size_t i = 0; i < n; i++) {
+        weights[i] = 0;
+        for (size_t j = 0; j < n; j++)
+            weights[i] += mass[i * n + j] * u[j];
     }
 }
 
@@ -114,8 +148,8 @@ static int read_mode(const struct stability *s, size_t line, char *const words[]
 int stability_near(struct stability *s, size_t line, char *const words[])
 {
     const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
-    size_t e, from, to, steps, lead = 0, k = 0;
-    double h, amplitude, turned = 0, grown = 1;
+    size_t e, from, to, steps, other = 0, lead = 0, k = 0;
+    double h, amplitude, seed = 0, turned = 0, grown = 1;
     if (!method || method->traits & PK_ADAPTIVE)
         return words_usage(line, "no method of a fixed step", words[1]);
     if (!words_real(words[2], &h) || !(h > 0))
@@ -125,6 +159,8 @@ int stability_near(struct stability *s, size_t line, char *const words[])
         return code;
     if (!words_real(words[5], &amplitude) || !words_index(words[6], 100000000, &steps))
         return words_usage(line, "an amplitude and a number of steps, please", words[5]);
+    if (words[7] && (!words_index(words[7], s->counts[e], &other) || !words_real(words[8], &seed)))
+        return words_usage(line, "no such mode, or no amplitude of it", words[7]);
     const size_t n = s->n;
     const double *rest = s->q + e * n, *going = s->v + e * n;
     const double omega = s->modes[e * 2 * n + from].frequency;
@@ -133,7 +169,13 @@ int stability_near(struct stability *s, size_t line, char *const words[])
         if (!is_cyclic(s, i) && (is_cyclic(s, lead) || fabs(re[i]) > fabs(re[lead])))
             lead = i;
     start_near(s, e, from, to, amplitude);
-    const double first = displacement(s, e, s->work);
+    double *weights = (double *)words_allocate(n * (n + 1), sizeof *weights);
+    if (words[7]) {
+        add_mode(s, e, other, seed);
+        weigh(s, e, other, weights, weights + n);
+    }
+    const double first = words[7] ? part_of(s, e, other, weights, s->work, s->work + n)
+                                  : displacement(s, e, s->work);
     struct pk_options options = s->settings.options;
     enum pk_status status;
     options.h = h;
@@ -144,7 +186,8 @@ int stability_near(struct stability *s, size_t line, char *const words[])
         status = pk_integrator_step(it, (double)(steps + 1) * h);
         if (status < 0)
             break;
-        grown = fmax(grown, displacement(s, e, it->q) / first);
+        grown = fmax(grown, (words[7] ? part_of(s, e, other, weights, it->q, it->v)
+                                      : displacement(s, e, it->q)) / first);
         const double now =
             atan2(-(it->v[lead] - going[lead]), omega * (it->q[lead] - rest[lead]));
         turned += now < angle ? now - angle + TWO_PI : now - angle;
@@ -157,6 +200,7 @@ int stability_near(struct stability *s, size_t line, char *const words[])
     output_real(stdout, k ? turned / (double)k : 0);
     fputs("}\n", stdout);
     stability_end(it);
+    free(weights);
     return 0;
 }
 

@@ -1,0 +1,306 @@
+"""The picture: a map a method, predictions over it. SVG (maps rasterised, so files stay small) and
+PNG. Colours are Okabe and Ito's, which survive colour-blindness; each class has a hatch too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.patheffects as effects
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from .. import named
+from .map import StabilityMap
+from .measure import Row
+from .misses import name_mode
+
+SLIGHT = 0.01  # of the motion's energy: a drift below is drawn paler
+# Class -> colour, hatch. In the order of the legend.
+CLASSES = {
+    "bounded": ("#DCEBF5", ""),
+    "drifting by less than 1 %": ("#FAF6C8", ""),
+    "drifting": ("#F0E442", "...."),
+    "growing": ("#E69F00", "////"),
+    "wrong branch": ("#0072B2", "\\\\\\\\"),
+    "not converged": ("#CC79A7", "xxxx"),
+    "not finite": ("#333333", ""),
+    "singular": ("#009E73", "oo"),
+    "failed": ("#999999", "++"),
+}
+# Kind of a prediction -> line, text.
+LINES = {
+    "limit": ("-", "limit"),
+    "branch": ((0, (6, 2)), "branch lost"),
+    "1:3": ("--", "1:3"),
+    "1:4": ("-.", "1:4"),
+    "1:2": (":", "1:2"),
+}
+SAID = 12  # values in the title
+HALO = [effects.withStroke(linewidth=2.6, foreground="white")]
+
+
+def pictures(made: StabilityMap, stem: Path) -> list[Path]:
+    """STEM.svg and STEM.png."""
+    with plt.rc_context(
+        {
+            "svg.hashsalt": "pkgen",
+            "svg.fonttype": "none",
+            "font.size": 8,
+            "hatch.linewidth": 0.4,
+            "font.family": "DejaVu Sans",
+        }
+    ):
+        figure = _figure(made)
+        files = [stem.with_suffix(".svg"), stem.with_suffix(".png")]
+        figure.savefig(files[0], metadata={"Date": None}, dpi=150)
+        figure.savefig(files[1], dpi=150)
+        plt.close(figure)
+    return files
+
+
+def _figure(made: StabilityMap) -> plt.Figure:
+    names = list(made.steps)
+    columns = min(3, len(names))
+    rows = -(-len(names) // columns)
+    figure, grid = plt.subplots(
+        rows,
+        columns,
+        figsize=(3.5 * columns + 0.4, 2.9 * rows + 1.15),
+        squeeze=False,
+        layout="constrained",
+    )
+    used: set[str] = set()
+    for k, name in enumerate(names):
+        last = k % columns == columns - 1 or k == len(names) - 1
+        used |= _panel(grid[k // columns][k % columns], made, name, k % columns == 0, last)
+    for axes in grid.flat[len(names) :]:
+        axes.set_visible(False)
+    figure.suptitle("\n".join(titles(made)), fontsize=9)
+    _legend(figure, made, used)
+    return figure
+
+
+def titles(made: StabilityMap) -> list[str]:
+    """Model, what it is set to, for how long."""
+    unit = "" if made.compilation.model.dimensionless else " s"
+    values = [
+        *zip(named.parameters(made.compilation).columns(64), made.motion.parameters, strict=False),
+        *zip(named.coordinates(made.compilation).columns(64), made.motion.q, strict=False),
+        *zip(named.coordinates(made.compilation, True).columns(64), made.motion.v, strict=False),
+    ]
+    count = len(made.motion.parameters)
+    said = [
+        f"{quantity.name}{'' if k < count else '(0)'} = {x:.6g} {quantity.unit}".rstrip()
+        for k, (quantity, x) in enumerate(values)
+        if (k < count or x != 0) and quantity.name != made.asked.axis.name
+    ]
+    more = ", ..." if len(said) > SAID else ""
+    return [
+        f"{made.compilation.model.name}: where each method fails; "
+        f"each point {made.until:.4g}{unit} of motion, told from its energy",
+        ", ".join(said[:SAID]) + more,
+    ]
+
+
+def _grid(made: StabilityMap, name: str) -> np.ndarray:
+    order = {kind: k for k, kind in enumerate(CLASSES)}
+    return np.array([[order[p.kind] for p in row.points if p.method == name] for row in made.rows])
+
+
+def edges(values: np.ndarray) -> np.ndarray:
+    """Borders of cells about ascending values."""
+    if len(values) == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    first, last = values[0] - (middles[0] - values[0]), values[-1] + (values[-1] - middles[-1])
+    return np.concatenate([[first], middles, [last]])
+
+
+def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: bool) -> set[str]:
+    """One method's map; which classes are on it."""
+    cells = _grid(made, name)
+    hs = np.array(made.steps[name])
+    xs = np.array(made.asked.axis.values)
+    kinds = list(CLASSES)
+    colours = ListedColormap([CLASSES[kind][0] for kind in kinds])
+    norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
+    axes.pcolormesh(edges(hs), edges(xs), cells, cmap=colours, norm=norm, rasterized=True)
+    here = {kinds[k] for k in np.unique(cells)}
+    for kind in here:
+        if CLASSES[kind][1]:
+            _hatch(axes, hs, xs, cells == kinds.index(kind), CLASSES[kind][1])
+    axes.set_xlim(edges(hs)[0], edges(hs)[-1])
+    axes.set_ylim(edges(xs)[0], edges(xs)[-1])
+    _lines(axes, made, name)
+    _measured(axes, made, name)
+    axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=3)
+    unit = "" if made.compilation.model.dimensionless else " [s]"
+    axes.set_xlabel(f"step h{unit}", labelpad=1)
+    if first:
+        axes.set_ylabel(made.asked.axis.label)
+    _second_axes(axes, made, last)
+    return here
+
+
+def _hatch(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, cells: np.ndarray, hatch: str) -> None:
+    """Hatches whole cells: each is drawn by its four corners, drawn in by a hair."""
+    across, up = (np.repeat(edges(values), 2)[1:-1] for values in (hs, xs))
+    for ends in (across, up):
+        hair = 1e-4 * (ends[-1] - ends[0]) * np.tile([1.0, -1.0], len(ends) // 2)
+        hair[[0, -1]] = 0
+        ends += hair
+    mask = np.repeat(np.repeat(cells.astype(float), 2, axis=0), 2, axis=1)
+    axes.contourf(across, up, mask, levels=[0.5, 1.5], colors="none", hatches=[hatch])
+
+
+def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
+    omega = fastest(made)
+    if omega:
+        top = axes.secondary_xaxis("top", functions=(lambda h: h * omega, lambda y: y / omega))
+        top.tick_params(labelsize=6.5, pad=1)
+        top.set_xlabel("h ω of the fastest mode", fontsize=7, labelpad=2)
+    energies = np.array([row.motion.energy for row in made.rows])
+    if last and made.asked.axis.kind == "amplitude" and len(energies) > 3:
+        right = axes.twinx()
+        right.set_ylim(axes.get_ylim())
+        ticks = np.linspace(0, len(energies) - 1, 5).astype(int)
+        right.set_yticks(
+            np.array(made.asked.axis.values)[ticks], [f"{energies[k]:.3g}" for k in ticks]
+        )
+        right.tick_params(labelsize=6.5)
+        unit = "" if made.compilation.model.dimensionless else " [J]"
+        right.set_ylabel(f"energy{unit}", fontsize=7)
+
+
+def fastest(made: StabilityMap) -> float | None:
+    """The fastest mode of the equilibrium about which the motion is."""
+    if made.primary is None:
+        return None
+    rates = [m.frequency for m in made.rest.equilibria[made.primary].modes]
+    return max(rates, default=0.0) or None
+
+
+def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, float]]]:
+    """A prediction's step in each row where it is made, by what identifies it."""
+    found: dict[tuple, list[tuple[float, float]]] = {}
+    for row in rows:
+        for p in row.predictions:
+            if p.method == name and p.h:
+                key = (p.kind, p.mode, p.other, p.equilibrium == row.primary, p.equilibrium)
+                found.setdefault(key, []).append((row.x, p.h))
+    return found
+
+
+def _lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
+    low, high = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    labels: list[tuple[float, str]] = []
+    seen: set[tuple[str, int]] = set()
+    for (kind, mode, other, primary, _), line in _curves(made.rows, name).items():
+        hs = np.array([h for _, h in line])
+        if not ((hs > low) & (hs < high)).any():
+            continue
+        mark = (kind, round(1e4 * hs[-1] / (high - low)))
+        if mark in seen:
+            continue  # the mirror image of an equilibrium has the same
+        seen.add(mark)
+        xs = np.array([x for x, _ in line])
+        if len(xs) == len(made.rows):
+            xs = np.concatenate([[bottom], xs, [top]])
+            hs = np.concatenate([hs[:1], hs, hs[-1:]])
+        style, word = LINES[kind]
+        strong = primary or kind == "branch"
+        axes.plot(
+            hs,
+            xs,
+            ls=style,
+            color="black" if strong else "#555555",
+            lw=1.5 if kind == "limit" and primary else 1.0,
+            path_effects=HALO,
+        )
+        several = len(made.rest.equilibria[made.primary].oscillating) > 1 if primary else False
+        text = word
+        if kind in ("1:3", "1:4") and several:
+            text = f"{word} mode {mode + 1}"
+        elif kind == "1:2":
+            text = f"{word} modes {other + 1}, {mode + 1}"
+        elif kind == "limit" and not primary:
+            text = "limit elsewhere"
+        labels.append((float(hs[-1]), text))
+    _label(axes, sorted(labels))
+
+
+def _label(axes: plt.Axes, labels: list[tuple[float, str]]) -> None:
+    """Upright texts along the lines' upper ends; where lines are close, one below the other."""
+    low, high = axes.get_xlim()
+    ends: list[tuple[float, float]] = []  # place, and how far down its text reaches
+    for h, text in labels:
+        down = max([0.02] + [end for at, end in ends if abs(at - h) < 0.055 * (high - low)])
+        if low < h < high:
+            axes.text(
+                (h - low) / (high - low),
+                1 - down,
+                text,
+                transform=axes.transAxes,
+                rotation=90,
+                ha="center",
+                va="top",
+                fontsize=6.5,
+                bbox={"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85},
+            )
+        ends.append((h, down + 0.035 * len(text) + 0.04))
+
+
+def _measured(axes: plt.Axes, made: StabilityMap, name: str) -> None:
+    """Triangles on the lower edge, where small motions were measured to fail."""
+    for m in made.measured:
+        p = m.prediction
+        if p.method == name and p.kind in ("limit", "branch") and m.h:
+            axes.plot(
+                [m.h],
+                [0.0],
+                marker="^",
+                ms=6,
+                color="black",
+                mec="white",
+                mew=0.6,
+                clip_on=False,
+                transform=axes.get_xaxis_transform(),
+                zorder=5,
+            )
+
+
+def _legend(figure: plt.Figure, made: StabilityMap, used: set[str]) -> None:
+    handles: list = [
+        Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=kind)
+        for kind, (colour, hatch) in CLASSES.items()
+        if kind in used
+    ]
+    kinds = {p.kind for row in made.rows for p in row.predictions if p.h}
+    words = {
+        "limit": "predicted limit",
+        "branch": "predicted loss of the solution",
+        "1:3": "step resonance 1:3",
+        "1:4": "step resonance 1:4",
+        "1:2": "1:2 between modes, as the step turns them",
+    }
+    handles += [
+        Line2D([], [], color="black", ls=LINES[kind][0], lw=1.2, label=words[kind])
+        for kind in LINES
+        if kind in kinds
+    ]
+    handles.append(
+        Line2D([], [], color="black", marker="^", ls="", ms=5, label="limit measured, small motion")
+    )
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(5, len(handles)), frameon=False
+    )
+
+
+__all__ = ["CLASSES", "edges", "fastest", "name_mode", "pictures", "titles"]

@@ -1,0 +1,186 @@
+"""A method seen through one step on the linear oscillator, (q, v) -> A(y) (q, v), y = h omega.
+
+limit    the first y at which an eigenvalue of A leaves the unit circle (damped modes: of the
+         oscillator with their damping)
+angle    by which a step turns: the method's own frequency is angle(y)/h. Verlet 2 asin(y/2),
+         midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
+resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to where they were, and a
+         nonlinear force pushes there each time
+pole     the first y at which a step on q'' = +q has no solution: an implicit method's equations
+         are singular there, and beyond it the solution that belongs to short steps is lost
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from .ask import Asker
+
+FURTHEST = 30.0  # y up to which limits and poles are sought
+COARSE = 600  # points of the first look
+OUTSIDE = 1e-9  # what counts as outside of the unit circle
+FIRST_GROWTH = 0.05  # a limit below this y is none: it grows at any step
+TWO_PI = 2 * math.pi
+
+Map = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What the driver says of a method."""
+
+    name: str
+    flags: frozenset[str]
+    requires: tuple[str, ...]
+    doc: str
+
+    @property
+    def adaptive(self) -> bool:
+        return "adaptive" in self.flags
+
+    @property
+    def implicit(self) -> bool:
+        return "implicit" in self.flags
+
+
+@dataclass
+class StepMap:
+    """A method's map; answers are kept, since limits are asked for again for each equilibrium."""
+
+    traits: Traits
+    asker: Asker
+    _limits: dict[float, float | None] = field(default_factory=dict)
+    _angles: tuple[list[float], list[float]] | None = None
+
+    def maps(
+        self, ys: Sequence[float], stiffness: float = 1, damping: float = 0
+    ) -> list[Map | None]:
+        name = self.traits.name
+        asked = [f"oscillator {name} {stiffness!r} {damping!r} {float(y).hex()}" for y in ys]
+        return [a["map"] and tuple(a["map"]) for a in self.asker.ask(asked)]
+
+    def limit(self, damping_ratio: float = 0.0) -> float | None:
+        """None: no limit up to FURTHEST. 0: it grows at any step."""
+        key = round(damping_ratio, 12)
+        if key not in self._limits:
+            self._limits[key] = self._limit(key)
+        return self._limits[key]
+
+    def _limit(self, ratio: float) -> float | None:
+        def outside(ys: Sequence[float]) -> list[bool]:
+            return [a is None or radius(a) > 1 + OUTSIDE for a in self.maps(ys, 1.0, 2 * ratio)]
+
+        found = first_change(outside, 0.0, FURTHEST)
+        return 0.0 if found is not None and found < FIRST_GROWTH else found
+
+    def pole(self) -> float | None:
+        """None where no step up to FURTHEST is without a solution."""
+        if not self.traits.implicit:
+            return None
+
+        def beyond(ys: Sequence[float]) -> list[bool]:
+            return [a is None or a[0] + a[3] < 0 for a in self.maps(ys, -1.0)]
+
+        return first_change(beyond, 0.0, FURTHEST)
+
+    def angles(self) -> tuple[list[float], list[float]]:
+        """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""
+        if self._angles is None:
+            end = self.limit()
+            end = FURTHEST if end is None else end
+            ys = [end * (k + 1) / COARSE for k in range(COARSE)] if end else []
+            turns: list[float] = []
+            for a in self.maps(ys):
+                turn = None if a is None else rotation(a)
+                if turn is None:
+                    break
+                turns.append(turn)
+            self._angles = ys[: len(turns)], turns
+        return self._angles
+
+    def resonance(self, angle: float) -> float | None:
+        """The first y at which a step turns by `angle`; None where it does not, or damps."""
+
+        def past(ys: Sequence[float]) -> list[bool]:
+            turns = [None if a is None else rotation(a) for a in self.maps(ys)]
+            return [turn is None or turn >= angle for turn in turns]
+
+        ys, turns = self.angles()
+        for low, high, turn in zip([0.0, *ys], ys, turns, strict=False):
+            if turn >= angle:
+                return first_change(past, low, high)
+        return None
+
+    def pair(self, slow: float, fast: float) -> float | None:
+        """The step at which, as the method turns them, mode `fast` is twice as fast as `slow`."""
+        if abs(fast / slow - 2) < 1e-6:
+            return None  # they are so already; a step can but detune them
+
+        def excess(h: float) -> float | None:
+            a, b = self.maps([h * slow, h * fast])
+            first, second = (None if m is None else rotation(m) for m in (a, b))
+            return None if first is None or second is None else second - 2 * first
+
+        ys, _ = self.angles()
+        if not ys:
+            return None
+        steps = [y / fast for y in ys[:: max(1, len(ys) // 100)]]
+        before = excess(steps[0] / 2)
+        low = 0.0
+        for high in steps:
+            now = excess(high)
+            if now is None or before is None:
+                return None
+            if now * before < 0:
+                return _bisect(excess, low, high, before)
+            low = high
+        return None
+
+
+def radius(a: Map) -> float:
+    """The larger modulus of the two eigenvalues."""
+    half, det = (a[0] + a[3]) / 2, a[0] * a[3] - a[1] * a[2]
+    if not all(map(math.isfinite, a)):
+        return math.inf
+    under = half * half - det
+    return math.sqrt(det) if under < 0 else abs(half) + math.sqrt(under)
+
+
+def rotation(a: Map) -> float | None:
+    """The angle in (0, 2 pi) by which the map turns; None where it grows, damps or flips."""
+    half, det = (a[0] + a[3]) / 2, a[0] * a[3] - a[1] * a[2]
+    if not abs(det - 1) < 1e-9 or not abs(half) < 1:
+        return None
+    angle = cmath.phase(complex(half, math.copysign(math.sqrt(1 - half * half), a[1])))
+    return angle % TWO_PI
+
+
+def first_change(
+    test: Callable[[Sequence[float]], list[bool]], low: float, high: float
+) -> float | None:
+    """The first x in (low, high] at which `test` becomes true, by a coarse look and ever finer
+    ones; a gap narrower than the coarse look's spacing is missed."""
+    count = COARSE
+    while True:
+        xs = [low + (high - low) * (k + 1) / count for k in range(count)]
+        where = next((k for k, x in enumerate(test(xs)) if x), None)
+        if where is None:
+            return None if count == COARSE else high
+        low, high = (xs[where - 1] if where else low), xs[where]
+        if high - low <= 1e-13 * high:
+            return high
+        count = 32
+
+
+def _bisect(f: Callable[[float], float | None], low: float, high: float, sign: float) -> float:
+    for _ in range(48):
+        middle = (low + high) / 2
+        value = f(middle)
+        if value is not None and value * sign > 0:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2

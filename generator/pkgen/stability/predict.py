@@ -1,0 +1,90 @@
+"""Predictions: at which step something happens, from an equilibrium's modes and a method's map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .ask import Equilibrium, Rest
+from .method import StepMap
+
+RESONANCES = {"1:3": 2 * math.pi / 3, "1:4": 2 * math.pi / 4}
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """At step h a `kind` of thing happens near an equilibrium, by its modes.
+
+    `kind` is limit, 1:3, 1:4, 1:2 or branch; `mode` numbers the mode whose y = h |lambda| it is
+    (of a pair the faster), `other` the slower of a pair. h is None where it never happens."""
+
+    kind: str
+    method: str
+    equilibrium: int
+    mode: int
+    other: int | None
+    h: float | None
+    y: float | None
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        return (self.kind, self.method, self.equilibrium, self.mode, self.other)
+
+
+def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
+    """The smallest of the limits of the modes; None where none oscillates or decays."""
+    name, found = step.traits.name, []
+    for k, mode in enumerate(at.modes):
+        if mode.rate == 0 or mode.growth > 0:
+            continue
+        y = step.limit(-mode.growth / mode.rate)
+        h = None if y is None else y / mode.rate
+        found.append(Prediction("limit", name, number, k, None, h, y))
+    return min(found, key=lambda p: math.inf if p.h is None else p.h, default=None)
+
+
+def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
+    """1:3 and 1:4 of each mode, 1:2 of each pair, below the limit of the fastest."""
+    found, name = [], step.traits.name
+    free = [k for k in at.oscillating if at.modes[k].growth == 0]
+    bound = limit(step, number, at)
+    most = math.inf if bound is None or bound.h is None else bound.h
+    for k in free:
+        omega = at.modes[k].frequency
+        for kind, angle in RESONANCES.items():
+            y = step.resonance(angle)
+            if y is not None and y / omega < most:
+                found.append(Prediction(kind, name, number, k, None, y / omega, y))
+    for fast in free:
+        for slow in free:
+            a, b = at.modes[slow].frequency, at.modes[fast].frequency
+            h = step.pair(a, b) if b > a * (1 + 1e-9) else None
+            if h is not None and h < most:
+                found.append(Prediction("1:2", name, number, fast, slow, h, h * b))
+    return found
+
+
+def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
+    """Where the equations of an implicit step lose their solution, by the fastest growth."""
+    pole = step.pole() if step.traits.implicit else None
+    real = [k for k, m in enumerate(at.modes) if m.growth > 0 and m.frequency == 0]
+    if pole is None or not real:
+        return None
+    k = max(real, key=lambda k: at.modes[k].growth)
+    return Prediction("branch", step.traits.name, number, k, None, pole / at.modes[k].growth, pole)
+
+
+def predictions(step: StepMap, rest: Rest, primary: int | None) -> list[Prediction]:
+    """The limits at all stable equilibria, resonances at the one about which the motion is,
+    branches at the unstable ones."""
+    found: list[Prediction] = []
+    for number, at in enumerate(rest.equilibria):
+        if at.stable:
+            one = limit(step, number, at)
+            found += [one] if one else []
+        else:
+            one = branch(step, number, at)
+            found += [one] if one else []
+        if number == primary and at.stable:
+            found += resonances(step, number, at)
+    return found
