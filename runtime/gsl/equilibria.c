@@ -168,7 +168,7 @@ static void place(const struct search *s, size_t k, gsl_vector *z)
 static int is_turn(struct search *s, size_t i)
 {
     double size = 0, change = 0;
-    double *copy = s->J; /* 2 n numbers may be more than n n: p and pdot one after the other */
+    double *copy = s->J; /* of p, then of pdot */
     for (size_t k = 1; k <= 3; k++)
         for (int part = 0; part < 2; part++) {
             for (size_t j = 0; j < s->n; j++) {
@@ -342,45 +342,5 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     gsl_multiroot_fdfsolver_free(solver);
     gsl_vector_free(z);
     gsl_set_error_handler(handler);
-    return status;
-}
-
-enum pk_status pk_gsl_keep_momenta(const struct pk_problem *problem, const double *q0,
-                                   const double *v0, const double *q, double *v)
-{
-    struct search s;
-    const size_t n = pk_system_count(problem->system, problem->params);
-    enum pk_status status = PK_NO_MEMORY;
-    if (open_search(&s, problem)) {
-        problem->system->canonical(problem->params, 0, q0, v0, NULL, s.kept, s.pdot);
-        memcpy(s.q, q, n * sizeof *q);
-        memcpy(s.v, v, n * sizeof *v);
-        status = PK_NO_CONVERGENCE;
-        for (int k = 0; k < 50 && status == PK_NO_CONVERGENCE; k++) {
-            double size = 0, scale = 0;
-            if (!equations(&s) || !derivatives(&s))
-                break;
-            for (size_t i = 0; i < n; i++)
-                for (size_t j = 0; j < n; j++)
-                    if (!is_cyclic(&s, i) || !is_cyclic(&s, j))
-                        s.J[i * n + j] = i == j;
-            for (size_t i = 0; i < n; i++)
-                s.F[i] = is_cyclic(&s, i) ? s.F[i] : 0;
-            if (!pk_lu_factor(s.J, s.pivot, n)) {
-                status = PK_SINGULAR_MASS;
-                break;
-            }
-            pk_lu_solve(s.J, s.pivot, n, s.F);
-            for (size_t i = 0; i < n; i++) {
-                s.v[i] -= s.F[i];
-                size = fmax(size, fabs(s.F[i]));
-                scale = fmax(scale, fabs(s.v[i]));
-            }
-            if (size <= 1e-13 * scale)
-                status = PK_DONE;
-        }
-        memcpy(v, s.v, n * sizeof *v);
-    }
-    close_search(&s);
     return status;
 }

@@ -100,8 +100,8 @@ static int is_natural(const struct pencil *x)
     return 1;
 }
 
-/* A mode whose part u of the coordinates that are not cyclic is given, scaled so that its largest
- * component is 1. The cyclic ones' q_c = v_c / lambda, where lambda is not 0. */
+/* A mode whose part u of the coordinates that are not cyclic is given, scaled so that the largest
+ * component of that part is 1. The cyclic ones' q_c = v_c / lambda, where lambda is not 0. */
 static void add(const struct pencil *x, double growth, double frequency, const double *re,
                 const double *im, struct pk_mode *mode, double *shape)
 {
@@ -125,12 +125,14 @@ static void add(const struct pencil *x, double growth, double frequency, const d
         shape[n + x->map[m + k]] = b;
     }
     double most = 0, a = 1, b = 0;
-    for (size_t i = 0; i < n; i++)
-        if (hypot(shape[i], shape[n + i]) > most * (1 + 1e-9)) {
-            most = hypot(shape[i], shape[n + i]);
-            a = shape[i] / most;
-            b = shape[n + i] / most;
+    for (size_t i = 0; i < m; i++) {
+        const double u = shape[x->map[i]], w = shape[n + x->map[i]];
+        if (hypot(u, w) > most * (1 + 1e-9)) {
+            most = hypot(u, w);
+            a = u / most;
+            b = w / most;
         }
+    }
     for (size_t i = 0; i < n && most > 0; i++) { /* times exp(-i phase of the largest) */
         const double u = shape[i] / most, w = shape[n + i] / most;
         shape[i] = u * a + w * b;

@@ -7,12 +7,12 @@
  *     rise      max E - E0;   early: the same over the first eighth
  *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back
  *               (away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
- *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R; and if it is small, away < S/10,
- *               it goes on: run on for four times as long, away is half as much again
+ *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
  *     bounded   neither: E comes back to where it was
  *
- * A drift that is smaller than 2.2 times the oscillation is not seen. What goes on is asked since
- * near a resonance of the step the energy's own oscillation may take longer than the run. Where energy is not constant
+ * A drift that is smaller than 2.2 times the oscillation is not seen. Near a resonance of the step
+ * the energy's own oscillation may take longer than the run: a symplectic or symmetric method is
+ * said to drift only if it is still away after four times as long. Where energy is not constant
  * by itself, in place of E0 stand the energies of the motion: in its last quarter, and the largest.
  * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All other
  * classes are statuses of the runtime.
@@ -162,10 +162,9 @@ static enum pk_status classify(struct stability *s, struct pk_integrator *it,
         (e->rise > 2 * e->early || has_left(e) || e->rise > 1e4 * s->scale)) {
         *class = "growing";
     } else if (has_left(e) && e->away > 1e-11 * s->size) {
-        const double before = e->away;
-        if (before < s->scale / 10)
+        if (it->method->traits & (PK_SYMPLECTIC | PK_SYMMETRIC))
             status = follow(s, it, 4 * steps, e);
-        if (status >= 0 && (before >= s->scale / 10 || (has_left(e) && e->away > 1.5 * before)))
+        if (has_left(e))
             *class = "drifting";
     }
     return status;

@@ -65,7 +65,7 @@ class Rest:
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion itself: how far it goes, its first energy, the range of v.p, its start and parameters."""
+    """The motion itself: how far it goes, its first energy, the range of v.p, how it began."""
 
     status: str
     t: float

@@ -21,22 +21,22 @@ from .measure import Row
 from .misses import name_mode
 
 SLIGHT = 0.01  # of the motion's energy: a drift below is drawn paler
-# Class -> colour, hatch. In the order of the legend.
+# Class -> colour, hatch (of lines: dots would make files large). In the order of the legend.
 CLASSES = {
     "bounded": ("#DCEBF5", ""),
     "drifting by less than 1 %": ("#FAF6C8", ""),
-    "drifting": ("#F0E442", "...."),
+    "drifting": ("#F0E442", "--"),
     "growing": ("#E69F00", "////"),
     "wrong branch": ("#0072B2", "\\\\\\\\"),
     "not converged": ("#CC79A7", "xxxx"),
     "not finite": ("#333333", ""),
-    "singular": ("#009E73", "oo"),
+    "singular": ("#009E73", "||||"),
     "failed": ("#999999", "++"),
 }
 # Kind of a prediction -> line, text.
 LINES = {
     "limit": ("-", "limit"),
-    "branch": ((0, (6, 2)), "branch lost"),
+    "branch": ((0, (6, 2)), "branch"),
     "1:3": ("--", "1:3"),
     "1:4": ("-.", "1:4"),
     "1:2": (":", "1:2"),
@@ -139,7 +139,7 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: boo
     axes.set_ylim(edges(xs)[0], edges(xs)[-1])
     _lines(axes, made, name)
     _measured(axes, made, name)
-    axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=3)
+    axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=14)
     unit = "" if made.compilation.model.dimensionless else " [s]"
     axes.set_xlabel(f"step h{unit}", labelpad=1)
     if first:
@@ -160,11 +160,11 @@ def _hatch(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, cells: np.ndarray, ha
 
 
 def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
-    omega = fastest(made)
-    if omega:
-        top = axes.secondary_xaxis("top", functions=(lambda h: h * omega, lambda y: y / omega))
+    rate = fastest(made)
+    if rate:
+        top = axes.secondary_xaxis("top", functions=(lambda h: h * rate, lambda y: y / rate))
         top.tick_params(labelsize=6.5, pad=1)
-        top.set_xlabel("h ω of the fastest mode", fontsize=7, labelpad=2)
+        top.set_xlabel(f"h {omega(0)}", fontsize=7, labelpad=2)
     energies = np.array([row.motion.energy for row in made.rows])
     if last and made.asked.axis.kind == "amplitude" and len(energies) > 3:
         right = axes.twinx()
@@ -224,16 +224,21 @@ def _lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
             lw=1.5 if kind == "limit" and primary else 1.0,
             path_effects=HALO,
         )
-        several = len(made.rest.equilibria[made.primary].oscillating) > 1 if primary else False
+        several = primary and len(made.rest.equilibria[made.primary].oscillating) > 1
         text = word
         if kind in ("1:3", "1:4") and several:
-            text = f"{word} mode {mode + 1}"
+            text = f"{word} {omega(mode)}"
         elif kind == "1:2":
-            text = f"{word} modes {other + 1}, {mode + 1}"
+            text = f"{word} {omega(other)}, {omega(mode)}"
         elif kind == "limit" and not primary:
             text = "limit elsewhere"
         labels.append((float(hs[-1]), text))
     _label(axes, sorted(labels))
+
+
+def omega(mode: int) -> str:
+    """The name of a mode's frequency."""
+    return "ω" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(mode + 1))
 
 
 def _label(axes: plt.Axes, labels: list[tuple[float, str]]) -> None:

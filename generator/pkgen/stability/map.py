@@ -70,7 +70,7 @@ def make(
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.motion()
     cyclic = frozenset(i for i, c in enumerate(compilation.structure.cyclic) if c)
-    primary = plan.nearest(rest, motion, cyclic)
+    primary = plan.nearest(rest, motion.q, cyclic)
     if primary is None and asked.axis.kind == "amplitude":
         raise UsageError(
             f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
@@ -93,7 +93,9 @@ def make(
         settings = asked.axis.settings(asker.settings, x, at, motion)
         here = asker.with_settings(settings)
         found, moved, points = measure.row(here, steps, None if moves else rest, tries)
-        number = plan.nearest(found, moved, cyclic)
+        # An amplitude is one about the same equilibrium, however far.
+        place = at.q if at and asked.axis.kind == "amplitude" else moved.q
+        number = plan.nearest(found, place, cyclic)
         lines = [
             p
             for name, step in maps.items()

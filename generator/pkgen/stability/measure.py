@@ -3,8 +3,9 @@
 A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
 modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
 mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
-the motion responds to it is asked apart, at half the start's size. A branch is lost where one step from
-1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves along the mode.
+the motion responds to it is asked apart, at half the start's size. A branch is lost where one step
+from 1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves along the
+mode.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ STEPS = 4000
 TURNS = 8000
 FAR = 1e3
 ROUNDS = 4
-BESIDE = (-0.08, 0.08)  # where a response is compared, relative to the resonant step
-SCAN = 33
+BESIDE = 0.08  # how far to either side a response is sought, relative to the resonant step
+SCAN = 25
+SCAN_STEPS = 1500
 
 
 @dataclass(frozen=True)
@@ -195,17 +197,21 @@ def secant(f: Callable[[float], float | None], a: float, b: float) -> float | No
 def _response(
     asker: Asker, at: Rest, p: Prediction, size: float
 ) -> tuple[float | None, float | None]:
-    """The largest growth over steps about the resonant one, and where; over the median growth.
+    """The step near the resonant one at which the motion grows most, and that growth over the one
+    on either side, where no resonance is; None, None where there is no such step.
 
     Of a pair: of the slower mode, begun a hundred times as small as the faster one."""
     assert p.h is not None
-    hs = [p.h * (1 + BESIDE[0] + (BESIDE[1] - BESIDE[0]) * k / (SCAN - 1)) for k in range(SCAN)]
+    hs = [p.h * (1 + BESIDE * (2 * k / (SCAN - 1) - 1)) for k in range(SCAN)]
     amplitude = 0.5 * size
     more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
     closes = asker.near(
-        f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} 2000{more}" for h in hs
+        f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
+        for h in hs
     )
-    grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
+    if any(c.status != "PK_DONE" for c in closes):
+        return None, None
+    grown = [c.growth for c in closes]
     best = max(range(SCAN), key=lambda k: grown[k])
-    usual = sorted(grown)[SCAN // 2]
-    return hs[best], grown[best] / usual if usual else None
+    beside = max(grown[0], grown[-1])
+    return hs[best], grown[best] / beside

@@ -52,7 +52,7 @@ class StepMap:
 
     traits: Traits
     asker: Asker
-    _limits: dict[float, float | None] = field(default_factory=dict)
+    _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
     _angles: tuple[list[float], list[float]] | None = None
 
     def maps(
@@ -62,12 +62,16 @@ class StepMap:
         asked = [f"oscillator {name} {stiffness!r} {damping!r} {float(y).hex()}" for y in ys]
         return [a["map"] and tuple(a["map"]) for a in self.asker.ask(asked)]
 
+    def _once(self, what: str, x: float, find: Callable[[float], float | None]) -> float | None:
+        """find(x), remembered: many equilibria and rows ask for the same."""
+        key = (what, float(f"{x:.12g}"))
+        if key not in self._found:
+            self._found[key] = find(key[1])
+        return self._found[key]
+
     def limit(self, damping_ratio: float = 0.0) -> float | None:
         """None: no limit up to FURTHEST. 0: it grows at any step."""
-        key = round(damping_ratio, 12)
-        if key not in self._limits:
-            self._limits[key] = self._limit(key)
-        return self._limits[key]
+        return self._once("limit", damping_ratio, self._limit)
 
     def _limit(self, ratio: float) -> float | None:
         def outside(ys: Sequence[float]) -> list[bool]:
@@ -78,9 +82,9 @@ class StepMap:
 
     def pole(self) -> float | None:
         """None where no step up to FURTHEST is without a solution."""
-        if not self.traits.implicit:
-            return None
+        return self._once("pole", 0.0, self._pole) if self.traits.implicit else None
 
+    def _pole(self, _: float) -> float | None:
         def beyond(ys: Sequence[float]) -> list[bool]:
             return [a is None or a[0] + a[3] < 0 for a in self.maps(ys, -1.0)]
 
@@ -103,7 +107,9 @@ class StepMap:
 
     def resonance(self, angle: float) -> float | None:
         """The first y at which a step turns by `angle`; None where it does not, or damps."""
+        return self._once("angle", angle, self._resonance)
 
+    def _resonance(self, angle: float) -> float | None:
         def past(ys: Sequence[float]) -> list[bool]:
             turns = [None if a is None else rotation(a) for a in self.maps(ys)]
             return [turn is None or turn >= angle for turn in turns]
@@ -114,30 +120,26 @@ class StepMap:
                 return first_change(past, low, high)
         return None
 
-    def pair(self, slow: float, fast: float) -> float | None:
-        """The step at which, as the method turns them, mode `fast` is twice as fast as `slow`."""
-        if abs(fast / slow - 2) < 1e-6:
+    def pair(self, ratio: float) -> float | None:
+        """y of the faster of two modes at the step at which, as the method turns them, it is twice
+        as fast as the slower one; `ratio` is that of their true frequencies."""
+        if abs(ratio - 2) < 1e-6:
             return None  # they are so already; a step can but detune them
+        return self._once("pair", ratio, self._pair)
 
-        def excess(h: float) -> float | None:
-            a, b = self.maps([h * slow, h * fast])
-            first, second = (None if m is None else rotation(m) for m in (a, b))
-            return None if first is None or second is None else second - 2 * first
+    def _pair(self, ratio: float) -> float | None:
+        sign = math.copysign(1.0, ratio - 2)
+
+        def crossed(ys: Sequence[float]) -> list[bool]:
+            maps = self.maps([each for y in ys for each in (y / ratio, y)])
+            turns = [None if a is None else rotation(a) for a in maps]
+            return [
+                slow is not None and fast is not None and (fast - 2 * slow) * sign < 0
+                for slow, fast in zip(turns[::2], turns[1::2], strict=True)
+            ]
 
         ys, _ = self.angles()
-        if not ys:
-            return None
-        steps = [y / fast for y in ys[:: max(1, len(ys) // 100)]]
-        before = excess(steps[0] / 2)
-        low = 0.0
-        for high in steps:
-            now = excess(high)
-            if now is None or before is None:
-                return None
-            if now * before < 0:
-                return _bisect(excess, low, high, before)
-            low = high
-        return None
+        return first_change(crossed, 0.0, ys[-1]) if ys else None
 
 
 def radius(a: Map) -> float:
@@ -173,14 +175,3 @@ def first_change(
         if high - low <= 1e-13 * high:
             return high
         count = 32
-
-
-def _bisect(f: Callable[[float], float | None], low: float, high: float, sign: float) -> float:
-    for _ in range(48):
-        middle = (low + high) / 2
-        value = f(middle)
-        if value is not None and value * sign > 0:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2

@@ -143,15 +143,13 @@ def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     return replace(parsing.settings(options, compilation), every=None, method="rk4", step=None)
 
 
-def nearest(rest: Rest, motion: Motion, cyclic: frozenset[int]) -> int | None:
-    """The equilibrium about which the motion is: the nearest stable one, else the nearest."""
+def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int | None:
+    """The equilibrium nearest to a place: of stable ones, if there are any."""
 
     def distance(number: int) -> tuple[bool, float]:
         at = rest.equilibria[number]
         apart = [
-            abs(a - b)
-            for i, (a, b) in enumerate(zip(at.q, motion.q, strict=True))
-            if i not in cyclic
+            abs(a - b) for i, (a, b) in enumerate(zip(at.q, place, strict=True)) if i not in cyclic
         ]
         return not at.stable, max(apart, default=0.0)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from .ask import Equilibrium, Rest
 from .method import StepMap
 
+MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
 RESONANCES = {"1:3": 2 * math.pi / 3, "1:4": 2 * math.pi / 4}
 
 
@@ -49,18 +50,24 @@ def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
     most = math.inf if bound is None or bound.h is None else bound.h
-    for k in free:
+    for k in free[:MOST]:
         omega = at.modes[k].frequency
         for kind, angle in RESONANCES.items():
             y = step.resonance(angle)
             if y is not None and y / omega < most:
                 found.append(Prediction(kind, name, number, k, None, y / omega, y))
-    for fast in free:
-        for slow in free:
-            a, b = at.modes[slow].frequency, at.modes[fast].frequency
-            h = step.pair(a, b) if b > a * (1 + 1e-9) else None
-            if h is not None and h < most:
-                found.append(Prediction("1:2", name, number, fast, slow, h, h * b))
+    pairs = [
+        (fast, slow)
+        for fast in free
+        for slow in free
+        if at.modes[fast].frequency > at.modes[slow].frequency * (1 + 1e-9)
+    ]
+    pairs.sort(key=lambda p: abs(at.modes[p[0]].frequency / at.modes[p[1]].frequency - 2))
+    for fast, slow in pairs[:MOST]:
+        omega = at.modes[fast].frequency
+        y = step.pair(omega / at.modes[slow].frequency)
+        if y is not None and y / omega < most:
+            found.append(Prediction("1:2", name, number, fast, slow, y / omega, y))
     return found
 
 
@@ -76,15 +83,19 @@ def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 def predictions(step: StepMap, rest: Rest, primary: int | None) -> list[Prediction]:
     """The limits at all stable equilibria, resonances at the one about which the motion is,
-    branches at the unstable ones."""
+    branches at the unstable ones; of equilibria with the same modes, mirror images, at one."""
     found: list[Prediction] = []
-    for number, at in enumerate(rest.equilibria):
-        if at.stable:
-            one = limit(step, number, at)
-            found += [one] if one else []
-        else:
-            one = branch(step, number, at)
-            found += [one] if one else []
+    seen: set[tuple[str, str]] = set()
+    order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)
+    for number in order:
+        at = rest.equilibria[number]
+        one = (limit if at.stable else branch)(step, number, at)
+        if one is None:
+            continue
+        rate = at.modes[one.mode].rate
+        if (one.kind, f"{rate:.9g}") not in seen:
+            seen.add((one.kind, f"{rate:.9g}"))
+            found.append(one)
         if number == primary and at.stable:
             found += resonances(step, number, at)
     return found

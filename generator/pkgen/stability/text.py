@@ -8,7 +8,7 @@ import io
 from .. import named
 from .ask import Equilibrium, Mode
 from .map import StabilityMap
-from .misses import Miss, difference, misses, name_mode
+from .misses import RESPONDS, Miss, difference, misses, name_mode
 
 Table = tuple[list[str], list[list[str]]]
 
@@ -47,7 +47,7 @@ def equilibria(made: StabilityMap) -> Table:
             [
                 f"{k + 1}{mark}",
                 place(made, at),
-                f"{at.energy:.6g}",
+                _short(at.energy),
                 "stable" if at.stable else "unstable",
                 "; ".join(rate(m) for m in modes),
             ]
@@ -61,7 +61,10 @@ def predicted(made: StabilityMap) -> Table:
     for m in made.measured:
         p = m.prediction
         off = difference(p.h, m.h)
-        response = "" if m.response is None else f"{m.response:.3g} at h = {m.peak:.5g}"
+        note = m.how if m.how != "turning" else "some steps beside it fail"
+        if m.response is not None:
+            answered = f"responds {m.response:.3g} times as much at h = {m.peak:.5g}"
+            note = answered if m.response >= RESPONDS else "nothing responds"
         rows.append(
             [
                 p.method,
@@ -72,7 +75,7 @@ def predicted(made: StabilityMap) -> Table:
                 "none" if p.h is None else f"{p.h:.7g}",
                 "none" if m.h is None else f"{m.h:.7g}",
                 "MISSED" if off is None else f"{100 * off:+.1g} %",
-                response or m.how,
+                note,
             ]
         )
     heads = ["method", "what", "at", "of", "h omega", "predicted h", "measured h", "off", "note"]

@@ -42,10 +42,6 @@ struct pk_equilibria {
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
-/* The rates of cyclic coordinates at q that give them the momenta they have at q0, v0. */
-enum pk_status pk_gsl_keep_momenta(const struct pk_problem *problem, const double *q0,
-                                   const double *v0, const double *q, double *v);
-
 /* One entry for lambda and its conjugate; a real pair is two entries. A lambda below 1e-7 of the
  * largest is 0: a motion that neither returns nor leaves exponentially. */
 struct pk_mode {
@@ -53,7 +49,7 @@ struct pk_mode {
 };
 
 /* The modes at an equilibrium, fastest first: up to 2 n of them, and n real and n imaginary parts
- * of each one's shape, the largest component 1. PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
+ * of each one's shape, 1 the largest component of those that are not cyclic. PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
                             struct pk_mode *modes, double *shapes, size_t *count);
 
