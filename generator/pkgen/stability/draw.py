@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from .. import named
 from .map import StabilityMap
 from .measure import Row
+from .method import PAIRS
 from .misses import name_mode
 
 SLIGHT = 0.01  # of the motion's energy: a drift below is drawn paler
@@ -40,6 +41,8 @@ LINES = {
     "1:3": ("--", "1:3"),
     "1:4": ("-.", "1:4"),
     "1:2": (":", "1:2"),
+    "1+2": (":", ""),
+    "2+1": (":", ""),
 }
 SAID = 12  # values in the title
 HALO = [effects.withStroke(linewidth=2.6, foreground="white")]
@@ -139,7 +142,7 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: boo
     axes.set_ylim(edges(xs)[0], edges(xs)[-1])
     _lines(axes, made, name)
     _measured(axes, made, name)
-    axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=14)
+    axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=3)
     unit = "" if made.compilation.model.dimensionless else " [s]"
     axes.set_xlabel(f"step h{unit}", labelpad=1)
     if first:
@@ -230,6 +233,10 @@ def _lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
             text = f"{word} {omega(mode)}"
         elif kind == "1:2":
             text = f"{word} {omega(other)}, {omega(mode)}"
+        elif kind == "1+2":
+            text = f"{omega(mode)} + 2{omega(other)}"
+        elif kind == "2+1":
+            text = f"2{omega(mode)} + {omega(other)}"
         elif kind == "limit" and not primary:
             text = "limit elsewhere"
         labels.append((float(hs[-1]), text))
@@ -293,11 +300,12 @@ def _legend(figure: plt.Figure, made: StabilityMap, used: set[str]) -> None:
         "branch": "predicted loss of the solution",
         "1:3": "step resonance 1:3",
         "1:4": "step resonance 1:4",
-        "1:2": "1:2 between modes, as the step turns them",
+        "1:2": "step resonance of two modes",
     }
+    kinds |= {"1:2"} if kinds & set(PAIRS) else set()
     handles += [
         Line2D([], [], color="black", ls=LINES[kind][0], lw=1.2, label=words[kind])
-        for kind in LINES
+        for kind in words
         if kind in kinds
     ]
     handles.append(

@@ -3,9 +3,9 @@
 A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
 modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
 mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
-the motion responds to it is asked apart, at half the start's size. A branch is lost where one step
-from 1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves along the
-mode.
+the motion responds to it is asked apart, at some parts of the start's size. A branch is lost where
+one step from 1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves
+along the mode.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from .ask import Asker, Close, Motion, Point, Rest, motion, point, rest
-from .method import FURTHEST
+from .method import FURTHEST, combined
 from .predict import RESONANCES, Prediction
 
 SMALL = 1e-6
@@ -23,8 +23,9 @@ STEPS = 4000
 TURNS = 8000
 FAR = 1e3
 ROUNDS = 4
-BESIDE = 0.08  # how far to either side a response is sought, relative to the resonant step
-SCAN = 25
+BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
+SIZES = (0.02, 0.1, 0.5)  # of the start's displacement, at which it is
+SCAN = 17
 SCAN_STEPS = 1500
 
 
@@ -147,7 +148,7 @@ def _branch(asker: Asker, p: Prediction) -> Measured:
 
 
 def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: float) -> float | None:
-    """As first_change, to 1e-5 of the interval."""
+    """As method.first_change, to 1e-5 of the interval."""
     count = 16
     for round_ in range(ROUNDS + 1):
         xs = [low + (high - low) * (k + 1) / count for k in range(count)]
@@ -170,7 +171,7 @@ def _resonance(asker: Asker, at: Rest, p: Prediction, size: float) -> Measured:
             return None
         if p.other is None:
             return closes[0].turn - RESONANCES[p.kind]
-        return closes[0].turn - 2 * closes[1].turn
+        return combined(p.kind, closes[0].turn, closes[1].turn)
 
     h = secant(excess, p.h, 1.01 * p.h)
     if h is None:
@@ -198,20 +199,22 @@ def _response(
     asker: Asker, at: Rest, p: Prediction, size: float
 ) -> tuple[float | None, float | None]:
     """The step near the resonant one at which the motion grows most, and that growth over the one
-    on either side, where no resonance is; None, None where there is no such step.
+    on either side, where no resonance is: the largest of SIZES. None, None where none is known.
 
     Of a pair: of the slower mode, begun a hundred times as small as the faster one."""
     assert p.h is not None
     hs = [p.h * (1 + BESIDE * (2 * k / (SCAN - 1) - 1)) for k in range(SCAN)]
-    amplitude = 0.5 * size
-    more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
-    closes = asker.near(
-        f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
-        for h in hs
-    )
-    if any(c.status != "PK_DONE" for c in closes):
-        return None, None
-    grown = [c.growth for c in closes]
-    best = max(range(SCAN), key=lambda k: grown[k])
-    beside = max(grown[0], grown[-1])
-    return hs[best], grown[best] / beside
+    found: list[tuple[float, float]] = []
+    for part in SIZES:
+        amplitude = part * size
+        more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
+        closes = asker.near(
+            f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
+            for h in hs
+        )
+        if all(c.status in ("PK_DONE", "PK_NOT_FINITE") for c in closes):
+            grown = [min(c.growth, FAR) if c.status == "PK_DONE" else FAR for c in closes]
+            best = max(range(SCAN), key=lambda k: grown[k])
+            found.append((grown[best] / max(grown[0], grown[-1]), hs[best]))
+    response, peak = max(found, default=(None, None))
+    return peak, response

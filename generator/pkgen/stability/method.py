@@ -6,6 +6,7 @@ angle    by which a step turns: the method's own frequency is angle(y)/h. Verlet
          midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
 resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to where they were, and a
          nonlinear force pushes there each time
+pair     the same between two modes
 pole     the first y at which a step on q'' = +q has no solution: an implicit method's equations
          are singular there, and beyond it the solution that belongs to short steps is lost
 """
@@ -24,6 +25,10 @@ COARSE = 600  # points of the first look
 OUTSIDE = 1e-9  # what counts as outside of the unit circle
 FIRST_GROWTH = 0.05  # a limit below this y is none: it grows at any step
 TWO_PI = 2 * math.pi
+# Resonances of third order between two modes: a (angle of the faster) + b (of the slower) is so
+# many turns. The first has the step detune them into 1:2; the others are there by the step alone,
+# and in a sum both modes may grow at once.
+PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
 Map = tuple[float, float, float, float]
 
@@ -120,26 +125,37 @@ class StepMap:
                 return first_change(past, low, high)
         return None
 
-    def pair(self, ratio: float) -> float | None:
-        """y of the faster of two modes at the step at which, as the method turns them, it is twice
-        as fast as the slower one; `ratio` is that of their true frequencies."""
-        if abs(ratio - 2) < 1e-6:
+    def pair(self, kind: str, ratio: float) -> float | None:
+        """y of the faster of two modes at which the angles of a step meet the condition `kind` of
+        PAIRS; `ratio` is that of their true frequencies."""
+        if kind == "1:2" and abs(ratio - 2) < 1e-6:
             return None  # they are so already; a step can but detune them
-        return self._once("pair", ratio, self._pair)
+        return self._once(kind, ratio, lambda x: self._pair(kind, x))
 
-    def _pair(self, ratio: float) -> float | None:
-        sign = math.copysign(1.0, ratio - 2)
-
-        def crossed(ys: Sequence[float]) -> list[bool]:
+    def _pair(self, kind: str, ratio: float) -> float | None:
+        def excess(ys: Sequence[float]) -> list[float | None]:
             maps = self.maps([each for y in ys for each in (y / ratio, y)])
             turns = [None if a is None else rotation(a) for a in maps]
             return [
-                slow is not None and fast is not None and (fast - 2 * slow) * sign < 0
+                None if slow is None or fast is None else combined(kind, fast, slow)
                 for slow, fast in zip(turns[::2], turns[1::2], strict=True)
             ]
 
         ys, _ = self.angles()
-        return first_change(crossed, 0.0, ys[-1]) if ys else None
+        if not ys:
+            return None
+        first = excess([ys[0]])[0]
+
+        def crossed(ys: Sequence[float]) -> list[bool]:
+            return [x is not None and first is not None and x * first < 0 for x in excess(ys)]
+
+        return first_change(crossed, 0.0, ys[-1])
+
+
+def combined(kind: str, fast: float, slow: float) -> float:
+    """How far the angles of two modes are from the resonance."""
+    a, b, turns = PAIRS[kind]
+    return a * fast + b * slow - turns * TWO_PI
 
 
 def radius(a: Map) -> float:

@@ -9,6 +9,7 @@ from .measure import Growth, Measured, Row
 from .predict import Prediction
 
 TOLERANCE = 0.01  # relative difference that counts as a miss
+NEXT = 0.03  # relative distance from a prediction at which a failing point is said to be next to it
 RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
 FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
 
@@ -93,7 +94,7 @@ def of_growth(g: Growth) -> Miss | None:
 def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
     """Points that fail below the limit at the equilibrium they move about, and points that do not
     above it: what a linear prediction cannot know of a motion of finite size."""
-    below: list[tuple[float, float, str]] = []
+    below: list[tuple[float, float, str, Row]] = []
     above: list[tuple[float, float]] = []
     many_below = many_above = 0
     for row in rows:
@@ -113,20 +114,21 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
             if limit.h is None or point.h < (1 - TOLERANCE) * limit.h:
                 many_below += 1
                 if point.kind in FAILED:
-                    below.append((row.x, point.h, point.kind))
+                    below.append((row.x, point.h, point.kind, row))
             elif point.h > (1 + TOLERANCE) * limit.h:
                 many_above += 1
                 if point.kind not in FAILED:
                     above.append((row.x, point.h))
     found = []
     if below:
-        x, h, kind = min(below, key=lambda b: b[0])
+        x, h, kind, row = min(below, key=lambda b: b[0])
         found.append(
             Miss(
                 method,
                 "below",
                 f"{method}: {len(below)} of {many_below} points below the limit fail; the lowest "
-                f"at {varied} = {x:.4g}, h = {h:.4g} ({kind}). The limit is that of small motions",
+                f"at {varied} = {x:.4g}, h = {h:.4g}: {kind}{_close(row, method, h)}. The limit is "
+                "that of small motions",
             )
         )
     if above:
@@ -140,6 +142,15 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
             )
         )
     return found
+
+
+def _close(row: Row, method: str, h: float) -> str:
+    """The prediction next to h, if there is one."""
+    near = [p for p in row.predictions if p.method == method and p.h and abs(h / p.h - 1) < NEXT]
+    if not near:
+        return ""
+    p = min(near, key=lambda p: abs(h / (p.h or 1.0) - 1))
+    return f", next to {p.kind} of {name_mode(p)} at h = {p.h:.4g}"
 
 
 def misses(made: StabilityMap) -> list[Miss]:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from .ask import Equilibrium, Rest
-from .method import StepMap
+from .method import PAIRS, StepMap
 
 MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
 RESONANCES = {"1:3": 2 * math.pi / 3, "1:4": 2 * math.pi / 4}
@@ -16,8 +16,8 @@ RESONANCES = {"1:3": 2 * math.pi / 3, "1:4": 2 * math.pi / 4}
 class Prediction:
     """At step h a `kind` of thing happens near an equilibrium, by its modes.
 
-    `kind` is limit, 1:3, 1:4, 1:2 or branch; `mode` numbers the mode whose y = h |lambda| it is
-    (of a pair the faster), `other` the slower of a pair. h is None where it never happens."""
+    `kind` is limit, branch, 1:3, 1:4 or one of PAIRS; `mode` numbers the mode whose y = h |lambda|
+    it is (of a pair the faster), `other` the slower of a pair. h is None where it never happens."""
 
     kind: str
     method: str
@@ -45,7 +45,7 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """1:3 and 1:4 of each mode, 1:2 of each pair, below the limit of the fastest."""
+    """1:3 and 1:4 of each mode, PAIRS of two, below the limit of the fastest."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
@@ -65,9 +65,10 @@ def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
     pairs.sort(key=lambda p: abs(at.modes[p[0]].frequency / at.modes[p[1]].frequency - 2))
     for fast, slow in pairs[:MOST]:
         omega = at.modes[fast].frequency
-        y = step.pair(omega / at.modes[slow].frequency)
-        if y is not None and y / omega < most:
-            found.append(Prediction("1:2", name, number, fast, slow, y / omega, y))
+        for kind in PAIRS:
+            y = step.pair(kind, omega / at.modes[slow].frequency)
+            if y is not None and y / omega < most:
+                found.append(Prediction(kind, name, number, fast, slow, y / omega, y))
     return found
 
 
