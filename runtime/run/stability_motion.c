@@ -5,8 +5,8 @@
  *
  *     away      distance of E0 from [a, b]
  *     rise      max E - E0;   early: the same over the first eighth
- *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back
- *               (away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
+ *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back (away > S/2 or
+ *               away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
  *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
  *     bounded   neither: E comes back to where it was
  *
@@ -159,7 +159,8 @@ static enum pk_status classify(struct stability *s, struct pk_integrator *it,
         return status;
     *class = "bounded";
     if (e->rise > s->scale &&
-        (e->rise > 2 * e->early || has_left(e) || e->rise > 1e4 * s->scale)) {
+        (e->rise > 2 * e->early || e->away > s->scale / 2 || has_left(e) ||
+         e->rise > 1e4 * s->scale)) {
         *class = "growing";
     } else if (has_left(e) && e->away > 1e-11 * s->size) {
         if (it->method->traits & (PK_SYMPLECTIC | PK_SYMMETRIC))
