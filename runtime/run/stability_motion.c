@@ -11,8 +11,9 @@
  *     bounded   neither: E comes back to where it was
  *
  * A drift that is smaller than 2.2 times the oscillation is not seen. Near a resonance of the step
- * the energy's own oscillation may take longer than the run: a symplectic or symmetric method is
- * said to drift only if it is still away after four times as long. Where energy is not constant
+ * the energy's own oscillation may take longer than the run, or the motion be locked to it beside
+ * where it began: a symplectic or symmetric method is said to drift only if after four times as
+ * long it is away by a fifth more. Where energy is not constant
  * by itself, in place of E0 stand the energies of the motion: in its last quarter, and the largest.
  * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All other
  * classes are statuses of the runtime.
@@ -163,9 +164,11 @@ static enum pk_status classify(struct stability *s, struct pk_integrator *it,
          e->rise > 1e4 * s->scale)) {
         *class = "growing";
     } else if (has_left(e) && e->away > 1e-11 * s->size) {
-        if (it->method->traits & (PK_SYMPLECTIC | PK_SYMMETRIC))
+        const double before = e->away;
+        const int again = (it->method->traits & (PK_SYMPLECTIC | PK_SYMMETRIC)) != 0;
+        if (again)
             status = follow(s, it, 4 * steps, e);
-        if (has_left(e))
+        if (!again || (has_left(e) && e->away > 1.2 * before))
             *class = "drifting";
     }
     return status;

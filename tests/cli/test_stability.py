@@ -378,8 +378,12 @@ def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
     ]
     done = stability(model, *asked)
     assert done.code == 0, done.err
-    points = json.loads(done.out)["points"]
-    for p in points:  # the limit is 2/sqrt k
+    made = json.loads(done.out)
+    for row in made["rows"]:
+        (line,) = (p for p in row["predictions"] if p["kind"] == "limit")
+        assert line["h"] == pytest.approx(2 / math.sqrt(row["x"]), rel=1e-9)
+    points = made["points"]
+    for p in points:
         y = p["h"] * math.sqrt(p["x"])
         if abs(y - 2) > 0.02:
             assert (p["kind"] == "bounded") == (y < 2), p

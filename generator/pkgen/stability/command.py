@@ -134,14 +134,19 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
             {**asdict(m.prediction), "measured": m.h, "how": m.how, "response": m.response}
             for m in made.measured
         ],
+        "rows": [
+            {
+                "x": row.x,
+                "energy": row.motion.energy,
+                "motion": row.motion.status,
+                "predictions": [asdict(p) for p in row.predictions],
+            }
+            for row in made.rows
+        ],
         "growths": [asdict(g) for g in made.growths],
         "misses": [asdict(m) for m in misses(made)],
         "remarks": text.remarks(made),
-        "points": [
-            {"x": row.x, "energy": row.motion.energy, **asdict(p)}
-            for row in made.rows
-            for p in row.points
-        ],
+        "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
         "files": [str(file) for file in files],
     }
 

@@ -19,7 +19,8 @@ from .. import named
 from .map import StabilityMap
 from .measure import Row
 from .method import PAIRS
-from .misses import name_mode
+from .misses import RESPONDS, name_mode
+from .predict import RESONANCES
 
 SLIGHT = 0.01  # of the motion's energy: a drift below is drawn paler
 # Class -> colour, hatch (of lines: dots would make files large). In the order of the legend.
@@ -40,11 +41,14 @@ LINES = {
     "branch": ((0, (6, 2)), "branch"),
     "1:3": ("--", "1:3"),
     "1:4": ("-.", "1:4"),
+    "2:3": ("--", "2:3"),
+    "3:4": ("-.", "3:4"),
     "1:2": (":", "1:2"),
     "1+2": (":", ""),
     "2+1": (":", ""),
 }
 SAID = 12  # values in the title
+SILENT = "#8090A0"  # a resonance that nothing answers
 HALO = [effects.withStroke(linewidth=2.6, foreground="white")]
 
 
@@ -173,12 +177,19 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
         right = axes.twinx()
         right.set_ylim(axes.get_ylim())
         ticks = np.linspace(0, len(energies) - 1, 5).astype(int)
-        right.set_yticks(
-            np.array(made.asked.axis.values)[ticks], [f"{energies[k]:.3g}" for k in ticks]
-        )
+        right.set_yticks(np.array(made.asked.axis.values)[ticks], _told_apart(energies[ticks]))
         right.tick_params(labelsize=6.5)
         unit = "" if made.compilation.model.dimensionless else " [J]"
         right.set_ylabel(f"energy{unit}", fontsize=7)
+
+
+def _told_apart(values: np.ndarray) -> list[str]:
+    """With as many digits as it takes."""
+    for digits in range(3, 17):
+        texts = [f"{x:.{digits}g}" for x in values]
+        if len(set(texts)) == len(set(values)):
+            break
+    return texts
 
 
 def fastest(made: StabilityMap) -> float | None:
@@ -195,7 +206,8 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
     for row in rows:
         for p in row.predictions:
             if p.method == name and p.h:
-                key = (p.kind, p.mode, p.other, p.equilibrium == row.primary, p.equilibrium)
+                primary = p.equilibrium == row.primary
+                key = (p.kind, p.mode, p.other, primary, None if primary else p.equilibrium)
                 found.setdefault(key, []).append((row.x, p.h))
     return found
 
@@ -203,8 +215,13 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
 def _lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
     low, high = axes.get_xlim()
     bottom, top = axes.get_ylim()
-    labels: list[tuple[float, str]] = []
+    labels: list[tuple[float, str, str]] = []
     seen: set[tuple[str, int]] = set()
+    silent = {
+        (m.prediction.kind, m.prediction.mode, m.prediction.other)
+        for m in made.measured
+        if m.prediction.method == name and m.response is not None and m.response < RESPONDS
+    }
     for (kind, mode, other, primary, _), line in _curves(made.rows, name).items():
         hs = np.array([h for _, h in line])
         if not ((hs > low) & (hs < high)).any():
@@ -218,18 +235,20 @@ def _lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
             xs = np.concatenate([[bottom], xs, [top]])
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
         style, word = LINES[kind]
-        strong = primary or kind == "branch"
+        quiet = (kind, mode, other) in silent
+        colour = SILENT if quiet else "black" if primary or kind == "branch" else "#555555"
         axes.plot(
             hs,
             xs,
             ls=style,
-            color="black" if strong else "#555555",
-            lw=1.5 if kind == "limit" and primary else 1.0,
-            path_effects=HALO,
+            color=colour,
+            lw=1.5 if kind == "limit" and primary else 0.9 if quiet else 1.2,
+            path_effects=None if quiet else HALO,
+            zorder=2 if quiet else 3,
         )
         several = primary and len(made.rest.equilibria[made.primary].oscillating) > 1
         text = word
-        if kind in ("1:3", "1:4") and several:
+        if kind in RESONANCES and several:
             text = f"{word} {omega(mode)}"
         elif kind == "1:2":
             text = f"{word} {omega(other)}, {omega(mode)}"
@@ -239,7 +258,7 @@ def _lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
             text = f"2{omega(mode)} + {omega(other)}"
         elif kind == "limit" and not primary:
             text = "limit elsewhere"
-        labels.append((float(hs[-1]), text))
+        labels.append((float(hs[-1]), text, colour))
     _label(axes, sorted(labels))
 
 
@@ -248,13 +267,16 @@ def omega(mode: int) -> str:
     return "ω" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(mode + 1))
 
 
-def _label(axes: plt.Axes, labels: list[tuple[float, str]]) -> None:
-    """Upright texts along the lines' upper ends; where lines are close, one below the other."""
+def _label(axes: plt.Axes, labels: list[tuple[float, str, str]]) -> None:
+    """Upright texts along the lines' upper ends; where lines are close, one below the other, those
+    that matter first."""
     low, high = axes.get_xlim()
     ends: list[tuple[float, float]] = []  # place, and how far down its text reaches
-    for h, text in labels:
-        down = max([0.02] + [end for at, end in ends if abs(at - h) < 0.055 * (high - low)])
-        if low < h < high:
+    for h, text, colour in sorted(labels, key=lambda label: (label[2] == SILENT, label[0])):
+        near = [end for at, end in ends if abs(at - h) < 0.05 * (high - low)]
+        down = max([0.02, *near])
+        reach = down + 0.032 * len(text) + 0.03
+        if low < h < high and reach < 1:
             axes.text(
                 (h - low) / (high - low),
                 1 - down,
@@ -264,9 +286,11 @@ def _label(axes: plt.Axes, labels: list[tuple[float, str]]) -> None:
                 ha="center",
                 va="top",
                 fontsize=6.5,
+                color=colour,
                 bbox={"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85},
+                zorder=4,
             )
-        ends.append((h, down + 0.035 * len(text) + 0.04))
+            ends.append((h, reach))
 
 
 def _measured(axes: plt.Axes, made: StabilityMap, name: str) -> None:
@@ -298,16 +322,19 @@ def _legend(figure: plt.Figure, made: StabilityMap, used: set[str]) -> None:
     words = {
         "limit": "predicted limit",
         "branch": "predicted loss of the solution",
-        "1:3": "step resonance 1:3",
-        "1:4": "step resonance 1:4",
+        "1:3": "step resonance 1:3, 2:3",
+        "1:4": "step resonance 1:4, 3:4",
         "1:2": "step resonance of two modes",
     }
-    kinds |= {"1:2"} if kinds & set(PAIRS) else set()
+    for kind, shown_as in (*((k, "1:2") for k in PAIRS), ("2:3", "1:3"), ("3:4", "1:4")):
+        kinds |= {shown_as} if kind in kinds else set()
     handles += [
         Line2D([], [], color="black", ls=LINES[kind][0], lw=1.2, label=words[kind])
         for kind in words
         if kind in kinds
     ]
+    if kinds & {"1:2", "1:3", "1:4"}:
+        handles.append(Line2D([], [], color=SILENT, lw=1.2, label="resonance that nothing answers"))
     handles.append(
         Line2D([], [], color="black", marker="^", ls="", ms=5, label="limit measured, small motion")
     )

@@ -9,6 +9,7 @@ from .measure import Growth, Measured, Row
 from .predict import Prediction
 
 TOLERANCE = 0.01  # relative difference that counts as a miss
+LISTED = 4  # resonances named in one sentence
 NEXT = 0.03  # relative distance from a prediction at which a failing point is said to be next to it
 RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
 FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
@@ -65,16 +66,18 @@ def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
     ]
     if not silent:
         return []
-    listed = ", ".join(
+    listed = [
         f"{m.prediction.kind} of {name_mode(m.prediction)} at h = {m.prediction.h:.5g}"
-        for m in silent
-    )
+        for m in silent[:LISTED]
+    ]
+    if len(silent) > LISTED:
+        listed.append(f"{len(silent) - LISTED} more")
     return [
         Miss(
             method,
             "response",
-            f"{method}: at {len(silent)} step resonances nothing responds ({listed}): at the "
-            "start's size the forces couple too little there",
+            f"{method}: nothing answers the step resonance {', '.join(listed)}: at the start's size "
+            "the forces couple too little there",
         )
     ]
 

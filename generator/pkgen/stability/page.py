@@ -21,7 +21,7 @@ CLASSES = """<p>With E the method's energy, S the range of v·p over the motion 
 kinetic energy that comes and goes), and [a, b] the energies of the last quarter of a run:
 <b>growing</b>: E rises by more than S and goes on rising, does not come back, or rises by more
 than 10<sup>4</sup> S; <b>drifting</b>: it has left where it began by more than a quarter of b − a
-(symplectic and symmetric methods: and still has after four times as long);
+(symplectic and symmetric methods: and by a fifth more after four times as long);
 <b>bounded</b>: neither. <b>not converged</b>, <b>wrong branch</b>, <b>not finite</b>,
 <b>singular</b> are what the runtime reports. A triangle is a limit measured: 4000 steps from
 10<sup>−6</sup> beside the equilibrium go no further than 10<sup>−3</sup> below it.</p>"""

@@ -9,15 +9,22 @@ from .ask import Equilibrium, Rest
 from .method import PAIRS, StepMap
 
 MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
-RESONANCES = {"1:3": 2 * math.pi / 3, "1:4": 2 * math.pi / 4}
+# Turns of so many steps. The last two are of methods that turn by more than half a turn a step.
+RESONANCES = {
+    "1:3": 2 * math.pi / 3,
+    "1:4": 2 * math.pi / 4,
+    "2:3": 4 * math.pi / 3,
+    "3:4": 6 * math.pi / 4,
+}
 
 
 @dataclass(frozen=True)
 class Prediction:
     """At step h a `kind` of thing happens near an equilibrium, by its modes.
 
-    `kind` is limit, branch, 1:3, 1:4 or one of PAIRS; `mode` numbers the mode whose y = h |lambda|
-    it is (of a pair the faster), `other` the slower of a pair. h is None where it never happens."""
+    `kind` is limit, branch, or one of RESONANCES or PAIRS; `mode` numbers the mode whose
+    y = h |lambda| it is (of a pair the faster), `other` the slower of a pair. h is None where it
+    never happens."""
 
     kind: str
     method: str
@@ -45,7 +52,7 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """1:3 and 1:4 of each mode, PAIRS of two, below the limit of the fastest."""
+    """RESONANCES of each mode, PAIRS of two, below the limit of the fastest."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
