@@ -6,7 +6,7 @@
  * is below 1e-4 of it. The second test rejects points on the way to infinity, where forces vanish
  * too; that it is no sharper admits roots at which the linear terms vanish (a hoop at its critical
  * rate). Reference: M. J. D. Powell, in P. Rabinowitz (ed.), Numerical Methods for Nonlinear
- * Algebraic Equations (1970) 87; J. H. Halton, Numer. Math. 2 (1960) 84.
+ * Algebraic Equations (1970) 87.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +18,7 @@
 #include <pk/gsl_equilibria.h>
 
 #include "../src/internal.h"
+#include "halton.h"
 
 static const double TWO_PI = 6.283185307179586476925;
 enum { ITERATIONS = 200 };
@@ -128,29 +129,6 @@ static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix
 {
     const int failed = gsl_f(z, context, f);
     return failed ? failed : gsl_df(z, context, J);
-}
-
-/* Number k of Halton's sequence in a base, in (0, 1). */
-static double halton(size_t k, size_t base)
-{
-    double x = 0, digit = 1;
-    for (; k; k /= base) {
-        digit /= (double)base;
-        x += digit * (double)(k % base);
-    }
-    return x;
-}
-
-static size_t prime(size_t index)
-{
-    size_t candidate = 2;
-    for (;; candidate++) {
-        size_t d = 2;
-        while (d * d <= candidate && candidate % d)
-            d++;
-        if (d * d > candidate && index-- == 0)
-            return candidate;
-    }
 }
 
 /* The start itself for k = 0; then half of the points in the box, half in one four times as wide,

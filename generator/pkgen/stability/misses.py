@@ -76,8 +76,8 @@ def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
         Miss(
             method,
             "response",
-            f"{method}: nothing answers the step resonance {', '.join(listed)}: at the start's size "
-            "the forces couple too little there",
+            f"{method}: nothing answers the step resonance {', '.join(listed)}: at the start's "
+            "size the forces couple too little there",
         )
     ]
 
