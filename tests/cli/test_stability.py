@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import io
 import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, run_pkgen
+from conftest import ROOT
 from pkgen.__main__ import main
 
 PENDULUM = """model pendulum
@@ -45,12 +47,17 @@ def quick(tmp_path_factory) -> tuple[dict, Path]:
     directory = tmp_path_factory.mktemp("stability")
     model = directory / "pendulum.lag"
     model.write_text(PENDULUM)
-    done = run_pkgen(
-        *("stability", model, "-o", directory, "--json", "--methods", "verlet,rk4"),
-        *("--vary", "theta=0.001..0.002", "--steps", "1.98..2.02", "--points", "2x2"),
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout), directory
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        code = main(
+            [
+                *("stability", str(model), "-o", str(directory), "--json"),
+                *("--methods", "verlet,rk4", "--vary", "theta=0.001..0.002"),
+                *("--steps", "1.98..2.02", "--points", "2x2"),
+            ]
+        )
+    assert code == 0
+    return json.loads(said.getvalue()), directory
 
 
 def test_a_map_is_bounded_below_and_growing_above(quick) -> None:
