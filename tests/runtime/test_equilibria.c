@@ -76,6 +76,11 @@ static void one_degree(void)
     CU_ASSERT(fabs(found_q[0]) < 1e-12 && near(found_q[1], PI));
     CU_ASSERT(solve(&f, 0) == 1 && near(modes[0].frequency, sqrt(f.params.g)));
     CU_ASSERT(solve(&f, 1) == 2 && near(modes[0].growth, sqrt(f.params.g)));
+    /* From a start three turns on they are the same two places. */
+    struct pk_equilibria again = {MOST, found_q, found_v, 0, 0, 0, 0};
+    const double turned = f.q0[0] + 6 * PI;
+    CU_ASSERT(pk_gsl_equilibria(&f.problem, &turned, f.v0, 0, &again) == PK_DONE);
+    CU_ASSERT(again.count == 1 && fabs(found_q[0]) < PI * (1 + 1e-12));
     found = seek(&f, &relativistic_system, MOST); /* M depends on the rate, and is 1 at rest */
     CU_ASSERT_FATAL(found.count == 1);
     CU_ASSERT(solve(&f, 0) == 1 && near(modes[0].frequency, sqrt(f.params.g)));

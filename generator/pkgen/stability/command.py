@@ -47,6 +47,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         max_steps=1_000_000_000,
         output=None,
         libm=False,
+        max_step=None,
+        record=None,
+        at=None,
     )
 
 

@@ -57,7 +57,12 @@ class StabilityMap:
 
 def known_methods() -> list[Traits]:
     return [
-        Traits(m["name"], frozenset(m["flags"]), tuple(m["requires"]), m["doc"])
+        Traits(
+            m["name"],
+            frozenset(m["flags"]),
+            tuple(m["requires"]),
+            math.inf if m["limits"]["imaginary"] == "infinite" else m["limits"]["imaginary"],
+        )
         for m in driver_methods()
     ]
 

@@ -124,6 +124,8 @@ def _limit(asker: Asker, at: Rest, p: Prediction) -> Measured:
         h = search(grows, 0.0, bad)
     elif p.h == 0:
         h = search(grows, 0.0, 0.5 / fastest)
+    elif not any(grows([p.h * x for x in (0.5, 0.7, 0.9, 0.999)])) and grows([1.001 * p.h])[0]:
+        h = search(grows, 0.999 * p.h, 1.001 * p.h)  # intervals of growth may be narrow
     else:
         h = search(grows, 0.5 * p.h, 1.5 * p.h)
     if h is None:

@@ -1,7 +1,7 @@
 """A method seen through one step on the linear oscillator, (q, v) -> A(y) (q, v), y = h omega.
 
-limit    the first y at which an eigenvalue of A leaves the unit circle (damped modes: of the
-         oscillator with their damping)
+limit    the first y at which an eigenvalue of A leaves the unit circle: from the method's table
+         (pk/limits.h); of a damped mode, from steps on the oscillator with its damping
 angle    by which a step turns: the method's own frequency is angle(y)/h. Verlet 2 asin(y/2),
          midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
 resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to where they were, and a
@@ -40,7 +40,7 @@ class Traits:
     name: str
     flags: frozenset[str]
     requires: tuple[str, ...]
-    doc: str
+    limit: float | None  # on the imaginary axis, from its table: inf where none; None: not known
 
     @property
     def adaptive(self) -> bool:
@@ -79,6 +79,9 @@ class StepMap:
         return self._once("limit", damping_ratio, self._limit)
 
     def _limit(self, ratio: float) -> float | None:
+        if ratio == 0 and self.traits.limit is not None:
+            return None if math.isinf(self.traits.limit) else self.traits.limit
+
         def outside(ys: Sequence[float]) -> list[bool]:
             return [a is None or radius(a) > 1 + OUTSIDE for a in self.maps(ys, 1.0, 2 * ratio)]
 

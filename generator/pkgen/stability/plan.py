@@ -15,7 +15,7 @@ from .ask import Equilibrium, Motion, Rest
 from .method import Traits
 
 # One or two of a family, those that differ most in how they fail.
-USUAL = ("symplectic_euler", "verlet", "yoshida4", "rk4", "gauss1", "gauss2", "radau5")
+USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5", "gauss4")
 PANELS = 6
 AMPLITUDES = (0.0, 1.5)  # of the start's displacement
 PERIODS = 100  # of the slowest mode, that a point is run for
