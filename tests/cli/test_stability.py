@@ -90,6 +90,14 @@ def test_files(quick) -> None:
     assert "verlet" in picture and "limit" in picture
 
 
+@pytest.mark.filterwarnings("error")
+def test_one_panel_has_room(stability, tmp_path: Path) -> None:
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "3x2", "--until", "9")
+    assert done.code == 0 and done.err == ""
+
+
 USAGE = {
     "unknown method": (["--methods", "verlett"], "did you mean 'verlet'?"),
     "no fixed step": (["--methods", "dop853"], "chooses its steps itself"),

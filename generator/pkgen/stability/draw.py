@@ -3,6 +3,7 @@ PNG. Colours are Okabe and Ito's, which survive colour-blindness; each class has
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 import matplotlib
@@ -30,6 +31,7 @@ CLASSES = {
     "singular": ("#009E73", "||||"),
     "failed": ("#999999", "++"),
 }
+NARROWEST = 7.4  # inches: titles and legend fit
 SAID = 12  # values in the title
 
 
@@ -56,12 +58,9 @@ def _figure(made: StabilityMap) -> plt.Figure:
     names = list(made.steps)
     columns = min(3, len(names))
     rows = -(-len(names) // columns)
+    width = max(3.5 * columns + 0.4, NARROWEST)
     figure, grid = plt.subplots(
-        rows,
-        columns,
-        figsize=(3.5 * columns + 0.4, 2.9 * rows + 1.15),
-        squeeze=False,
-        layout="constrained",
+        rows, columns, figsize=(width, 2.9 * rows + 1.15), squeeze=False, layout="constrained"
     )
     used: set[str] = set()
     for k, name in enumerate(names):
@@ -69,8 +68,9 @@ def _figure(made: StabilityMap) -> plt.Figure:
         used |= _panel(grid[k // columns][k % columns], made, name, k % columns == 0, last)
     for axes in grid.flat[len(names) :]:
         axes.set_visible(False)
-    figure.suptitle("\n".join(titles(made)), fontsize=9)
-    _legend(figure, made, used)
+    lines = [line for title in titles(made) for line in textwrap.wrap(title, int(14 * width))]
+    figure.suptitle("\n".join(lines), fontsize=9)
+    _legend(figure, made, used, int(width / 2.1))
     return figure
 
 
@@ -181,7 +181,7 @@ def fastest(made: StabilityMap) -> float | None:
     return max(rates, default=0.0) or None
 
 
-def _legend(figure: plt.Figure, made: StabilityMap, used: set[str]) -> None:
+def _legend(figure: plt.Figure, made: StabilityMap, used: set[str], columns: int) -> None:
     handles: list = [
         Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=kind)
         for kind, (colour, hatch) in CLASSES.items()
@@ -189,5 +189,5 @@ def _legend(figure: plt.Figure, made: StabilityMap, used: set[str]) -> None:
     ]
     handles += overlay.handles(made)
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(5, len(handles)), frameon=False
+        handles=handles, loc="outside lower center", ncols=min(columns, len(handles)), frameon=False
     )

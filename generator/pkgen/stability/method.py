@@ -93,10 +93,24 @@ class StepMap:
         return self._once("pole", 0.0, self._pole) if self.traits.implicit else None
 
     def _pole(self, _: float) -> float | None:
+        """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""
+
         def beyond(ys: Sequence[float]) -> list[bool]:
             return [a is None or a[0] + a[3] < 0 for a in self.maps(ys, -1.0)]
 
-        return first_change(beyond, 0.0, FURTHEST)
+        edge = first_change(beyond, 0.0, FURTHEST)
+        if edge is None:
+            return None
+        ys = [edge * (1 - x) for x in (4e-3, 2e-3, 1e-3)]
+        maps = self.maps(ys, -1.0)
+        if any(a is None for a in maps):
+            return None
+        g = [1 / (a[0] + a[3]) for a in maps if a]
+        pole = sum(
+            y * math.prod(g[k] / (g[k] - g[i]) for k in range(3) if k != i)
+            for i, y in enumerate(ys)
+        )
+        return pole if abs(pole / edge - 1) < 1e-3 else None
 
     def angles(self) -> tuple[list[float], list[float]]:
         """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""
