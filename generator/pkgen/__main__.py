@@ -18,6 +18,7 @@ from .compiler import STAGES
 from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE, UsageError
 from .resources import ResourcesExceeded
 from .source import ModelError
+from .stability import command as stability_command
 
 
 def _parser(command: str) -> argparse.ArgumentParser:
@@ -88,16 +89,22 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "check": commands.check,
     "explain": commands.explain,
     "run": run_command.run,
+    "stability": stability_command.run,
     "methods": commands.methods,
 }
-ARGUMENTS = {"compile": _compile_arguments, "run": _run_arguments}
+ARGUMENTS = {
+    "compile": _compile_arguments,
+    "run": _run_arguments,
+    "stability": stability_command.arguments,
+}
 
-LATER = frozenset(("chart", "stability", "export", "sweep", "fmt"))
+LATER = frozenset(("chart", "export", "sweep", "fmt"))
 
 OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c (default: here)
        pkgen check MODEL.lag        errors and warnings only
        pkgen explain MODEL.lag      equations, structure
        pkgen run MODEL.lag          compile and integrate; CSV to standard output
+       pkgen stability MODEL.lag    where each method fails, predicted and measured
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)
        pkgen --version"""

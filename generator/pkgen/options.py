@@ -50,7 +50,7 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
     wanted = [name.strip() for name in text.split(",")]
     for name in wanted:
         if name not in known:
-            raise UsageError(_unknown("--kernels", name, list(known), "kernel"))
+            raise UsageError(unknown("--kernels", name, list(known), "kernel"))
     return frozenset(wanted)
 
 
@@ -80,7 +80,7 @@ def settings(
 ) -> Settings:
     """The settings of `pkgen run`, all values in SI: options first, then what the scene says, then
     defaults. `members` are those of an ensemble."""
-    values = _Values(compilation)
+    values = Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
     starts = [_assignment("--start", text) for text in options.start]
     sets = [_assignment("--set", text) for text in options.set]
@@ -134,7 +134,7 @@ def settings(
 
 
 def _recorded(
-    options: argparse.Namespace, values: _Values, chosen: Scene | None
+    options: argparse.Namespace, values: Values, chosen: Scene | None
 ) -> tuple[tuple[Shown, ...], int | None]:
     """The columns of rows (none: all of them), and the event at which rows are."""
     compilation = values.compilation
@@ -153,7 +153,7 @@ def _recorded(
         )
     events = [event.name for event in compilation.model.events]
     if at is not None and at not in events:
-        raise UsageError(_unknown("--at", at, events, "event"))
+        raise UsageError(unknown("--at", at, events, "event"))
     return tuple(show or ()), None if at is None else events.index(at)
 
 
@@ -196,7 +196,7 @@ def _places(
     return tuple(single), tuple(members)
 
 
-class _Values:
+class Values:
     """Values of options for one model: its units, its sizes, its names."""
 
     def __init__(self, compilation: Compilation):
@@ -247,7 +247,7 @@ class _Values:
                 index, quantity = known[name]
                 found.append((index, self.value(option, text, quantity.unit, name)))
             elif name not in others:
-                raise UsageError(_unknown(option, name, [*known, *others], "parameter or input"))
+                raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
         return tuple(found)
 
     def started(
@@ -259,7 +259,7 @@ class _Values:
             side = self.left("--start", left)
             name = indexed(side.name, side.index)
             if name not in self.coordinates:
-                raise UsageError(_unknown("--start", name, list(self.coordinates), "coordinate"))
+                raise UsageError(unknown("--start", name, list(self.coordinates), "coordinate"))
             if side.order > 1:
                 raise UsageError(f"--start {left}: a start is a coordinate or its rate")
             if side.order == order:
@@ -299,7 +299,7 @@ class _Values:
         if name == "energy":
             return self.shown(name, name)
         known = [*self.coordinates, *self.rates, *observed, "energy"]
-        raise UsageError(_unknown("--record", name, known, "column"))
+        raise UsageError(unknown("--record", name, known, "column"))
 
     def left(self, option: str, text: str) -> options_text.LeftSide:
         try:
@@ -325,7 +325,7 @@ def _count(option: str, value: int) -> int:
     return value
 
 
-def _unknown(option: str, name: str, known: list[str], kind: str) -> str:
+def unknown(option: str, name: str, known: list[str], kind: str) -> str:
     near = difflib.get_close_matches(name, known, n=1)
     if near:
         hint = f"did you mean '{near[0]}'?"

@@ -21,6 +21,7 @@
 
 #include "diagnose.h"
 #include "ensemble.h"
+#include "stability.h"
 #include "watch.h"
 
 static volatile sig_atomic_t interrupted;
@@ -288,8 +289,11 @@ int main(int argc, char **argv)
     static char buffer[1 << 16];
     if (argc == 2 && strcmp(argv[1], "--methods") == 0)
         return output_methods(stdout) ? 2 : 0;
+    if (argc == 3 && strcmp(argv[1], "--stability") == 0)
+        return stability_run(argv[2]);
     if (argc > 1) {
-        fprintf(stderr, "run: settings come on standard input; the one option is --methods\n");
+        fprintf(stderr, "run: settings come on standard input; options are --methods and "
+                        "--stability FILE\n");
         return 2;
     }
     int code = settings_read(&run.settings, run_system, stdin);

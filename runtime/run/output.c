@@ -141,7 +141,7 @@ void output_real(FILE *file, pk_real x)
         fputs("null", file);
 }
 
-static void json_array(FILE *file, const char *key, const pk_real *x, size_t count)
+void output_numbers(FILE *file, const char *key, const pk_real *x, size_t count)
 {
     fprintf(file, "\"%s\": [", key);
     for (size_t i = 0; x && i < count; i++) {
@@ -225,9 +225,9 @@ static void json_run(struct run *run, FILE *file)
     output_real(file, it->t);
     fputs(",\n  ", file);
     /* Of a large system the last row has them. */
-    json_array(file, "q", it->q, it->n <= MOST_LISTED ? it->n : 0);
+    output_numbers(file, "q", it->q, it->n <= MOST_LISTED ? it->n : 0);
     fputs(", ", file);
-    json_array(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
+    output_numbers(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
     fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
     fputs("  \"step\": ", file);
     if (method->traits & PK_ADAPTIVE)

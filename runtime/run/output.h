@@ -42,6 +42,7 @@ int output_report(struct run *run, const char *path);
 /* Pieces of JSON. */
 void output_text(FILE *file, const char *text);
 void output_real(FILE *file, pk_real x);
+void output_numbers(FILE *file, const char *key, const pk_real *x, size_t count); /* "key": [..] */
 /* One JSON object a line. */
 int output_methods(FILE *file);
 

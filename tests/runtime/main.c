@@ -109,6 +109,7 @@ int main(int argc, char **argv)
     add_silence();
     add_control();
     add_limits();
+    add_equilibria();
     add_diagnostics();
     add_ensemble();
     add_advance();

@@ -1,0 +1,191 @@
+"""Questions to the program built for a model, and its answers as data; see
+runtime/run/stability.h for the questions."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..simulate import Settings
+
+TRIES = 100  # starts from which equilibria are sought
+
+
+class Broken(Exception):
+    """The program failed; the text is what it said."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """exp(lambda t) with lambda = growth + i frequency; the shape's real and imaginary parts."""
+
+    growth: float
+    frequency: float
+    re: tuple[float, ...]
+    im: tuple[float, ...]
+
+    @property
+    def rate(self) -> float:
+        """|lambda|."""
+        return (self.growth**2 + self.frequency**2) ** 0.5
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    energy: float
+    modes: tuple[Mode, ...]  # fastest first
+
+    @property
+    def stable(self) -> bool:
+        """No mode grows."""
+        return all(mode.growth <= 0 for mode in self.modes)
+
+    @property
+    def oscillating(self) -> list[int]:
+        """Numbers of the modes that oscillate and do not grow."""
+        return [k for k, m in enumerate(self.modes) if m.frequency > 0 and m.growth <= 0]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What was found of equilibria."""
+
+    status: str
+    equilibria: tuple[Equilibrium, ...]
+    failed: int
+    singular: int
+    more: bool
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion itself: how far it goes, its first energy, the range of v.p, how it began."""
+
+    status: str
+    t: float
+    energy: float
+    scale: float
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Point:
+    """What becomes of the motion by a method at a step; rise and away in units of its scale."""
+
+    method: str
+    h: float
+    kind: str
+    status: str
+    steps: int
+    rise: float | None
+    away: float | None
+
+
+@dataclass(frozen=True)
+class Close:
+    """How a motion went that began close to an equilibrium."""
+
+    status: str
+    steps: int
+    growth: float  # of the displacement; it is not followed further than 1000
+    turn: float  # mean angle a step
+
+
+class Asker:
+    """Asks one program about one model; `settings` are those of a run."""
+
+    def __init__(self, program: Path, settings: Settings):
+        self.program, self.settings = program, settings
+
+    def with_settings(self, settings: Settings) -> Asker:
+        return Asker(self.program, settings)
+
+    def ask(self, questions: Iterable[str]) -> list[dict]:
+        """An answer a question, in their order."""
+        asked = list(questions)
+        with tempfile.NamedTemporaryFile("w", prefix="pkgen-", suffix=".txt") as file:
+            file.write("\n".join(asked) + "\n")
+            file.flush()
+            done = subprocess.run(
+                [self.program, "--stability", file.name],
+                input="\n".join(self.settings.lines()) + "\n",
+                capture_output=True,
+                text=True,
+            )
+        if done.returncode != 0:
+            raise Broken(done.stderr.strip() or f"ended by signal {-done.returncode}")
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        if len(answers) != len(asked):
+            raise Broken(f"{len(answers)} answers to {len(asked)} questions")
+        return answers
+
+    def rest(self, tries: int = TRIES) -> Rest:
+        return rest(self.ask([f"equilibria {tries}"])[0])
+
+    def motion(self) -> Motion:
+        return motion(self.ask(["motion"])[0])
+
+    def near(self, questions: Iterable[str], tries: int = TRIES) -> list[Close]:
+        """Answers to `near` questions, without the word."""
+        lines = [f"equilibria {tries}", *(f"near {q}" for q in questions)]
+        return [
+            Close(a["status"], a["steps"], _number(a["growth"]), a["turn"] or 0.0)
+            for a in self.ask(lines)[1:]
+        ]
+
+
+def _number(x: float | None) -> float:
+    return float("inf") if x is None else x
+
+
+def rest(answer: dict) -> Rest:
+    return Rest(
+        answer["status"],
+        tuple(
+            Equilibrium(
+                tuple(e["q"]),
+                tuple(e["v"]),
+                e["energy"],
+                tuple(
+                    Mode(m["growth"], m["frequency"], tuple(m["re"]), tuple(m["im"]))
+                    for m in e["modes"]
+                ),
+            )
+            for e in answer["equilibria"]
+        ),
+        answer["failed"],
+        answer["singular"],
+        answer["more"],
+    )
+
+
+def motion(answer: dict) -> Motion:
+    return Motion(
+        answer["motion"],
+        answer["t"],
+        answer["energy"],
+        answer["scale"],
+        tuple(answer["q"]),
+        tuple(answer["v"]),
+        tuple(answer["parameters"]),
+    )
+
+
+def point(answer: dict) -> Point:
+    return Point(
+        answer["point"],
+        answer["h"],
+        answer["class"],
+        answer["status"],
+        answer["steps"],
+        answer["rise"],
+        answer["away"],
+    )

@@ -1,0 +1,176 @@
+"""`pkgen stability`: from its options to its files and its exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+from .. import options as parsing
+from ..build import BuildError, find_toolchain
+from ..commands import compile_within_limits
+from ..compiler import Compilation
+from ..exits import DONE, NUMERICS_FAILED, UsageError
+from . import map as maps
+from . import plan, text
+from .ask import Broken
+from .map import Asked, StabilityMap
+from .misses import misses
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+    add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
+    add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
+    add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
+    add("--points", metavar="NxM", help="steps x values (default 60x36)")
+    add("--quick", action="store_true", help="24x12 points")
+    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
+    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
+    add("--until", metavar="T", help="duration (default: 100 periods of the slowest mode)")
+    add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
+    # What a run of one method asks for besides.
+    parser.set_defaults(
+        scene=None,
+        method="rk4",
+        step=None,
+        rtol=None,
+        atol=None,
+        every=None,
+        ensemble=None,
+        threads=None,
+        max_steps=1_000_000_000,
+        output=None,
+        libm=False,
+        max_step=None,
+        record=None,
+        at=None,
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Map where each method fails over the step and a start or a parameter; predictions over it."""
+    if not find_toolchain().has_gsl:
+        raise BuildError(
+            "pkgen stability finds equilibria and modes by GSL, which is not installed"
+        )
+    compilation = compile_within_limits(options, unroll=None)
+    asked = _asked(options, compilation)
+    try:
+        with _progress(compilation.model.name) as on_progress:
+            made = maps.make(compilation, asked, on_progress)
+    except Broken as error:
+        return _fail(options, str(error))
+    files = _write(Path(options.directory), made)
+    if options.json:
+        print(json.dumps(record(made, files), indent=1))
+    else:
+        print(text.report(made), end="")
+        print(f"\nwritten: {', '.join(map(str, files))}")
+    return DONE
+
+
+def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
+    structure = compilation.structure
+    facts = frozenset(
+        name
+        for name in (
+            "mass_constant",
+            "mass_diagonal",
+            "quadratic",
+            "separable",
+            "autonomous",
+            "conservative",
+            "variational",
+            "smooth",
+        )
+        if getattr(structure, name)
+    )
+    across, up = plan.numbers(options.points, options.quick)
+    taken, left = plan.methods(options.methods, maps.known_methods(), facts)
+    values = parsing.Values(compilation)
+    steps = None
+    if options.steps is not None:
+        if ".." not in options.steps:
+            raise UsageError(f"--steps {options.steps}: give a range, e.g. --steps 0.01..0.5")
+        steps = plan.span("--steps", options.steps, values, values.time, "steps")
+        if not steps[0] > 0:
+            raise UsageError(f"--steps {options.steps}: steps must be positive")
+    return Asked(
+        plan.settings(options, compilation),
+        plan.axis(options.vary, compilation, up),
+        across,
+        tuple(taken),
+        tuple(left),
+        steps,
+        values.positive("--until", options.until, values.time),
+        options.quick,
+    )
+
+
+def _write(directory: Path, made: StabilityMap) -> list[Path]:
+    from . import draw, page
+
+    directory.mkdir(parents=True, exist_ok=True)
+    stem = directory / f"{made.compilation.model.name}_stability"
+    files = draw.pictures(made, stem)
+    for suffix, content in ((".csv", text.as_csv(made)), (".html", page.html(made, files[0]))):
+        files.append(stem.with_suffix(suffix))
+        files[-1].write_text(content, encoding="utf-8")
+    return files
+
+
+def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
+    """The map as JSON."""
+    return {
+        "model": made.compilation.model.name,
+        "until": made.until,
+        "varied": {"name": made.asked.axis.name, "values": made.asked.axis.values},
+        "equilibria": [asdict(e) for e in made.rest.equilibria],
+        "primary": made.primary,
+        "predictions": [
+            {**asdict(m.prediction), "measured": m.h, "how": m.how, "response": m.response}
+            for m in made.measured
+        ],
+        "rows": [
+            {
+                "x": row.x,
+                "energy": row.motion.energy,
+                "motion": row.motion.status,
+                "predictions": [asdict(p) for p in row.predictions],
+            }
+            for row in made.rows
+        ],
+        "growths": [asdict(g) for g in made.growths],
+        "misses": [asdict(m) for m in misses(made)],
+        "remarks": text.remarks(made),
+        "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
+        "files": [str(file) for file in files],
+    }
+
+
+def _fail(options: argparse.Namespace, message: str) -> int:
+    if options.json:
+        print(json.dumps({"error": message, "code": NUMERICS_FAILED}))
+    else:
+        print(f"pkgen: {message}", file=sys.stderr)
+    return NUMERICS_FAILED
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[float], None] | None]:
+    """A progress bar on standard error if that is a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda part: bar.update(task, completed=part)

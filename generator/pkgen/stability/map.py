@@ -1,0 +1,171 @@
+"""The whole: from a compiled model and what was asked to a map with its predictions."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+from ..build import build_program, driver_methods
+from ..compiler import Compilation
+from ..exits import UsageError
+from ..simulate import Settings
+from . import measure, plan
+from .ask import Asker, Equilibrium, Motion, Rest
+from .measure import Growth, Measured, Row
+from .method import StepMap, Traits
+from .plan import Axis
+from .predict import Prediction, predictions
+
+MARGIN = 1.25  # of a map beyond the limit predicted
+TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
+MOST_STEPS = 2_000_000  # of a point
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the options say, read."""
+
+    settings: Settings
+    axis: Axis
+    across: int  # steps
+    methods: tuple[Traits, ...]
+    left: tuple[str, ...]  # why others are not mapped
+    steps: tuple[float, float] | None
+    until: float | None
+    quick: bool
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """Everything that is drawn, written and said."""
+
+    compilation: Compilation
+    asked: Asked
+    until: float
+    motion: Motion
+    rest: Rest  # at the model's own start and parameters
+    primary: int | None
+    rows: tuple[Row, ...]
+    steps: dict[str, tuple[float, ...]]
+    predictions: tuple[Prediction, ...]  # at the model's own start and parameters
+    measured: tuple[Measured, ...]
+    growths: tuple[Growth, ...]
+
+
+def known_methods() -> list[Traits]:
+    return [
+        Traits(
+            m["name"],
+            frozenset(m["flags"]),
+            tuple(m["requires"]),
+            math.inf if m["limits"]["imaginary"] == "infinite" else m["limits"]["imaginary"],
+        )
+        for m in driver_methods()
+    ]
+
+
+def make(
+    compilation: Compilation, asked: Asked, on_progress: Callable[[float], None] | None = None
+) -> StabilityMap:
+    """Raises Broken, BuildError, UsageError."""
+    program = build_program(compilation.files, compilation.model.name)
+    asker = Asker(program, asked.settings)
+    rest, motion = asker.rest(), asker.motion()
+    cyclic = frozenset(i for i, c in enumerate(compilation.structure.cyclic) if c)
+    primary = plan.nearest(rest, motion.q, cyclic)
+    if primary is None and asked.axis.kind == "amplitude":
+        raise UsageError(
+            f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
+            'scale; say what to vary, e.g. --vary "m=1..2", and by --steps the steps'
+        )
+    at = None if primary is None else rest.equilibria[primary]
+    until = plan.duration(at, asked.until)
+    asker = asker.with_settings(replace(asked.settings, until=until))
+    maps = {m.name: StepMap(m, asker) for m in asked.methods}
+    moves = asked.axis.kind == "parameter" or any(cyclic)
+    tries = 40 if moves else 100
+
+    predicted: dict[str, list[Prediction]] = {
+        name: predictions(step, rest, primary) for name, step in maps.items()
+    }
+    fastest = max((m.rate for m in at.modes), default=0.0) if at else 0.0
+    steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
+
+    def one(x: float) -> Row:
+        settings = asked.axis.settings(asker.settings, x, at, motion)
+        here = asker.with_settings(settings)
+        found, moved, points = measure.row(here, steps, None if moves else rest, tries)
+        # An amplitude is one about the same equilibrium, however far.
+        place = at.q if at and asked.axis.kind == "amplitude" else moved.q
+        number = plan.nearest(found, place, cyclic)
+        lines = [
+            p
+            for name, step in maps.items()
+            for p in (predictions(step, found, number) if moves else predicted[name])
+        ]
+        return Row(x, found, number, moved, tuple(lines), points)
+
+    flat = tuple(p for name in maps for p in predicted[name])
+    size = _size(at, motion.q, cyclic) if at else 0.0
+    jobs = len(asked.axis.values) + len(flat) + 1
+    done = [0]
+
+    def counted(result: object) -> object:
+        done[0] += 1
+        if on_progress:
+            on_progress(done[0] / jobs)
+        return result
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        # The costly ones first: those that no method leaves early.
+        rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
+        checks = [
+            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, size))) for p in flat
+        ]
+        leaving = pool.submit(lambda: counted(measure.growths(asker, rest)))
+        return StabilityMap(
+            compilation,
+            asked,
+            until,
+            motion,
+            rest,
+            primary,
+            tuple(r.result() for r in rows),
+            steps,
+            flat,
+            tuple(c.result() for c in checks),
+            tuple(leaving.result()),
+        )
+
+
+def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
+    """The largest displacement of the start from its equilibrium."""
+    return max(
+        (abs(a - b) for i, (a, b) in enumerate(zip(at.q, start, strict=True)) if i not in cyclic),
+        default=0.0,
+    )
+
+
+def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: float) -> list[float]:
+    """Evenly from the shortest to somewhat beyond what is predicted."""
+    count = asked.across
+    if asked.steps:
+        low, high = asked.steps
+        return [low + (high - low) * k / (count - 1) for k in range(count)]
+    limits = [p.h for p in predicted if p.kind == "limit" and p.h]
+    branches = [p.h for p in predicted if p.kind == "branch" and p.h]
+    if limits:
+        high = MARGIN * max(limits)
+    elif fastest > 0:
+        high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
+    else:
+        raise UsageError("no mode oscillates or grows, so no step stands out: give --steps LO..HI")
+    if until / (high / count) > MOST_STEPS:
+        raise UsageError(
+            f"the shortest steps, {high / count:.3g}, would be {until * count / high:.3g} in all: "
+            "give a shorter --until, or --steps LO..HI"
+        )
+    return [high * (k + 1) / count for k in range(count)]

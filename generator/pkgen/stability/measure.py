@@ -1,0 +1,222 @@
+"""The points of the map, row by row, and each prediction measured on the model itself.
+
+A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
+modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
+mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
+the motion responds to it is asked apart, at some parts of the start's size. A branch is lost where
+one step from 1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves
+along the mode.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from .ask import Asker, Close, Motion, Point, Rest, motion, point, rest
+from .method import FURTHEST, combined
+from .predict import RESONANCES, Prediction
+
+SMALL = 1e-6
+STEPS = 4000
+TURNS = 8000
+FAR = 1e3
+ROUNDS = 4
+BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
+SIZES = (0.02, 0.1, 0.5)  # of the start's displacement, at which it is
+SCAN = 17
+SCAN_STEPS = 1500
+
+
+@dataclass(frozen=True)
+class Row:
+    """One value of what is varied: what is predicted there and what came of it."""
+
+    x: float
+    rest: Rest
+    primary: int | None
+    motion: Motion
+    predictions: tuple[Prediction, ...]
+    points: tuple[Point, ...]  # a method after the other, steps ascending
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A prediction and what the model did: h is where it happened, None where it never did."""
+
+    prediction: Prediction
+    h: float | None
+    how: str  # what happened there, in words
+    response: float | None = None  # of a resonance: growth at its peak over that beside it
+    peak: float | None = None  # the step of that peak
+
+
+@dataclass(frozen=True)
+class Growth:
+    """A mode that leaves an equilibrium: predicted and measured rate."""
+
+    equilibrium: int
+    mode: int
+    predicted: float
+    measured: float
+
+
+def row(
+    asker: Asker, steps: dict[str, Sequence[float]], known: Rest | None, tries: int
+) -> tuple[Rest, Motion, tuple[Point, ...]]:
+    """The motion and what becomes of it at each step; equilibria too, unless they are known."""
+    questions = [] if known else [f"equilibria {tries}"]
+    questions.append("motion")
+    questions += [f"point {name} {float(h).hex()}" for name, hs in steps.items() for h in hs]
+    answers = asker.ask(questions)
+    found = known or rest(answers.pop(0))
+    return found, motion(answers[0]), tuple(point(a) for a in answers[1:])
+
+
+def measured(asker: Asker, at: Rest, prediction: Prediction, size: float) -> Measured:
+    """What the model does of what is predicted; `size` is the start's displacement."""
+    if prediction.kind == "limit":
+        return _limit(asker, at, prediction)
+    if prediction.kind == "branch":
+        return _branch(asker, prediction)
+    return _resonance(asker, at, prediction, size)
+
+
+def growths(asker: Asker, at: Rest) -> list[Growth]:
+    """Each mode that grows, left by a reference motion."""
+    wanted = [
+        (e, k)
+        for e, equilibrium in enumerate(at.equilibria)
+        for k, mode in enumerate(equilibrium.modes)
+        if mode.growth > 0
+    ]
+    lines = ["equilibria 100", *(f"leave {e} {k} 1e-7" for e, k in wanted)]
+    answers = asker.ask(lines)[1:]
+    return [
+        Growth(e, k, at.equilibria[e].modes[k].growth, answer["rate"] or 0.0)
+        for (e, k), answer in zip(wanted, answers, strict=True)
+    ]
+
+
+def _grows(close: Close) -> bool:
+    return close.status != "PK_DONE" or not close.growth < FAR
+
+
+def _limit(asker: Asker, at: Rest, p: Prediction) -> Measured:
+    fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
+    steps = 100 if p.h is None else STEPS
+    seen: list[Close] = []
+
+    def grows(hs: Sequence[float]) -> list[bool]:
+        closes = asker.near(
+            f"{p.method} {float(h).hex()} {p.equilibrium} all {SMALL!r} {steps}" for h in hs
+        )
+        found = [_grows(c) for c in closes]
+        seen[:] = [c for c, bad in zip(closes, found, strict=True) if bad][:1] or seen
+        return found
+
+    if p.h is None:
+        hs = [FURTHEST * part / fastest for part in (0.05, 0.1, 0.25, 0.5, 0.9)]
+        bad = next((h for h, grown in zip(hs, grows(hs), strict=True) if grown), None)
+        if bad is None:
+            return Measured(p, None, f"stable up to h |lambda| = {hs[-1] * fastest:.3g}")
+        h = search(grows, 0.0, bad)
+    elif p.h == 0:
+        h = search(grows, 0.0, 0.5 / fastest)
+    elif not any(grows([p.h * x for x in (0.5, 0.7, 0.9, 0.999)])) and grows([1.001 * p.h])[0]:
+        h = search(grows, 0.999 * p.h, 1.001 * p.h)  # intervals of growth may be narrow
+    else:
+        h = search(grows, 0.5 * p.h, 1.5 * p.h)
+    if h is None:
+        return Measured(p, None, "no growth up to 1.5 times the prediction")
+    status = seen[0].status if seen else "PK_DONE"
+    return Measured(p, h, "growth" if status == "PK_DONE" else status)
+
+
+def _branch(asker: Asker, p: Prediction) -> Measured:
+    seen: list[str] = []
+
+    def fails(hs: Sequence[float]) -> list[bool]:
+        closes = asker.near(
+            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-3 1" for h in hs
+        )
+        seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
+        return [c.status != "PK_DONE" for c in closes]
+
+    assert p.h is not None
+    h = search(fails, 0.0, 2 * p.h)
+    return Measured(p, h, seen[0] if seen else "every step was made")
+
+
+def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: float) -> float | None:
+    """As method.first_change, to 1e-5 of the interval."""
+    count = 16
+    for round_ in range(ROUNDS + 1):
+        xs = [low + (high - low) * (k + 1) / count for k in range(count)]
+        where = next((k for k, bad in enumerate(test(xs)) if bad), None)
+        if where is None:
+            return None if round_ == 0 else high
+        low, high = (xs[where - 1] if where else low), xs[where]
+    return high
+
+
+def _resonance(asker: Asker, at: Rest, p: Prediction, size: float) -> Measured:
+    assert p.h is not None
+
+    def excess(h: float) -> float | None:
+        modes = [p.mode] if p.other is None else [p.mode, p.other]
+        closes = asker.near(
+            f"{p.method} {h.hex()} {p.equilibrium} {k} {SMALL!r} {TURNS}" for k in modes
+        )
+        if any(c.status != "PK_DONE" or c.steps < TURNS for c in closes):
+            return None
+        if p.other is None:
+            return closes[0].turn - RESONANCES[p.kind]
+        return combined(p.kind, closes[0].turn, closes[1].turn)
+
+    h = secant(excess, p.h, 1.01 * p.h)
+    if h is None:
+        return Measured(p, None, "the mode does not turn steadily there")
+    peak, response = _response(asker, at, p, size)
+    return Measured(p, h, "turning", response, peak)
+
+
+def secant(f: Callable[[float], float | None], a: float, b: float) -> float | None:
+    """A root of f close to a and b."""
+    fa, fb = f(a), f(b)
+    for _ in range(4):
+        if fa is None or fb is None:
+            return None
+        if fb == fa or abs(b - a) <= 1e-7 * abs(b):
+            break
+        c = b - fb * (b - a) / (fb - fa)
+        if not (math.isfinite(c) and 0 < c < 2 * max(a, b)):
+            return None
+        a, fa, b, fb = b, fb, c, f(c)
+    return b
+
+
+def _response(
+    asker: Asker, at: Rest, p: Prediction, size: float
+) -> tuple[float | None, float | None]:
+    """The step near the resonant one at which the motion grows most, and that growth over the one
+    on either side, where no resonance is: the largest of SIZES. None, None where none is known.
+
+    Of a pair: of the slower mode, begun a hundred times as small as the faster one."""
+    assert p.h is not None
+    hs = [p.h * (1 + BESIDE * (2 * k / (SCAN - 1) - 1)) for k in range(SCAN)]
+    found: list[tuple[float, float]] = []
+    for part in SIZES:
+        amplitude = part * size
+        more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
+        closes = asker.near(
+            f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
+            for h in hs
+        )
+        if all(c.status in ("PK_DONE", "PK_NOT_FINITE") for c in closes):
+            grown = [min(c.growth, FAR) if c.status == "PK_DONE" else FAR for c in closes]
+            best = max(range(SCAN), key=lambda k: grown[k])
+            found.append((grown[best] / max(grown[0], grown[-1]), hs[best]))
+    response, peak = max(found, default=(None, None))
+    return peak, response

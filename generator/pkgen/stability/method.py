@@ -1,0 +1,210 @@
+"""A method seen through one step on the linear oscillator, (q, v) -> A(y) (q, v), y = h omega.
+
+limit    the first y at which an eigenvalue of A leaves the unit circle: from the method's table
+         (pk/limits.h); of a damped mode, from steps on the oscillator with its damping
+angle    by which a step turns: the method's own frequency is angle(y)/h. Verlet 2 asin(y/2),
+         midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
+resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to where they were, and a
+         nonlinear force pushes there each time
+pair     the same between two modes
+pole     the first y at which a step on q'' = +q has no solution: an implicit method's equations
+         are singular there, and beyond it the solution that belongs to short steps is lost
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from .ask import Asker
+
+FURTHEST = 30.0  # y up to which limits and poles are sought
+COARSE = 600  # points of the first look
+OUTSIDE = 1e-9  # what counts as outside of the unit circle
+FIRST_GROWTH = 0.05  # a limit below this y is none: it grows at any step
+TWO_PI = 2 * math.pi
+# Resonances of third order between two modes: a (angle of the faster) + b (of the slower) is so
+# many turns. The first has the step detune them into 1:2; the others are there by the step alone,
+# and in a sum both modes may grow at once.
+PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
+
+Map = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What the driver says of a method."""
+
+    name: str
+    flags: frozenset[str]
+    requires: tuple[str, ...]
+    limit: float | None  # on the imaginary axis, from its table: inf where none; None: not known
+
+    @property
+    def adaptive(self) -> bool:
+        return "adaptive" in self.flags
+
+    @property
+    def implicit(self) -> bool:
+        return "implicit" in self.flags
+
+
+@dataclass
+class StepMap:
+    """A method's map; answers are kept, since limits are asked for again for each equilibrium."""
+
+    traits: Traits
+    asker: Asker
+    _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
+    _angles: tuple[list[float], list[float]] | None = None
+
+    def maps(
+        self, ys: Sequence[float], stiffness: float = 1, damping: float = 0
+    ) -> list[Map | None]:
+        name = self.traits.name
+        asked = [f"oscillator {name} {stiffness!r} {damping!r} {float(y).hex()}" for y in ys]
+        return [a["map"] and tuple(a["map"]) for a in self.asker.ask(asked)]
+
+    def _once(self, what: str, x: float, find: Callable[[float], float | None]) -> float | None:
+        """find(x), remembered: many equilibria and rows ask for the same."""
+        key = (what, float(f"{x:.12g}"))
+        if key not in self._found:
+            self._found[key] = find(key[1])
+        return self._found[key]
+
+    def limit(self, damping_ratio: float = 0.0) -> float | None:
+        """None: no limit up to FURTHEST. 0: it grows at any step."""
+        return self._once("limit", damping_ratio, self._limit)
+
+    def _limit(self, ratio: float) -> float | None:
+        if ratio == 0 and self.traits.limit is not None:
+            return None if math.isinf(self.traits.limit) else self.traits.limit
+
+        def outside(ys: Sequence[float]) -> list[bool]:
+            return [a is None or radius(a) > 1 + OUTSIDE for a in self.maps(ys, 1.0, 2 * ratio)]
+
+        found = first_change(outside, 0.0, FURTHEST)
+        return 0.0 if found is not None and found < FIRST_GROWTH else found
+
+    def pole(self) -> float | None:
+        """None where no step up to FURTHEST is without a solution."""
+        return self._once("pole", 0.0, self._pole) if self.traits.implicit else None
+
+    def _pole(self, _: float) -> float | None:
+        """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""
+
+        def beyond(ys: Sequence[float]) -> list[bool]:
+            return [a is None or a[0] + a[3] < 0 for a in self.maps(ys, -1.0)]
+
+        edge = first_change(beyond, 0.0, FURTHEST)
+        if edge is None:
+            return None
+        ys = [edge * (1 - x) for x in (4e-3, 2e-3, 1e-3)]
+        maps = self.maps(ys, -1.0)
+        if any(a is None for a in maps):
+            return None
+        g = [1 / (a[0] + a[3]) for a in maps if a]
+        pole = sum(
+            y * math.prod(g[k] / (g[k] - g[i]) for k in range(3) if k != i)
+            for i, y in enumerate(ys)
+        )
+        return pole if abs(pole / edge - 1) < 1e-3 else None
+
+    def angles(self) -> tuple[list[float], list[float]]:
+        """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""
+        if self._angles is None:
+            end = self.limit()
+            end = FURTHEST if end is None else end
+            ys = [end * (k + 1) / COARSE for k in range(COARSE)] if end else []
+            turns: list[float] = []
+            for a in self.maps(ys):
+                turn = None if a is None else rotation(a)
+                if turn is None:
+                    break
+                turns.append(turn)
+            self._angles = ys[: len(turns)], turns
+        return self._angles
+
+    def resonance(self, angle: float) -> float | None:
+        """The first y at which a step turns by `angle`; None where it does not, or damps."""
+        return self._once("angle", angle, self._resonance)
+
+    def _resonance(self, angle: float) -> float | None:
+        def past(ys: Sequence[float]) -> list[bool]:
+            turns = [None if a is None else rotation(a) for a in self.maps(ys)]
+            return [turn is None or turn >= angle for turn in turns]
+
+        ys, turns = self.angles()
+        for low, high, turn in zip([0.0, *ys], ys, turns, strict=False):
+            if turn >= angle:
+                return first_change(past, low, high)
+        return None
+
+    def pair(self, kind: str, ratio: float) -> float | None:
+        """y of the faster of two modes at which the angles of a step meet the condition `kind` of
+        PAIRS; `ratio` is that of their true frequencies."""
+        if kind == "1:2" and abs(ratio - 2) < 1e-6:
+            return None  # they are so already; a step can but detune them
+        return self._once(kind, ratio, lambda x: self._pair(kind, x))
+
+    def _pair(self, kind: str, ratio: float) -> float | None:
+        def excess(ys: Sequence[float]) -> list[float | None]:
+            maps = self.maps([each for y in ys for each in (y / ratio, y)])
+            turns = [None if a is None else rotation(a) for a in maps]
+            return [
+                None if slow is None or fast is None else combined(kind, fast, slow)
+                for slow, fast in zip(turns[::2], turns[1::2], strict=True)
+            ]
+
+        ys, _ = self.angles()
+        if not ys:
+            return None
+        first = excess([ys[0]])[0]
+
+        def crossed(ys: Sequence[float]) -> list[bool]:
+            return [x is not None and first is not None and x * first < 0 for x in excess(ys)]
+
+        return first_change(crossed, 0.0, ys[-1])
+
+
+def combined(kind: str, fast: float, slow: float) -> float:
+    """How far the angles of two modes are from the resonance."""
+    a, b, turns = PAIRS[kind]
+    return a * fast + b * slow - turns * TWO_PI
+
+
+def radius(a: Map) -> float:
+    """The larger modulus of the two eigenvalues."""
+    half, det = (a[0] + a[3]) / 2, a[0] * a[3] - a[1] * a[2]
+    if not all(map(math.isfinite, a)):
+        return math.inf
+    under = half * half - det
+    return math.sqrt(det) if under < 0 else abs(half) + math.sqrt(under)
+
+
+def rotation(a: Map) -> float | None:
+    """The angle in (0, 2 pi) by which the map turns; None where it grows, damps or flips."""
+    half, det = (a[0] + a[3]) / 2, a[0] * a[3] - a[1] * a[2]
+    if not abs(det - 1) < 1e-9 or not abs(half) < 1:
+        return None
+    angle = cmath.phase(complex(half, math.copysign(math.sqrt(1 - half * half), a[1])))
+    return angle % TWO_PI
+
+
+def first_change(
+    test: Callable[[Sequence[float]], list[bool]], low: float, high: float
+) -> float | None:
+    """The first x in (low, high] at which `test` becomes true, by a coarse look and ever finer
+    ones; a gap narrower than the coarse look's spacing is missed."""
+    count = COARSE
+    while True:
+        xs = [low + (high - low) * (k + 1) / count for k in range(count)]
+        where = next((k for k, x in enumerate(test(xs)) if x), None)
+        if where is None:
+            return None if count == COARSE else high
+        low, high = (xs[where - 1] if where else low), xs[where]
+        if high - low <= 1e-13 * high:
+            return high
+        count = 32

@@ -1,0 +1,167 @@
+"""Where prediction and measurement disagree, each in a sentence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .map import StabilityMap
+from .measure import Growth, Measured, Row
+from .predict import Prediction
+
+TOLERANCE = 0.01  # relative difference that counts as a miss
+LISTED = 4  # resonances named in one sentence
+NEXT = 0.03  # relative distance from a prediction at which a failing point is said to be next to it
+RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
+FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
+
+
+@dataclass(frozen=True)
+class Miss:
+    method: str
+    kind: str  # limit, 1:3, ..., response, below, above, growth
+    text: str
+
+
+def difference(predicted: float | None, measured: float | None) -> float | None:
+    """Relative; 0 where neither happens, None where one of them does not."""
+    if predicted is None and measured is None:
+        return 0.0
+    if predicted is None or measured is None:
+        return None
+    if predicted == 0:
+        return 0.0 if measured < 1e-3 else None
+    return measured / predicted - 1
+
+
+def name_mode(p: Prediction) -> str:
+    return f"mode {p.mode + 1}" if p.other is None else f"modes {p.other + 1} and {p.mode + 1}"
+
+
+def of_prediction(m: Measured) -> Miss | None:
+    """The miss that a measured prediction is, or None."""
+    p = m.prediction
+    off = difference(p.h, m.h)
+    if off is not None and abs(off) <= TOLERANCE:
+        return None
+    what = {"limit": "the limit", "branch": "the loss of the solution"}.get(
+        p.kind, f"the {p.kind} resonance of {name_mode(p)}"
+    )
+    said = "nowhere" if p.h is None else f"at h = {p.h:.6g}"
+    found = f"nowhere ({m.how})" if m.h is None else f"at h = {m.h:.6g} ({m.how})"
+    by = "" if off is None else f", {100 * off:+.2g} %"
+    return Miss(
+        p.method,
+        p.kind,
+        f"{p.method}: {what} at equilibrium {p.equilibrium + 1} is predicted {said}, "
+        f"measured {found}{by}",
+    )
+
+
+def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
+    """Resonances at which steps turn the mode as predicted, but which nothing answers."""
+    silent = [
+        m
+        for m in measured
+        if m.prediction.method == method and m.response is not None and m.response < RESPONDS
+    ]
+    if not silent:
+        return []
+    listed = [
+        f"{m.prediction.kind} of {name_mode(m.prediction)} at h = {m.prediction.h:.5g}"
+        for m in silent[:LISTED]
+    ]
+    if len(silent) > LISTED:
+        listed.append(f"{len(silent) - LISTED} more")
+    return [
+        Miss(
+            method,
+            "response",
+            f"{method}: nothing answers the step resonance {', '.join(listed)}: at the start's "
+            "size the forces couple too little there",
+        )
+    ]
+
+
+def of_growth(g: Growth) -> Miss | None:
+    off = difference(g.predicted, g.measured)
+    if off is not None and abs(off) <= TOLERANCE:
+        return None
+    return Miss(
+        "dop853",
+        "growth",
+        f"mode {g.mode + 1} leaves equilibrium {g.equilibrium + 1} at a rate of {g.measured:.6g}, "
+        f"predicted is {g.predicted:.6g}",
+    )
+
+
+def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
+    """Points that fail below the limit at the equilibrium they move about, and points that do not
+    above it: what a linear prediction cannot know of a motion of finite size."""
+    below: list[tuple[float, float, str, Row]] = []
+    above: list[tuple[float, float]] = []
+    many_below = many_above = 0
+    for row in rows:
+        limit = next(
+            (
+                p
+                for p in row.predictions
+                if (p.kind, p.method, p.equilibrium) == ("limit", method, row.primary)
+            ),
+            None,
+        )
+        if limit is None:
+            continue
+        for point in row.points:
+            if point.method != method:
+                continue
+            if limit.h is None or point.h < (1 - TOLERANCE) * limit.h:
+                many_below += 1
+                if point.kind in FAILED:
+                    below.append((row.x, point.h, point.kind, row))
+            elif point.h > (1 + TOLERANCE) * limit.h:
+                many_above += 1
+                if point.kind not in FAILED:
+                    above.append((row.x, point.h))
+    found = []
+    if below:
+        x, h, kind, row = min(below, key=lambda b: b[0])
+        found.append(
+            Miss(
+                method,
+                "below",
+                f"{method}: {len(below)} of {many_below} points below the limit fail; the lowest "
+                f"at {varied} = {x:.4g}, h = {h:.4g}: {kind}{_close(row, method, h)}. The limit is "
+                "that of small motions",
+            )
+        )
+    if above:
+        x, h = max(above, key=lambda a: a[1])
+        found.append(
+            Miss(
+                method,
+                "above",
+                f"{method}: {len(above)} of {many_above} points above the limit stay; the furthest "
+                f"at {varied} = {x:.4g}, h = {h:.4g}",
+            )
+        )
+    return found
+
+
+def _close(row: Row, method: str, h: float) -> str:
+    """The prediction next to h, if there is one."""
+    near = [p for p in row.predictions if p.method == method and p.h and abs(h / p.h - 1) < NEXT]
+    if not near:
+        return ""
+    p = min(near, key=lambda p: abs(h / (p.h or 1.0) - 1))
+    return f", next to {p.kind} of {name_mode(p)} at h = {p.h:.4g}"
+
+
+def misses(made: StabilityMap) -> list[Miss]:
+    """All of them: predictions first, then responses, then the map."""
+    found = [miss for m in made.measured if (miss := of_prediction(m))]
+    found += [miss for g in made.growths if (miss := of_growth(g))]
+    for method in made.steps:
+        found += unanswered(made.measured, method)
+    for method in made.steps:
+        found += of_map(made.rows, method, made.asked.axis.name)
+    return found

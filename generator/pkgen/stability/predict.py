@@ -1,0 +1,109 @@
+"""Predictions: at which step something happens, from an equilibrium's modes and a method's map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .ask import Equilibrium, Rest
+from .method import PAIRS, StepMap
+
+MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
+# Turns of so many steps. The last two are of methods that turn by more than half a turn a step.
+RESONANCES = {
+    "1:3": 2 * math.pi / 3,
+    "1:4": 2 * math.pi / 4,
+    "2:3": 4 * math.pi / 3,
+    "3:4": 6 * math.pi / 4,
+}
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """At step h a `kind` of thing happens near an equilibrium, by its modes.
+
+    `kind` is limit, branch, or one of RESONANCES or PAIRS; `mode` numbers the mode whose
+    y = h |lambda| it is (of a pair the faster), `other` the slower of a pair. h is None where it
+    never happens."""
+
+    kind: str
+    method: str
+    equilibrium: int
+    mode: int
+    other: int | None
+    h: float | None
+    y: float | None
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        return (self.kind, self.method, self.equilibrium, self.mode, self.other)
+
+
+def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
+    """The smallest of the limits of the modes; None where none oscillates or decays."""
+    name, found = step.traits.name, []
+    for k, mode in enumerate(at.modes):
+        if mode.rate == 0 or mode.growth > 0:
+            continue
+        y = step.limit(-mode.growth / mode.rate)
+        h = None if y is None else y / mode.rate
+        found.append(Prediction("limit", name, number, k, None, h, y))
+    return min(found, key=lambda p: math.inf if p.h is None else p.h, default=None)
+
+
+def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
+    """RESONANCES of each mode, PAIRS of two, below the limit of the fastest."""
+    found, name = [], step.traits.name
+    free = [k for k in at.oscillating if at.modes[k].growth == 0]
+    bound = limit(step, number, at)
+    most = math.inf if bound is None or bound.h is None else bound.h
+    for k in free[:MOST]:
+        omega = at.modes[k].frequency
+        for kind, angle in RESONANCES.items():
+            y = step.resonance(angle)
+            if y is not None and y / omega < most:
+                found.append(Prediction(kind, name, number, k, None, y / omega, y))
+    pairs = [
+        (fast, slow)
+        for fast in free
+        for slow in free
+        if at.modes[fast].frequency > at.modes[slow].frequency * (1 + 1e-9)
+    ]
+    pairs.sort(key=lambda p: abs(at.modes[p[0]].frequency / at.modes[p[1]].frequency - 2))
+    for fast, slow in pairs[:MOST]:
+        omega = at.modes[fast].frequency
+        for kind in PAIRS:
+            y = step.pair(kind, omega / at.modes[slow].frequency)
+            if y is not None and y / omega < most:
+                found.append(Prediction(kind, name, number, fast, slow, y / omega, y))
+    return found
+
+
+def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
+    """Where the equations of an implicit step lose their solution, by the fastest growth."""
+    pole = step.pole() if step.traits.implicit else None
+    real = [k for k, m in enumerate(at.modes) if m.growth > 0 and m.frequency == 0]
+    if pole is None or not real:
+        return None
+    k = max(real, key=lambda k: at.modes[k].growth)
+    return Prediction("branch", step.traits.name, number, k, None, pole / at.modes[k].growth, pole)
+
+
+def predictions(step: StepMap, rest: Rest, primary: int | None) -> list[Prediction]:
+    """The limits at all stable equilibria, resonances at the one about which the motion is,
+    branches at the unstable ones; of equilibria with the same modes, mirror images, at one."""
+    found: list[Prediction] = []
+    seen: set[tuple[str, str]] = set()
+    order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)
+    for number in order:
+        at = rest.equilibria[number]
+        one = (limit if at.stable else branch)(step, number, at)
+        if one is None:
+            continue
+        rate = at.modes[one.mode].rate
+        if (one.kind, f"{rate:.9g}") not in seen:
+            seen.add((one.kind, f"{rate:.9g}"))
+            found.append(one)
+        if number == primary and at.stable:
+            found += resonances(step, number, at)
+    return found

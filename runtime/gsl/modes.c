@@ -1,0 +1,286 @@
+/* Normal modes at a (relative) equilibrium; see pk/gsl_equilibria.h for the pencil M, C, K.
+ *
+ * Where C vanishes and K is symmetric, as at an equilibrium of a natural system, they are those of
+ * K u = omega^2 M u (gsl_eigen_gensymmv: Cholesky's factors of M, then symmetric QR), else those of
+ * the first-order system of twice the size (gsl_eigen_nonsymmv).
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <gsl/gsl_eigen.h>
+#include <gsl/gsl_errno.h>
+
+#include <pk/gsl_equilibria.h>
+
+#include "../src/internal.h"
+
+static const double ZERO = 1e-7; /* of the largest eigenvalue */
+
+/* The pencil of the m coordinates that are not cyclic, and what brings the others back:
+ * v_c = R u' + S u. */
+struct pencil {
+    size_t n, m;
+    size_t *map; /* coordinates that are not cyclic, then those that are */
+    double *M, *C, *K;
+    double *R, *S; /* (n - m) by m */
+};
+
+static double *entry(double *A, size_t columns, size_t i, size_t j) { return A + i * columns + j; }
+
+/* Kernels' matrices, the cyclic block factored, and what is left of the others. */
+static enum pk_status reduce(struct pencil *x, const struct pk_problem *problem, const double *q,
+                             const double *v, double *work)
+{
+    const struct pk_system *system = problem->system;
+    const size_t n = x->n, m = x->m, c = n - m;
+    double *M = work, *P = M + n * n, *F = P + n * n, *G = F + n * n;
+    double *B = G + n * n, *pivot = B + n * n, *column = pivot + n;
+    system->mass(problem->params, 0, q, v, NULL, M);
+    system->jacobian(problem->params, 0, q, v, NULL, P, F, G);
+    if (!pk_all_finite(M, 4 * n * n))
+        return PK_NOT_FINITE;
+    memcpy(B, M, n * n * sizeof *B);
+    if (pk_ldl_factor(B, n))
+        return PK_SINGULAR_MASS;
+    for (size_t i = 0; i < c; i++)
+        for (size_t j = 0; j < c; j++)
+            B[i * c + j] = M[x->map[m + i] * n + x->map[m + j]];
+    if (c && !pk_lu_factor(B, pivot, c))
+        return PK_SINGULAR_MASS;
+    for (size_t j = 0; j < m; j++) {
+        const double *const from[] = {M, P};
+        double *const to[] = {x->R, x->S};
+        for (int part = 0; part < 2; part++) {
+            for (size_t i = 0; i < c; i++)
+                column[i] = -from[part][x->map[m + i] * n + x->map[j]];
+            if (c)
+                pk_lu_solve(B, pivot, c, column);
+            for (size_t i = 0; i < c; i++)
+                *entry(to[part], m, i, j) = column[i];
+        }
+    }
+    for (size_t i = 0; i < m; i++)
+        for (size_t j = 0; j < m; j++) {
+            const size_t row = x->map[i] * n, a = row + x->map[j];
+            double mass = M[a], damping = P[a] - G[a], stiffness = -F[a];
+            for (size_t k = 0; k < c; k++) {
+                const size_t b = row + x->map[m + k];
+                const double r = *entry(x->R, m, k, j), s = *entry(x->S, m, k, j);
+                mass += M[b] * r;
+                damping += M[b] * s + (P[b] - G[b]) * r;
+                stiffness += (P[b] - G[b]) * s;
+            }
+            *entry(x->M, m, i, j) = mass;
+            *entry(x->C, m, i, j) = damping;
+            *entry(x->K, m, i, j) = stiffness;
+        }
+    return PK_DONE;
+}
+
+static double largest(const double *A, size_t count)
+{
+    double most = 0;
+    for (size_t i = 0; i < count; i++)
+        most = fmax(most, fabs(A[i]));
+    return most;
+}
+
+/* Whether C is round-off beside the rates that M and K give, and K symmetric. */
+static int is_natural(const struct pencil *x)
+{
+    const size_t m = x->m;
+    const double c = largest(x->C, m * m), k = largest(x->K, m * m), M = largest(x->M, m * m);
+    if (c > 1e-12 * sqrt(k * M))
+        return 0;
+    for (size_t i = 0; i < m; i++)
+        for (size_t j = 0; j < i; j++)
+            if (fabs(x->K[i * m + j] - x->K[j * m + i]) > 1e-12 * k)
+                return 0;
+    return 1;
+}
+
+/* A mode whose part u of the coordinates that are not cyclic is given, scaled so that the largest
+ * component of that part is 1. The cyclic ones' q_c = v_c / lambda, where lambda is not 0. */
+static void add(const struct pencil *x, double growth, double frequency, const double *re,
+                const double *im, struct pk_mode *mode, double *shape)
+{
+    const size_t n = x->n, m = x->m;
+    const double square = growth * growth + frequency * frequency;
+    mode->growth = growth;
+    mode->frequency = frequency;
+    memset(shape, 0, 2 * n * sizeof *shape);
+    for (size_t i = 0; i < m; i++) {
+        shape[x->map[i]] = re[i];
+        shape[n + x->map[i]] = im[i];
+    }
+    for (size_t k = 0; k < n - m && square > 0; k++) {
+        double a = 0, b = 0; /* R u + S u / lambda */
+        for (size_t j = 0; j < m; j++) {
+            const double r = x->R[k * m + j], s = x->S[k * m + j] / square;
+            a += r * re[j] + s * (re[j] * growth + im[j] * frequency);
+            b += r * im[j] + s * (im[j] * growth - re[j] * frequency);
+        }
+        shape[x->map[m + k]] = a;
+        shape[n + x->map[m + k]] = b;
+    }
+    double most = 0, a = 1, b = 0;
+    for (size_t i = 0; i < m; i++) {
+        const double u = shape[x->map[i]], w = shape[n + x->map[i]];
+        if (hypot(u, w) > most * (1 + 1e-9)) {
+            most = hypot(u, w);
+            a = u / most;
+            b = w / most;
+        }
+    }
+    for (size_t i = 0; i < n && most > 0; i++) { /* times exp(-i phase of the largest) */
+        const double u = shape[i] / most, w = shape[n + i] / most;
+        shape[i] = u * a + w * b;
+        shape[n + i] = w * a - u * b;
+    }
+}
+
+static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *shapes,
+                         size_t *count, double *scratch)
+{
+    const size_t m = x->m;
+    gsl_eigen_gensymmv_workspace *w = gsl_eigen_gensymmv_alloc(m);
+    gsl_vector *square = gsl_vector_alloc(m);
+    gsl_matrix *U = gsl_matrix_alloc(m, m);
+    gsl_matrix_view K = gsl_matrix_view_array(x->K, m, m), M = gsl_matrix_view_array(x->M, m, m);
+    const int failed =
+        !w || !square || !U || gsl_eigen_gensymmv(&K.matrix, &M.matrix, square, U, w);
+    double most = 0;
+    for (size_t k = 0; k < m && !failed; k++)
+        most = fmax(most, fabs(gsl_vector_get(square, k)));
+    for (size_t k = 0; k < m && !failed; k++) {
+        const double s = gsl_vector_get(square, k), rate = sqrt(fabs(s));
+        const int zero = rate <= ZERO * sqrt(most);
+        for (size_t i = 0; i < m; i++) {
+            scratch[i] = gsl_matrix_get(U, i, k);
+            scratch[m + i] = 0;
+        }
+        for (int sign = 1; sign >= (s > 0 && !zero ? 1 : -1); sign -= 2) {
+            add(x, s > 0 || zero ? 0 : sign * rate, s > 0 && !zero ? rate : 0, scratch,
+                scratch + m, modes + *count, shapes + 2 * x->n * *count);
+            ++*count;
+        }
+    }
+    gsl_eigen_gensymmv_free(w);
+    gsl_vector_free(square);
+    gsl_matrix_free(U);
+    return failed;
+}
+
+static int general_modes(const struct pencil *x, struct pk_mode *modes, double *shapes,
+                         size_t *count, double *scratch)
+{
+    const size_t m = x->m;
+    double *pivot = scratch + 2 * m, *column = pivot + m;
+    gsl_eigen_nonsymmv_workspace *w = gsl_eigen_nonsymmv_alloc(2 * m);
+    gsl_matrix *A = gsl_matrix_calloc(2 * m, 2 * m);
+    gsl_vector_complex *lambda = gsl_vector_complex_alloc(2 * m);
+    gsl_matrix_complex *U = gsl_matrix_complex_alloc(2 * m, 2 * m);
+    int failed = !w || !A || !lambda || !U || !pk_lu_factor(x->M, pivot, m);
+    for (size_t j = 0; j < m && !failed; j++) { /* (0 1; -K/M -C/M), a column at a time */
+        gsl_matrix_set(A, j, m + j, 1);
+        for (int part = 0; part < 2; part++) {
+            for (size_t i = 0; i < m; i++)
+                column[i] = -(part ? x->C : x->K)[i * m + j];
+            pk_lu_solve(x->M, pivot, m, column);
+            for (size_t i = 0; i < m; i++)
+                gsl_matrix_set(A, m + i, j + (part ? m : 0), column[i]);
+        }
+    }
+    gsl_eigen_nonsymmv_params(1, w);
+    failed = failed || gsl_eigen_nonsymmv(A, lambda, U, w);
+    double most = 0;
+    for (size_t k = 0; k < 2 * m && !failed; k++) {
+        const gsl_complex l = gsl_vector_complex_get(lambda, k);
+        most = fmax(most, hypot(GSL_REAL(l), GSL_IMAG(l)));
+    }
+    for (size_t k = 0; k < 2 * m && !failed; k++) {
+        const gsl_complex l = gsl_vector_complex_get(lambda, k);
+        double growth = GSL_REAL(l), frequency = GSL_IMAG(l);
+        growth = fabs(growth) <= ZERO * most ? 0 : growth;
+        frequency = fabs(frequency) <= ZERO * most ? 0 : frequency;
+        if (frequency < 0)
+            continue;
+        for (size_t i = 0; i < m; i++) {
+            const gsl_complex u = gsl_matrix_complex_get(U, i, k);
+            scratch[i] = GSL_REAL(u);
+            scratch[m + i] = GSL_IMAG(u);
+        }
+        add(x, growth, frequency, scratch, scratch + m, modes + *count,
+            shapes + 2 * x->n * *count);
+        ++*count;
+    }
+    gsl_eigen_nonsymmv_free(w);
+    gsl_matrix_free(A);
+    gsl_vector_complex_free(lambda);
+    gsl_matrix_complex_free(U);
+    return failed;
+}
+
+/* The fastest first; at one rate the growing before the decaying. */
+static void sort(size_t n, struct pk_mode *modes, double *shapes, size_t count)
+{
+    for (size_t i = 1; i < count; i++)
+        for (size_t k = i; k > 0; k--) {
+            const double a = hypot(modes[k].growth, modes[k].frequency);
+            const double b = hypot(modes[k - 1].growth, modes[k - 1].frequency);
+            if (!(a > b * (1 + 1e-9)) &&
+                !(a > b * (1 - 1e-9) && modes[k].growth > modes[k - 1].growth + 1e-9 * b))
+                break;
+            const struct pk_mode mode = modes[k];
+            modes[k] = modes[k - 1];
+            modes[k - 1] = mode;
+            for (size_t x = 0; x < 2 * n; x++) {
+                const double swap = shapes[2 * n * k + x];
+                shapes[2 * n * k + x] = shapes[2 * n * (k - 1) + x];
+                shapes[2 * n * (k - 1) + x] = swap;
+            }
+        }
+}
+
+enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
+                            struct pk_mode *modes, double *shapes, size_t *count)
+{
+    const struct pk_system *system = problem->system;
+    struct pencil x = {0};
+    *count = 0;
+    if (!system->jacobian || !system->mass)
+        return PK_REFUSED;
+    x.n = pk_system_count(system, problem->params);
+    x.map = (size_t *)calloc(x.n, sizeof *x.map);
+    double *block = (double *)calloc(10 * x.n * x.n + 6 * x.n, sizeof *block);
+    enum pk_status status = PK_NO_MEMORY;
+    if (x.map && block) {
+        size_t c = 0;
+        for (size_t i = 0; i < x.n; i++)
+            if (!(system->cyclic && system->cyclic[i]))
+                x.map[x.m++] = i;
+        for (size_t i = 0; i < x.n; i++)
+            if (system->cyclic && system->cyclic[i])
+                x.map[x.m + c++] = i;
+        double *const parts = block, *const rest = block + 5 * x.n * x.n;
+        x.M = parts;
+        x.C = x.M + x.n * x.n;
+        x.K = x.C + x.n * x.n;
+        x.R = x.K + x.n * x.n;
+        x.S = x.R + x.n * x.n;
+        status = reduce(&x, problem, q, v, rest);
+    }
+    if (status == PK_DONE && x.m) {
+        gsl_error_handler_t *handler = gsl_set_error_handler_off();
+        double *scratch = block + 5 * x.n * x.n;
+        const int failed = is_natural(&x) ? natural_modes(&x, modes, shapes, count, scratch)
+                                          : general_modes(&x, modes, shapes, count, scratch);
+        gsl_set_error_handler(handler);
+        status = failed ? PK_NO_CONVERGENCE : PK_DONE;
+        sort(x.n, modes, shapes, *count);
+    }
+    free(x.map);
+    free(block);
+    return status;
+}

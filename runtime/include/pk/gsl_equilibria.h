@@ -1,0 +1,60 @@
+/* Where a system can rest, and how it moves close by: equilibria by GSL's root finder from many
+ * starts, normal modes by its eigenvalues. double only; link libpk_gsl.a before libpk.a, then -lgsl
+ * -lgslcblas. GSL allocates, and what it does is given back before these functions return.
+ *
+ * Cyclic coordinates do not rest: their momenta are constant, and what is sought are relative
+ * equilibria, the other coordinates at rest while these go on at constant rates (a top's steady
+ * precession). With c for cyclic and n for the others,
+ *
+ *     pdot_n(q_n, v_c) = 0,   p_c(q_n, v_c) = p_c of the given start,   v_n = 0,
+ *
+ * and close to one, momenta p_c held (Routh),  M u'' + C u' + K u = 0  for u = q_n - q_n*, with
+ *
+ *     M = M_nn - M_nc B M_cn,  K = -F_nn + F'_nc B P_cn,  B = 1 / M_cc,  F = d(pdot)/dq,
+ *     C = P_nn - F'_nn - M_nc B P_cn + F'_nc B M_cn,      P = dp/dq,     F' = d(pdot)/dv.
+ *
+ * A mode is u = Re(shape exp(lambda t)), lambda = growth + i frequency.
+ * Reference: L. Meirovitch, Methods of Analytical Dynamics, ch. 6 (small motions, gyroscopic
+ * systems); J. Marsden, T. Ratiu, Introduction to Mechanics and Symmetry, 8.9 (Routh reduction).
+ */
+#ifndef PK_GSL_EQUILIBRIA_H
+#define PK_GSL_EQUILIBRIA_H
+
+#include <pk/integrator.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct pk_equilibria {
+    size_t most;  /* as many as q and v, the caller's, have room for: n numbers each */
+    double *q, *v;
+    size_t count; /* found, the lowest energy first */
+    size_t failed;   /* starts that led nowhere */
+    size_t singular; /* that led to where M is singular or indefinite: the pole of a chart */
+    int more;        /* there are more than `most`, perhaps a continuum */
+};
+
+/* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half
+ * a turn wide for angles, else 1 or some |q0|. A coordinate of which the equations have the period
+ * 2 pi is given in (-pi, pi]. PK_REFUSED where the equations depend on time or on inputs.
+ * That all are found cannot be promised. */
+enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
+                                 const double *v0, size_t tries, struct pk_equilibria *found);
+
+/* One entry for lambda and its conjugate; a real pair is two entries. A lambda below 1e-7 of the
+ * largest is 0: a motion that neither returns nor leaves exponentially. */
+struct pk_mode {
+    double growth, frequency;
+};
+
+/* The modes at an equilibrium, fastest first: up to 2 n of them, and n real and n imaginary parts
+ * of each one's shape, 1 the largest component of those that are not cyclic. PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
+enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
+                            struct pk_mode *modes, double *shapes, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

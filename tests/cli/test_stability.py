@@ -1,0 +1,173 @@
+"""`pkgen stability` as a user meets it: maps, files, usage."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from pkgen.__main__ import main
+
+PENDULUM = """model pendulum
+coord theta
+kinetic theta'^2/2
+potential -cos(theta)
+start theta = 0.001
+"""
+
+
+@dataclass(frozen=True)
+class Done:
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def stability(capsys):
+    """The command in this process: importing pkgen takes longer than a small map."""
+
+    def run(*arguments: object) -> Done:
+        code = main(["stability", *map(str, arguments)])
+        out, err = capsys.readouterr()
+        return Done(code, out, err)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory) -> tuple[dict, Path]:
+    """A quick map of the pendulum on both sides of Verlet's limit, as a user makes it."""
+    directory = tmp_path_factory.mktemp("stability")
+    model = directory / "pendulum.lag"
+    model.write_text(PENDULUM)
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        code = main(
+            [
+                *("stability", str(model), "-o", str(directory), "--json"),
+                *("--methods", "verlet,rk4", "--vary", "theta=0.001..0.002"),
+                *("--steps", "1.98..2.02", "--points", "2x2"),
+            ]
+        )
+    assert code == 0
+    return json.loads(said.getvalue()), directory
+
+
+def test_a_map_is_bounded_below_and_growing_above(quick) -> None:
+    made, _ = quick
+    verlet = {(p["h"], p["x"]): p["kind"] for p in made["points"] if p["method"] == "verlet"}
+    assert len(verlet) == 4
+    for (h, _), kind in verlet.items():
+        assert kind == ("bounded" if h < 2 else "growing")
+    limit_ = next(
+        p for p in made["predictions"] if p["method"] == "verlet" and p["kind"] == "limit"
+    )
+    assert limit_["h"] == pytest.approx(2, rel=1e-9)
+    assert limit_["measured"] == pytest.approx(2, rel=1e-4)
+    assert all(m["kind"] == "response" for m in made["misses"]), made["misses"]
+
+
+def test_files(quick) -> None:
+    made, directory = quick
+    assert {Path(f).suffix for f in made["files"]} == {".svg", ".png", ".csv", ".html"}
+    with open(directory / "pendulum_stability.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 8 and rows[0]["method"] == "verlet"
+    assert [float(r["h"]) for r in rows] == [p["h"] for p in made["points"]]
+    assert {r["class"] for r in rows} == {p["kind"] for p in made["points"]}
+    page = (directory / "pendulum_stability.html").read_text()
+    assert page.count("<svg") == 1 and "Predicted and measured" in page
+    for outside in ("src=", 'href="http', "url(http", "@import", "<script", "<link"):
+        assert outside not in page
+    picture = (directory / "pendulum_stability.svg").read_text()
+    assert "verlet" in picture and "limit" in picture
+
+
+@pytest.mark.filterwarnings("error")
+def test_one_panel_has_room(stability, tmp_path: Path) -> None:
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "3x2", "--until", "9")
+    assert done.code == 0 and done.err == ""
+
+
+USAGE = {
+    "unknown method": (["--methods", "verlett"], "did you mean 'verlet'?"),
+    "no fixed step": (["--methods", "dop853"], "chooses its steps itself"),
+    "no range": (["--vary", "theta=3"], "a name and a range"),
+    "unknown name": (["--vary", "thet=0..1"], "did you mean 'theta'"),
+    "downwards": (["--vary", "theta=1..0"], "must go upwards"),
+    "no step": (["--steps", "0..1"], "must be positive"),
+    "not two numbers": (["--points", "20"], "20"),
+    "too many": (["--points", "9999x9999"], "at most"),
+    "too many steps": (["--until", "1e9"], "shorter --until"),
+}
+
+
+@pytest.mark.parametrize("case", USAGE)
+def test_usage_errors(stability, tmp_path: Path, case: str) -> None:
+    arguments, mentioned = USAGE[case]
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = stability(model, "-o", tmp_path, "--methods", "verlet", *arguments)
+    assert done.code == 2, done.out + done.err
+    assert mentioned in done.err and "Traceback" not in done.err
+    assert not list(tmp_path.glob("*_stability.*"))
+
+
+def test_a_method_that_does_not_apply_is_refused(stability, tmp_path: Path) -> None:
+    model = ROOT / "models/double_pendulum.lag"
+    done = stability(model, "-o", tmp_path, "--methods", "verlet")
+    assert done.code == 2
+    assert "verlet is refused: it needs a system that is mass_constant, separable" in done.err
+
+
+def test_without_an_equilibrium_something_is_to_be_varied(stability, tmp_path: Path) -> None:
+    model = tmp_path / "kepler.lag"
+    model.write_text(
+        "model kepler\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential -1/sqrt(x^2 + y^2)\n"
+        "start x = 1, y' = 1\n"
+    )
+    asked = ["--methods", "verlet", "-o", tmp_path, "--points", "3x2", "--until", "20"]
+    done = stability(model, *asked)
+    assert done.code == 2 and "no equilibrium" in done.err and "--vary" in done.err
+    done = stability(model, *asked, "--vary", "y'=0.9..1.1", "--steps", "0.01..0.1")
+    assert done.code == 0, done.err
+    assert (tmp_path / "kepler_stability.svg").exists()
+
+
+def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
+    model = tmp_path / "spring.lag"
+    model.write_text(
+        "model spring\nparam k = 1\ncoord x\nkinetic x'^2/2\npotential k/2*x^2\nstart x = 1\n"
+    )
+    asked = [
+        "--vary",
+        "k=1..4",
+        "--points",
+        "20x4",
+        "--methods",
+        "verlet",
+        "-o",
+        tmp_path,
+        "--json",
+    ]
+    done = stability(model, *asked)
+    assert done.code == 0, done.err
+    made = json.loads(done.out)
+    for row in made["rows"]:
+        (line,) = (p for p in row["predictions"] if p["kind"] == "limit")
+        assert line["h"] == pytest.approx(2 / math.sqrt(row["x"]), rel=1e-9)
+    points = made["points"]
+    for p in points:
+        y = p["h"] * math.sqrt(p["x"])
+        if abs(y - 2) > 0.02:
+            assert (p["kind"] == "bounded") == (y < 2), p
+    assert any(p["kind"] == "bounded" for p in points)

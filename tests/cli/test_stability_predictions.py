@@ -1,0 +1,264 @@
+"""What `pkgen stability` predicts and measures: closed forms, classes, limits, misses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from conftest import ROOT
+from pkgen.build import build_program
+from pkgen.compiler import compile_model
+from pkgen.front.read import from_text
+from pkgen.simulate import Settings
+from pkgen.stability import measure, misses, plan
+from pkgen.stability.ask import Asker
+from pkgen.stability.map import known_methods
+from pkgen.stability.method import StepMap
+from pkgen.stability.predict import Prediction, limit, predictions
+
+PENDULUM = """model pendulum
+coord theta
+kinetic theta'^2/2
+potential -cos(theta)
+start theta = 0.001
+"""
+
+# A charge in a magnetic field and an isotropic spring: omega = sqrt(w^2 + B^2/4) +- B/2.
+MAGNETIC = """model magnetic
+param w = 1.3
+param B = 0.7
+coord x, y
+lagrangian (x'^2 + y'^2)/2 + B/2*(x*y' - y*x') - w^2/2*(x^2 + y^2)
+start x = 0.3
+"""
+
+# lambda = -c +- i sqrt(w^2 - c^2)
+DAMPED = """model damped
+param w = 1.7
+param c = 0.45
+coord x
+kinetic x'^2/2
+potential w^2/2*x^2
+dissipation c*x'^2
+start x = 0.3
+"""
+
+# Resonance N3 of the elastic pendulum, in Cartesian coordinates: the spring's length at rest is 1,
+# the swing's frequency 1, the stretch's 1.9.
+ELASTIC = """model elastic
+param ratio = 1.9
+coord x, y
+let r = sqrt(x^2 + y^2)
+let k = ratio^2
+kinetic (x'^2 + y'^2)/2
+potential y + k/2*(r - 1 + 1/k)^2
+start x = 0.01, y = -1.05
+"""
+
+
+def asker(text: str, *, until: float = 100.0) -> Asker:
+    compilation = compile_model(from_text("model.lag", text), unroll=None)
+    program = build_program(compilation.files, compilation.model.name)
+    settings = Settings(
+        method="rk4",
+        until=until,
+        every=None,
+        step=None,
+        rtol=1e-10,
+        atol=1e-10,
+        iteration="newton",
+        max_steps=10**9,
+        max_step=None,
+        parameters=(),
+        members=(),
+        inputs=(),
+        start_q=(),
+        start_v=(),
+        show=(),
+        at=None,
+    )
+    return Asker(program, settings)
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Asker:
+    return asker(PENDULUM)
+
+
+@pytest.fixture(scope="module")
+def steps(pendulum: Asker) -> dict[str, StepMap]:
+    return {m.name: StepMap(m, pendulum) for m in known_methods() if not m.adaptive}
+
+
+@pytest.mark.parametrize(
+    ("method", "closed"),
+    [
+        ("verlet", 2.0),
+        ("symplectic_euler", 2.0),
+        ("yoshida4", 1.5734019474),
+        ("rk4", 2 * math.sqrt(2)),
+        ("euler", 0.0),
+        ("gauss1", None),
+        ("gauss3", None),
+    ],
+)
+def test_limits_of_methods(steps, method: str, closed: float | None) -> None:
+    """From the table, and from steps on the oscillator where there is none."""
+    step = steps[method]
+    untold = StepMap(replace(step.traits, limit=None), step.asker)
+    for found in (step.limit(), untold.limit()):
+        assert found == (closed if closed is None else pytest.approx(closed, rel=1e-9, abs=1e-9))
+
+
+def test_a_damped_oscillator_has_a_limit_of_its_own(steps) -> None:
+    # Critical damping is RK4 on the negative real axis: its limit there.
+    assert steps["rk4"].limit(1.0) == pytest.approx(2.7852935634, rel=1e-4)
+    assert steps["rk4"].limit(0.0) != pytest.approx(2.7852935634, rel=1e-2)
+
+
+def test_the_angle_of_a_step(steps) -> None:
+    # Verlet turns by 2 asin(y/2), the midpoint rule by 2 atan(y/2); RK4 damps, nothing resonates.
+    third, quarter = 2 * math.pi / 3, math.pi / 2
+    assert steps["verlet"].resonance(third) == pytest.approx(math.sqrt(3), rel=1e-11)
+    assert steps["verlet"].resonance(quarter) == pytest.approx(math.sqrt(2), rel=1e-11)
+    assert steps["gauss1"].resonance(third) == pytest.approx(2 * math.sqrt(3), rel=1e-11)
+    assert steps["gauss1"].resonance(quarter) == pytest.approx(2, rel=1e-11)
+    assert steps["rk4"].resonance(third) is None
+
+
+def test_the_pole_of_an_implicit_step(steps) -> None:
+    # Of Pade's denominators: 2; complex ones alone; 4.6443707.
+    assert steps["gauss1"].pole() == pytest.approx(2, rel=1e-6)
+    assert steps["gauss2"].pole() is None
+    assert steps["gauss3"].pole() == pytest.approx(4.6443707, rel=1e-6)
+    assert steps["verlet"].pole() is None
+
+
+def test_resonances_between_two_modes(steps) -> None:
+    # N3: h = .6244998 at a ratio of 1.9, by ratio = 2 sqrt(1 - (h/2)^2).
+    h = 2 * math.sqrt(1 - (1.9 / 2) ** 2)
+    assert h == pytest.approx(0.6244998, abs=5e-8)
+    assert steps["verlet"].pair("1:2", 1.9) == pytest.approx(1.9 * h, rel=1e-10)
+    assert steps["verlet"].pair("1:2", 2.0) is None
+    # Midpoint, ratio 2: atan(y/2) + 2 atan(y/4) = pi where y^2 = 32.
+    assert steps["gauss1"].pair("1+2", 2.0) == pytest.approx(math.sqrt(32), rel=1e-10)
+
+
+def test_modes_of_a_gyroscopic_system() -> None:
+    rest = asker(MAGNETIC).rest()
+    assert len(rest.equilibria) == 1
+    modes = rest.equilibria[0].modes
+    middle, half = math.sqrt(1.3**2 + 0.35**2), 0.35
+    assert [m.frequency for m in modes] == pytest.approx([middle + half, middle - half], rel=1e-12)
+    assert [m.growth for m in modes] == [0, 0]
+    for m in modes:  # circles: y is a quarter turn beside x
+        x, y = complex(m.re[0], m.im[0]), complex(m.re[1], m.im[1])
+        assert abs(x) == pytest.approx(abs(y), rel=1e-9)
+        assert abs((x.conjugate() * y).real) < 1e-9
+
+
+def test_modes_of_a_damped_system_and_its_limit(steps) -> None:
+    rest = asker(DAMPED).rest()
+    (mode,) = rest.equilibria[0].modes
+    assert mode.growth == pytest.approx(-0.45, rel=1e-12)
+    assert mode.frequency == pytest.approx(math.sqrt(1.7**2 - 0.45**2), rel=1e-12)
+    # |R(z)| = 1 on the ray of lambda.
+    h = limit(steps["rk4"], 0, rest.equilibria[0]).h
+    z = h * complex(mode.growth, mode.frequency)
+    assert abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24) == pytest.approx(1, abs=1e-8)
+    assert h * 1.7 != pytest.approx(2 * math.sqrt(2), rel=1e-2)
+
+
+def test_relative_equilibria_of_a_top() -> None:
+    # Steady precession at the start's momenta; omega from the effective potential.
+    top = asker((ROOT / "models/heavy_top.lag").read_text())
+    at = next(e for e in top.rest().equilibria if e.q[1] > 0)
+    i1, i3, mgl, theta0, phi, psi = 1.0, 0.5, 9.81, 0.6, 0.4, 18.0
+    axis = i3 * (psi + phi * math.cos(theta0))
+    vertical = i1 * phi * math.sin(theta0) ** 2 + axis * math.cos(theta0)
+
+    def potential(x: float) -> float:
+        turning = vertical - axis * math.cos(x)
+        return turning**2 / (2 * i1 * math.sin(x) ** 2) + mgl * math.cos(x)
+
+    d, x = 1e-4, at.q[1]
+    assert abs(potential(x + d) - potential(x - d)) / (2 * d) < 1e-6
+    second = (potential(x + d) - 2 * potential(x) + potential(x - d)) / d**2
+    assert at.modes[0].frequency == pytest.approx(math.sqrt(second / i1), rel=1e-5)
+    assert len(at.modes) == 1 and at.v[1] == 0
+
+
+def point(asked: Asker, method: str, h: float) -> dict:
+    return asked.ask(["motion", f"point {method} {h!r}"])[1]
+
+
+def start(asked: Asker, q: float, v: float = 0.0) -> Asker:
+    return asked.with_settings(replace(asked.settings, start_q=((0, q),), start_v=((0, v),)))
+
+
+def test_classes(pendulum: Asker) -> None:
+    swing = start(pendulum, 1.0)
+    assert point(swing, "verlet", 0.5)["class"] == "bounded"
+    assert point(swing, "gauss2", 0.5)["class"] == "bounded"
+    assert point(swing, "rk4", 0.5)["class"] == "drifting"
+    assert point(swing, "euler", 0.1)["class"] == "growing"
+    assert point(swing, "verlet", 2.3)["class"] == "growing"
+    assert point(swing, "verlet", 2.5)["class"] == "growing"  # wanders up and down, high above
+    # At y = 1.9 the energy of a start with a rate rises up to tenfold, and comes back.
+    beat = point(start(pendulum, 0.0, 1e-3), "verlet", 1.9)
+    assert beat["class"] == "bounded" and 2 < beat["rise"] < 5
+    fixed = replace(swing.settings, iteration="fixed")
+    failed = point(swing.with_settings(fixed), "gauss1", 4.0)
+    assert (failed["class"], failed["status"]) == ("not converged", "PK_NO_CONVERGENCE")
+
+
+def test_what_grows_without_bound_is_not_finite() -> None:
+    linear = asker("model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
+    grown = linear.with_settings(replace(linear.settings, until=5000.0))
+    assert point(grown, "verlet", 2.2)["class"] == "not finite"
+    assert point(grown, "verlet", 1.8)["class"] == "bounded"
+
+
+def test_stable_at_999_growing_at_1001(pendulum: Asker) -> None:
+    for method, y in (("verlet", 2.0), ("yoshida4", 1.5734019474), ("rk4", math.sqrt(8))):
+        below, above = pendulum.near(f"{method} {y * x!r} 0 all 1e-6 4000" for x in (0.999, 1.001))
+        assert below.growth < 300 and below.status == "PK_DONE", method
+        assert not above.growth < 1000, method
+
+
+def test_predictions_are_measured_and_a_wrong_one_is_a_miss(pendulum: Asker, steps) -> None:
+    rest = pendulum.rest()
+    found = {p.kind: p for p in predictions(steps["verlet"], rest, 0)}
+    assert set(found) == {"limit", "1:3", "1:4"}
+    for p in found.values():
+        measured = measure.measured(pendulum, rest, p, 0.5)
+        assert measured.h == pytest.approx(p.h, rel=1e-4)
+        assert misses.of_prediction(measured) is None
+    wrong = replace(found["limit"], h=1.05 * found["limit"].h)
+    miss = misses.of_prediction(measure.measured(pendulum, rest, wrong, 0.5))
+    assert miss is not None and "-4.8 %" in miss.text and "h = 2.1" in miss.text
+    never = Prediction("limit", "verlet", 0, 0, None, None, None)
+    miss = misses.of_prediction(measure.measured(pendulum, rest, never, 0.5))
+    assert miss is not None and "predicted nowhere" in miss.text
+    growths = measure.growths(pendulum, rest)
+    assert [g.measured for g in growths] == [pytest.approx(1, rel=1e-6)]
+    assert misses.of_growth(growths[0]) is None
+    assert misses.of_growth(replace(growths[0], predicted=1.02)) is not None
+
+
+def test_the_resonance_of_two_modes_is_found_and_answered(steps) -> None:
+    # N3: the stretch drives the swing at h = .6244998, and nowhere beside it.
+    elastic = asker(ELASTIC)
+    rest = elastic.rest()
+    primary = plan.nearest(rest, elastic.motion().q, frozenset())
+    at = rest.equilibria[primary]
+    assert [m.frequency for m in at.modes] == pytest.approx([1.9, 1.0], rel=1e-9)
+    pair = next(p for p in predictions(steps["verlet"], rest, primary) if p.kind == "1:2")
+    assert pair.h == pytest.approx(0.6244998, abs=5e-8)
+    measured = measure.measured(elastic, rest, pair, 0.1)
+    assert measured.h == pytest.approx(pair.h, rel=1e-4)
+    assert measured.response > 10 and measured.peak == pytest.approx(pair.h, rel=0.02)
+    assert not misses.unanswered((measured,), "verlet")
+    silent = replace(measured, response=1.01)
+    assert len(misses.unanswered((silent,), "verlet")) == 1
