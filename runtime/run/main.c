@@ -19,6 +19,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "chart.h"
 #include "ensemble.h"
 #include "watch.h"
 
@@ -287,8 +288,11 @@ int main(int argc, char **argv)
     static char buffer[1 << 16];
     if (argc == 2 && strcmp(argv[1], "--methods") == 0)
         return output_methods(stdout) ? 2 : 0;
+    if (argc == 3 && strcmp(argv[1], "--chart") == 0)
+        return chart_run(argv[2]);
     if (argc > 1) {
-        fprintf(stderr, "run: settings come on standard input; the one option is --methods\n");
+        fprintf(stderr, "run: settings come on standard input; the options are --methods and "
+                        "--chart FILE\n");
         return 2;
     }
     int code = settings_read(&run.settings, run_system, stdin);
