@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 from . import __version__, commands, run_command
 from .build import BuildError
+from .chart import command as chart_command
 from .compiler import STAGES
 from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE, UsageError
 from .resources import ResourcesExceeded
@@ -87,16 +88,22 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "check": commands.check,
     "explain": commands.explain,
     "run": run_command.run,
+    "chart": chart_command.run,
     "methods": commands.methods,
 }
-ARGUMENTS = {"compile": _compile_arguments, "run": _run_arguments}
+ARGUMENTS = {
+    "compile": _compile_arguments,
+    "run": _run_arguments,
+    "chart": chart_command.arguments,
+}
 
-LATER = frozenset(("chart", "stability", "export", "sweep", "fmt"))
+LATER = frozenset(("stability", "export", "sweep", "fmt"))
 
 OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c (default: here)
        pkgen check MODEL.lag        errors and warnings only
        pkgen explain MODEL.lag      equations, structure
        pkgen run MODEL.lag          compile and integrate; CSV to standard output
+       pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)
        pkgen --version"""
