@@ -14,7 +14,7 @@ from .points import Method, Point, Track
 from .sweep import Bench
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
-AXES = ("seconds", "evaluations")
+AXES = ("seconds", "work")
 FOREMOST = 3
 MARGIN = 0.7  # aimed at, of the accuracy
 TRIALS = 4

@@ -118,5 +118,6 @@ class Program:
             rejections=found["rejections"],
             evaluations=found["evaluations"],
             jacobians=found["jacobians"],
+            work=found["evaluations"] + len(exact) * found["jacobians"],
             drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
         )

@@ -76,6 +76,7 @@ class Point:
     rejections: int
     evaluations: int
     jacobians: int
+    work: int  # evaluations, each Jacobian as many as differences of its columns would take
     drifts: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -106,8 +107,8 @@ class Point:
         return "done" if self.good else "lost"
 
     def cost(self, axis: str) -> float | None:
-        """`axis` is seconds or evaluations."""
-        return self.seconds if axis == "seconds" else float(self.evaluations)
+        """`axis` is seconds or work."""
+        return self.seconds if axis == "seconds" else float(self.work)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ About a state the equations of motion are those of y' = J y, with J = [[0, 1], [
 method is stable where h times each eigenvalue of J lies in its region of stability; of that region
 the ends on the imaginary and on the real axis are known (`pkgen methods`). So with omega the
 largest imaginary part of any eigenvalue at any of many times, and rho the largest -(real part) of
-those that are real (where nothing is dissipated such a one is a saddle that is passed, not a decay),
+those that are real (where nothing is dissipated such a one is a saddle, which the motion passes),
 
     h_limit = min(y_imaginary / omega, y_real / rho).
 
@@ -77,4 +77,3 @@ def find(program: Program, method: str, until: float, dissipative: bool) -> Spec
             elif dissipative:
                 rho = max(rho, -float(value.real))
     return Spectrum(omega, rho, until)
-

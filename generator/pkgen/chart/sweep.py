@@ -15,7 +15,9 @@ from .spectrum import Spectrum
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # tolerances
 DECADES = 14.0  # of error that the steps of a method are to go through
 FINER = (1.12, 4.0)  # a step over the next one, at least and at most
-PAST_LIMIT = 1.5  # the first step, in limits
+UNKNOWN = 1.4  # where the last step failed
+PAST_LIMIT = 1.5  # the first step, in limits; without a limit in radians of the fastest: LONGEST
+LONGEST = 3.0  # or, if that is more, its order
 ROUND_OFF = 3e-16
 EASED = 1e-8  # below it an error that no longer falls has met round-off
 
@@ -53,24 +55,43 @@ class Bench:
         return self.program.point(method, setting, lap, cap, self.exact, self.scales)
 
 
-def tolerances(count: int) -> list[float]:
-    ratio = (TIGHTEST / LOOSEST) ** (1 / max(1, count - 1))
-    return [LOOSEST * ratio**k for k in range(count)]
-
-
-def steps(method: Method, spectrum: Spectrum, count: int) -> list[float]:
+class Steps:
     """Whole parts of the time to go, from one past the limit (or, without a limit, so long that
-    an oscillation has few steps) on, finer the higher the order."""
-    order = max(1, method.order)
-    limit = spectrum.limit(method)
-    first = PAST_LIMIT * limit if limit else max(1.0, order / 2) / spectrum.fastest
-    ratio = min(max(10 ** (DECADES / (order * count)), FINER[0]), FINER[1])
-    made: list[int] = []
-    whole = max(1, math.ceil(spectrum.until / first))
-    while len(made) < count:
-        made.append(whole)
-        whole = max(whole + 1, round(whole * ratio))
-    return [spectrum.until / k for k in made]
+    an oscillation has few steps) on; the next so much finer that the error falls by its share of
+    DECADES, as far as the last two errors tell."""
+
+    def __init__(self, method: Method, spectrum: Spectrum, count: int):
+        limit = spectrum.limit(method)
+        self.order = max(1, method.order)
+        first = PAST_LIMIT * limit if limit else max(LONGEST, self.order) / spectrum.fastest
+        self.until = spectrum.until
+        self.whole = max(1, math.ceil(self.until / first))
+        self.decades = DECADES / count
+
+    @property
+    def first(self) -> float:
+        return self.until / self.whole
+
+    def after(self, points: list[Point]) -> float:
+        slope = float(self.order)
+        if len(points) > 1 and points[-2].good and points[-1].good:
+            gained = math.log((points[-2].error or 1.0) / (points[-1].error or 1.0))
+            slope = gained / math.log(points[-2].setting / points[-1].setting)
+        elif not points[-1].good:
+            slope = self.decades / math.log10(UNKNOWN)
+        slope = min(max(slope, 0.1), self.order)
+        ratio = min(max(10 ** (self.decades / slope), FINER[0]), FINER[1])
+        self.whole = max(self.whole + 1, round(self.whole * ratio))
+        return self.until / self.whole
+
+
+class Tolerances:
+    def __init__(self, count: int):
+        self.first = LOOSEST
+        self.ratio = (TIGHTEST / LOOSEST) ** (1 / max(1, count - 1))
+
+    def after(self, points: list[Point]) -> float:
+        return points[-1].setting * self.ratio
 
 
 def measure(
@@ -92,9 +113,10 @@ def measure(
 
 def _sweep(bench: Bench, method: Method, spectrum: Spectrum, share: float) -> list[Point]:
     count = bench.effort.points
-    settings = steps(method, spectrum, count) if method.fixed else tolerances(count)
+    plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
     began, points, before = time.monotonic(), [], 0.0
-    for setting in settings:
+    while len(points) < count:
+        setting = plan.after(points) if points else plan.first
         left = share - (time.monotonic() - began)
         # A point is integrated twice at least, and a tighter one takes longer.
         if points and 4 * before > left:

@@ -7,7 +7,7 @@ import shlex
 from .answer import Answer
 from .chart import Chart
 
-AXIS = {"seconds": "time", "evaluations": "evaluations"}
+AXIS = {"seconds": "time", "work": "evaluations"}
 
 
 def seconds(value: float) -> str:
@@ -29,7 +29,7 @@ def preamble(chart: Chart) -> list[str]:
         f"reference: {chart.reference.text(chart.unit)}",
         chart.spectrum.text(chart.unit),
         "error: the largest of |x - reference| / max |x along the motion|, x each coordinate and "
-        "each rate, at the end",
+        "each rate, at the end; a Jacobian counts as 2n evaluations",
     ]
     if chart.refused:
         lines.append(f"do not apply: {', '.join(chart.refused)}")
@@ -50,7 +50,7 @@ def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
                 a.method.name,
                 setting(a),
                 seconds(a.point.seconds or 0.0),
-                f"{a.point.evaluations:,}",
+                f"{a.point.work:,}",
                 f"{a.point.error:.1e}",
             )
         )
