@@ -70,8 +70,7 @@ def _reach(bench: Bench, track: Track, accuracy: float) -> Point | None:
         setting = track.setting_for(aim)
         if setting is None:
             break
-        if method.fixed:
-            setting = bench.until / math.ceil(bench.until / setting * (1 - ROUNDING))
+        setting = _whole(bench, setting) if method.fixed else _two_digits(setting)
         point = bench.point(method, setting, cap=bench.effort.seconds / 4)
         if point.error is not None and point.error <= accuracy:
             return point
@@ -79,6 +78,17 @@ def _reach(bench: Bench, track: Track, accuracy: float) -> Point | None:
     # The curve itself has points that meet it.
     able = [p for worst, p in track.without_luck() if worst <= accuracy]
     return able[0] if able else None
+
+
+def _whole(bench: Bench, step: float) -> float:
+    """A step of which a whole number makes the time to go."""
+    return bench.until / math.ceil(bench.until / step * (1 - ROUNDING))
+
+
+def _two_digits(tolerance: float) -> float:
+    """No more digits than a person would give, and no looser."""
+    size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
+    return float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}")
 
 
 def _best(

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from . import text
+from . import table, text
 from .answer import AXES
 from .chart import Chart
 from .panel import FAILED, UNITS, Curve, Style, draw
-from .points import FAMILIES, Track
+from .points import FAMILIES, Point, Track
 
 # Of a family: colour and marker.
 STYLES = dict(
@@ -41,6 +41,13 @@ MEMBERS = (
     ("#000000", "X"),
 )
 STRONG_MOST = 8
+# Text as text: a fraction of the size, and it can be searched.
+LOOK = {
+    "svg.hashsalt": "pkgen",
+    "svg.fonttype": "none",
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+}
 LINE = 165  # characters of a subtitle
 FOOT = (
     "× failed, or lost: an error as large as the motion.   "
@@ -56,7 +63,7 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
     from matplotlib import pyplot
 
     files = []
-    with pyplot.rc_context({"svg.hashsalt": "pkgen", "font.size": 9, "axes.titlesize": 9.5}):
+    with pyplot.rc_context(LOOK):
         for name, make in ((stem.name, _overview), (f"{stem.name}_families", _families)):
             figure = make(chart)
             for suffix, more in ((".svg", {"metadata": {"Date": None}}), (".png", {"dpi": 120})):
@@ -77,6 +84,10 @@ def front(tracks: list[Track], axis: str) -> list[str]:
             name = min(costs)[1]
             wins[name] = wins.get(name, 0) + 1
     return sorted(wins, key=lambda name: -wins[name])
+
+
+def worst_drift(point: Point) -> float | None:
+    return max(point.drifts.values(), default=None)
 
 
 def _strong(chart: Chart) -> set[str]:
@@ -101,9 +112,10 @@ def _overview(chart: Chart):
         for t in chart.tracks
     }
     measures = [("error of the final state", lambda p: p.error)]
-    kept = next((n for t in chart.tracks for p in t.points for n in p.drifts), None)
-    if kept is not None:
-        measures.append((f"largest drift of {kept} on the way", lambda p: p.drifts.get(kept)))
+    kept = table.invariants(chart.tracks)
+    if kept:
+        named = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
+        measures.append((f"largest drift on the way ({named})", worst_drift))
     rows = len(measures)
     height = 1.9 + 4.0 * rows
     figure, grid = pyplot.subplots(rows, 2, figsize=(11, height), squeeze=False, sharey="col")

@@ -47,8 +47,6 @@ class _Box:
 def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]]]) -> None:
     """Write the labels into the axes; `curves` are what they had better not cover. The limits
     of the axes are settled, and so is their place in the figure."""
-    from matplotlib import patheffects
-
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
@@ -56,13 +54,12 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
     room = _Box(frame.x0, frame.y0, frame.x1 + 90 * scale, frame.y1)
     covered = [p for xs, ys in curves for p in _along(axes.transData.transform, xs, ys)]
     taken: list[_Box] = []
-    halo = [patheffects.withStroke(linewidth=1.6, foreground="white")]
     for label in labels:
         weight = "bold" if label.bold else "normal"
         text = axes.text(
             0, 0, label.text, fontsize=label.size, weight=weight, color=label.colour, zorder=9
         )
-        text.set_path_effects(halo)
+        text.set_bbox({"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.3})
         extent = text.get_window_extent(renderer)
         width, height = extent.width, extent.height * 0.85
         x, y = axes.transData.transform((label.x, label.y))

@@ -1,5 +1,5 @@
-"""One self-contained HTML page: the pictures inline, the answers, every point, the settings. It asks
-for nothing from anywhere."""
+"""One self-contained HTML page: the pictures inline, the answers, every point, the settings. It
+asks for nothing from anywhere."""
 
 from __future__ import annotations
 
@@ -29,9 +29,8 @@ POINTS = ("method", "step", "rtol", "outcome", "error", "seconds", "work", "eval
 
 def html(chart: Chart, report: str, pictures: list[Path]) -> str:
     name = escape(chart.model.replace("_", " "))
-    drawn = "\n".join(
-        _inline(path.read_text(encoding="utf-8"), k) for k, path in enumerate(pictures)
-    )
+    texts = [path.read_text(encoding="utf-8") for path in pictures]
+    drawn = "\n".join(_inline(svg, k) for k, svg in enumerate(texts))
     refused = "".join(
         f"<tr><td>{escape(method)}</td><td class=text>{escape(why)}</td></tr>"
         for method, why in chart.refused.items()
@@ -63,7 +62,7 @@ def _inline(svg: str, number: int) -> str:
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", svg)
     svg = svg.replace("xlink:href", "href")
-    return re.sub(r'(\bid="|"#|url\(#)', rf"\g<1>p{number}-", svg)
+    return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>p{number}-", svg)
 
 
 def _table(headings: tuple[str, ...], rows: list[list[str]]) -> str:
@@ -85,9 +84,8 @@ def _limits(chart: Chart) -> str:
         rows.append([escape(track.method.name), f"{limit:.4g}", *measured])
     if not rows:
         return "<p>No method here has one.</p>"
-    return _table(
-        ("method", "step predicted", "longest that arrived", "shortest that failed"), rows
-    )
+    headings = ("method", "step predicted", "longest that arrived", "shortest that failed")
+    return _table(headings, rows)
 
 
 def _points(chart: Chart) -> str:

@@ -51,8 +51,8 @@ def record(method: Method, point: Point) -> dict[str, object]:
 
 def invariants(tracks: list[Track]) -> list[str]:
     """What is constant, in the driver's order."""
-    names = {name: None for track in tracks for point in track.points for name in point.drifts}
-    return list(names)
+    longest = max((p.drifts for t in tracks for p in t.points), key=len, default={})
+    return list(longest)
 
 
 def rows(tracks: list[Track]) -> list[dict[str, object]]:
