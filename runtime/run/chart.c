@@ -21,10 +21,10 @@
 #include <string.h>
 
 #include "ensemble.h"
+#include "jacobians.h"
 #include "words.h"
 
-/* A lap is so many runs that the clock's own cost is nothing. */
-#define LAP_SECONDS 1e-3
+#define LAP_SECONDS 1e-3 /* so many runs that the clock's own cost is nothing */
 
 struct chart {
     struct settings s;
@@ -145,10 +145,10 @@ static void print_end(const struct chart *c)
            k->iterations);
 }
 
-static void print_drift(const char *name, const struct pk_drift *drift, int *first)
+static void print_drift(const char *name, const struct pk_drift *drift, const char **separator)
 {
-    fputs(*first ? "{\"name\": " : ", {\"name\": ", stdout);
-    *first = 0;
+    printf("%s{\"name\": ", *separator);
+    *separator = ", ";
     output_text(stdout, name);
     fputs(", \"max\": ", stdout);
     output_real(stdout, pk_drift_max(drift));
@@ -158,15 +158,15 @@ static void print_drift(const char *name, const struct pk_drift *drift, int *fir
 static void print_drifts(const struct chart *c)
 {
     const struct pk_monitor *m = &c->monitor;
-    int first = 1;
+    const char *separator = "";
     fputs(", \"drifts\": [", stdout);
     if (m->has_energy)
-        print_drift("energy", &m->energy, &first);
+        print_drift("energy", &m->energy, &separator);
     for (size_t i = 0; i < c->s.n; i++)
         if (run_system->cyclic && run_system->cyclic[i])
-            print_drift(run_system->momenta[i].name, &m->momenta[i], &first);
+            print_drift(run_system->momenta[i].name, &m->momenta[i], &separator);
     for (size_t i = 0; i < run_system->n_conserved; i++)
-        print_drift(run_system->conserved[i].name, &m->conserved[i], &first);
+        print_drift(run_system->conserved[i].name, &m->conserved[i], &separator);
     fputs("]", stdout);
 }
 
@@ -190,35 +190,8 @@ static void point(struct chart *c, const struct pk_method *method, pk_real setti
     if (arrived)
         fastest = laps(c, run_now() - c->began + 1e-9, seconds);
     fputs(", \"seconds\": ", stdout);
-    if (fastest > 0)
-        output_real(stdout, (pk_real)fastest);
-    else
-        fputs("null", stdout);
+    output_real(stdout, fastest > 0 ? (pk_real)fastest : PK_INFINITY); /* or null */
     fputs("}\n", stdout);
-}
-
-/* da/dq and da/dv by central differences: relative error 1e-9 and better, for frequencies. */
-static int jacobians(struct chart *c, pk_real *a_q, pk_real *a_v)
-{
-    const size_t n = c->s.n;
-    pk_real *y = c->work, *plus = y + 2 * n, *minus = plus + n;
-    const pk_real delta = PK_F(cbrt)(PK_EPSILON);
-    for (size_t j = 0; j < 2 * n; j++) {
-        memcpy(y, c->it.q, n * sizeof *y);
-        memcpy(y + n, c->it.v, n * sizeof *y);
-        const pk_real x = y[j], h = delta * (PK_F(fabs)(x) > 1 ? PK_F(fabs)(x) : 1);
-        y[j] = x + h;
-        const pk_real up = y[j];
-        if (run_system->acceleration(c->s.params, c->it.t, y, y + n, c->s.u, plus))
-            return 0;
-        y[j] = x - h;
-        if (run_system->acceleration(c->s.params, c->it.t, y, y + n, c->s.u, minus))
-            return 0;
-        pk_real *const column = j < n ? a_q + j : a_v + (j - n);
-        for (size_t i = 0; i < n; i++)
-            column[i * n] = (plus[i] - minus[i]) / (up - y[j]);
-    }
-    return 1;
 }
 
 static void path(struct chart *c, const struct pk_method *method, pk_real setting, size_t count,
@@ -236,7 +209,8 @@ static void path(struct chart *c, const struct pk_method *method, pk_real settin
         output_real(stdout, t);
         print_pairs("q", c->it.q, n);
         print_pairs("v", c->it.v, n);
-        if (linear && jacobians(c, a_q, a_q + n * n)) {
+        if (linear && jacobians_at(&c->problem, c->it.t, c->it.q, c->it.v, c->s.u, a_q,
+                                   a_q + n * n, c->work)) {
             print_numbers("a_q", a_q, n * n);
             print_numbers("a_v", a_q + n * n, n * n);
         }
@@ -315,7 +289,7 @@ int chart_run(const char *settings)
         c.problem.input = constant_input;
         c.problem.context = &c;
         c.monitor_block = words_allocate(pk_monitor_size(&c.problem), 1);
-        c.work = (pk_real *)words_allocate(4 * c.s.n, sizeof *c.work);
+        c.work = (pk_real *)words_allocate(jacobians_size(&c.problem), sizeof *c.work);
     }
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, stdin); line++)
         code = answer(&c, line, text);

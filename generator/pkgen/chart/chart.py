@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from .. import named
-from ..build import INLINED, build_program, driver_methods
+from ..build import build_program, driver_methods
 from ..compiler import Compilation
 from ..simulate import Settings
 from . import answer, reference, spectrum, sweep
@@ -78,7 +78,7 @@ def measure(
     """Raises reference.NoReference, measure.Broken, or BuildError."""
     name = compilation.model.name
     on_progress("compiling", 0.0)
-    path = build_program(compilation.files, name, *INLINED)
+    path = build_program(compilation.files, name, *(m.name for m in chosen))
     with Program(path, settings) as program:
         given = program.given()
         on_progress("compiling and integrating the reference", 0.02)
