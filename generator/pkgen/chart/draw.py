@@ -41,6 +41,7 @@ MEMBERS = (
     ("#000000", "X"),
 )
 STRONG_MOST = 8
+FONTS = "'DejaVu Sans', Verdana, sans-serif"
 # Text as text: a fraction of the size, and it can be searched.
 LOOK = {
     "svg.hashsalt": "pkgen",
@@ -69,9 +70,17 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
             for suffix, more in ((".svg", {"metadata": {"Date": None}}), (".png", {"dpi": 120})):
                 path = stem.with_name(name + suffix)
                 figure.savefig(path, **more)
+                if suffix == ".svg":
+                    _name_other_fonts(path)
                 files.append(path)
             pyplot.close(figure)
     return files
+
+
+def _name_other_fonts(path: Path) -> None:
+    """Those as wide as the one that the labels were placed with, where it is not installed."""
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("'DejaVu Sans'", FONTS), encoding="utf-8")
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:
@@ -127,7 +136,7 @@ def _overview(chart: Chart):
             if row == 0:
                 _answers(axes, chart, axis)
     _legend(figure, chart)
-    _frame(figure, chart, bottom=0.75, height=height)
+    _frame(figure, chart, bottom=0.75, height=height, gap=0.38)
     for name in names:
         name()
     return figure
@@ -157,7 +166,7 @@ def _families(chart: Chart):
         axes.set_xlabel("error of the final state")
     for line in grid:
         line[0].set_ylabel(UNITS["seconds"])
-    _frame(figure, chart, bottom=0.3, height=height)
+    _frame(figure, chart, bottom=0.3, height=height, gap=0.22)
     for name in names:
         name()
     return figure
@@ -214,16 +223,22 @@ def _legend(figure, chart: Chart) -> None:
     )
 
 
-def _frame(figure, chart: Chart, bottom: float, height: float) -> None:
-    """Title, parameters, foot; `bottom` and `height` in inches."""
+def _frame(figure, chart: Chart, bottom: float, height: float, gap: float) -> None:
+    """Title, parameters, foot; `bottom` and `height` in inches, the gap in columns."""
     import textwrap
 
-    width = int(LINE * figure.get_figwidth() / 11)
-    lines = textwrap.wrap(f"{chart.subtitle()}; {chart.time}", width)
+    width = figure.get_figwidth()
+    lines = textwrap.wrap(f"{chart.subtitle()}; {chart.time}", int(LINE * width / 11))
     title = f"{chart.model.replace('_', ' ')}: accuracy against cost (right and low is better)"
-    heading = figure.suptitle(title, y=1 - 0.12 / height, va="top", fontsize=12, weight="bold")
-    heading.set_in_layout(False)  # its room is below, with that of the next line
+    figure.suptitle(title, y=1 - 0.12 / height, va="top", fontsize=12, weight="bold")
     figure.text(0.5, 1 - 0.38 / height, "\n".join(lines), ha="center", va="top", fontsize=8)
     figure.text(0.5, 0.06 / height, FOOT, ha="center", va="bottom", fontsize=8, color=FAILED)
-    top = 0.42 + 0.16 * len(lines)
-    figure.tight_layout(rect=(0, bottom / height, 0.95, 1 - top / height), w_pad=5, h_pad=1)
+    top = 0.8 + 0.16 * len(lines)
+    figure.subplots_adjust(
+        left=0.95 / width,
+        right=1 - 0.75 / width,
+        bottom=(bottom + 0.5) / height,
+        top=1 - top / height,
+        wspace=gap,
+        hspace=0.21,
+    )

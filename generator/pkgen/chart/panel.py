@@ -120,14 +120,15 @@ def _line(axes, x: list[float], y: list[float], style: Style) -> None:
 
 
 def _scales(axes, axis: str, failures: bool) -> None:
-    from matplotlib.ticker import EngFormatter, FixedLocator, NullFormatter, NullLocator
+    from matplotlib.ticker import EngFormatter, FixedLocator, LogLocator, NullLocator
 
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(STRIP if failures else LEFT, RIGHT)
     axes.xaxis.set_major_locator(FixedLocator([10.0**-k for k in range(0, 16, 3)]))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_major_locator(LogLocator(numticks=12))
+    axes.yaxis.set_minor_locator(NullLocator())
     if axis == "seconds":
         axes.yaxis.set_major_formatter(EngFormatter("s"))
     axes.grid(True, which="major", color="#e4e4e4", lw=0.6)
