@@ -55,17 +55,16 @@ def methods(wanted: list[str] | None) -> list[Method]:
             order=int(m["order"]),
             flags=tuple(m["flags"]),
             requires=tuple(m["requires"]),
-            imaginary=_end(limits, "imaginary"),
-            real=_end(limits, "real"),
+            imaginary=_end(limits.get("imaginary")),
+            real=_end(limits.get("real")),
         )
     return [known[name] for name in (wanted if wanted is not None else known)]
 
 
-def _end(limits: dict, axis: str) -> float | None:
-    """null is: no end."""
-    if axis not in limits:
+def _end(limit: object) -> float | None:
+    if limit is None:
         return None
-    return math.inf if limits[axis] is None else float(limits[axis])
+    return math.inf if limit == "infinite" else float(limit)  # type: ignore[arg-type]
 
 
 def measure(
