@@ -40,7 +40,8 @@ MEMBERS = (
     ("#56B4E9", "^"),
     ("#000000", "X"),
 )
-STRONG_MOST = 8
+STRONG_MOST = 10
+NAMED_MOST = 14  # of more methods only the strong ones are named where all are
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
 # Text as text: a fraction of the size, and it can be searched.
 LOOK = {
@@ -100,12 +101,16 @@ def worst_drift(point: Point) -> float | None:
 
 
 def _strong(chart: Chart) -> set[str]:
-    """What the answers name, then what leads by either measure."""
+    """What the answers name, then what leads by either measure, then the best of each family."""
     named = [a.method.name for a in chart.answers if a.method]
     fronts = [front(chart.tracks, axis) for axis in AXES]
     longest = max(map(len, fronts))
     leading = [f[k] for k in range(longest) for f in fronts if k < len(f)]
-    return set(list(dict.fromkeys([*named, *leading]))[:STRONG_MOST])
+    families = [
+        front([t for t in chart.tracks if t.method.family == f], "seconds")[:1] for f in FAMILIES
+    ]
+    best = [name for found in families for name in found]
+    return set(list(dict.fromkeys([*named, *leading[:4], *best, *leading]))[:STRONG_MOST])
 
 
 def _curves(chart: Chart, axis: str, measure) -> list[Curve]:
@@ -116,8 +121,11 @@ def _overview(chart: Chart):
     from matplotlib import pyplot
 
     strong = _strong(chart)
+    named = {t.method.name for t in chart.tracks} if len(chart.tracks) <= NAMED_MOST else strong
     styles = {
-        t.method.name: Style(*STYLES[t.method.family], t.method.name in strong)
+        t.method.name: Style(
+            *STYLES[t.method.family], t.method.name in strong, t.method.name in named
+        )
         for t in chart.tracks
     }
     measures = [("error of the final state", lambda p: p.error)]
@@ -135,8 +143,8 @@ def _overview(chart: Chart):
             axes.set(xlabel=title, ylabel=UNITS[axis])
             if row == 0:
                 _answers(axes, chart, axis)
-    _legend(figure, chart)
-    _frame(figure, chart, bottom=0.75, height=height, gap=0.38)
+    _legend(figure, chart, len(strong) if len(named) < len(chart.tracks) else 0)
+    _frame(figure, chart, bottom=0.75, height=height, gaps=(0.42, 0.21))
     for name in names:
         name()
     return figure
@@ -166,7 +174,7 @@ def _families(chart: Chart):
         axes.set_xlabel("error of the final state")
     for line in grid:
         line[0].set_ylabel(UNITS["seconds"])
-    _frame(figure, chart, bottom=0.3, height=height, gap=0.22)
+    _frame(figure, chart, bottom=0.3, height=height, gaps=(0.28, 0.31))
     for name in names:
         name()
     return figure
@@ -204,8 +212,8 @@ def _answers(axes, chart: Chart, axis: str) -> None:
     )
 
 
-def _legend(figure, chart: Chart) -> None:
-    """Families by colour and marker, below."""
+def _legend(figure, chart: Chart, strong: int) -> None:
+    """Families by colour and marker, below; how many are strong, where the others have no name."""
     from matplotlib.lines import Line2D
 
     present = [f for f in FAMILIES if any(t.method.family == f for t in chart.tracks)]
@@ -213,6 +221,9 @@ def _legend(figure, chart: Chart) -> None:
         Line2D([], [], color=STYLES[f][0], marker=STYLES[f][1], label=f, lw=1.6, ms=5)
         for f in present
     ]
+    if strong:
+        label = f"not among the {strong} foremost: named in the picture by families"
+        handles.append(Line2D([], [], color="#888888", lw=0.8, alpha=0.6, label=label))
     figure.legend(
         handles=handles,
         loc="lower center",
@@ -223,8 +234,8 @@ def _legend(figure, chart: Chart) -> None:
     )
 
 
-def _frame(figure, chart: Chart, bottom: float, height: float, gap: float) -> None:
-    """Title, parameters, foot; `bottom` and `height` in inches, the gap in columns."""
+def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
+    """Title, parameters, foot; `bottom` and `height` in inches, the gaps in panels."""
     import textwrap
 
     width = figure.get_figwidth()
@@ -236,9 +247,9 @@ def _frame(figure, chart: Chart, bottom: float, height: float, gap: float) -> No
     top = 0.8 + 0.16 * len(lines)
     figure.subplots_adjust(
         left=0.95 / width,
-        right=1 - 0.75 / width,
+        right=1 - 0.98 / width,
         bottom=(bottom + 0.5) / height,
         top=1 - top / height,
-        wspace=gap,
-        hspace=0.21,
+        wspace=gaps[0],
+        hspace=gaps[1],
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 PAD = 1.0  # points around a text
+BESIDE = 66.0  # points right of the axes that labels may take
 # Where a label may be, as (dx, dy) in its own height from the anchor and how it is aligned there:
 # right of it first, ever further up and down, then left.
 REACH = (0.0, 0.6, -0.6, 1.1, -1.1, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.2, -4.2, 5.5, -5.5, 7, -7)
@@ -51,7 +52,7 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
     frame = axes.get_window_extent(renderer)
-    room = _Box(frame.x0, frame.y0, frame.x1 + 90 * scale, frame.y1)
+    room = _Box(frame.x0, frame.y0, frame.x1 + BESIDE * scale, frame.y1)
     covered = [p for xs, ys in curves for p in _along(axes.transData.transform, xs, ys)]
     taken: list[_Box] = []
     for label in labels:

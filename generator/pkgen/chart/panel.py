@@ -29,9 +29,10 @@ class Style:
     colour: str
     marker: str | None
     strong: bool
+    named: bool = True
 
 
-BEHIND = Style(PALE, None, False)
+BEHIND = Style(PALE, None, False, False)
 
 
 @dataclass(frozen=True)
@@ -91,9 +92,10 @@ def draw(
             _line(axes, x, y, style)
         if x and style is not BEHIND:
             drawn.append((x, y))
+        if x and style.named:
             size = 8.5 if style.strong else 6.3
             labels.append(Label(curve.name, x[-1], y[-1], style.colour, size, style.strong))
-        if failures and style is not BEHIND:
+        if failures and style.named:
             _failures(axes, curve, style)
     _scales(axes, curves[0].axis if curves else "", failures)
     if failures:
@@ -111,10 +113,10 @@ def _line(axes, x: list[float], y: list[float], style: Style) -> None:
         x,
         y,
         color=style.colour,
-        marker=style.marker,
+        marker=style.marker if style.named else None,
         ms=size,
         lw=1.9 if style.strong else 0.8,
-        alpha=1.0 if style.strong or style is BEHIND else 0.65,
+        alpha=1.0 if style.strong or style is BEHIND else 0.65 if style.named else 0.4,
         zorder=4 if style.strong else 2 if style is BEHIND else 3,
     )
 
