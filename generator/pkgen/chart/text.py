@@ -29,7 +29,8 @@ def preamble(chart: Chart) -> list[str]:
         f"reference: {chart.reference.text(chart.unit)}",
         chart.spectrum.text(chart.unit),
         "error: the largest of |x - reference| / max |x along the motion|, x each coordinate and "
-        "each rate, at the end; a Jacobian counts as 2n evaluations",
+        "each rate, at the end",
+        "time: one integration by one core, to itself; evaluations: a Jacobian counts as 2n of them",
     ]
     if chart.refused:
         lines.append(f"do not apply: {', '.join(chart.refused)}")
