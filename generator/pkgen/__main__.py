@@ -83,6 +83,14 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
 
 
+def _chart_arguments(parser: argparse.ArgumentParser) -> None:
+    # What it has no option of its own for is as in a run.
+    of_run = argparse.ArgumentParser()
+    _run_arguments(of_run)
+    parser.set_defaults(**vars(of_run.parse_args([])))
+    chart_command.arguments(parser)
+
+
 COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "compile": commands.compile_to_c,
     "check": commands.check,
@@ -94,7 +102,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
 ARGUMENTS = {
     "compile": _compile_arguments,
     "run": _run_arguments,
-    "chart": chart_command.arguments,
+    "chart": _chart_arguments,
 }
 
 LATER = frozenset(("stability", "export", "sweep", "fmt"))

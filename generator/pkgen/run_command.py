@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     # Members of an ensemble run in lanes, which loops do not have.
     unroll = None if options.ensemble else parsing.UNROLL
     compilation = compile_within_limits(
-        options, libm=options.libm, unroll=unroll, use=_use(options)
+        options, libm=options.libm, unroll=unroll, use=use_scene(options)
     )
     chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
     if options.ensemble:
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     return outcome.code
 
 
-def _use(options: argparse.Namespace) -> Callable[[Model], Model] | None:
+def use_scene(options: argparse.Namespace) -> Callable[[Model], Model] | None:
     """What the scene of the command line makes of the model."""
     if options.scene is None:
         return None

@@ -10,8 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from .. import options as parsing
+from .. import scene
 from ..commands import compile_within_limits
 from ..exits import DONE, NUMERICS_FAILED, UsageError
+from ..run_command import use_scene
 from . import chart as charts
 from . import table
 from .chart import Chart
@@ -25,6 +27,7 @@ from .text import report
 def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+    add("--scene", metavar="NAME", help="one scene of the model; options override it")
     add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
     add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
     add("--until", metavar="T", help="duration (default 10)")
@@ -32,29 +35,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
     add("--quick", action="store_true", help="fewer points, shorter laps, 15 s of measuring")
     add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
-    # What a run of one method asks for besides.
-    parser.set_defaults(
-        scene=None,
-        method=None,
-        step=None,
-        rtol=None,
-        atol=None,
-        every=None,
-        ensemble=None,
-        threads=None,
-        iteration="newton",
-        max_steps=1_000_000_000,
-        output=None,
-        libm=False,
-    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
     chosen = _methods(options.methods)
     effort = _effort(options)
-    compilation = compile_within_limits(options, unroll=None)
-    settings = parsing.settings(options, compilation)
+    compilation = compile_within_limits(options, unroll=None, use=use_scene(options))
+    chosen_scene = scene.chosen(compilation.model, options.scene) if options.scene else None
+    settings = parsing.settings(options, compilation, chosen=chosen_scene)
+    for event in compilation.model.events:
+        if event.stop:
+            note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
+            print(f"pkgen: {note}", file=sys.stderr)
     try:
         with _progress(compilation.model.name) as on_progress:
             chart = charts.measure(compilation, settings, chosen, effort, on_progress)
@@ -94,7 +87,8 @@ def _effort(options: argparse.Namespace) -> Effort:
 
 def _given(options: argparse.Namespace) -> list[str]:
     """The options that a run of one of the points repeats."""
-    words = [("--set", text) for text in options.set]
+    words = [("--scene", options.scene)] if options.scene else []
+    words += [("--set", text) for text in options.set]
     words += [("--start", text) for text in options.start]
     words += [("--size", text) for text in options.size]
     return [word for pair in words for word in pair]

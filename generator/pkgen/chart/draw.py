@@ -6,6 +6,7 @@ which readers with any usual colour vision tell apart; every curve is named wher
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 from . import table, text
@@ -72,16 +73,22 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
                 path = stem.with_name(name + suffix)
                 figure.savefig(path, **more)
                 if suffix == ".svg":
-                    _name_other_fonts(path)
+                    _tidy(path)
                 files.append(path)
             pyplot.close(figure)
     return files
 
 
-def _name_other_fonts(path: Path) -> None:
-    """Those as wide as the one that the labels were placed with, where it is not installed."""
-    text = path.read_text(encoding="utf-8")
-    path.write_text(text.replace("'DejaVu Sans'", FONTS), encoding="utf-8")
+def _tidy(path: Path) -> None:
+    """Other fonts as wide as the one that the labels were placed with, where that is not installed;
+    and no places to a millionth of a pixel, which are half of the file."""
+    text = path.read_text(encoding="utf-8").replace("'DejaVu Sans'", FONTS)
+    text = re.sub(
+        r'(?<= )(?:d|x|y|transform)="[^"]*"',
+        lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),
+        text,
+    )
+    path.write_text(text, encoding="utf-8")
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:

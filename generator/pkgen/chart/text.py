@@ -30,7 +30,7 @@ def preamble(chart: Chart) -> list[str]:
         chart.spectrum.text(chart.unit),
         "error: the largest of |x - reference| / max |x along the motion|, x each coordinate and "
         "each rate, at the end",
-        "time: one integration by one core, to itself; evaluations: a Jacobian counts as 2n of them",
+        "time: one integration, one core to itself; evaluations: a Jacobian counts as 2n of them",
     ]
     if chart.refused:
         lines.append(f"do not apply: {', '.join(chart.refused)}")
