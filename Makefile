@@ -1,5 +1,6 @@
 # make demo    generate, compile and run the models; print the drift table
 # make test    every test, under ten minutes (both set the machine up first)
+# make chart   accuracy against cost, all methods on all models
 # make bench   accuracy against cost, beside the peers
 
 VENV   := .venv
@@ -11,13 +12,14 @@ endif
 # Compiled runtimes and models are kept here, not in the home directory.
 export PKGEN_CACHE := $(CURDIR)/build/cache
 
-.PHONY: help setup demo test test-long test-licence test-python bench lint format golden install clean
+.PHONY: help setup demo test test-long test-licence test-python chart bench lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
 	@echo 'make test       every test, under ten minutes'
 	@echo 'make test-long  what takes longer'
+	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
@@ -44,6 +46,11 @@ test-python: $(STAMP)
 
 test-long: $(STAMP)
 	$(PYTHON) -m pytest -q -m long tests
+
+chart: $(STAMP)
+	@for model in models/*.lag; do $(PYTHON) -m pkgen chart $$model -o build/chart || exit 1; done
+	@$(if $(DOCS),for f in build/chart/*_chart.svg; do \
+	    cp $$f docs/pictures/chart_$$(basename $$f _chart.svg).svg || exit 1; done)
 
 # The peers have a Python environment of their own, build/bench/venv.
 BENCH_OPTIONS = $(if $(QUICK),--quick) $(if $(DOCS),--docs) $(if $(MODELS),--models $(MODELS))

@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 from . import __version__, commands, run_command
 from .build import BuildError
+from .chart import command as chart_command
 from .compiler import STAGES
 from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE, UsageError
 from .resources import ResourcesExceeded
@@ -84,26 +85,37 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
 
 
+def _chart_arguments(parser: argparse.ArgumentParser) -> None:
+    # What it has no option of its own for is as in a run.
+    of_run = argparse.ArgumentParser()
+    _run_arguments(of_run)
+    parser.set_defaults(**vars(of_run.parse_args([])))
+    chart_command.arguments(parser)
+
+
 COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "compile": commands.compile_to_c,
     "check": commands.check,
     "explain": commands.explain,
     "run": run_command.run,
+    "chart": chart_command.run,
     "stability": stability_command.run,
     "methods": commands.methods,
 }
 ARGUMENTS = {
     "compile": _compile_arguments,
     "run": _run_arguments,
+    "chart": _chart_arguments,
     "stability": stability_command.arguments,
 }
 
-LATER = frozenset(("chart", "export", "sweep", "fmt"))
+LATER = frozenset(("export", "sweep", "fmt"))
 
 OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c (default: here)
        pkgen check MODEL.lag        errors and warnings only
        pkgen explain MODEL.lag      equations, structure
        pkgen run MODEL.lag          compile and integrate; CSV to standard output
+       pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen stability MODEL.lag    where each method fails, predicted and measured
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)

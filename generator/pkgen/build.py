@@ -21,6 +21,7 @@ from pathlib import Path
 import pkgen_runtime
 
 from .cache import cache_directory
+from .inlined import inline_flags
 
 RUNTIME = Path(pkgen_runtime.__file__).parent
 # No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
@@ -37,18 +38,6 @@ FLAGS = (
 )
 # For this very processor; the first that the compiler accepts.
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
-# Whose steps are compiled together with the model, by its -DPK_INLINE_; see pk/inlined.h.
-INLINED = {
-    method: family
-    for family, methods in {
-        "ERK": "euler rk2 rk3 rk4",
-        "EMBEDDED": "dopri5 dop853",
-        "SPLITTING": "symplectic_euler verlet yoshida4 suzuki4 mclachlan4 blanes_moan4 "
-        "yoshida6 kahan_li6 blanes_moan6 yoshida8 kahan_li8",
-        "GAUSS": "gauss",
-    }.items()
-    for method in methods.split()
-}
 STANDARD = "-std=c11"
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
 TIMEOUT_SECONDS = 300
@@ -185,20 +174,21 @@ const struct pk_system *const run_system = &{name}_system;
 
 
 def build_program(
-    files: dict[str, str], name: str, method: str | None = None, *, ensemble: bool = False
+    files: dict[str, str],
+    name: str,
+    *methods: str | None,
+    ensemble: bool = False,
+    tools: Toolchain | None = None,
 ) -> Path:
     """A program that integrates the model NAME, from its generated files, by any method; by
-    `method` fastest, and by blocks of an ensemble's members.
+    `methods` fastest, and by blocks of an ensemble's members.
 
     Raises BuildError with what the compiler said.
     """
-    tools = find_toolchain()
+    tools = tools or find_toolchain()
     library = runtime_library(tools)
-    family = INLINED.get(method or "")
-    inlined = [f"-DPK_INLINE_{family}"] if family else []
-    if family in ("ERK", "EMBEDDED", "SPLITTING"):  # that method alone: others only take time
-        inlined.append(f"-DPK_{family}_METHODS(X)=X({method})")
-    inlined += ["-DPK_INLINE_ENSEMBLE"] if family and ensemble else []
+    inlined = inline_flags(methods)
+    inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
     parts = (library.name, inlined, sorted(files.items()))
     digest = hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
     directory = cache_directory() / "programs" / f"{name[:40]}-{digest}"

@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     unroll = None if options.ensemble else parsing.UNROLL
     kernels = diagnostics.kernels(diagnostics.asked(options.diagnose, options.ensemble))
     compilation = compile_within_limits(
-        options, libm=options.libm, unroll=unroll, kernels=kernels, use=_use(options)
+        options, libm=options.libm, unroll=unroll, kernels=kernels, use=use_scene(options)
     )
     chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
     if options.ensemble:
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     return outcome.code
 
 
-def _use(options: argparse.Namespace) -> Callable[[Model], Model] | None:
+def use_scene(options: argparse.Namespace) -> Callable[[Model], Model] | None:
     """What the scene of the command line makes of the model."""
     if options.scene is None:
         return None

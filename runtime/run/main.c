@@ -19,6 +19,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "chart.h"
 #include "diagnose.h"
 #include "ensemble.h"
 #include "stability.h"
@@ -289,11 +290,13 @@ int main(int argc, char **argv)
     static char buffer[1 << 16];
     if (argc == 2 && strcmp(argv[1], "--methods") == 0)
         return output_methods(stdout) ? 2 : 0;
+    if (argc == 3 && strcmp(argv[1], "--chart") == 0)
+        return chart_run(argv[2]);
     if (argc == 3 && strcmp(argv[1], "--stability") == 0)
         return stability_run(argv[2]);
     if (argc > 1) {
-        fprintf(stderr, "run: settings come on standard input; options are --methods and "
-                        "--stability FILE\n");
+        fprintf(stderr, "run: settings come on standard input; the options are --methods, "
+                        "--chart FILE and --stability FILE\n");
         return 2;
     }
     int code = settings_read(&run.settings, run_system, stdin);

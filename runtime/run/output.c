@@ -54,7 +54,7 @@ void output_header(struct run *run, FILE *file)
     fputs(",energy\n", file);
 }
 
-static int finite(pk_real x) { return x - x == PK_C(0.0); }
+static int is_finite(pk_real x) { return x - x == PK_C(0.0); }
 
 /* The columns that were asked for; the name of the first that is not finite, or NULL. */
 static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
@@ -72,7 +72,7 @@ static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_re
                           : show->kind == 'o' ? out[show->index]
                                               : system->energy(s->params, t, q, v, s->u);
         fprintf(file, ",%.17g", (double)x);
-        if (!finite(x) && !bad)
+        if (!is_finite(x) && !bad)
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
     return bad;
@@ -92,12 +92,12 @@ static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_re
         system->observe(s->params, t, q, v, s->u, out);
     for (size_t i = 0; i < system->n_observed; i++) {
         fprintf(file, ",%.17g", (double)out[i]);
-        if (!finite(out[i]) && !bad)
+        if (!is_finite(out[i]) && !bad)
             bad = system->observed[i].name;
     }
     const pk_real energy = system->energy(s->params, t, q, v, s->u);
     fprintf(file, ",%.17g", (double)energy);
-    return finite(energy) || bad ? bad : "energy";
+    return is_finite(energy) || bad ? bad : "energy";
 }
 
 /* The motion may be valid where what is computed from it is not: rows go on, the run says so. */

@@ -130,5 +130,38 @@ assert abs(found[\"rk4\"][\"limits\"][\"real\"] - 2.7852935634) < 1e-9, found[\"
 assert found[\"gauss4\"][\"limits\"][\"imaginary\"] == \"infinite\", found[\"gauss4\"]
 assert found[\"verlet\"][\"limits\"][\"real\"] is None, found[\"verlet\"]'"
 
+# Points of a chart: settings from a file, a request a line, an answer a line.
+printf 'method rk4\nuntil 10\nstart q 0 0.7\n' >"$tmp/settings"
+cat >"$tmp/chart.py" <<'END'
+import json, sys
+given, rk4, slow, euler, path, linear = map(json.loads, sys.stdin)
+assert given["q"] == [0.7], given
+assert rk4["status"] == "PK_DONE" and rk4["steps"] == 334 and rk4["evaluations"] == 4 * 334, rk4
+assert 0 < rk4["seconds"] < 1 and rk4["t"] == 10 and not rk4["slow"], rk4
+assert 1e-12 < rk4["drifts"][0]["max"] < 1e-6, rk4
+assert slow["slow"] and slow["t"] < 10 and slow["seconds"] is None, slow
+assert euler["status"] == "PK_DONE" and euler["drifts"][0]["max"] > 1e-3, euler
+assert [round(s["t"], 9) for s in path["states"]] == [0, 2.5, 5, 7.5, 10], path
+assert abs(path["states"][-1]["q"][0][0] - rk4["q"][0][0]) < 1e-5, path
+assert len(linear["states"]) == 3 and linear["states"][0]["a_q"][0] < 0, linear
+END
+chart() { # chart REQUESTS...; leaves code, out.csv, err
+    printf '%s\n' "$@" | "$dir/run_pendulum" --chart "$tmp/settings" >"$tmp/out.csv" 2>"$tmp/err"
+    code=$?
+}
+chart given 'point rk4 0.03 0.001 1' 'point verlet 1e-8 0.001 0.01' \
+    'point euler 0.01 0.001 1' 'path dop853 1e-10 4 1' 'jacobians rk4 0.1 2 1'
+check "chart: exit 0" [ $code -eq 0 ]
+check "chart: answers" python3 "$tmp/chart.py" <"$tmp/out.csv"
+printf 'method dop853\nuntil 3\n' >"$tmp/settings"
+printf 'point dop853 1e-9 0.001 1\n' | "$dir/run_broken" --chart "$tmp/settings" >"$tmp/out.csv"
+check "chart: a failure is a point" grep -q '"PK_NOT_FINITE".*last valid.*"t": 1.2.*"seconds": null' "$tmp/out.csv"
+for bad in 'point rk4 x 1 1' 'point rk4 0.1 1' 'point nosuch 0.1 1 1' 'path rk4 0.1 0 1' 'what rk4 1 1 1' \
+    'point rk4 -1 1 1' 'point rk4 0.1 1 1 1'; do
+    chart "$bad"
+    check "chart: usage error for $bad" [ $code -eq 2 ]
+    check "chart: and says why" [ -s "$tmp/err" ]
+done
+
 echo "driver: $count checks passed"
 exit $failed

@@ -1,0 +1,169 @@
+"""`pkgen chart`: from its options to its files and its exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from .. import options as parsing
+from .. import scene
+from ..commands import compile_within_limits
+from ..exits import DONE, NUMERICS_FAILED, UsageError
+from ..run_command import use_scene
+from . import chart as charts
+from . import table
+from .chart import Chart
+from .measure import Broken
+from .points import Method
+from .reference import NoReference
+from .sweep import Effort
+from .text import report
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+    add("--scene", metavar="NAME", help="one scene of the model; options override it")
+    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
+    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
+    add("--until", metavar="T", help="duration (default 10)")
+    add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
+    add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
+    add("--quick", action="store_true", help="fewer points, shorter laps, 15 s of measuring")
+    add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Chart accuracy against cost, by every method that applies."""
+    chosen = _methods(options.methods)
+    effort = _effort(options)
+    compilation = compile_within_limits(options, unroll=None, use=use_scene(options))
+    chosen_scene = scene.chosen(compilation.model, options.scene) if options.scene else None
+    settings = parsing.settings(options, compilation, chosen=chosen_scene)
+    for event in compilation.model.events:
+        if event.stop:
+            note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
+            print(f"pkgen: {note}", file=sys.stderr)
+    try:
+        with _progress(compilation.model.name) as on_progress:
+            chart = charts.measure(compilation, settings, chosen, effort, on_progress)
+    except (NoReference, Broken) as error:
+        return _fail(options, str(error))
+    if not any(track.good for track in chart.tracks):
+        return _fail(options, "no method arrived with an error below that of no motion at all")
+    files = _write(Path(options.directory), chart, options)
+    if options.json:
+        print(json.dumps(_record(chart, files), indent=1))
+    else:
+        print(report(chart, options.model, _given(options)), end="")
+        print(f"\nwritten: {', '.join(map(str, files))}")
+    return DONE
+
+
+def _methods(text: str | None) -> list[Method]:
+    wanted = None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+    try:
+        found = charts.methods(wanted)
+    except KeyError as unknown:
+        raise UsageError(
+            f"--methods {unknown.args[0]}: there is no such method; see pkgen methods"
+        ) from None
+    if not found:
+        raise UsageError("--methods: name one at least")
+    return found
+
+
+def _effort(options: argparse.Namespace) -> Effort:
+    if options.points is not None and options.points < 2:
+        raise UsageError(f"--points {options.points}: 2 at least")
+    if options.seconds is not None and not options.seconds > 0:
+        raise UsageError(f"--seconds {options.seconds:g}: must be positive")
+    return Effort.usual(options.points, options.seconds, options.quick)
+
+
+def _given(options: argparse.Namespace) -> list[str]:
+    """The options that a run of one of the points repeats."""
+    words = [("--scene", options.scene)] if options.scene else []
+    words += [("--set", text) for text in options.set]
+    words += [("--start", text) for text in options.start]
+    words += [("--size", text) for text in options.size]
+    return [word for pair in words for word in pair]
+
+
+def _write(directory: Path, chart: Chart, options: argparse.Namespace) -> list[Path]:
+    from . import draw, page
+
+    directory.mkdir(parents=True, exist_ok=True)
+    text = report(chart, options.model, _given(options))
+    stem = directory / f"{chart.model}_chart"
+    files = draw.pictures(chart, stem)
+    for suffix, content in (
+        (".csv", table.as_csv(chart.tracks)),
+        (".html", page.html(chart, text, [f for f in files if f.suffix == ".svg"])),
+    ):
+        stem.with_suffix(suffix).write_text(content, encoding="utf-8")
+        files.append(stem.with_suffix(suffix))
+    return files
+
+
+def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
+    """The chart as JSON."""
+    reference = chart.reference
+    return {
+        "model": chart.model,
+        "until": chart.until,
+        "values": {name: value for name, value, _ in chart.values},
+        "reference": {
+            "error": reference.error,
+            "holds": reference.holds,
+            "scalar": reference.scalar,
+            "final": [float(x) for x in reference.final],
+            "scales": reference.scales,
+        },
+        "omega": chart.spectrum.omega,
+        "limits": {
+            track.method.name: limit
+            for track in chart.tracks
+            if (limit := chart.spectrum.limit(track.method)) is not None
+        },
+        "answers": [
+            {
+                "accuracy": a.accuracy,
+                "cheapest_in": a.axis,
+                "reason": a.reason,
+                **(table.record(a.method, a.point) if a.method and a.point else {"method": None}),
+            }
+            for a in chart.answers
+        ],
+        "refused": chart.refused,
+        "points": table.rows(chart.tracks),
+        "files": [str(file) for file in files],
+    }
+
+
+def _fail(options: argparse.Namespace, message: str) -> int:
+    if options.json:
+        print(json.dumps({"error": message, "code": NUMERICS_FAILED}))
+    else:
+        print(f"pkgen: {message}", file=sys.stderr)
+    return NUMERICS_FAILED
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar on standard error if that is a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda text, part: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda text, part: bar.update(
+            task, completed=part, description=f"{title}: {text}" if text else title
+        )

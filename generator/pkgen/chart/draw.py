@@ -1,0 +1,262 @@
+"""The pictures of a chart. One has all methods, a colour and a marker a family, and those that are
+cheapest somewhere strong; the other a panel a family. Colours are those of M. Okabe and K. Ito,
+which readers with any usual colour vision tell apart; every curve is named where it ends.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+from . import table, text
+from .answer import AXES
+from .chart import Chart
+from .panel import FAILED, UNITS, Curve, Style, draw
+from .points import FAMILIES, Point, Track
+
+# Of a family: colour and marker.
+STYLES = dict(
+    zip(
+        FAMILIES,
+        (
+            ("#E69F00", "D"),
+            ("#D55E00", "o"),
+            ("#0072B2", "s"),
+            ("#56B4E9", "^"),
+            ("#000000", "*"),
+            ("#CC79A7", "P"),
+            ("#009E73", "v"),
+        ),
+        strict=True,
+    )
+)
+# Of the members of a family, in turn.
+MEMBERS = (
+    ("#0072B2", "s"),
+    ("#D55E00", "o"),
+    ("#009E73", "v"),
+    ("#CC79A7", "P"),
+    ("#E69F00", "D"),
+    ("#56B4E9", "^"),
+    ("#000000", "X"),
+)
+STRONG_MOST = 10
+NAMED_MOST = 14  # of more methods only the strong ones are named where all are
+FONTS = "'DejaVu Sans', Verdana, sans-serif"
+# Text as text: a fraction of the size, and it can be searched.
+LOOK = {
+    "svg.hashsalt": "pkgen",
+    "svg.fonttype": "none",
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+}
+LINE = 165  # characters of a subtitle
+FOOT = (
+    "× failed, or lost: an error as large as the motion.   "
+    "⋯ the step predicted to be the last stable one."
+)
+
+
+def pictures(chart: Chart, stem: Path) -> list[Path]:
+    """STEM.svg, STEM.png, and the same of STEM_families."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    files = []
+    with pyplot.rc_context(LOOK):
+        for name, make in ((stem.name, _overview), (f"{stem.name}_families", _families)):
+            figure = make(chart)
+            for suffix, more in ((".svg", {"metadata": {"Date": None}}), (".png", {"dpi": 120})):
+                path = stem.with_name(name + suffix)
+                figure.savefig(path, **more)
+                if suffix == ".svg":
+                    _tidy(path)
+                files.append(path)
+            pyplot.close(figure)
+    return files
+
+
+def _tidy(path: Path) -> None:
+    """Other fonts as wide as the one that the labels were placed with, where that is not installed;
+    and no places to a millionth of a pixel, which are half of the file."""
+    text = path.read_text(encoding="utf-8").replace("'DejaVu Sans'", FONTS)
+    text = re.sub(
+        r'(?<= )(?:d|x|y|transform)="[^"]*"',
+        lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),
+        text,
+    )
+    path.write_text(text, encoding="utf-8")
+
+
+def front(tracks: list[Track], axis: str) -> list[str]:
+    """The methods that are cheapest at some error, the most often so first."""
+    wins: dict[str, int] = {}
+    for k in range(4, 57):
+        error = 10 ** (-k / 4)
+        costs = [(c, t.method.name) for t in tracks if (c := t.cost_at(error, axis)) is not None]
+        if costs:
+            name = min(costs)[1]
+            wins[name] = wins.get(name, 0) + 1
+    return sorted(wins, key=lambda name: -wins[name])
+
+
+def worst_drift(point: Point) -> float | None:
+    return max(point.drifts.values(), default=None)
+
+
+def _strong(chart: Chart) -> set[str]:
+    """What the answers name, then what leads by either measure, then the best of each family."""
+    named = [a.method.name for a in chart.answers if a.method]
+    fronts = [front(chart.tracks, axis) for axis in AXES]
+    longest = max(map(len, fronts))
+    leading = [f[k] for k in range(longest) for f in fronts if k < len(f)]
+    families = [
+        front([t for t in chart.tracks if t.method.family == f], "seconds")[:1] for f in FAMILIES
+    ]
+    best = [name for found in families for name in found]
+    return set(list(dict.fromkeys([*named, *leading[:4], *best, *leading]))[:STRONG_MOST])
+
+
+def _curves(chart: Chart, axis: str, measure) -> list[Curve]:
+    return [Curve(t, axis, measure, chart.spectrum.limit(t.method)) for t in chart.tracks]
+
+
+def _overview(chart: Chart):
+    from matplotlib import pyplot
+
+    strong = _strong(chart)
+    named = {t.method.name for t in chart.tracks} if len(chart.tracks) <= NAMED_MOST else strong
+    styles = {
+        t.method.name: Style(
+            *STYLES[t.method.family], t.method.name in strong, t.method.name in named
+        )
+        for t in chart.tracks
+    }
+    measures = [("error of the final state", lambda p: p.error)]
+    kept = table.invariants(chart.tracks)
+    if kept:
+        named = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
+        measures.append((f"largest drift on the way ({named})", worst_drift))
+    rows = len(measures)
+    height = 1.9 + 4.0 * rows
+    figure, grid = pyplot.subplots(rows, 2, figsize=(11, height), squeeze=False, sharey="col")
+    names = []
+    for row, (title, measure) in enumerate(measures):
+        for axes, axis in zip(grid[row], AXES, strict=True):
+            names.append(draw(axes, _curves(chart, axis, measure), styles, chart, row == 0))
+            axes.set(xlabel=title, ylabel=UNITS[axis])
+            if row == 0:
+                _answers(axes, chart, axis)
+    _legend(figure, chart, len(strong) if len(named) < len(chart.tracks) else 0)
+    _frame(figure, chart, bottom=0.75, height=height, gaps=(0.42, 0.21))
+    for name in names:
+        name()
+    return figure
+
+
+def _families(chart: Chart):
+    from matplotlib import pyplot
+
+    members = {f: [t for t in chart.tracks if t.method.family == f] for f in FAMILIES}
+    members = {family: tracks for family, tracks in members.items() if tracks}
+    columns = min(len(members), 2 if len(members) < 5 else 3)
+    rows = math.ceil(len(members) / columns)
+    height = 1.7 + 3.6 * rows
+    figure, grid = pyplot.subplots(
+        rows, columns, figsize=(1 + 4.5 * columns, height), squeeze=False, sharey=True
+    )
+    names, cells = [], list(grid.flat)
+    for axes in cells[len(members) :]:
+        axes.axis("off")
+    for axes, (family, tracks) in zip(cells, members.items(), strict=False):
+        styles = {
+            t.method.name: Style(*MEMBERS[k % len(MEMBERS)], True) for k, t in enumerate(tracks)
+        }
+        curves = _curves(chart, "seconds", lambda p: p.error)
+        names.append(draw(axes, curves, styles, chart, True))
+        axes.set_title(family)
+        axes.set_xlabel("error of the final state")
+    for line in grid:
+        line[0].set_ylabel(UNITS["seconds"])
+    _frame(figure, chart, bottom=0.3, height=height, gaps=(0.28, 0.31))
+    for name in names:
+        name()
+    return figure
+
+
+def _answers(axes, chart: Chart, axis: str) -> None:
+    """Over the axes, at each accuracy, what is cheapest there."""
+    for answer in chart.answers:
+        if answer.axis != axis:
+            continue
+        at = {"ha": "center", "va": "bottom", "fontsize": 7.5}
+        if answer.point is None or answer.method is None:
+            said = "none"
+        elif axis == "seconds":
+            said = f"{answer.method.name}\n{text.seconds(answer.point.seconds or 0)}"
+        else:
+            said = f"{answer.method.name}\n{answer.point.work:,}"
+        axes.annotate(
+            said,
+            (answer.accuracy, 1.0),
+            (0, 3),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            **at,
+        )
+        axes.axvline(answer.accuracy, color="#999999", lw=0.6, ls="--", zorder=1)
+    axes.annotate(
+        "cheapest",
+        (0.0, 1.0),
+        (-30, 3),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=7.5,
+        style="italic",
+    )
+
+
+def _legend(figure, chart: Chart, strong: int) -> None:
+    """Families by colour and marker, below; how many are strong, where the others have no name."""
+    from matplotlib.lines import Line2D
+
+    present = [f for f in FAMILIES if any(t.method.family == f for t in chart.tracks)]
+    handles = [
+        Line2D([], [], color=STYLES[f][0], marker=STYLES[f][1], label=f, lw=1.6, ms=5)
+        for f in present
+    ]
+    if strong:
+        label = f"not among the {strong} foremost: named in the picture by families"
+        handles.append(Line2D([], [], color="#888888", lw=0.8, alpha=0.6, label=label))
+    figure.legend(
+        handles=handles,
+        loc="lower center",
+        ncols=min(4, len(handles)),
+        frameon=False,
+        fontsize=8,
+        bbox_to_anchor=(0.5, 0.012 * 11 / figure.get_figheight() + 0.012),
+    )
+
+
+def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
+    """Title, parameters, foot; `bottom` and `height` in inches, the gaps in panels."""
+    import textwrap
+
+    width = figure.get_figwidth()
+    lines = textwrap.wrap(f"{chart.subtitle()}; {chart.time}", int(LINE * width / 11))
+    title = f"{chart.model.replace('_', ' ')}: accuracy against cost (right and low is better)"
+    figure.suptitle(title, y=1 - 0.12 / height, va="top", fontsize=12, weight="bold")
+    figure.text(0.5, 1 - 0.38 / height, "\n".join(lines), ha="center", va="top", fontsize=8)
+    figure.text(0.5, 0.06 / height, FOOT, ha="center", va="bottom", fontsize=8, color=FAILED)
+    top = 0.8 + 0.16 * len(lines)
+    figure.subplots_adjust(
+        left=0.95 / width,
+        right=1 - 0.98 / width,
+        bottom=(bottom + 0.5) / height,
+        top=1 - top / height,
+        wspace=gaps[0],
+        hspace=gaps[1],
+    )

@@ -1,0 +1,123 @@
+"""The driver as it measures points of one model (runtime/run/chart.c): a request a line, an
+answer a line."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import subprocess
+import tempfile
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+
+from ..simulate import Settings
+from .points import Method, Point
+
+
+class Broken(Exception):
+    """The program ended, or said what it should not; the text is its own message."""
+
+
+class Exact(list):
+    """A state of more digits than a double's: a fraction for each coordinate, then each rate."""
+
+    @staticmethod
+    def of(state: dict[str, list]) -> Exact:
+        pairs = [*state["q"], *state["v"]]
+        if any(x is None for pair in pairs for x in pair):
+            raise Broken("a state is not finite")
+        return Exact(Fraction(high) + Fraction(low) for high, low in pairs)
+
+
+def difference(one: Exact, other: Exact, scales: list[float]) -> float:
+    """The largest difference of a coordinate or rate, relative to its scale."""
+    return max(float(abs(a - b)) / s for a, b, s in zip(one, other, scales, strict=True))
+
+
+class Program:
+    """One model in one precision, with settings that stay; a context manager."""
+
+    def __init__(self, path: Path, settings: Settings):
+        self.path = path
+        self.settings = settings
+
+    def __enter__(self) -> Program:
+        self._scratch = tempfile.TemporaryDirectory(prefix="pkgen-")
+        lines = Path(self._scratch.name) / "settings"
+        lines.write_text("\n".join(self.settings.lines()) + "\n", encoding="utf-8")
+        self._child = subprocess.Popen(
+            [self.path, "--chart", lines],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is not None:
+            self._child.kill()
+        with contextlib.suppress(BrokenPipeError):
+            self._child.communicate()
+        self._scratch.cleanup()
+
+    def ask(self, *words: object) -> dict:
+        assert self._child.stdin is not None and self._child.stdout is not None
+        said = [word.hex() if isinstance(word, float) else str(word) for word in words]
+        with contextlib.suppress(BrokenPipeError):
+            self._child.stdin.write(" ".join(said) + "\n")
+            self._child.stdin.flush()
+        line = self._child.stdout.readline()
+        if not line:
+            assert self._child.stderr is not None
+            message = self._child.stderr.read().strip()
+            raise Broken(message or f"the driver ended with code {self._child.wait()}")
+        return json.loads(line)
+
+    def given(self) -> Settings:
+        """The settings with every parameter and start written out, as doubles."""
+        found = self.ask("given")
+        return replace(
+            self.settings,
+            parameters=tuple(enumerate(map(float, found["parameters"]))),
+            start_q=tuple(enumerate(map(float, found["q"]))),
+            start_v=tuple(enumerate(map(float, found["v"]))),
+        )
+
+    def point(
+        self,
+        method: Method,
+        setting: float,
+        seconds: float,
+        cap: float,
+        exact: Exact,
+        scales: list[float],
+    ) -> Point:
+        """One integration and laps of it, compared with the exact final state."""
+        found = self.ask("point", method.name, setting, seconds, cap)
+        error = None
+        if found["status"] == "PK_DONE" and not found["slow"]:
+            error = difference(Exact.of(found), exact, scales)
+        return Point(
+            method=method.name,
+            setting=setting,
+            status=found["status"],
+            reason=found["reason"],
+            slow=found["slow"],
+            t=found["t"],
+            error=error,
+            seconds=found["seconds"],
+            steps=found["steps"],
+            rejections=found["rejections"],
+            evaluations=found["evaluations"],
+            jacobians=found["jacobians"],
+            work=found["evaluations"] + len(exact) * found["jacobians"],
+            drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
+        )

@@ -1,0 +1,152 @@
+"""One work-precision diagram: error (or drift) to the right ever smaller, cost upwards, both
+logarithmic, as they are drawn since Hairer, Norsett and Wanner (Solving Ordinary Differential
+Equations I, II.10). Right and low is better.
+
+Points that failed stand as crosses in a strip at the left, at what they would have cost. A dotted
+line from there ends on the curve where its step is the predicted limit of stability: what lies
+below it in the strip is over the cliff.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from .chart import Chart
+from .labels import Label, place
+from .points import Point, Track
+
+LEFT, RIGHT = 2.0, 1e-16  # of the error's axis
+STRIP = 100.0  # between LEFT and it is where failures stand
+PALE = "#d9d9d9"
+FAILED = "#8a3a10"
+UNITS = {"seconds": "time of one integration", "work": "evaluations (a Jacobian: 2n of them)"}
+
+
+@dataclass(frozen=True)
+class Style:
+    colour: str
+    marker: str | None
+    strong: bool
+    named: bool = True
+
+
+BEHIND = Style(PALE, None, False, False)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A method's points, of which `measure` is drawn against the cost; `limit` is a step."""
+
+    track: Track
+    axis: str
+    measure: Callable[[Point], float | None]
+    limit: float | None
+
+    @property
+    def name(self) -> str:
+        return self.track.method.name
+
+    def good(self) -> list[tuple[float, float, Point]]:
+        """To the most accurate one and the one after it: those beyond are round-off, dearer."""
+        good = self.track.good
+        errors = [p.error or 0.0 for p in good]
+        found = []
+        for point in good[: errors.index(min(errors)) + 2 if errors else 0]:
+            value, cost = self.measure(point), point.cost(self.axis)
+            if value is not None and cost:
+                found.append((min(max(value, 1.5 * RIGHT), 1.0), cost, point))
+        return found
+
+    def failures(self) -> list[float]:
+        """What failed points cost or would have cost: as the first good one, times the steps."""
+        good, found = self.good(), []
+        for point in (p for p in self.track.points if p.failed):
+            cost = point.cost(self.axis)
+            if point.arrived and cost:
+                found.append(cost)
+            elif good:
+                fewer = good[0][2].setting / point.setting if self.track.method.fixed else 1.0
+                found.append(good[0][1] * fewer)
+        return found
+
+    def cliff(self) -> tuple[float, float] | None:
+        """Where on the curve the step is the limit: error (no larger than 1) and cost."""
+        good = self.good()
+        if self.limit is None or not good:
+            return None
+        nearest = min(good, key=lambda g: abs(math.log(g[2].setting / self.limit)))
+        return nearest[0], nearest[1] * nearest[2].setting / self.limit
+
+
+def draw(
+    axes, curves: list[Curve], styles: Mapping[str, Style], chart: Chart, failures: bool
+) -> Callable[[], None]:
+    """The curves, now; returns what is to be called for the names once the figure is laid out."""
+    drawn, labels = [], []
+    for curve in sorted(curves, key=lambda c: styles.get(c.name, BEHIND).strong):
+        style = styles.get(curve.name, BEHIND)
+        x, y = [g[0] for g in curve.good()], [g[1] for g in curve.good()]
+        if x:
+            _line(axes, x, y, style)
+        if x and style is not BEHIND:
+            drawn.append((x, y))
+        if x and style.named:
+            size = 8.5 if style.strong else 6.3
+            labels.append(Label(curve.name, x[-1], y[-1], style.colour, size, style.strong))
+        if failures and style.named:
+            _failures(axes, curve, style)
+    _scales(axes, curves[0].axis if curves else "", failures)
+    if failures:
+        axes.axvspan(STRIP, LEFT, color="#f6ebe6", zorder=0, lw=0)
+        axes.text(0.01, 0.99, "failed", transform=axes.transAxes, va="top", size=7.5, color=FAILED)
+        if chart.reference.error > 2 * RIGHT:
+            axes.axvspan(chart.reference.error, RIGHT, color="#eeeeee", zorder=0, lw=0)
+    labels.reverse()  # strong ones first
+    return lambda: place(axes, labels, drawn)
+
+
+def _line(axes, x: list[float], y: list[float], style: Style) -> None:
+    size = {True: 4.0, False: 2.4}[style.strong] * (1.5 if style.marker == "*" else 1.0)
+    axes.plot(
+        x,
+        y,
+        color=style.colour,
+        marker=style.marker if style.named else None,
+        ms=size,
+        lw=1.9 if style.strong else 0.8,
+        alpha=1.0 if style.strong or style is BEHIND else 0.65 if style.named else 0.4,
+        zorder=4 if style.strong else 2 if style is BEHIND else 3,
+    )
+
+
+def _scales(axes, axis: str, failures: bool) -> None:
+    from matplotlib.ticker import EngFormatter, FixedLocator, LogLocator, NullLocator
+
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(STRIP if failures else LEFT, RIGHT)
+    axes.xaxis.set_major_locator(FixedLocator([10.0**-k for k in range(0, 16, 3)]))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_locator(LogLocator(numticks=12))
+    axes.yaxis.set_minor_locator(NullLocator())
+    if axis == "seconds":
+        axes.yaxis.set_major_formatter(EngFormatter("s"))
+    axes.grid(True, which="major", color="#e4e4e4", lw=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _failures(axes, curve: Curve, style: Style) -> None:
+    costs, strong = curve.failures(), style.strong
+    middle = math.sqrt(STRIP * LEFT)
+    width = 1.3 if strong else 0.8
+    at = {"color": style.colour, "zorder": 5 if strong else 3}
+    axes.plot([middle] * len(costs), costs, "x", ms=5 if strong else 3.2, mew=width, **at)
+    cliff = curve.cliff()
+    if cliff is None:
+        return
+    error, cost = cliff
+    axes.plot([LEFT, error], [cost, cost], ":", lw=width, **at)
+    axes.plot([LEFT], [cost], "_", ms=10, mew=2 * width, **at)

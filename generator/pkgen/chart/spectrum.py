@@ -1,0 +1,79 @@
+"""Frequencies along a motion, and where they put the limit of a method with a fixed step.
+
+About a state the equations of motion are those of y' = J y, with J = [[0, 1], [da/dq, da/dv]]. A
+method is stable where h times each eigenvalue of J lies in its region of stability; of that region
+the ends on the imaginary and on the real axis are known (`pkgen methods`). So with omega the
+largest imaginary part of any eigenvalue at any of many times, and rho the largest -(real part) of
+those that are real (where nothing is dissipated such a one is a saddle, which the motion passes),
+
+    h_limit = min(y_imaginary / omega, y_real / rho).
+
+For a nonlinear motion this is a guide and no theorem: it spends only part of its time where it
+is fastest. Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .measure import Program
+from .points import Method
+
+TIMES = 200
+TOLERANCE = 1e-8
+SLOWEST = 10.0  # seconds
+DAMPED = 1e-6  # an eigenvalue with a smaller imaginary part, relative to its size, is real
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Of the motion up to `until`; rates per unit of time, 0 where there are none."""
+
+    omega: float
+    rho: float
+    until: float
+
+    @property
+    def fastest(self) -> float:
+        return max(self.omega, self.rho) or 1.0 / self.until
+
+    def limit(self, method: Method) -> float | None:
+        """The step at which a fixed-step method stops being stable; None: none, or not known."""
+        if not method.fixed:
+            return None
+        limits = [
+            end / rate
+            for end, rate in ((method.imaginary, self.omega), (method.real, self.rho))
+            if end is not None and math.isfinite(end) and end > 0 and rate > 0
+        ]
+        return min(limits) if limits else None
+
+    def text(self, time: str) -> str:
+        turns = self.omega * self.until / (2 * math.pi)
+        unit = f" rad/{time}" if time else ""
+        said = f"fastest oscillation along the motion {self.omega:.4g}{unit}: {turns:.3g} periods"
+        if self.rho > 0:
+            said += f"; fastest decay {self.rho:.3g}{f' /{time}' if time else ''}"
+        return said
+
+
+def find(program: Program, method: str, until: float, dissipative: bool) -> Spectrum:
+    """Along the motion as `method`, an adaptive one, makes it."""
+    import numpy
+
+    found = program.ask("jacobians", method, TOLERANCE, TIMES, SLOWEST)
+    omega = rho = 0.0
+    for state in found["states"]:
+        if "a_q" not in state or None in (*state["a_q"], *state["a_v"]):
+            continue
+        n = len(state["q"])
+        a_q = numpy.array(state["a_q"]).reshape(n, n)
+        a_v = numpy.array(state["a_v"]).reshape(n, n)
+        jacobian = numpy.block([[numpy.zeros((n, n)), numpy.eye(n)], [a_q, a_v]])
+        for value in numpy.linalg.eigvals(jacobian):
+            if abs(value.imag) > DAMPED * abs(value):
+                omega = max(omega, abs(float(value.imag)))
+            elif dissipative:
+                rho = max(rho, -float(value.real))
+    return Spectrum(omega, rho, until)

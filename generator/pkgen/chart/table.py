@@ -1,0 +1,75 @@
+"""The points of a chart as CSV and as JSON, a row a point."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from .points import Method, Point, Track
+
+COLUMNS = (
+    "method",
+    "family",
+    "order",
+    "step",
+    "rtol",
+    "outcome",
+    "status",
+    "error",
+    "seconds",
+    "evaluations",
+    "jacobians",
+    "work",
+    "steps",
+    "rejections",
+    "t",
+)
+
+
+def record(method: Method, point: Point) -> dict[str, object]:
+    """A point by columns; None where there is nothing to say."""
+    return {
+        "method": method.name,
+        "family": method.family,
+        "order": method.order,
+        "step": point.setting if method.fixed else None,
+        "rtol": None if method.fixed else point.setting,
+        "outcome": point.outcome,
+        "status": point.status,
+        "error": point.error,
+        "seconds": point.seconds,
+        "evaluations": point.evaluations,
+        "jacobians": point.jacobians,
+        "work": point.work,
+        "steps": point.steps,
+        "rejections": point.rejections,
+        "t": point.t,
+        **{f"drift({name})": value for name, value in point.drifts.items()},
+        "reason": point.reason,
+    }
+
+
+def invariants(tracks: list[Track]) -> list[str]:
+    """What is constant, in the driver's order."""
+    longest = max((p.drifts for t in tracks for p in t.points), key=len, default={})
+    return list(longest)
+
+
+def rows(tracks: list[Track]) -> list[dict[str, object]]:
+    return [record(track.method, point) for track in tracks for point in track.points]
+
+
+def as_csv(tracks: list[Track]) -> str:
+    columns = [*COLUMNS, *(f"drift({name})" for name in invariants(tracks)), "reason"]
+    file = io.StringIO()
+    writer = csv.DictWriter(file, columns, lineterminator="\n")
+    writer.writeheader()
+    for row in rows(tracks):
+        writer.writerow({k: _cell(v) for k, v in row.items()})
+    return file.getvalue()
+
+
+def _cell(value: object) -> object:
+    if value is None:
+        return ""
+    return repr(value) if isinstance(value, float) else value

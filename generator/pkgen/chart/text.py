@@ -1,0 +1,90 @@
+"""What a chart says in words: how it was made, and its answers."""
+
+from __future__ import annotations
+
+import shlex
+
+from .answer import Answer
+from .chart import Chart
+
+AXIS = {"seconds": "time", "work": "evaluations"}
+
+
+def seconds(value: float) -> str:
+    """With three digits and a prefix."""
+    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if value >= size:
+            return f"{value / size:.3g} {unit}"
+    return f"{value * 1e9:.3g} ns"
+
+
+def setting(answer: Answer) -> str:
+    assert answer.method is not None and answer.point is not None
+    return f"{answer.method.setting} {answer.point.setting:.4g}"
+
+
+def preamble(chart: Chart) -> list[str]:
+    lines = [
+        f"{chart.model}: {chart.subtitle()}; {chart.time}",
+        f"reference: {chart.reference.text(chart.unit)}",
+        chart.spectrum.text(chart.unit),
+        "error: the largest of |x - reference| / max |x along the motion|, x each coordinate and "
+        "each rate, at the end",
+        "time: one integration, one core to itself; evaluations: a Jacobian counts as 2n of them",
+    ]
+    if chart.refused:
+        lines.append(f"do not apply: {', '.join(chart.refused)}")
+    return lines
+
+
+def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
+    """A row an answer: accuracy, by what, method, setting, time, evaluations, error."""
+    rows = []
+    for a in chart.answers:
+        head = (f"{a.accuracy:.0e}", AXIS[a.axis])
+        if a.point is None or a.method is None:
+            rows.append((*head, a.reason, "", "", "", ""))
+            continue
+        rows.append(
+            (
+                *head,
+                a.method.name,
+                setting(a),
+                seconds(a.point.seconds or 0.0),
+                f"{a.point.work:,}",
+                f"{a.point.error:.1e}",
+            )
+        )
+    return rows
+
+
+HEADINGS = ("accuracy", "cheapest in", "method", "", "time", "evaluations", "error")
+
+
+def command(chart: Chart, answer: Answer, model: str, given: list[str]) -> str:
+    """The run that an answer is."""
+    assert answer.method is not None and answer.point is not None
+    until = repr(chart.until)
+    words = ["pkgen", "run", model, "--method", answer.method.name]
+    words += [f"--{answer.method.setting}", repr(answer.point.setting)]
+    words += ["--until", until, "--every", until, *given]
+    return shlex.join(words)
+
+
+def report(chart: Chart, model: str, given: list[str]) -> str:
+    rows = [HEADINGS, *answer_rows(chart)]
+    told = [r for r in rows if r[3] or r is HEADINGS]
+    widths = [max(len(row[i]) for row in told) for i in range(len(HEADINGS))]
+    lines = [*preamble(chart), ""]
+    for row in rows:
+        cells = row if row in told else row[:3]
+        lines.append(
+            "  ".join(
+                cell.rjust(w) if i >= 4 else cell.ljust(w)
+                for i, (cell, w) in enumerate(zip(cells, widths, strict=False))
+            ).rstrip()
+        )
+    runs = [command(chart, a, model, given) for a in chart.answers if a.point]
+    if runs:
+        lines += ["", *dict.fromkeys(runs)]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,276 @@
+"""`pkgen chart`: what it writes, and that its answers are true when they are run again."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import math
+import shlex
+import statistics
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from conftest import run_pkgen
+from pkgen.chart import answer, draw, labels, points, spectrum, sweep
+from pkgen.chart.panel import Curve
+from pkgen.chart.points import Method, Point, Track
+
+PENDULUM = """model pendulum
+param w = 1.8 in (0, inf)
+coord theta
+kinetic theta'^2/2
+potential -w^2*cos(theta)
+start theta = 1.1
+"""
+METHODS = "euler,verlet,rk4,gauss2,gauss"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
+    """A quick chart: what --json says, and the directory with its files."""
+    directory = tmp_path_factory.mktemp("chart")
+    model = directory / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = run_pkgen(
+        *("chart", model, "-o", directory, "--quick", "--seconds", 3, "--methods", METHODS),
+        *("--set", "w=1.193", "--start", "theta=1.0", "--json"),
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout), directory
+
+
+def table(directory: Path) -> list[dict[str, str]]:
+    with open(directory / "pendulum_chart.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_csv_has_a_row_a_point(made) -> None:
+    found, directory = made
+    rows = table(directory)
+    assert len(rows) == len(found["points"]) > 20
+    assert {row["method"] for row in rows} == set(METHODS.split(","))
+    for row, point in zip(rows, found["points"], strict=True):
+        assert row["status"] == point["status"]
+        if point["outcome"] == "done":
+            assert float(row["error"]) == point["error"] < 1
+            assert float(row["seconds"]) > 0 and int(row["evaluations"]) > 0
+            assert float(row["drift(energy)"]) == point["drift(energy)"]
+            assert bool(row["step"]) != bool(row["rtol"])
+
+
+@pytest.mark.parametrize("method, order", [("verlet", 2), ("rk4", 4), ("gauss2", 4)])
+def test_the_curves_have_the_order_of_their_methods(made, method: str, order: int) -> None:
+    pairs = [
+        (math.log(float(row["step"])), math.log(float(row["error"])))
+        for row in table(made[1])
+        if row["method"] == method and row["outcome"] == "done"
+    ]
+    pairs = [(h, e) for h, e in pairs if math.log(1e-11) < e < math.log(1e-3)]
+    assert len(pairs) >= 3
+    slope = statistics.linear_regression(*zip(*pairs, strict=True)).slope
+    assert abs(slope - order) < 0.3
+
+
+def error_of_run(found: dict, words: list[str]) -> float:
+    """Of the final state of `pkgen run`, as the chart measures it."""
+    done = run_pkgen(*words, "--json")
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)["report"]
+    exact = zip(
+        report["q"] + report["v"],
+        found["reference"]["final"],
+        found["reference"]["scales"],
+        strict=True,
+    )
+    return max(abs(x - r) / s for x, r, s in exact)
+
+
+def test_answers_are_commands_that_keep_their_word(made) -> None:
+    """Run as the page says, each meets its accuracy; at a much looser setting it does not."""
+    found, directory = made
+    page = html.unescape((directory / "pendulum_chart.html").read_text(encoding="utf-8"))
+    runs = [shlex.split(line)[1:] for line in page.splitlines() if line.startswith("pkgen run")]
+    assert [a["accuracy"] for a in found["answers"][::2]] == [1e-3, 1e-6, 1e-9, 1e-12]
+    for a in found["answers"][::2]:
+        setting = "step" if a["step"] else "rtol"
+        (words,) = (w for w in runs if a["method"] in w and repr(a[setting]) in w)
+        error = error_of_run(found, words)
+        assert 0 < error <= a["accuracy"], a
+        assert error == pytest.approx(a["error"], rel=1e-3, abs=1e-15)
+        looser = a[setting] * (2.5 if setting == "step" else 1e4)
+        words[words.index(repr(a[setting]))] = repr(looser)
+        assert error_of_run(found, words) > a["accuracy"], a
+
+
+def test_a_worse_method_loses(made) -> None:
+    found, _ = made
+    named = {a["method"] for a in found["answers"]}
+    assert "euler" not in named and "gauss" in named
+    steps = {a["accuracy"]: a for a in found["answers"] if a["cheapest_in"] == "work"}
+    assert steps[1e-12]["work"] > steps[1e-3]["work"] > 0
+
+
+def test_points_past_the_limit_are_marked(made) -> None:
+    """Verlet is not stable beyond h w = 2; rotations apart, its first step is longer."""
+    failed = [p for p in made[0]["points"] if p["method"] == "verlet" and p["outcome"] != "done"]
+    assert failed and all(p["step"] * 1.193 > 1.0 for p in failed)
+    assert {p["outcome"] for p in failed} <= {"lost", "failed"}
+
+
+class Page(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.tags: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        for name, value in attrs:
+            if name == "id":
+                self.ids.append(value or "")
+            if name in ("href", "src", "xlink:href"):
+                self.links.append(value or "")
+
+
+def test_the_page_needs_nothing_else(made) -> None:
+    text = (made[1] / "pendulum_chart.html").read_text(encoding="utf-8")
+    page = Page()
+    page.feed(text)
+    assert "http" not in text and "@import" not in text and "script" not in page.tags
+    assert {"svg", "table", "style"} <= page.tags
+    assert page.links and all(link[0] == "#" and link[1:] in page.ids for link in page.links)
+    assert len(page.ids) == len(set(page.ids))
+    assert all(f">{name}<" in text for name in METHODS.split(","))
+
+
+def test_pictures_name_the_model_and_every_curve(made) -> None:
+    _, directory = made
+    for name in ("pendulum_chart", "pendulum_chart_families"):
+        svg = (directory / f"{name}.svg").read_text(encoding="utf-8")
+        assert "w = 1.193" in svg and "theta(0) = 1" in svg and "10" in svg
+        for method in METHODS.split(","):
+            assert f">{method}</text>" in svg, (name, method)
+        assert (directory / f"{name}.png").read_bytes()[1:4] == b"PNG"
+
+
+def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
+    """From upright but for the rounding of pi, what __float128 knows of the fall is 1e-6 or so."""
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM.replace("1.1", "3.141592653589793"))
+    done = run_pkgen(
+        "chart", model, "-o", tmp_path, "--points", 4, "--until", 60, "--methods", "gauss", "--json"
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["reference"]["error"] > 1e-13 and 10 < found["reference"]["holds"] < 60
+    (last,) = [a for a in found["answers"] if a["accuracy"] == 1e-12 and a["cheapest_in"] == "work"]
+    assert last["method"] is None and "reference" in last["reason"]
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        (["--methods", "rk5"], "rk5"),
+        (["--points", 1], "2 at least"),
+        (["--seconds", 0], "positive"),
+        (["--until", -1], "positive"),
+    ],
+)
+def test_wrong_options_are_usage(pkgen, tmp_path: Path, options: list, said: str) -> None:
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = pkgen("chart", model, "-o", tmp_path, *options)
+    assert done.returncode == 2 and said in done.stderr
+    assert "Traceback" not in done.stderr and not list(tmp_path.glob("*.svg"))
+
+
+def test_a_motion_that_ends_has_no_chart(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "fall.lag"
+    model.write_text("model fall\ncoord r\nkinetic r'^2/2\npotential -1/r\nstart r = 0.7\n")
+    done = pkgen("chart", model, "-o", tmp_path, "--quick", "--json", "--methods", "rk4")
+    assert done.returncode == 4
+    assert "reference" in json.loads(done.stdout)["error"] and not list(tmp_path.glob("*.svg"))
+
+
+def point(setting: float, error: float | None, work: int = 1, status: str = "PK_DONE") -> Point:
+    return Point("m", setting, status, "", False, 1.0, error, 1e-6 * work, 1, 0, work, 0, work, {})
+
+
+RK4 = Method("rk4", 4, imaginary=2.8284, real=2.7853)
+
+
+def test_luck_counts_for_nothing() -> None:
+    lucky = Track(RK4, (point(0.4, 1e-9, 1), point(0.2, 1e-4, 2), point(0.1, 1e-6, 4)))
+    assert [e for e, _ in lucky.without_luck()] == [1e-4, 1e-4, 1e-6]
+    assert lucky.setting_for(1e-4) == 0.4
+    assert lucky.setting_for(1e-5) == pytest.approx(0.2 / math.sqrt(2))
+    assert lucky.cost_at(1e-5, "work") == pytest.approx(2 * math.sqrt(2))
+    assert lucky.setting_for(1e-7) is None
+
+
+def test_limits_are_of_the_nearest_end() -> None:
+    found = spectrum.Spectrum(omega=10.0, rho=0.0, until=1.0)
+    assert found.limit(RK4) == pytest.approx(0.28284)
+    assert replace(found, rho=100.0).limit(RK4) == pytest.approx(0.027853)
+    assert found.limit(replace(RK4, imaginary=math.inf)) is None
+    assert found.limit(replace(RK4, imaginary=0.0)) is None
+    assert found.limit(replace(RK4, flags=("adaptive",))) is None
+
+
+def test_a_failed_point_stands_where_it_would_have_cost() -> None:
+    track = Track(RK4, (point(0.4, None, 3, "PK_NOT_FINITE"), point(0.2, 1e-2, 20)))
+    curve = Curve(track, "work", lambda p: p.error, limit=0.25)
+    assert curve.failures() == [10.0]
+    assert curve.cliff() == pytest.approx((1e-2, 16.0))
+
+
+def test_steps_go_from_past_the_limit_by_the_measured_slope() -> None:
+    found = spectrum.Spectrum(omega=10.0, rho=0.0, until=10.0)
+    plan = sweep.Steps(RK4, found, count=14)
+    first = plan.first
+    assert first == pytest.approx(1.5 * 0.28284, rel=0.05)
+    steep = plan.after([point(0.4, 1e-1), point(0.2, 1e-1 / 16)])
+    flat = sweep.Steps(RK4, found, count=14).after([point(0.4, 1e-1), point(0.2, 0.5e-1)])
+    assert first / steep == pytest.approx(10**0.25, rel=0.05)
+    assert steep > 2 * flat
+
+
+def test_tolerances_of_an_answer_have_two_digits() -> None:
+    assert answer._two_digits(6.039e-6) == 6.0e-6
+    assert answer._two_digits(9.99e-6) == 9.9e-6
+    assert answer._two_digits(1e-9) == 1e-9
+
+
+def test_families_follow_from_what_a_method_says_of_itself() -> None:
+    of = {
+        points.SPLITTING: Method("any", 2, ("symplectic",), ("separable",)),
+        points.EXPLICIT: Method("any", 4),
+        points.EMBEDDED: Method("any", 5, ("adaptive",)),
+        points.SYMMETRIC: Method("any", 4, ("implicit", "symmetric")),
+        points.IMPLICIT_ADAPTIVE: Method("any", 16, ("implicit", "adaptive")),
+        points.DISSIPATIVE: Method("any", 5, ("implicit",)),
+        points.FOREIGN: Method("gsl_any", 5, ("adaptive",)),
+    }
+    assert {family: m.family for family, m in of.items()} == {f: f for f in draw.STYLES}
+
+
+def test_labels_do_not_lie_over_each_other() -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(figsize=(5, 4))
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, 1)
+    crowd = [labels.Label(f"method{k}", 0.6, 0.5 + 0.005 * k, "black", 7) for k in range(9)]
+    labels.place(axes, crowd, [])
+    boxes = [t.get_window_extent() for t in axes.texts]
+    pyplot.close(figure)
+    assert len(boxes) == 9
+    for i, one in enumerate(boxes):
+        assert not any(one.overlaps(other) for other in boxes[:i])
