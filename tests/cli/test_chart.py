@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import io
 import json
 import math
 import shlex
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from conftest import run_pkgen
-from pkgen.chart import answer, draw, labels, points, spectrum, sweep
+from pkgen.chart import answer, draw, labels, points, spectrum, sweep, table
 from pkgen.chart.panel import Curve
 from pkgen.chart.points import Method, Point, Track
 
@@ -42,14 +43,14 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
     return json.loads(done.stdout), directory
 
 
-def table(directory: Path) -> list[dict[str, str]]:
+def rows_of(directory: Path) -> list[dict[str, str]]:
     with open(directory / "pendulum_chart.csv", newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
 def test_csv_has_a_row_a_point(made) -> None:
     found, directory = made
-    rows = table(directory)
+    rows = rows_of(directory)
     assert len(rows) == len(found["points"]) > 20
     assert {row["method"] for row in rows} == set(METHODS.split(","))
     for row, point in zip(rows, found["points"], strict=True):
@@ -65,7 +66,7 @@ def test_csv_has_a_row_a_point(made) -> None:
 def test_the_curves_have_the_order_of_their_methods(made, method: str, order: int) -> None:
     pairs = [
         (math.log(float(row["step"])), math.log(float(row["error"])))
-        for row in table(made[1])
+        for row in rows_of(made[1])
         if row["method"] == method and row["outcome"] == "done"
     ]
     pairs = [(h, e) for h, e in pairs if math.log(1e-11) < e < math.log(1e-3)]
@@ -197,10 +198,19 @@ def test_a_motion_that_ends_has_no_chart(pkgen, tmp_path: Path) -> None:
 
 
 def point(setting: float, error: float | None, work: int = 1, status: str = "PK_DONE") -> Point:
-    return Point("m", setting, status, "", False, 1.0, error, 1e-6 * work, 1, 0, work, 0, work, {})
+    return Point("m", setting, status, "", False, 1.0, error, 1e-6 * work, 1, 0, work, 0, work, 0.0)
 
 
 RK4 = Method("rk4", 4, imaginary=2.8284, real=2.7853)
+
+
+def test_a_row_of_csv_is_a_point_in_order() -> None:
+    track = Track(RK4, (point(0.4, None, 3, "PK_NOT_FINITE"), point(0.2, 1e-2, 20)))
+    rows = list(csv.DictReader(io.StringIO(table.as_csv([track]))))
+    assert [(r["step"], r["outcome"], r["error"]) for r in rows] == [
+        ("0.4", "failed", ""),
+        ("0.2", "done", "0.01"),
+    ]
 
 
 def test_luck_counts_for_nothing() -> None:

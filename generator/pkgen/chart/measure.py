@@ -119,5 +119,6 @@ class Program:
             evaluations=found["evaluations"],
             jacobians=found["jacobians"],
             work=found["evaluations"] + len(exact) * found["jacobians"],
+            took=found["took"],
             drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
         )

@@ -77,6 +77,7 @@ class Point:
     evaluations: int
     jacobians: int
     work: int  # evaluations, each Jacobian as many as differences of its columns would take
+    took: float  # to measure, in seconds of the processor
     drifts: dict[str, float] = field(default_factory=dict)
 
     @property

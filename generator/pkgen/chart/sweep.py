@@ -4,7 +4,6 @@ error is round-off, or the next point would take more than its share of the time
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -28,7 +27,7 @@ class Effort:
 
     points: int  # of a method, at most
     lap_seconds: float  # of laps of a point
-    seconds: float  # of everything
+    seconds: float  # of everything, by the processor's clock
 
     @staticmethod
     def usual(points: int | None, seconds: float | None, quick: bool) -> Effort:
@@ -101,12 +100,13 @@ def measure(
     on_progress: Callable[[str, float], None],
 ) -> list[Track]:
     """All points of all methods that the system admits, refused ones with one point each."""
-    began, tracks = time.monotonic(), []
+    left, tracks = bench.effort.seconds, []
     for k, method in enumerate(methods):
-        left = bench.effort.seconds - (time.monotonic() - began)
         share = max(left, 0.0) / (len(methods) - k)
         on_progress(method.name, k / len(methods))
-        tracks.append(Track(method, tuple(_sweep(bench, method, spectrum, share))))
+        points = _sweep(bench, method, spectrum, share)
+        left -= sum(point.took for point in points)
+        tracks.append(Track(method, tuple(points)))
     on_progress("", 1.0)
     return tracks
 
@@ -114,18 +114,15 @@ def measure(
 def _sweep(bench: Bench, method: Method, spectrum: Spectrum, share: float) -> list[Point]:
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
-    began, points, before = time.monotonic(), [], 0.0
+    left, points = share, []
     while len(points) < count:
-        setting = plan.after(points) if points else plan.first
-        left = share - (time.monotonic() - began)
         # A point is integrated twice at least, and a tighter one takes longer.
-        if points and 4 * before > left:
+        if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break
-        started = time.monotonic()
+        setting = plan.after(points) if points else plan.first
         point = bench.point(method, setting, cap=max(left / 2, bench.effort.lap_seconds))
         points.append(point)
-        before = time.monotonic() - started
-        before = point.seconds or before
+        left -= point.took
         if point.refused or point.slow or _at_round_off(points, bench.floor):
             break
     return points
