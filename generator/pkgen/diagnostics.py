@@ -10,17 +10,17 @@ from .exits import UsageError
 
 NAMES = ("lyapunov", "reversal", "spectrum", "symplectic")
 BROAD = 0.03  # a residual that lines do not explain
-LINEARISED = frozenset(("lyapunov", "symplectic"))  # by the kernel `linear`
+LINEARISED = frozenset(("all", "lyapunov", "symplectic"))  # by the kernel `linear`
 
 
 def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
-    """`--diagnose lyapunov,spectrum` or `all`; each once, in the order in which they are made."""
+    """`--diagnose lyapunov,spectrum`, each once, or `all`: those that apply."""
     if text is None:
         return ()
     if ensemble is not None:
         raise UsageError("--diagnose is for one trajectory, not for --ensemble")
     if text.strip() == "all":
-        return NAMES
+        return ("all",)
     names = [name.strip() for name in text.split(",")]
     for name in names:
         if name not in NAMES:

@@ -24,7 +24,7 @@ struct diagnostics {
     char *json;
     size_t json_size;
     FILE *file; /* of json while it is made */
-    int code, first;
+    int code, first, all;
     double exponent; /* by Lyapunov, if that says chaotic */
 };
 
@@ -34,7 +34,8 @@ static const struct {
 } names[] = {{"lyapunov", DIAGNOSE_LYAPUNOV},
              {"reversal", DIAGNOSE_REVERSAL},
              {"spectrum", DIAGNOSE_SPECTRUM},
-             {"symplectic", DIAGNOSE_SYMPLECTIC}};
+             {"symplectic", DIAGNOSE_SYMPLECTIC},
+             {"all", DIAGNOSE_ALL}};
 
 unsigned diagnose_flag(const char *name)
 {
@@ -84,8 +85,10 @@ static int member(struct diagnostics *d, const char *name, enum pk_status status
         return 1;
     fputs("}", d->file);
     fprintf(stderr, "run: diagnose %s: %s\n", name, reason);
-    if (d->code == 0)
-        d->code = status == PK_REFUSED ? EXIT_USAGE : 4;
+    if (d->code == 0 && status == PK_REFUSED)
+        d->code = d->all ? 0 : EXIT_USAGE; /* of all, those that apply */
+    else if (d->code == 0)
+        d->code = 4;
     return 0;
 }
 
@@ -199,7 +202,7 @@ static void symplectic(struct run *run, struct diagnostics *d)
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
-        reason = system->linear ? "the method will not make one step of that length" : NO_LINEAR;
+        reason = system->linear ? "the method's steps follow the motion, or it makes none of that length" : NO_LINEAR;
     if (member(d, "symplectic", made ? PK_DONE : last, reason)) {
         real(d, "defect", most.defect);
         real(d, "volume", most.volume);
@@ -308,7 +311,8 @@ int diagnose_run(struct run *run, int code)
     fflush(stdout);
     signal(SIGINT, SIG_DFL); /* rows are written; there is nothing else to save */
     d->first = 1;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+    d->all = wanted == DIAGNOSE_ALL;
+    for (size_t i = 0; i < sizeof make / sizeof *make; i++)
         if (wanted & names[i].flag)
             make[i](run, d);
     fclose(d->file);

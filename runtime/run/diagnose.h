@@ -8,10 +8,11 @@ enum {
     DIAGNOSE_LYAPUNOV = 1u << 0,
     DIAGNOSE_REVERSAL = 1u << 1,
     DIAGNOSE_SPECTRUM = 1u << 2,
-    DIAGNOSE_SYMPLECTIC = 1u << 3
+    DIAGNOSE_SYMPLECTIC = 1u << 3,
+    DIAGNOSE_ALL = (1u << 5) - 1 /* the four, and that it is no error if one does not apply */
 };
 
-/* The flag of a name; 0: there is no such diagnostic. */
+/* The flags of a name; 0: there is no such diagnostic. */
 unsigned diagnose_flag(const char *name);
 /* Keeps a row of the run: spectra are of rows, and steps are examined where rows are. */
 void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v);

@@ -5,7 +5,7 @@
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
  *     show q|v|observed INDEX | show energy | at INDEX
- *     diagnose lyapunov|reversal|spectrum|symplectic
+ *     diagnose lyapunov|reversal|spectrum|symplectic|all
  *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.

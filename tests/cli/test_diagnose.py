@@ -144,6 +144,8 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
     sparse = ["--every", "0.5", "--method", "gauss2", "--step", "0.05"]
     done = pkgen("run", DOUBLE, "--diagnose", "spectrum,symplectic", *sparse)
     assert done.returncode == 2 and "21 rows" in done.stderr and "--every" in done.stderr
+    done = pkgen("run", DOUBLE, "--diagnose", "all", *sparse)
+    assert done.returncode == 0 and "21 rows" in done.stderr and "symplectic: of" in done.stderr
 
 
 def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
