@@ -145,6 +145,25 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     return it->status = scout->status;
 }
 
+/* The state just behind a crossing. A step of the core's methods gives the same each time, and that
+ * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little further. */
+static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
+{
+    const size_t k = (size_t)entry[1];
+    const pk_real side = entry[2] * (pk_real)it->direction;
+    const pk_real width = PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
+    pk_real *g = pk_events_sample(e, e->samples + 1);
+    for (int tries = 0; tries < 4; tries++) {
+        e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
+        if (pk_events_reach(e, it, e->t) < 0)
+            return it->status;
+        pk_events_functions(e, it, e->t, e->trial, e->trial + e->n, g);
+        if (side * g[k] >= 0)
+            break;
+    }
+    return PK_DONE;
+}
+
 /* Reports what was found, as far as the first event that stops. */
 static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
 {
@@ -152,8 +171,7 @@ static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
         e->which = (size_t)entry[1];
         e->direction = (int)entry[2];
-        e->t = pk_events_time(e, it, entry[0]);
-        if (pk_events_reach(e, it, e->t) < 0)
+        if (behind(e, it, entry) < 0)
             return it->status;
         e->q = e->trial;
         e->v = e->trial + e->n;
