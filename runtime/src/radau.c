@@ -114,7 +114,9 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct parts *r, int *count)
 {
-    const int most = it->options.max_iterations > 0 ? it->options.max_iterations : MOST_ITERATIONS;
+    const int most = it->options.max_iterations > 0 ? it->options.max_iterations
+                     : it->options.newton_tol > 0   ? 50
+                                                    : MOST_ITERATIONS;
     pk_real before = 0, left = PK_F(pow)(pk_max(*r->left, PK_EPS), PK_C(0.8));
     int done = 0;
     for (*count = 0; *count <= most; ++*count) {
