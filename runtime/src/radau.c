@@ -265,7 +265,8 @@ static enum pk_status first_step(struct pk_integrator *it, const struct parts *r
 static pk_real growth(const struct pk_integrator *it, const struct parts *r, int count)
 {
     const pk_real error = pk_max(it->error, PK_C(1e-10));
-    const pk_real most = 2 * MOST_ITERATIONS, safety = SAFETY * (most + 1) / (most + (pk_real)count);
+    const pk_real most = 2 * MOST_ITERATIONS;
+    const pk_real safety = SAFETY * (most + 1) / (most + (pk_real)count);
     pk_real grow = safety / PK_F(sqrt)(PK_F(sqrt)(error));
     if (it->error <= 1 && pk_abs(*r->h) > 0)
         grow = pk_min(grow, SAFETY * pk_abs(it->h / *r->h) *
