@@ -1,31 +1,33 @@
 /* Which solution of the stage equations G(V; h) = 0 was found. There may be several: the midpoint
  * rule on a pendulum at rest upright has one while h omega <= 2, three at 2.01, seven at 6. All of
  * them satisfy the equations, so no residual tells them apart. The one that is meant belongs to
- * short steps: at h = 0 it is V_i = v0, with M for Newton's matrix, and it goes on with h as long as
- * that matrix J stays regular. Three tests, the cheaper first:
+ * short steps: at h = 0 it is V_i = v0, with M for Newton's matrix, and it goes on with h as long
+ * as that matrix J stays regular. Three tests, the cheaper first:
  *
- * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from a step before, by the derivatives at the
- *    stages and at those of the step before, that is at this one's start (pk_gauss_contraction).
+ * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from a step
+ *    before: by the derivatives at the stages and at those of the step before, that is at this
+ *    one's start (pk_gauss_contraction).
  *    This costs nothing where the matrix is kept, and is the case while h omega < 1 to 1.4.
  * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J with the derivatives of the
- *    start is near by, and J on average on the way from the start. From one matrix to the next by |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1:
- *    all between them are regular then, which the sign of a determinant does not say, two
- *    eigenvalues at once changing theirs. Convex stiffness passes, if not in one leap then in some.
+ *    start is near by, and J on average on the way from the start. From one matrix to the next by
+ *    |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: all between them are regular then, which the sign
+ *    of a determinant does not say, two eigenvalues at once changing theirs. Convex stiffness
+ *    passes, if not in one leap then in some.
  * 3. The solution is followed from tau = 0 on, with the same test from one point to the next, and
  *    taken where it arrives. Where it does not there is a fold or a crossing: PK_AMBIGUOUS_STEP.
  *
  * Derivatives are sampled at the stages, so this is no proof over all states between them. The
  * norms are those of pk_gauss_norm, so that units do not matter.
  *
- * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence and
- * uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation).
+ * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence
+ * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation).
  */
 #include <string.h>
 
 #include "gauss.h"
 
 #define REGULAR PK_C(0.95) /* where the norms above must be < 1 */
-#define STRAIGHT PK_C(0.5)
+#define STRAIGHT PK_C(0.5) /* the average over the way from v0, which bends */
 #define LASTING PK_C(0.3)  /* so little between start and stages that steps to come are as sure */
 #define LEAST_LEAP PK_C(1e-4)
 #define NEWTON_RATE PK_C(0.25) /* from a prediction within reach of the solution followed */
@@ -55,8 +57,8 @@ static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_re
     return pk_lu_factor(w->lu, w->pivot, w->s * it->n);
 }
 
-/* Whether all between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu is then J2;
- * if not, it is anything. */
+/* Whether all between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu is then
+ * J2; if not, it is anything. */
 static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
                 size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
 {
@@ -87,9 +89,9 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
     return at >= 1;
 }
 
-/* Whether J, factored in w->lu, is also near what it is on average over the straight way from V = v0
- * to V, as G there tells: G(V) - G(v0) = (average of J) (V - v0). A solution far off, with a fold
- * on the way, is told by this alone. Leaves V as it was, and Q, P, F, G too. */
+/* Whether J, factored in w->lu, is also near what it is on average over the straight way from V =
+ * v0 to V, as G there tells: G(V) - G(v0) = (average of J) (V - v0). A solution far off, with a
+ * fold on the way, is told by this alone. Leaves V as it was, and Q, P, F, G too. */
 static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, m = w->s * n;

@@ -1,16 +1,17 @@
 /* Implicit Runge-Kutta methods at a fixed step in (q, p): Gauss, Lobatto IIIA-IIIB, Radau IIA. With
- * the stage rates V_i as unknowns, a_ij = mu_ij b_j for q, a^_ij = mu^_ij b_j for p, t_i = t0 + c_i h:
+ * the stage rates V_i as unknowns, a_ij = mu_ij b_j for q, a^_ij = mu^_ij b_j for p, t_i = t0 +
+ * c_i h:
  *
  *     Q_i = q0 + h sum a_ij V_j
  *     G_i = p(Q_i, V_i, t_i) - p0 - h sum a^_ij pdot(Q_j, V_j, t_j) = 0
  *     q1  = q0 + h sum b_i V_i,   p1 = p0 + h sum b_i pdot_i,   v1 from p(q1, v1, t1) = p1
  *
  * This is the method for Hamilton's equations (with forces), since V = dH/dp and pdot = -dH/dq
- * there. It is symplectic where a^_ij = b_j (1 - a_ji / b_i), the conjugate of a, for every L, M(q, v)
- * included: Gauss with a^ = a, Lobatto with IIIA for q and IIIB for p. That row of IIIA which is
- * zero makes Q_1 = q0, that column of IIIB leaves pdot_s out of the stages; each V_i is still
- * determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of the
- * step, and it damps what is fast.
+ * there. It is symplectic where a^_ij = b_j (1 - a_ji / b_i), the conjugate of a, for every L,
+ * M(q, v) included: Gauss with a^ = a, Lobatto with IIIA for q and IIIB for p. That row of IIIA
+ * which is zero makes Q_1 = q0, that column of IIIB leaves pdot_s out of the stages; each V_i is
+ * still determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of
+ * the step, and it damps what is fast.
  * p is the state carried from step to step; v1 is recovered and errs by round-off alone. The
  * products h b_i are made so that they sum to h, and mu_ij + mu^_ji = 1 exactly; both sums are
  * compensated. Here is the step; the equations are solved in newton.c.
@@ -29,7 +30,8 @@ size_t pk_gauss_size(const struct pk_method *method, size_t n)
 {
     const struct pk_gauss *table = (const struct pk_gauss *)method->table;
     const size_t s = (size_t)table->stages, m = s * n;
-    return 11 * m + 9 * s * n * n + 2 * m * m + 6 * n * n + 3 * n + 6 * s * s + s * s * s + 2 * s + 19 +
+    return 11 * m + 9 * s * n * n + 2 * m * m + 6 * n * n + 3 * n +
+           6 * s * s + s * s * s + 2 * s + 19 +
            (s == PK_LANES ? pk_gauss_nystrom_size(n) : 0);
 }
 

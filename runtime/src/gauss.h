@@ -39,10 +39,12 @@ struct pk_gauss_work {
      * these were. */
     pk_real *h, *lu_h, *ratio, *last_h, *best, *wait, *patience;
     /* branch.c: the contraction where lu was made, and in the last step; whether that lu was found
-     * to be on the branch, or is of this step; the rate of an iteration at its start, and the worst; what
-     * part of the quick bound the better one was, and for how many more matrices that is taken. Derivatives at the
-     * start and at the point before, V there and before that, another matrix, vectors. */
-    pk_real *contraction, *last_contraction, *sure, *fresh, *first_rate, *worst_rate, *loose, *loose_for;
+     * to be on the branch, or is of this step; the rate of an iteration at its start, and the
+     * worst; what part of the quick bound the better one was, and for how many more matrices that
+     * is taken. Derivatives at the start and at the point before, V there and before that, another
+     * matrix, vectors. */
+    pk_real *contraction, *last_contraction, *sure, *fresh, *first_rate, *worst_rate;
+    pk_real *loose, *loose_for;
     pk_real *start_J, *old_J, *old_V, *older_V, *other, *x, *y;
 };
 

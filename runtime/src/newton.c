@@ -17,8 +17,8 @@
 #include "gauss.h"
 
 /* A product with h b_j is rounded once, and the same number serves the stages and the end of the
- * step; h a_ij rounded on its own would break b_i a^_ij + b_j a_ji = b_i b_j by round-off, always the
- * same way, and the energy would drift. */
+ * step; h a_ij rounded on its own would break b_i a^_ij + b_j a_ji = b_i b_j by round-off, always
+ * the same way, and the energy would drift. */
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;

@@ -15,8 +15,9 @@
  * at a part of them. Where it does not converge, or to a solution that is not the one of
  * short steps (branch.c), the step is cut.
  *
- * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8, (8.17)-(8.25),
- * and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive control.
+ * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
+ * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
+ * control.
  */
 #include <string.h>
 
@@ -114,7 +115,9 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct parts *r, int *count)
 {
-    const int most = it->options.max_iterations > 0 ? it->options.max_iterations : MOST_ITERATIONS;
+    const int most = it->options.max_iterations > 0 ? it->options.max_iterations
+                     : it->options.newton_tol > 0   ? 50
+                                                    : MOST_ITERATIONS;
     pk_real before = 0, left = PK_F(pow)(pk_max(*r->left, PK_EPS), PK_C(0.8));
     int done = 0;
     for (*count = 0; *count <= most; ++*count) {
@@ -262,7 +265,8 @@ static enum pk_status first_step(struct pk_integrator *it, const struct parts *r
 static pk_real growth(const struct pk_integrator *it, const struct parts *r, int count)
 {
     const pk_real error = pk_max(it->error, PK_C(1e-10));
-    const pk_real safety = SAFETY * (2 * MOST_ITERATIONS + 1) / (pk_real)(2 * MOST_ITERATIONS + count);
+    const pk_real most = 2 * MOST_ITERATIONS;
+    const pk_real safety = SAFETY * (most + 1) / (most + (pk_real)count);
     pk_real grow = safety / PK_F(sqrt)(PK_F(sqrt)(error));
     if (it->error <= 1 && pk_abs(*r->h) > 0)
         grow = pk_min(grow, SAFETY * pk_abs(it->h / *r->h) *
@@ -300,7 +304,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
             it->trouble = status; /* the others are no cause but a step too long */
             it->trouble_t = it->next_t;
         }
-        planned = pk_abs(it->h) * (status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9)));
+        const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
+        planned = pk_abs(it->h) * less;
         rejected = 1;
         it->count.rejections++;
     }

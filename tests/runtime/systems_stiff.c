@@ -1,4 +1,5 @@
-/* Systems of systems.h that are stiff and dissipate, and one whose mass dips below zero in passing. */
+/* Systems of systems.h that are stiff and dissipate, and one whose mass dips below zero in
+ * passing. */
 #include "systems_make.h"
 
 #define DISSIPATIVE \
@@ -46,7 +47,8 @@ SIZES(van_der_pol, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) van_der_pol_##x
 #include <pk/inlined.h>
-SYSTEM(van_der_pol, 1, DISSIPATIVE, PK_C(300.0), 0, none_cyclic, LIST(PK_C(2.0)), LIST(PK_C(0.0)), );
+SYSTEM(van_der_pol, 1, DISSIPATIVE, PK_C(300.0), 0, none_cyclic, LIST(PK_C(2.0)),
+       LIST(PK_C(0.0)), );
 
 /* Two unit masses, a spring g and a damper `limit` between them, the first a pendulum. */
 static void damped_force(ARGS, pk_real *f)

@@ -13,7 +13,8 @@ static const char *reason(const struct fixture *f)
     return text;
 }
 
-/* G(y) of the midpoint rule, y the coordinate at the stage: y = q0 + h v0/2 - (h omega)^2/4 sin y. */
+/* G(y) of the midpoint rule, y the coordinate at the stage: y = q0 + h v0/2 - (h omega)^2/4 sin y.
+ * */
 static double midpoint(double y, double q0, double v0, double h)
 {
     return y - q0 - h * v0 / 2 + h * h / 4 * sin(y);
@@ -105,7 +106,8 @@ static void upright(void)
         pk_integrator_set_step(&f.it, above ? 2.002 : 1.998);
         CU_ASSERT(pk_integrator_step(&f.it, 1e3) == (above ? PK_AMBIGUOUS_STEP : PK_DONE));
     }
-    /* Past both limits, 2/5.787 and 2/2.397, the determinant of Newton's matrix is positive again. */
+    /* Past both limits, 2/5.787 and 2/2.397, the determinant of Newton's matrix is positive again.
+     * */
     fixture_set(&f, &double_pendulum_system);
     f.q0[0] = f.q0[1] = acos(-1);
     f.v0[0] = f.v0[1] = 0;
@@ -191,7 +193,8 @@ static void mass_inside(void)
     static const struct {
         const char *method;
         double c;
-    } rows[] = {{"gauss1", 0.5}, {"gauss3", 0.5}, {"gauss4", 0.3300094782}, {"gauss8", 0.5917173212},
+    } rows[] = {{"gauss1", 0.5}, {"gauss3", 0.5}, {"gauss4", 0.3300094782},
+                {"gauss8", 0.5917173212},
                 {"lobatto3", 0.5}, {"radau5", 0.6449489743}, {"radau9", 0.2768430136}};
     static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
