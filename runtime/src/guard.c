@@ -20,12 +20,15 @@
 #define DEEP PK_C(1e-12)   /* of its value at the start of the search: it vanishes, */
 #define SHALLOW PK_C(1e-3) /* or where steps underflow already, and it is small already */
 #define SEARCH_STEPS 2000  /* then it is undecided, and nothing is claimed */
+#define CALM PK_C(0.0625)  /* a change in two steps running that is no cause for any doubt */
 #define FAR PK_C(1.5)      /* tangents are trusted to tell of a zero up to so many steps away */
 
 /* Parts of it->guards: values and slopes at the state, then at the end of a trial step; a state
  * and a slope for the search, n numbers each. */
 enum { NOW, SLOPE, NEXT, NEXT_SLOPE, GUARD_PARTS };
 enum { Y, TRIAL = 2, SUM = 4, STAGE = 6, K = 8, SEARCH_PARTS = 10 };
+
+enum { KNOWN = 1, QUIET = 2 }; /* it->slopes: those at the state; the last step changed little */
 
 static size_t count_of(const struct pk_integrator *it) { return it->problem.system->n_guards; }
 
@@ -226,6 +229,15 @@ static int doubtful(const struct pk_integrator *it, size_t k)
     return !(pk_abs(g1 - g0 - (d0 + d1) / 2) <= pk_min(pk_abs(g0), pk_abs(g1)) / 2);
 }
 
+static int calm(const struct pk_integrator *it)
+{
+    const pk_real *g0 = part(it, NOW), *g1 = part(it, NEXT);
+    for (size_t k = 0; k < count_of(it); k++)
+        if (!(pk_abs(g1[k] - g0[k]) <= CALM * pk_abs(g0[k])))
+            return 0;
+    return 1;
+}
+
 enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
 {
     const size_t m = count_of(it), n = it->n;
@@ -236,9 +248,15 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
     size_t crossed = m, which = m;
     int doubt = 0;
     pk_real when = it->next_t;
-    if (fixed && !it->slopes)
-        slopes(it, it->t, it->q, it->v, g0, part(it, SLOPE));
     evaluate(it, it->next_t, q, v, g1);
+    const int quiet = fixed && calm(it) ? QUIET : 0;
+    if (quiet & it->slopes) {
+        memcpy(g0, g1, m * sizeof *g0);
+        it->slopes = QUIET;
+        return PK_DONE;
+    }
+    if (fixed && !(it->slopes & KNOWN))
+        slopes(it, it->t, it->q, it->v, g0, part(it, SLOPE));
     if (fixed)
         slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
@@ -257,7 +275,7 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
         slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     }
     memcpy(g0, g1, (fixed ? 2 : 1) * m * sizeof *g0);
-    it->slopes = fixed;
+    it->slopes = KNOWN | quiet;
     return PK_DONE;
 }
 

@@ -145,6 +145,12 @@ CASES: dict[str, Case] = {
         "--until 20 --method gauss2 --step 5 --iteration fixed",
         "PK_NO_CONVERGENCE",
     ),
+    "ambiguous": Case(
+        "an implicit step whose equations have seven solutions (h omega = 6)",
+        PENDULUM,
+        "--until 12 --method gauss1 --step 6 --start theta=3.141592653589793",
+        "PK_AMBIGUOUS_STEP",
+    ),
     "underflow": Case(
         "motion that runs away in finite time: step underflow",
         BLOW_UP,

@@ -99,14 +99,14 @@ def test_a_member_that_fails_is_told_and_the_others_go_on(pkgen, ensemble, tmp_p
     options = ["--ensemble", path, "--method", "rk4", "--step", "0.001", "--until", "0.5"]
     done = pkgen("run", model, *options, "-o", tmp_path / "x.csv")
     assert done.returncode == 4
-    assert "2 of 73 members failed, first member 71: the mass matrix is singular" in done.stderr
+    assert "2 of 73 members failed, first member 71: the coordinates are singular" in done.stderr
     assert "last valid time 0." in done.stderr
     assert {row[0] for row in table((tmp_path / "x.csv").read_text())[1:]} == {
         str(i) for i in range(1, 74) if i not in (71, 73)
     }
     report = json.loads((tmp_path / "x.csv.json").read_text())["report"]
     assert (report["done"], report["failed"], report["first_failed"]["member"]) == (71, 2, 71)
-    assert report["first_failed"]["status"] == "PK_SINGULAR_MASS"
+    assert report["first_failed"]["status"] == "PK_SINGULAR_COORDINATES"
 
 
 @pytest.mark.parametrize(

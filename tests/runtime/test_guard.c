@@ -31,7 +31,8 @@ static const struct {
 } methods[] = {{"euler", 1e-3},  {"rk4", 1e-2},    {"symplectic_euler", 1e-3}, {"verlet", 1e-2},
                {"verlet", 0.1},  {"yoshida4", .01}, {"gauss1", 1e-2},          {"gauss4", 1e-2},
                {"gauss8", 1e-2}, {"dopri5", 0},    {"dop853", 0},              {"gauss", 0},
-               {"gsl_rk8pd", 0}, {"gsl_msadams", 0}};
+               {"gsl_rk8pd", 0}, {"gsl_msadams", 0}, {"gsl_msbdf", 0}, {"gsl_bsimp", 0},
+               {"rk3", 1e-2},    {"kahan_li8", 1e-2}};
 enum { METHODS = sizeof methods / sizeof *methods };
 
 static void skew_start(struct fixture *f)
