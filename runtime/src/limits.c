@@ -15,6 +15,7 @@ struct question {
     pk_real c[PK_MOST_STAGES + 1];
     pk_real blind;        /* growth that is taken for rounding */
     pk_real spacing, end; /* of the grid */
+    pk_real near;         /* how far below 0 a maximum on the grid may be that is above between */
     int failed;           /* a step could not be made, so there is no answer */
 };
 
@@ -67,7 +68,7 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     const pk_real golden = PK_C(0.618033988749894848204586834365638118);
     pk_real c = b - golden * (b - a), d = a + golden * (b - a);
     pk_real fc = excess(ask, c), fd = excess(ask, d);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 30; i++) { /* a millionth of it: the top is flat */
         if (fc > fd) {
             b = d, d = c, fd = fc;
             c = b - golden * (b - a);
@@ -107,7 +108,7 @@ static void first_growth(struct question *ask, pk_real from, pk_real growth[2])
     for (pk_real next = after(ask, x); !(growth[0] < PK_INFINITY) && next <= ask->end;
          next = after(ask, x)) {
         const pk_real f_next = excess(ask, next);
-        if (f > f_last && f > f_next && !(f_next > 0)) { /* narrow growth may hide near x */
+        if (f > f_last && f > f_next && !(f_next > 0) && f > -ask->near) { /* narrow growth may hide near x */
             const pk_real top = crest(ask, last, next);
             if (excess(ask, top) > 100 * PK_EPS) {
                 growth[0] = edge(ask, last, top, 0);
@@ -141,7 +142,8 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
     if (table && axis == PK_AXIS_IMAGINARY)
         imaginary(&ask, table);
     /* Explicit: stable nowhere above 2 s, or on the real axis 2 s^2. */
-    ask.spacing = polynomial ? PK_C(0.015625) : PK_C(0.0625);
+    ask.spacing = polynomial ? PK_C(0.015625) : PK_C(0.125);
+    ask.near = polynomial ? 1 : PK_C(0.1);
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);
