@@ -109,7 +109,8 @@ static void first_growth(struct question *ask, pk_real from, pk_real growth[2])
     for (pk_real next = after(ask, x); !(growth[0] < PK_INFINITY) && next <= ask->end;
          next = after(ask, x)) {
         const pk_real f_next = excess(ask, next);
-        if (f > f_last && f > f_next && !(f_next > 0) && f > -ask->near) { /* narrow growth may hide near x */
+        if (f > f_last && f > f_next && !(f_next > 0) && f > -ask->near) {
+            /* Narrow growth may hide near x. */
             const pk_real top = crest(ask, last, next);
             if (excess(ask, top) > 100 * PK_EPS) {
                 growth[0] = edge(ask, last, top, 0);
