@@ -209,7 +209,7 @@ METHODS: dict[str, Scheme | Flows] = {
             *("0.25837438768632204729", "0.29501172360931029887", "-0.60550853383003451170"),
         ),
     ),
-    # S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313, Table 3: SRKN_6^b, SRKN_11^b.
+    # S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313: SRKN_6^b, SRKN_11^b.
     "blanes_moan4": Flows(
         4,
         ("0.0829844064174052", "0.396309801498368", "-0.0390563049223486"),

@@ -196,15 +196,16 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 
 GSL_METHOD(rkf45, "gsl_rkf45", "GSL: Fehlberg 4(5); NASA TR R-315 (1969)", 5, 6, 0,
            gsl_odeiv2_step_rkf45);
-GSL_METHOD(rk8pd, "gsl_rk8pd", "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67", 8, 13, 0,
-           gsl_odeiv2_step_rk8pd);
+GSL_METHOD(rk8pd, "gsl_rk8pd", "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67", 8, 13,
+           0, gsl_odeiv2_step_rk8pd);
 GSL_METHOD(msadams, "gsl_msadams", "GSL: Adams in Nordsieck form, orders 1 to 12", 0, 0, 0,
            gsl_odeiv2_step_msadams);
-GSL_METHOD(msbdf, "gsl_msbdf", "GSL: backward differentiation, orders 1 to 5; Byrne, Hindmarsh (1975)",
-           0, 0, PK_IMPLICIT | PK_LINEAR, gsl_odeiv2_step_msbdf);
+GSL_METHOD(msbdf, "gsl_msbdf",
+           "GSL: backward differentiation, orders 1 to 5; Byrne, Hindmarsh (1975)", 0, 0,
+           PK_IMPLICIT | PK_LINEAR, gsl_odeiv2_step_msbdf);
 GSL_METHOD(bsimp, "gsl_bsimp",
-           "GSL: extrapolated implicit midpoint; G. Bader, P. Deuflhard, Numer. Math. 41 (1983) 373",
-           0, 0, PK_IMPLICIT | PK_LINEAR | PK_NO_INPUTS, gsl_odeiv2_step_bsimp);
+           "GSL: extrapolated implicit midpoint; Bader, Deuflhard, Numer. Math. 41 (1983)", 0, 0,
+           PK_IMPLICIT | PK_LINEAR | PK_NO_INPUTS, gsl_odeiv2_step_bsimp);
 
 static const struct pk_method *const methods[] = {&rkf45, &rk8pd, &msadams, &msbdf, &bsimp};
 

@@ -19,31 +19,32 @@ static void flags(FILE *file, unsigned set, const char *const *names, size_t cou
     fputc(']', file);
 }
 
-static void limit(FILE *file, const struct pk_method *method, enum pk_axis axis)
+static void limit(FILE *file, pk_real x)
 {
-    const pk_real x = pk_method_limit(method, axis);
     if (x > PK_C(1e30))
         fputs("\"infinite\"", file);
     else
         output_real(file, x);
 }
 
-/* [[from, to], ...] on the imaginary axis; the last one may have no end. */
-static void growth(FILE *file, const struct pk_method *method)
+/* Both limits, and [[from, to], ...] on the imaginary axis; the last one may have no end. */
+static void limits(FILE *file, const struct pk_method *method)
 {
-    pk_real from = 0, found[2];
-    fputc('[', file);
-    for (int i = 0; i < MOST_INTERVALS; i++) {
-        if (!pk_method_growth(method, PK_AXIS_IMAGINARY, from, found) || found[0] > PK_C(1e30))
-            break;
+    pk_real found[2];
+    int some = pk_method_growth(method, PK_AXIS_IMAGINARY, 0, found);
+    fputs("\"limits\": {\"imaginary\": ", file);
+    limit(file, some ? found[0] : PK_INFINITY - PK_INFINITY);
+    fputs(", \"real\": ", file);
+    limit(file, pk_method_limit(method, PK_AXIS_REAL));
+    fputs("}, \"growth\": [", file);
+    for (int i = 0; some && i < MOST_INTERVALS && found[0] < PK_C(1e30); i++) {
         fputs(i ? ", [" : "[", file);
         output_real(file, found[0]);
         fputs(", ", file);
         output_real(file, found[1]);
         fputc(']', file);
-        from = found[1] * (1 + PK_C(1e-9));
-        if (from > PK_C(1e30))
-            break;
+        some = found[1] < PK_C(1e30) &&
+               pk_method_growth(method, PK_AXIS_IMAGINARY, found[1] * (1 + PK_C(1e-9)), found);
     }
     fputc(']', file);
 }
@@ -63,12 +64,8 @@ int output_methods(FILE *file)
         flags(file, m->traits, traits, sizeof traits / sizeof *traits);
         fputs(", \"requires\": ", file);
         flags(file, m->needs, facts, sizeof facts / sizeof *facts);
-        fputs(", \"limits\": {\"imaginary\": ", file);
-        limit(file, m, PK_AXIS_IMAGINARY);
-        fputs(", \"real\": ", file);
-        limit(file, m, PK_AXIS_REAL);
-        fputs("}, \"growth\": ", file);
-        growth(file, m);
+        fputs(", ", file);
+        limits(file, m);
         fputs(", \"doc\": ", file);
         output_text(file, m->doc);
         fputs("}\n", file);

@@ -11,11 +11,11 @@
  * drift. Where rho would change to a quarter or to four times itself, or below 0, as where da/dq
  * passes zero without an h_max, the scheme fails, and says so.
  *
- * A limit, or dense output, must not disturb the sequence: there a step of what is left is made from
- * the last point of the sequence, and the next step begins at that point again.
+ * A limit, or dense output, must not disturb the sequence: there a step of what is left is made
+ * from the last point of the sequence, and the next step begins at that point again.
  *
  * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
- * Geometric Numerical Integration, VIII.3.2.
+ * Geometric Numerical Integration, VIII.3.
  */
 #include <string.h>
 
@@ -66,7 +66,7 @@ static struct work parts(const struct pk_integrator *it)
 static size_t size(const struct pk_method *method, size_t n)
 {
     (void)method;
-    return NUMBERS + 4 * n + (2 * n + 2 * n * n) + (n * n + n); /* an autonomous system: no inputs */
+    return NUMBERS + 4 * n + (2 * n + 2 * n * n) + (n * n + n); /* no inputs */
 }
 
 /* The square root of ||da/dq||; the acceleration is left in w->a. */

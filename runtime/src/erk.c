@@ -39,6 +39,6 @@ const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
                                           .step = erk_step}
 
 ERK(euler, "explicit Euler; HNW I.7", 1, 1);
-ERK(rk2, "the explicit midpoint rule; C. Runge (1895), HNW II.1 (1.4)", 2, 2);
+ERK(rk2, "the explicit midpoint rule; C. Runge (1895), HNW II.1", 2, 2);
 ERK(rk3, "Kutta's method of order 3, of Simpson's weights; W. Kutta (1901)", 3, 3);
 ERK(rk4, "the classical Runge-Kutta method; W. Kutta (1901), HNW II.1 Table 1.2", 4, 4);

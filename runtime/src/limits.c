@@ -14,7 +14,9 @@ struct question {
     int degree; /* of the polynomial; -1: none */
     pk_real c[PK_MOST_STAGES + 1];
     pk_real blind;        /* growth that is taken for rounding */
+    int shears;           /* the determinant of the map is 1, whatever rounding makes of it */
     pk_real spacing, end; /* of the grid */
+    pk_real near;         /* how far below 0 a maximum on the grid may be that is above between */
     int failed;           /* a step could not be made, so there is no answer */
 };
 
@@ -55,9 +57,9 @@ static pk_real excess(struct question *ask, pk_real x)
     if (ask->axis == PK_AXIS_REAL)
         return pk_abs(factor) - 1 - ask->blind;
     const pk_real determinant = map[0] * map[3] - map[1] * map[2];
-    return (pk_abs(determinant - 1) <= 100 * PK_EPS ? pk_abs(map[0] + map[3]) - 2
-                                                    : pk_map_growth(map) - 1) -
-           ask->blind;
+    if (ask->shears || pk_abs(determinant - 1) <= 100 * PK_EPS)
+        return pk_abs(map[0] + map[3]) - 2 - ask->blind;
+    return pk_map_growth(map) - 1 - ask->blind;
 }
 
 /* The largest excess between a and b, where the middle one of three points is the largest: by
@@ -67,7 +69,7 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     const pk_real golden = PK_C(0.618033988749894848204586834365638118);
     pk_real c = b - golden * (b - a), d = a + golden * (b - a);
     pk_real fc = excess(ask, c), fd = excess(ask, d);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 30; i++) { /* a millionth of it: the top is flat */
         if (fc > fd) {
             b = d, d = c, fd = fc;
             c = b - golden * (b - a);
@@ -107,7 +109,8 @@ static void first_growth(struct question *ask, pk_real from, pk_real growth[2])
     for (pk_real next = after(ask, x); !(growth[0] < PK_INFINITY) && next <= ask->end;
          next = after(ask, x)) {
         const pk_real f_next = excess(ask, next);
-        if (f > f_last && f > f_next && !(f_next > 0)) { /* narrow growth may hide near x */
+        if (f > f_last && f > f_next && !(f_next > 0) && f > -ask->near) {
+            /* Narrow growth may hide near x. */
             const pk_real top = crest(ask, last, next);
             if (excess(ask, top) > 100 * PK_EPS) {
                 growth[0] = edge(ask, last, top, 0);
@@ -133,15 +136,17 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
     struct question ask = {.method = method, .axis = axis, .degree = -1};
     const struct pk_method *formula = method->formula ? method->formula : method;
     const struct pk_tableau *table = pk_explicit_table(formula);
-    const int polynomial = table || pk_splitting_table(formula);
+    const int shears = pk_splitting_table(formula) != NULL, polynomial = table || shears;
     pk_real map[4], factor;
     if (axis == PK_AXIS_IMAGINARY ? pk_method_oscillator(method, 1, map) < 0
                                   : pk_method_decay(method, 1, &factor) < 0)
         return 0;
     if (table && axis == PK_AXIS_IMAGINARY)
         imaginary(&ask, table);
+    ask.shears = shears;
     /* Explicit: stable nowhere above 2 s, or on the real axis 2 s^2. */
-    ask.spacing = polynomial ? PK_C(0.015625) : PK_C(0.0625);
+    ask.spacing = polynomial ? PK_C(0.015625) : PK_C(0.125);
+    ask.near = polynomial ? 1 : PK_C(0.1);
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);

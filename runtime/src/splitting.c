@@ -46,9 +46,10 @@ SPLITTING(verlet, "velocity Verlet (Stormer, leapfrog); Phys. Rev. 159 (1967) 98
           PK_SYMMETRIC);
 SPLITTING(yoshida4, "triple jump of Verlet; H. Yoshida, Phys. Lett. A 150 (1990) 262", 4, 3,
           PK_SYMMETRIC);
-SPLITTING(suzuki4, "five Verlet steps; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 5, PK_SYMMETRIC);
+SPLITTING(suzuki4, "five Verlet steps; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 5,
+          PK_SYMMETRIC);
 SPLITTING(mclachlan4,
-          "order 4 of least error with 5 stages; R. I. McLachlan, SIAM J. Sci. Comput. 16 (1995) 151",
+          "5 stages of least error; R. I. McLachlan, SIAM J. Sci. Comput. 16 (1995) 151",
           4, 5, PK_SYMMETRIC);
 SPLITTING(blanes_moan4,
           "SRKN_6^b; S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313", 4, 6,

@@ -152,7 +152,9 @@ static void every_method(void)
         for (int k = 0; k < 2; k++) {
             const double error = fabs(w.t[k] - (0.25 + 0.5 * k) * T);
             CU_ASSERT(error < bound);
-            CU_ASSERT(k ? w.q[k] >= 0 && w.direction[k] == 1 : w.q[k] <= 0 && w.direction[k] == -1);
+            /* gsl_bsimp's way to the same time in another step differs by rounding. */
+            const double behind = k ? w.q[k] : -w.q[k], rounding = i < core ? 0 : 2e-15;
+            CU_ASSERT(behind >= -rounding && w.direction[k] == (k ? 1 : -1));
             CU_ASSERT(fabs(w.q[k]) < 2e-14); /* |v| < 1.4, t < 6 */
         }
         CU_ASSERT(m->order != 1 || fabs(w.t[0] - 0.25 * T) > 1e-4);

@@ -89,9 +89,9 @@ static enum pk_status run_to_failure(struct fixture *f, double t_end)
 
 static const char *const all[] = {"euler",  "symplectic_euler", "verlet", "yoshida4",  "rk4",
                                   "dopri5", "dop853",           "gauss1", "gauss2",    "gauss3",
-                                  "gauss4", "gauss8",           "gauss",  "gsl_rk8pd", "gsl_msadams",
-                                  "rk2",    "rk3",              "kahan_li8", "blanes_moan6", "gsl_rkf45",
-                                  "gsl_msbdf", "gsl_bsimp"};
+                                  "gauss4", "gauss8",           "gauss",  "gsl_rk8pd",
+                                  "gsl_msadams", "rk2", "rk3", "kahan_li8", "blanes_moan6",
+                                  "gsl_rkf45", "gsl_msbdf", "gsl_bsimp"};
 enum { ALL = sizeof all / sizeof *all };
 
 static void not_finite(void)

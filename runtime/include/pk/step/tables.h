@@ -1,7 +1,7 @@
 /* The tables of every family, and which methods are in it.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, I.7
- * and II.1 (1.4), (1.11), Table 1.2 (C. Runge 1895, W. Kutta 1901).
+ * and II.1, Table 1.2 (C. Runge 1895, W. Kutta 1901).
  */
 #ifndef PK_STEP_TABLES_H
 #define PK_STEP_TABLES_H
