@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
+from conftest import ROOT, run_pkgen
 
 from .prediction import BOUNDARY, MEASURED, Prediction, boundary
 from .probe import Probe
@@ -85,6 +88,18 @@ def beat(coupling: float) -> float:
     return float(2 * pi / (angles[1] - angles[0]))
 
 
+@cache
+def lyapunov(angles: tuple[float, float], until: float = 1e5) -> float:
+    """Largest exponent from rest, by the variational equations of `pkgen run`."""
+    start = [f"--start={name}={value}" for name, value in at_rest(*angles).items()]
+    done = run_pkgen(
+        *("run", ROOT / "models" / "double_pendulum.lag", *start, "--until", until),
+        *("--every", until / 10, "--diagnose", "lyapunov", "--json"),
+    )
+    assert done.returncode == 0, done.stderr
+    return abs(json.loads(done.stdout)["report"]["diagnostics"]["lyapunov"]["exponent"])
+
+
 PREDICTIONS = [
     *(
         Prediction(
@@ -105,6 +120,20 @@ PREDICTIONS = [
         2 * sqrt(2) / mode(-1)[0], BOUNDARY,
         lambda: double_limit("rk4", 2 * sqrt(2) / mode(-1)[0]),
         "dopri5", lambda: double_limit("dopri5", 2 * sqrt(2) / mode(-1)[0]),
+    ),
+    *(
+        Prediction(
+            id, f"double pendulum from rest at {text}, gauss, 1e5 s",
+            "largest Lyapunov exponent, per second", predicted, 0.05,
+            lambda a=angles: lyapunov(a),
+            worse, lambda a=other: lyapunov(a), long=True,
+        )
+        for id, text, angles, predicted, worse, other in (
+            ("D2a", "pi/2, pi/2", (pi / 2, pi / 2), 0.926, "2, 2", (2.0, 2.0)),
+            ("D2b", "2, 2", (2.0, 2.0), 1.343, "3, 3", (3.0, 3.0)),
+            ("D2c", "3, 3", (3.0, 3.0), 1.005, "2, 2", (2.0, 2.0)),
+            ("D2d", ".5, .5", (0.5, 0.5), (1e-9, 1e-3), "pi/2, pi/2", (pi / 2, pi / 2)),
+        )
     ),
     Prediction(
         "D3a", "double pendulum from rest at pi/2, pi/2, gauss1, h = .001",
