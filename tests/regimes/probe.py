@@ -47,7 +47,11 @@ FOREVER = 1e15
 
 
 class Failed(Exception):
-    """A step of the runtime that failed; the text is the runtime's reason."""
+    """What the runtime refused, or a step that failed: its status and its reason."""
+
+    def __init__(self, reason: str, status: int = 0):
+        super().__init__(reason)
+        self.status = status
 
 
 def model_path(name: str) -> Path:
@@ -138,7 +142,7 @@ class Probe:
         if status < 0:
             text = ctypes.create_string_buffer(300)
             self.lib.probe_status(self.p, text, 300)
-            raise Failed(text.value.decode())
+            raise Failed(text.value.decode(), status)
 
     @property
     def status(self) -> int:

@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 
 from .prediction import BOUNDARY, MEASURED, Prediction, boundary
-from .probe import Probe
+from .probe import Failed, Probe
 
 # --- N2: the pendulum under Verlet is the standard map with K = (h omega)^2 -----------------
 
@@ -103,6 +103,13 @@ def energy_error(method: str, h: float, until: float) -> float:
     return np.abs(probe.steps(round(until / h))[:, -1] - first).max()
 
 
+def refusal(method: str) -> float:
+    try:
+        return float(Probe("double_pendulum", method, 0.02).status)
+    except Failed as refused:
+        return float(refused.status)
+
+
 K_CRITICAL = 0.971635406  # R. MacKay, Physica D 7 (1983) 283
 RESONANT = 2 * sqrt(1 - (1.9 / 2) ** 2)  # where omega_s = 1.9 and 2 sqrt(1 - h^2/4) agree
 
@@ -155,6 +162,10 @@ PREDICTIONS = [
         for id, until, predicted in (
             ("N8a", 1e2, 0.00195), ("N8b", 1e3, 0.0234), ("N8c", 1e4, 0.247),
         )
+    ),
+    Prediction(
+        "N8e", "double pendulum, verlet", "the runtime refuses the misuse: PK_REFUSED is", -3.0, 0,
+        lambda: refusal("verlet"), "gauss1, which applies", lambda: refusal("gauss1"),
     ),
     Prediction(
         "N8d", "double pendulum, .5/.5, gauss1, h = .02, to t = 1000",

@@ -34,7 +34,7 @@ units of omega where no unit is given.
 """
 COLUMNS = (
     "id", "system and method", "prediction", "predicted", "tolerance", "measured", "difference",
-    "worse", "its value", "",
+    "worse", "its value", "result",
 )  # fmt: skip
 
 
@@ -55,7 +55,7 @@ def row(entry: Prediction, measured: float, worse: float) -> list[str]:
         entry.system + (" *(long)*" if entry.long else ""),
         entry.says.replace("|", "\\|"),
         predicted(entry),
-        "band" if band else f"{100 * entry.tolerance:g}%",
+        "band" if band else f"{100 * entry.tolerance:g}%" if entry.tolerance else "exact",
         number(measured),
         "" if band else f"{measured / entry.predicted - 1:+.1e}",
         entry.worse,

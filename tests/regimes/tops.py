@@ -124,13 +124,7 @@ def sleeping_boundary(factor: float = 1.0) -> float:
         rows = probe.at(np.linspace(1, 400, 400))
         return np.hypot(rows[:, 1], rows[:, 2]).max() > 1e-5
 
-    low, high = 1.998, 2.002
-    if not wakes(low) or wakes(high):
-        return 0.0
-    for _ in range(9):
-        middle = (low + high) / 2
-        low, high = (middle, high) if wakes(middle) else (low, middle)
-    return (low + high) / 2
+    return 1 / boundary(0.5, lambda inverse: wakes(1 / inverse), bits=9)
 
 
 # --- free top ------------------------------------------------------------------------------------
