@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
-from conftest import ROOT, run_pkgen
 
 from .prediction import BOUNDARY, MEASURED, Prediction, boundary
-from .probe import Probe
+from .probe import Probe, model_path
 
 UNIT = {"m1": 1.0, "m2": 1.0, "l1": 1.0, "l2": 1.0, "g": 9.81}
 
@@ -92,11 +93,9 @@ def beat(coupling: float) -> float:
 def lyapunov(angles: tuple[float, float], until: float = 1e5) -> float:
     """Largest exponent from rest, by the variational equations of `pkgen run`."""
     start = [f"--start={name}={value}" for name, value in at_rest(*angles).items()]
-    done = run_pkgen(
-        *("run", ROOT / "models" / "double_pendulum.lag", *start, "--until", until),
-        *("--every", until / 10, "--diagnose", "lyapunov", "--json"),
-    )
-    assert done.returncode == 0, done.stderr
+    command = [sys.executable, "-m", "pkgen", "run", model_path("double_pendulum"), *start]
+    command += ["--until", until, "--every", until / 10, "--diagnose", "lyapunov", "--json"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True)
     return abs(json.loads(done.stdout)["report"]["diagnostics"]["lyapunov"]["exponent"])
 
 
