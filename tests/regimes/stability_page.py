@@ -10,6 +10,7 @@ import fcntl
 import math
 import os
 import re
+from datetime import date
 from pathlib import Path
 
 from .catalogue import MISSING, PREDICTIONS
@@ -26,8 +27,8 @@ predictions and how each is measured in `tests/regimes/*.py`; steps are the runt
 one by one. A prediction is met if the measured value lies within the tolerance of it, or in the
 band that it is, and the worse method or step beside it, measured in the same way, does not. A
 limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make test`
-measures the short ones, `make test-long` those marked *long*; with `PKGEN_UPDATE=1` either writes
-its rows here. Closed forms are to be met within 1% or closer, boundaries within .1%, fitted powers
+measures the short ones, `make test-long` those marked *long* with the day on which they were; with
+`PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be met within 1% or closer, boundaries within .1%, fitted powers
 within 5%, what was only ever measured within its band or 20%. y = h omega; frequencies are in
 units of omega where no unit is given.
 
@@ -52,7 +53,7 @@ def row(entry: Prediction, measured: float, worse: float) -> list[str]:
     band = isinstance(entry.predicted, tuple)
     return [
         entry.id,
-        entry.system + (" *(long)*" if entry.long else ""),
+        entry.system + (f" *(long, {date.today()})*" if entry.long else ""),
         entry.says.replace("|", "\\|"),
         predicted(entry),
         "band" if band else f"{100 * entry.tolerance:g}%" if entry.tolerance else "exact",
