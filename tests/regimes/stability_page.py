@@ -28,9 +28,9 @@ one by one. A prediction is met if the measured value lies within the tolerance 
 band that it is, and the worse method or step beside it, measured in the same way, does not. A
 limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make test`
 measures the short ones, `make test-long` those marked *long* with the day on which they were; with
-`PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be met within 1% or closer, boundaries within .1%, fitted powers
-within 5%, what was only ever measured within its band or 20%. y = h omega; frequencies are in
-units of omega where no unit is given.
+`PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be met within 1% or closer,
+boundaries within .1%, fitted powers within 5%, what was only ever measured within its band or 20%.
+y = h omega; frequencies are in units of omega where no unit is given.
 
 """
 COLUMNS = (
