@@ -139,8 +139,8 @@ PREDICTIONS = [
     ),
     Prediction(
         "D3a", "double pendulum from rest at pi/2 (+ .001 k), pi/2, gauss1, h = .001",
-        "reversal is lost near ln(1/eps)/lambda, lambda = .926: median of seven starts", log(2**52) / 0.926,
-        MEASURED,
+        "reversal is lost near ln(1/eps)/lambda, lambda = .926: median of seven starts",
+        log(2**52) / 0.926, MEASURED,
         lambda: reversal_lost("gauss1", 0.001),
         "rk4, h = .01", lambda: reversal_lost("rk4", 0.01), long=True,
     ),
