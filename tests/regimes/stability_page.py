@@ -40,7 +40,7 @@ COLUMNS = (
 
 
 def number(x: float) -> str:
-    return "none" if math.isinf(x) else "lost" if math.isnan(x) else f"{x:.9g}"
+    return "none" if math.isinf(x) else "lost" if math.isnan(x) else f"{x:.12g}"
 
 
 def predicted(entry: Prediction) -> str:
