@@ -6,6 +6,7 @@ from . import (
     chains,
     coupled,
     driven,
+    ends,
     kepler,
     linear,
     maps,
@@ -17,7 +18,7 @@ from . import (
 )
 from .prediction import Missing
 
-LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops)
+LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops, ends)
 OWN = (modified, maps, scaling, driven)
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
