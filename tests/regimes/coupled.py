@@ -145,10 +145,10 @@ PREDICTIONS = [
         "rk4, h = .01", lambda: reversal_lost("rk4", 0.01), long=True,
     ),
     Prediction(
-        "D3b", "double pendulum from rest at .1, .1, gauss1, h = .001, to 60 s",
+        "D3b", "double pendulum from rest at .3, .3, gauss1, h = .001, to 60 s",
         "a regular orbit returns to its start but for", (1e-18, 1e-14), 0,
-        lambda: reversal_error("gauss1", (0.1, 0.1), 60, 0.001),
-        "rk4, h = .01", lambda: reversal_error("rk4", (0.1, 0.1), 60, 0.01),
+        lambda: reversal_error("gauss1", (0.3, 0.3), 60, 0.001),
+        "rk4, h = .01", lambda: reversal_error("rk4", (0.3, 0.3), 60, 0.01),
     ),
     Prediction(
         "O1a", "two coupled masses, verlet", "limit 2 / sqrt(1 + 2 k_c)", sqrt(2), BOUNDARY,
