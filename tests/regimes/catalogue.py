@@ -6,6 +6,7 @@ from . import (
     chains,
     coupled,
     driven,
+    ends,
     kepler,
     linear,
     maps,
@@ -17,9 +18,12 @@ from . import (
 )
 from .prediction import Missing
 
-LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops)
+LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops, ends)
 OWN = (modified, maps, scaling, driven)
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
 
-MISSING: list[Missing] = []
+MISSING = [
+    Missing("X1 (first order)", "Euler's disk as theta' = -k/theta", "`state` and `rate`"),
+    Missing("T4 (attitude)", "free top without angles that end", "`rotation`"),
+]

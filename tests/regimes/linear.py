@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import acos, asin, atan
+from math import acos, asin, atan, pi
 
 import mpmath as mp
 import numpy as np
@@ -162,6 +162,32 @@ def iteration_limit(s: int) -> float:
     return float(min(abs(z) for z in mp.polyroots(rising[::-1], maxsteps=200, extraprec=100)))
 
 
+AMBIGUOUS = -13
+
+
+def ambiguous_from(method: str, predicted: float) -> float:
+    """The step from which a pendulum at rest upright is refused: its equations have more solutions
+    than to stay there. (Within some 1e-5 of it, where they are singular, Newton's iteration does
+    not converge, which it says.)"""
+
+    def status(y: float) -> int:
+        probe = Probe("pendulum", method, y, start={"theta": pi, "theta'": 0.0})
+        probe.steps(1, strict=False)
+        return probe.status
+
+    found = boundary(predicted, lambda y: status(y) < 0)
+    return found if status(1.001 * found) == AMBIGUOUS else 0.0
+
+
+def midpoint_roots(y: float) -> float:
+    """Solutions x of x = pi + (y^2/4) a(x), the middle of a midpoint step from rest upright: the
+    changes of sign over +-y^2/4 about pi, beyond which there is none."""
+    probe = Probe("pendulum", "gauss1", y)
+    x = pi + np.linspace(-y * y / 4 - 0.1, y * y / 4 + 0.1, 4000)
+    gap = [z - pi - y * y / 4 * probe.acceleration([z], [0.0])[0] for z in x]
+    return float(np.sum(np.diff(np.sign(gap)) != 0))
+
+
 RATIO = 1 / (1 - 1.9**2 / 4)
 
 PREDICTIONS = [
@@ -256,5 +282,19 @@ PREDICTIONS = [
             f"gauss{s + 1}", lambda s=s: fixed_point_limit(f"gauss{s + 1}", iteration_limit(s)),
         )
         for s in (1, 2, 3)
+    ),
+    Prediction(
+        "L14a", "pendulum at rest upright, gauss1",
+        "one solution of the step if y < 2; beyond, it says that there are several", 2.0, BOUNDARY,
+        lambda: ambiguous_from("gauss1", 2.0),
+        "radau5", lambda: ambiguous_from("radau5", 2.0),
+    ),
+    *(
+        Prediction(
+            id, f"pendulum at rest upright, midpoint, y = {y}", "solutions of a step",
+            count, 0, lambda y=y: midpoint_roots(y),
+            f"y = {other}", lambda y=other: midpoint_roots(y),
+        )
+        for id, y, count, other in (("L14b", 2.01, 3.0, 1.99), ("L14c", 6.0, 7.0, 5.0))
     ),
 ]  # fmt: skip

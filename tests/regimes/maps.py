@@ -49,7 +49,7 @@ def splitting(method: str, h: float) -> float:
 
     steps = int(ln(4e5) / mu) + 1
     low, high = 1e-6, 1e-4
-    for _ in range(200):
+    for _ in range(80):
         middle = sqrt(low * high)
         low, high = (middle, high) if after(middle, steps)[0] < 0 else (low, middle)
     d = 1e-4

@@ -1,5 +1,5 @@
-/* Steps that the runtime refuses or does not have, to show what it is spared: they are kept here, in
- * test code, and use the model's own acceleration. */
+/* Steps that the runtime refuses or does not have, kept in test code to show what they do. They use
+ * the model's own acceleration. */
 #include <math.h>
 #include <string.h>
 
@@ -7,7 +7,8 @@
 
 enum { MOST = 64 };
 
-static void acceleration(const struct probe *p, double t, const double *q, const double *v, double *a)
+static void acceleration(const struct probe *p, double t, const double *q, const double *v,
+                         double *a)
 {
     p->problem.system->acceleration(p->params, t, q, v, NULL, a);
 }

@@ -41,13 +41,15 @@ SIGNATURES = {
     "misused_variable": (REAL, [ctypes.c_void_p, REAL, REAL, ARRAY, ARRAY]),
     "plain_verlet": (None, [ctypes.c_void_p, REAL, SIZE, ARRAY, ARRAY]),
 }
-
-
 FOREVER = 1e15
 
 
 class Failed(Exception):
-    """A step of the runtime that failed; the text is the runtime's reason."""
+    """What the runtime refused, or a step that failed: its status and its reason."""
+
+    def __init__(self, reason: str, status: int = 0):
+        super().__init__(reason)
+        self.status = status
 
 
 def model_path(name: str) -> Path:
@@ -66,7 +68,7 @@ def library(name: str, sizes: tuple[tuple[str, int], ...] = ()) -> tuple[ctypes.
     texts = [repr((core.name, sizes, sorted(made.files.items())))]
     texts += [(HERE / f).read_text() for f in ("probe.c", "misused.c", "probe.h")]
     digest = hashlib.sha256("".join(texts).encode()).hexdigest()[:16]
-    target = build.cache_directory() / "regimes" / f"{name}-{digest}.so"
+    target = ROOT / "build" / "regimes" / f"{name}-{digest}.so"
     if not target.exists():
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".new-") as folder:
@@ -125,9 +127,6 @@ class Probe:
             int(fixed_point),
             max_iterations,
         )
-        self._begin(h)
-
-    def _begin(self, h: float) -> None:
         self._done(self.lib.probe_begin(self.p, h, *self._options, 0.0, self.q, self.v))
 
     def __del__(self):
@@ -138,7 +137,7 @@ class Probe:
         if status < 0:
             text = ctypes.create_string_buffer(300)
             self.lib.probe_status(self.p, text, 300)
-            raise Failed(text.value.decode())
+            raise Failed(text.value.decode(), status)
 
     @property
     def status(self) -> int:

@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 
 from .prediction import BOUNDARY, MEASURED, Prediction, boundary
-from .probe import Probe
+from .probe import Failed, Probe
 
 # --- N2: the pendulum under Verlet is the standard map with K = (h omega)^2 -----------------
 
@@ -66,9 +66,10 @@ def resonant_step(method: str, predicted: float) -> float:
         swing = probe.steps(int(20_000 / h), 5)[:, 1]
         return np.abs(swing).max() > 40 * rate
 
-    steps = predicted * (1 + np.linspace(-0.02, 0.02, 161))
+    steps = predicted * (1 + np.linspace(-0.02, 0.02, 101))
     inside = [h for h in steps if resonant(h)]
-    return (inside[0] + inside[-1]) / 2 if inside else 0.0
+    within = inside and steps[0] < inside[0] and inside[-1] < steps[-1]
+    return (inside[0] + inside[-1]) / 2 if within else 0.0
 
 
 # --- N7: a polar chart near its pole ----------------------------------------------------
@@ -103,6 +104,13 @@ def energy_error(method: str, h: float, until: float) -> float:
     return np.abs(probe.steps(round(until / h))[:, -1] - first).max()
 
 
+def refusal(method: str) -> float:
+    try:
+        return float(Probe("double_pendulum", method, 0.02).status)
+    except Failed as refused:
+        return float(refused.status)
+
+
 K_CRITICAL = 0.971635406  # R. MacKay, Physica D 7 (1983) 283
 RESONANT = 2 * sqrt(1 - (1.9 / 2) ** 2)  # where omega_s = 1.9 and 2 sqrt(1 - h^2/4) agree
 
@@ -116,7 +124,7 @@ PREDICTIONS = [
         "N3a", "elastic pendulum 1 : 1.9, verlet",
         "spurious 1:2 where omega_s = 2 omega_p sqrt(1 - (h omega_p/2)^2): at h",
         RESONANT, BOUNDARY, lambda: resonant_step("verlet", RESONANT),
-        "yoshida4", lambda: resonant_step("yoshida4", RESONANT),
+        "yoshida4: no such band", lambda: resonant_step("yoshida4", RESONANT),
     ),
     Prediction(
         "N3b", "elastic pendulum 1 : 1.9, verlet, h = .6244998, stretch .05, swing .001",
@@ -155,6 +163,10 @@ PREDICTIONS = [
         for id, until, predicted in (
             ("N8a", 1e2, 0.00195), ("N8b", 1e3, 0.0234), ("N8c", 1e4, 0.247),
         )
+    ),
+    Prediction(
+        "N8e", "double pendulum, verlet", "the runtime refuses the misuse: PK_REFUSED is", -3.0, 0,
+        lambda: refusal("verlet"), "gauss1, which applies", lambda: refusal("gauss1"),
     ),
     Prediction(
         "N8d", "double pendulum, .5/.5, gauss1, h = .02, to t = 1000",

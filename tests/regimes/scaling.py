@@ -67,6 +67,15 @@ def kink_power(method: str) -> float:
     return slope(steps, errors)
 
 
+def stiff_power(method: str) -> float:
+    """Of h, in the error of a rate that friction of rate 1e6 holds to sin t, at t = 1."""
+    errors, steps = [], (8, 12, 16, 24, 32)
+    for n in steps:
+        row = Probe("follow", method, 1 / n).at([1.0])[0]
+        errors.append(abs(row[2] - sin(1)))
+    return slope([1 / n for n in steps], errors)
+
+
 def angular_momentum(method: str) -> float:
     rows = Probe("quartic_plane", method, 0.1).steps(100_000, 10)
     x, y, u, v = rows[:, 1:5].T
@@ -105,5 +114,16 @@ PREDICTIONS = [
         "A12", "ball in air through its apex, rk4",
         "across the kink of |v| v the error goes with h^3, not h^4", 3.0, ORDER,
         lambda: kink_power("rk4"), "euler", lambda: kink_power("euler"), own=True,
+    ),
+    *(
+        Prediction(
+            id, f"q' held to sin t by friction 1e6, {method}", says, power, ORDER,
+            lambda m=method: stiff_power(m), worse, lambda m=worse: stiff_power(m), own=True,
+        )
+        for id, method, says, power, worse in (
+            ("A15a", "gauss2", "order 4 falls to s = 2, R(inf) being 1", 2.0, "gauss3"),
+            ("A15b", "gauss3", "order 6 falls to s + 1 = 4, R(inf) being -1", 4.0, "gauss2"),
+            ("A15c", "radau5", "order 5 falls to s = 3, error h^s / lambda", 3.0, "gauss3"),
+        )
     ),
 ]  # fmt: skip

@@ -10,6 +10,7 @@ import fcntl
 import math
 import os
 import re
+from datetime import date
 from pathlib import Path
 
 from .catalogue import MISSING, PREDICTIONS
@@ -26,20 +27,20 @@ predictions and how each is measured in `tests/regimes/*.py`; steps are the runt
 one by one. A prediction is met if the measured value lies within the tolerance of it, or in the
 band that it is, and the worse method or step beside it, measured in the same way, does not. A
 limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make test`
-measures the short ones, `make test-long` those marked *long*; with `PKGEN_UPDATE=1` either writes
-its rows here. Closed forms are to be met within 1% or closer, boundaries within .1%, fitted powers
-within 5%, what was only ever measured within its band or 20%. y = h omega; frequencies are in
-units of omega where no unit is given.
+measures the short ones, `make test-long` those marked *long* with the day on which they were; with
+`PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be met within 1% or closer,
+boundaries within .1%, fitted powers within 5%, what was only ever measured within its band or 20%.
+y = h omega; frequencies are in units of omega where no unit is given.
 
 """
 COLUMNS = (
     "id", "system and method", "prediction", "predicted", "tolerance", "measured", "difference",
-    "worse", "its value", "",
+    "worse", "its value", "result",
 )  # fmt: skip
 
 
 def number(x: float) -> str:
-    return "none" if math.isinf(x) else "lost" if math.isnan(x) else f"{x:.9g}"
+    return "none" if math.isinf(x) else "lost" if math.isnan(x) else f"{x:.12g}"
 
 
 def predicted(entry: Prediction) -> str:
@@ -52,10 +53,10 @@ def row(entry: Prediction, measured: float, worse: float) -> list[str]:
     band = isinstance(entry.predicted, tuple)
     return [
         entry.id,
-        entry.system + (" *(long)*" if entry.long else ""),
+        entry.system + (f" *(long, {date.today()})*" if entry.long else ""),
         entry.says.replace("|", "\\|"),
         predicted(entry),
-        "band" if band else f"{100 * entry.tolerance:g}%",
+        "band" if band else f"{100 * entry.tolerance:g}%" if entry.tolerance else "exact",
         number(measured),
         "" if band else f"{measured / entry.predicted - 1:+.1e}",
         entry.worse,

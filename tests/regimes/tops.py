@@ -1,4 +1,4 @@
-"""Elastic pendulum (E), tops (T) and a throw through air (X2)."""
+"""Elastic pendulum (E) and tops (T)."""
 
 from __future__ import annotations
 
@@ -124,13 +124,7 @@ def sleeping_boundary(factor: float = 1.0) -> float:
         rows = probe.at(np.linspace(1, 400, 400))
         return np.hypot(rows[:, 1], rows[:, 2]).max() > 1e-5
 
-    low, high = 1.998, 2.002
-    if not wakes(low) or wakes(high):
-        return 0.0
-    for _ in range(9):
-        middle = (low + high) / 2
-        low, high = (middle, high) if wakes(middle) else (low, middle)
-    return (low + high) / 2
+    return 1 / boundary(0.5, lambda inverse: wakes(1 / inverse), bits=9)
 
 
 # --- free top ------------------------------------------------------------------------------------
@@ -194,34 +188,6 @@ def tumbling_closed(w1: float, w3: float) -> float:
     return float(4 * mp.ellipk(m) / rate)
 
 
-# --- drag ------------------------------------------------------------------------------------
-
-
-def flight(method: str, tolerance: float, h: float = 0.0) -> tuple[float, float, float]:
-    """Apex, its time, and the speed of impact, by Newton's iteration."""
-
-    def at(t: float) -> np.ndarray:
-        return Probe("drag", method, h, tolerance=tolerance).at([t])[0]
-
-    t = 2.6
-    for _ in range(20):
-        row = at(t)
-        t += row[2] / 9.81
-    top, height = t, at(t)[1]
-    t = 6.0
-    for _ in range(30):
-        row = at(t)
-        t -= row[1] / row[2]
-    return height, top, -at(t)[2]
-
-
-DRAG = (
-    mp.log(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")) / mp.mpf("0.04"),
-    mp.atan(50 * mp.sqrt(mp.mpf("0.02") / mp.mpf("9.81")))
-    / mp.sqrt(mp.mpf("0.02") * mp.mpf("9.81")),
-    50 / mp.sqrt(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")),
-)
-
 PREDICTIONS = [
     Prediction(
         "E1", "elastic pendulum 1:2, stretch .01, gauss", "a swing grows at the rate 3/4 A",
@@ -274,13 +240,5 @@ PREDICTIONS = [
             "rk4, h = .1", lambda w=w: tumbling_period(w, "rk4", 0.1),
         )
         for id, w in (("T4b", (0.01, 1, 0)), ("T4c", (0, 1, 0.01)))
-    ),
-    *(
-        Prediction(
-            f"X2{'abc'[i]}", "ball in air, k = .02, 50 m/s straight up, dop853", text,
-            float(DRAG[i]), 1e-9, lambda i=i: flight("dop853", 1e-13)[i],
-            "rk4, h = .1 s", lambda i=i: flight("rk4", 1.0, 0.1)[i],
-        )
-        for i, text in enumerate(("apex", "time of the apex", "speed of impact"))
     ),
 ]  # fmt: skip
