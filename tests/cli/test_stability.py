@@ -14,6 +14,9 @@ import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
 
+# matplotlib warns where labels have no room.
+pytestmark = pytest.mark.filterwarnings("error")
+
 PENDULUM = """model pendulum
 coord theta
 kinetic theta'^2/2
@@ -90,7 +93,6 @@ def test_files(quick) -> None:
     assert "verlet" in picture and "limit" in picture
 
 
-@pytest.mark.filterwarnings("error")
 def test_one_panel_has_room(stability, tmp_path: Path) -> None:
     model = tmp_path / "pendulum.lag"
     model.write_text(PENDULUM)

@@ -70,7 +70,7 @@ def _figure(made: StabilityMap) -> plt.Figure:
         axes.set_visible(False)
     lines = [line for title in titles(made) for line in textwrap.wrap(title, int(14 * width))]
     figure.suptitle("\n".join(lines), fontsize=9)
-    _legend(figure, made, used, int(width / 2.1))
+    _legend(figure, used, int(width / 2.1))
     return figure
 
 
@@ -111,7 +111,7 @@ def edges(values: np.ndarray) -> np.ndarray:
 
 
 def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: bool) -> set[str]:
-    """One method's map; which classes are on it."""
+    """One method's map; which classes and lines are on it."""
     cells = _grid(made, name)
     hs = np.array(made.steps[name])
     xs = np.array(made.asked.axis.values)
@@ -125,15 +125,16 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: boo
             _hatch(axes, hs, xs, cells == kinds.index(kind), CLASSES[kind][1])
     axes.set_xlim(edges(hs)[0], edges(hs)[-1])
     axes.set_ylim(edges(xs)[0], edges(xs)[-1])
-    overlay.lines(axes, made, name)
-    overlay.measured(axes, made, name)
+    drawn = overlay.lines(axes, made, name)
+    if overlay.measured(axes, made, name):
+        drawn.add("measured")
     axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=3)
     unit = "" if made.compilation.model.dimensionless else " [s]"
     axes.set_xlabel(f"step h{unit}", labelpad=1)
     if first:
         axes.set_ylabel(made.asked.axis.label)
     _second_axes(axes, made, last)
-    return here
+    return here | drawn
 
 
 def _hatch(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, cells: np.ndarray, hatch: str) -> None:
@@ -181,13 +182,13 @@ def fastest(made: StabilityMap) -> float | None:
     return max(rates, default=0.0) or None
 
 
-def _legend(figure: plt.Figure, made: StabilityMap, used: set[str], columns: int) -> None:
+def _legend(figure: plt.Figure, used: set[str], columns: int) -> None:
     handles: list = [
         Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=kind)
         for kind, (colour, hatch) in CLASSES.items()
         if kind in used
     ]
-    handles += overlay.handles(made)
+    handles += overlay.handles(used)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(columns, len(handles)), frameon=False
     )

@@ -41,7 +41,9 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
     return found
 
 
-def lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
+def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
+    """Which kinds of predictions are on the map, "silent" among them."""
+    drawn: set[str] = set()
     low, high = axes.get_xlim()
     bottom, top = axes.get_ylim()
     labels: list[tuple[float, str, str]] = []
@@ -65,6 +67,7 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
         style, word = LINES[kind]
         quiet = (kind, mode, other) in silent
+        drawn |= {kind, "silent"} if quiet else {kind}
         colour = SILENT if quiet else "black" if primary or kind == "branch" else "#555555"
         axes.plot(
             hs,
@@ -89,6 +92,7 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> None:
             text = "limit elsewhere"
         labels.append((float(hs[-1]), text, colour))
     _label(axes, sorted(labels))
+    return drawn
 
 
 def omega(mode: int) -> str:
@@ -122,28 +126,37 @@ def _label(axes: plt.Axes, labels: list[tuple[float, str, str]]) -> None:
             ends.append((h, reach))
 
 
-def measured(axes: plt.Axes, made: StabilityMap, name: str) -> None:
-    """Triangles on the lower edge, where small motions were measured to fail."""
-    for m in made.measured:
-        p = m.prediction
-        if p.method == name and p.kind in ("limit", "branch") and m.h:
-            axes.plot(
-                [m.h],
-                [0.0],
-                marker="^",
-                ms=6,
-                color="black",
-                mec="white",
-                mew=0.6,
-                clip_on=False,
-                transform=axes.get_xaxis_transform(),
-                zorder=5,
-            )
+def measured(axes: plt.Axes, made: StabilityMap, name: str) -> bool:
+    """Triangles on the lower edge, where small motions were measured to fail; if there are any."""
+    low, high = axes.get_xlim()
+    places = [
+        m.h
+        for m in made.measured
+        if m.prediction.method == name
+        and m.prediction.kind in ("limit", "branch")
+        and m.h
+        and low < m.h < high
+    ]
+    if not places:
+        return False  # an empty line that is not clipped has no size that a layout could use
+    axes.plot(
+        places,
+        [0.0] * len(places),
+        marker="^",
+        ls="",
+        ms=6,
+        color="black",
+        mec="white",
+        mew=0.6,
+        clip_on=False,
+        transform=axes.get_xaxis_transform(),
+        zorder=5,
+    )
+    return True
 
 
-def handles(made: StabilityMap) -> list[Line2D]:
-    """For the legend."""
-    kinds = {p.kind for row in made.rows for p in row.predictions if p.h}
+def handles(drawn: set[str]) -> list[Line2D]:
+    """For the legend, of what lines() and measured() drew."""
     words = {
         "limit": "predicted limit",
         "branch": "predicted loss of the solution",
@@ -151,16 +164,17 @@ def handles(made: StabilityMap) -> list[Line2D]:
         "1:4": "step resonance 1:4, 3:4",
         "1:2": "step resonance of two modes",
     }
-    for kind, shown_as in (*((k, "1:2") for k in PAIRS), ("2:3", "1:3"), ("3:4", "1:4")):
-        kinds |= {shown_as} if kind in kinds else set()
+    same = {"2:3": "1:3", "3:4": "1:4", **dict.fromkeys(PAIRS, "1:2")}
+    shown = {same.get(kind, kind) for kind in drawn}
     found = [
         Line2D([], [], color="black", ls=LINES[kind][0], lw=1.2, label=words[kind])
         for kind in words
-        if kind in kinds
+        if kind in shown
     ]
-    if kinds & {"1:2", "1:3", "1:4"}:
+    if "silent" in shown:
         found.append(Line2D([], [], color=SILENT, lw=1.2, label="resonance that nothing answers"))
-    found.append(
-        Line2D([], [], color="black", marker="^", ls="", ms=5, label="limit measured, small motion")
-    )
+    if "measured" in shown:
+        found.append(
+            Line2D([], [], color="black", marker="^", ls="", ms=5, label="measured, small motion")
+        )
     return found
