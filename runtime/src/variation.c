@@ -108,6 +108,13 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
     }
 }
 
+/* The motion ends where it did without displacements. */
+static void guard(ARGS, pk_real *out)
+{
+    const struct pk_variation *w = self(params);
+    w->of.system->guard(OF(w), out);
+}
+
 size_t pk_variation_size(const struct pk_problem *of, size_t columns)
 {
     (void)columns; /* they share what is worked out along the motion */
@@ -124,6 +131,7 @@ size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
     const size_t n = pk_system_count(of->system, of->params);
     struct pk_system larger = {.abi = PK_ABI, .n = (1 + columns) * n};
     larger.n_inputs = of->system->n_inputs;
+    larger.n_guards = of->system->n_guards;
     return pk_integrator_size(&(struct pk_problem){.system = &larger}, method);
 }
 
@@ -167,6 +175,9 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
                                            .canonical = canonical,
                                            .jacobian = jacobian,
                                            .linear = linear,
+                                           .n_guards = system->n_guards,
+                                           .guards = system->guards,
+                                           .guard = system->n_guards ? guard : NULL,
                                            .count = count};
     variation->problem = (struct pk_problem){.system = &variation->system,
                                              .params = variation,

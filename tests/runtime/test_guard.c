@@ -201,6 +201,27 @@ static void members(void)
     CU_ASSERT(status[2] == PK_SINGULAR_TIME && fabs(last[2] - FALL * sqrt(0.125)) < 0.02);
 }
 
+/* With displacements along the motion it ends as without. */
+static void with_displacements(void)
+{
+    static struct fixture f;
+    static struct pk_variation variation;
+    static double block[2000], more[100];
+    struct pk_system system = guarded_kepler();
+    struct pk_integrator it;
+    const double q[4] = {0.6, 0.8, 1, 0}, v[4] = {0};
+    const struct pk_method *method = pk_method_find("rk4");
+    fixture_set(&f, &system);
+    f.options.h = 0.01;
+    CU_ASSERT_FATAL(pk_variation_init(&variation, &f.problem, 1, more, sizeof more) == PK_DONE);
+    CU_ASSERT(pk_variation_integrator_size(&f.problem, 1, method) ==
+              pk_integrator_size(&variation.problem, method));
+    CU_ASSERT_FATAL(pk_integrator_init(&it, &variation.problem, method, &f.options, 0, q, v, block,
+                                       sizeof block) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&it, 3) == PK_SINGULAR_TIME);
+    CU_ASSERT(fabs(it.detail - FALL) < 0.01 && it.t < FALL);
+}
+
 void add_guard(void)
 {
     CU_pSuite suite = CU_add_suite("guards", NULL, NULL);
@@ -209,4 +230,5 @@ void add_guard(void)
     CU_add_test(suite, "near pass", near_pass);
     CU_add_test(suite, "pole of a chart", pole);
     CU_add_test(suite, "members", members);
+    CU_add_test(suite, "with displacements", with_displacements);
 }
