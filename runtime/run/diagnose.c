@@ -7,26 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose.h"
+#include "diagnose_parts.h"
 #include "ensemble.h"
 #include "words.h"
 
-#ifdef PK_WITH_GSL
-#include <pk/gsl.h>
-#endif
-
 enum { STATES = 16, BLOCKS = 1000 };
 static const double THRESHOLD = 1e-3; /* of reversal: what has come so far from its start is lost */
-
-struct diagnostics {
-    pk_real *rows; /* t, q, v of each */
-    size_t n_rows, capacity;
-    char *json;
-    size_t json_size;
-    FILE *file; /* of json while it is made */
-    int code, first, all;
-    double exponent; /* by Lyapunov, if that says chaotic */
-};
 
 static const struct {
     const char *name;
@@ -67,15 +53,14 @@ void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v
     memcpy(row + 1 + n, v, n * sizeof *v);
 }
 
-static void real(struct diagnostics *d, const char *key, pk_real x)
+void diagnose_real(struct diagnostics *d, const char *key, pk_real x)
 {
     fprintf(d->file, ", \"%s\": ", key);
     output_real(d->file, x);
 }
 
-/* Opens a member, with how it went. 1 where its numbers are to follow; then it is still open. */
-static int member(struct diagnostics *d, const char *name, enum pk_status status,
-                  const char *reason)
+int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
+                    const char *reason)
 {
     fprintf(d->file, "%s\n    \"%s\": {\"status\": \"%s\", \"reason\": ", d->first ? "" : ",", name,
             pk_status_name(status));
@@ -115,16 +100,16 @@ static void lyapunov(struct run *run, struct diagnostics *d)
         pk_integrator_reason(&l.it, reason, sizeof reason);
     else
         strcpy(reason, pk_status_text(status));
-    if (member(d, "lyapunov", status, reason)) {
+    if (diagnose_member(d, "lyapunov", status, reason)) {
         pk_real error;
         const pk_real exponent = pk_lyapunov_exponent(&l, &error);
         const enum pk_motion motion = pk_lyapunov_motion(&l);
         if (motion == PK_CHAOTIC)
             d->exponent = (double)exponent;
-        real(d, "exponent", exponent);
-        real(d, "error", error);
-        real(d, "megno", pk_lyapunov_megno(&l));
-        real(d, "time", l.it.t);
+        diagnose_real(d, "exponent", exponent);
+        diagnose_real(d, "error", error);
+        diagnose_real(d, "megno", pk_lyapunov_megno(&l));
+        diagnose_real(d, "time", l.it.t);
         fprintf(d->file, ", \"motion\": \"%s\"}", motions[motion]);
     }
     pk_lyapunov_free(&l);
@@ -146,13 +131,13 @@ static void reversal(struct run *run, struct diagnostics *d)
         pk_integrator_reason(&it, reason, sizeof reason);
     else
         strcpy(reason, pk_status_text(status));
-    if (member(d, "reversal", status, reason)) {
-        real(d, "threshold", r.threshold);
+    if (diagnose_member(d, "reversal", status, reason)) {
+        diagnose_real(d, "threshold", r.threshold);
         fprintf(d->file, ", \"symmetric\": %s, \"lost\": %s",
                 s->method->traits & PK_SYMMETRIC ? "true" : "false", r.passed ? "true" : "false");
-        real(d, "horizon_lo", r.horizon_lo);
-        real(d, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
-        real(d, "predicted", d->exponent > 0
+        diagnose_real(d, "horizon_lo", r.horizon_lo);
+        diagnose_real(d, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
+        diagnose_real(d, "predicted", d->exponent > 0
                                  ? PK_F(log)(r.threshold / PK_EPSILON) / (pk_real)d->exponent
                                  : PK_INFINITY);
         fputs(", \"times\": [", d->file);
@@ -202,13 +187,15 @@ static void symplectic(struct run *run, struct diagnostics *d)
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
-        reason = system->linear ? "the method's steps follow the motion, or it makes none of that length" : NO_LINEAR;
-    if (member(d, "symplectic", made ? PK_DONE : last, reason)) {
-        real(d, "defect", most.defect);
-        real(d, "volume", most.volume);
-        real(d, "rounding", most.rounding);
-        real(d, "step", most.h);
-        real(d, "t", t);
+        reason = system->linear ? "the method's steps follow the motion, or it makes none of that "
+                                  "length"
+                                : NO_LINEAR;
+    if (diagnose_member(d, "symplectic", made ? PK_DONE : last, reason)) {
+        diagnose_real(d, "defect", most.defect);
+        diagnose_real(d, "volume", most.volume);
+        diagnose_real(d, "rounding", most.rounding);
+        diagnose_real(d, "step", most.h);
+        diagnose_real(d, "t", t);
         fprintf(d->file, ", \"states\": %zu, \"failed\": %zu, \"symplectic\": %s, "
                          "\"variational\": %s}",
                 made, states - made, most.defect <= most.rounding ? "true" : "false",
@@ -217,84 +204,10 @@ static void symplectic(struct run *run, struct diagnostics *d)
     free(block);
 }
 
-#ifdef PK_WITH_GSL
-static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
-                           size_t i)
-{
-    char name[128];
-    pk_system_name(run->problem.system, run->settings.params, run->problem.system->coordinates, i,
-                   name, sizeof name);
-    fputs(i ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
-    output_text(d->file, name);
-    real(d, "mean", s->mean);
-    real(d, "rate", s->rate);
-    real(d, "residual", s->residual);
-    fputs(", \"lines\": [", d->file);
-    for (size_t k = 0; k < s->count; k++) {
-        fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
-        output_real(d->file, s->lines[k].frequency);
-        real(d, "error", s->lines[k].error);
-        real(d, "amplitude", s->lines[k].amplitude);
-        real(d, "phase", s->lines[k].phase);
-        fputs("}", d->file);
-    }
-    fputs("]}", d->file);
-}
-
-/* Rows at equal times: all but a last one that is nearer. */
-static void spectrum(struct run *run, struct diagnostics *d)
-{
-    const struct settings *set = &run->settings;
-    const size_t n = set->n, width = 1 + 2 * n;
-    const double dt = set->every > 0 ? set->every : set->options.h;
-    size_t count = d->n_rows;
-    if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
-        count--;
-    if (set->at)
-        count = 0;
-    if (count < PK_SPECTRUM_LEAST) {
-        char reason[160];
-        snprintf(reason, sizeof reason, "%zu rows at equal times; at least %d are needed: --every%s",
-                 count, (int)PK_SPECTRUM_LEAST, set->at ? ", and no rows at events" : "");
-        member(d, "spectrum", PK_REFUSED, reason);
-        return;
-    }
-    const size_t size = pk_gsl_spectrum_size(count);
-    void *block = words_allocate(size, 1);
-    double *x = (double *)words_allocate(count, sizeof *x);
-    enum pk_status status = PK_DONE;
-    struct pk_spectrum *found = (struct pk_spectrum *)words_allocate(n, sizeof *found);
-    for (size_t i = 0; i < n && status >= 0; i++) {
-        for (size_t k = 0; k < count; k++)
-            x[k] = d->rows[k * width + 1 + i];
-        status = pk_gsl_spectrum(&found[i], x, count, dt, PK_LINES, block, size);
-        run_progress(run, (double)i / (double)n, 0);
-    }
-    if (member(d, "spectrum", status, pk_status_text(status))) {
-        fprintf(d->file, ", \"rows\": %zu", count);
-        real(d, "interval", dt);
-        real(d, "nyquist", found[0].nyquist);
-        real(d, "resolution", found[0].resolution);
-        fputs(", \"coordinates\": [", d->file);
-        for (size_t i = 0; i < n; i++)
-            spectrum_lines(run, d, &found[i], i);
-        fputs("]}", d->file);
-    }
-    free(found);
-    free(x);
-    free(block);
-}
-#else
-static void spectrum(struct run *run, struct diagnostics *d)
-{
-    (void)run;
-    member(d, "spectrum", PK_REFUSED, "it needs the GNU Scientific Library, which is not here");
-}
-#endif
-
 int diagnose_run(struct run *run, int code)
 {
-    static void (*const make[])(struct run *, struct diagnostics *) = {lyapunov, reversal, spectrum,
+    static void (*const make[])(struct run *, struct diagnostics *) = {lyapunov, reversal,
+                                                                       diagnose_spectrum,
                                                                        symplectic};
     const unsigned wanted = run->settings.diagnose;
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||

@@ -1,6 +1,6 @@
 /* Lines of a spectrum fitted to samples; see pk/spectrum.h. The fit is Gauss-Newton on mean, rate,
- * and for each line a cos wt + b sin wt and w, with Hann's window as the weight; time runs from -1 to
- * 1 over the samples, so that the normal equations are well scaled.
+ * and for each line a cos wt + b sin wt and w, with Hann's window as the weight; time runs from -1
+ * to 1 over the samples, so that the normal equations are well scaled.
  */
 #include <string.h>
 
@@ -66,8 +66,8 @@ pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo,
     return (a + b) / 2 / half;
 }
 
-/* What the fit has at one sample, and its derivatives by the m unknowns: mean, rate, and of each line
- * a, b, w (in w without those of a and b while they are not known: zero). */
+/* What the fit has at one sample, and its derivatives by the m unknowns: mean, rate, and a, b, w of
+ * each line. */
 static pk_real model(size_t lines, const pk_real *z, pk_real s, pk_real *by)
 {
     pk_real sum = z[0] + z[1] * s;

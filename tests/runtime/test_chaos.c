@@ -80,7 +80,8 @@ static void exact_rates(void)
                                      memory, sizeof memory) == PK_DONE);
     for (int k = 0; k < 1000; k++)
         CU_ASSERT(pk_lyapunov_step(&l) == PK_DONE);
-    CU_ASSERT(fabs(pk_lyapunov_exponent(&l, &error)) < 1e-3 && pk_lyapunov_motion(&l) == PK_REGULAR);
+    CU_ASSERT(fabs(pk_lyapunov_exponent(&l, &error)) < 1e-3);
+    CU_ASSERT(pk_lyapunov_motion(&l) == PK_REGULAR);
     CU_ASSERT(fabs(pk_lyapunov_megno(&l)) < 1);
     oscillator.linear = NULL;
     CU_ASSERT(pk_lyapunov_init(&l, &problem, pk_method_find("dop853"), &options, 0, q, v, 2, memory,
@@ -108,7 +109,7 @@ static struct pk_reversal there_and_back(double angle, const char *name, double 
 
 static void reversal(void)
 {
-    const struct pk_reversal lost = there_and_back(1.57079632679489661923, "gauss1", 0.01, 60, 1e-3);
+    const struct pk_reversal lost = there_and_back(acos(0), "gauss1", 0.01, 60, 1e-3);
     const struct pk_reversal kept = there_and_back(0.5, "gauss1", 0.01, 60, 1e-3);
     const struct pk_reversal rk4 = there_and_back(0.5, "rk4", 0.01, 60, 1e-3);
     printf("\n    midpoint, h = .01: lost between %.2f and %.2f s; a regular orbit returns within "
@@ -119,7 +120,7 @@ static void reversal(void)
     CU_ASSERT(!kept.passed && kept.count == 13 && fabs(kept.at[12].t - 60) < 1e-12);
     CU_ASSERT(kept.at[12].absolute > 0 && kept.at[12].absolute < 2e-13);
     CU_ASSERT(rk4.at[12].absolute > 1e3 * kept.at[12].absolute);
-    for (size_t i = 0; i + 1 < kept.count; i++) { /* whole steps, each twice the last but for that */
+    for (size_t i = 0; i + 1 < kept.count; i++) { /* whole steps, each time twice the last */
         CU_ASSERT(fabs(kept.at[i + 1].t - 2 * kept.at[i].t) < 0.011);
         CU_ASSERT(fabs(remainder(kept.at[i].t, 0.01)) < 1e-12);
     }

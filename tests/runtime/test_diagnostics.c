@@ -62,7 +62,8 @@ static void growth(void)
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         CU_ASSERT(growth_of(rows[k].law, 1e-8, 100000, &e) == rows[k].growth);
         CU_ASSERT(fabs(e - rows[k].exponent) < rows[k].within);
-        CU_ASSERT(growth_of(rows[k].law, 1e-8, 7, &e) == (rows[k].law == 6 ? PK_GROWTH_CONSTANT : PK_GROWTH_SHORT));
+        CU_ASSERT(growth_of(rows[k].law, 1e-8, 7, &e) ==
+                  (rows[k].law == 6 ? PK_GROWTH_CONSTANT : PK_GROWTH_SHORT));
     }
     CU_ASSERT(growth_of(0, 1e-8, 1000, &e) == PK_GROWTH_CONSTANT && e == 0);
     CU_ASSERT(growth_of(1, 4e-15, 100000, &e) == PK_GROWTH_ROUND_OFF && fabs(e) < 0.2);

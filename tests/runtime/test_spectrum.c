@@ -17,8 +17,10 @@ static struct pk_spectrum spectrum_of(size_t count, double dt, size_t lines)
 static void sums_of_cosines(void)
 {
     /* One without a companion, two close ones, a small one beside large ones; a mean and a rate. */
-    static const struct pk_line given[] = {{1, 0.7, 0.3, 0},       {1.41421356237309505, 0.2, -2, 0},
-                                           {1.45, 0.05, 1.1, 0},   {4.25, 1e-6, -0.4, 0}};
+    static const struct pk_line given[] = {{1, 0.7, 0.3, 0},
+                                           {1.41421356237309505, 0.2, -2, 0},
+                                           {1.45, 0.05, 1.1, 0},
+                                           {4.25, 1e-6, -0.4, 0}};
     const double dt = 0.31, pi = acos(-1);
     for (int j = 0; j < COUNT; j++) {
         x[j] = 2.385 - 0.013 * dt * j;
@@ -28,7 +30,8 @@ static void sums_of_cosines(void)
     const struct pk_spectrum s = spectrum_of(COUNT, dt, 6);
     CU_ASSERT(fabs(s.mean - 2.385) < 1e-9 && fabs(s.rate + 0.013) < 1e-11);
     CU_ASSERT(s.count >= 4 && s.residual < 1e-12);
-    CU_ASSERT(fabs(s.nyquist - pi / dt) < 1e-12 && fabs(s.resolution - 4 * pi / (dt * (COUNT - 1))) < 1e-12);
+    CU_ASSERT(fabs(s.nyquist - pi / dt) < 1e-12);
+    CU_ASSERT(fabs(s.resolution - 4 * pi / (dt * (COUNT - 1))) < 1e-12);
     for (int k = 0; k < 4; k++) {
         CU_ASSERT(fabs(s.lines[k].frequency - given[k].frequency) < 1e-9);
         CU_ASSERT(fabs(s.lines[k].amplitude / given[k].amplitude - 1) < 1e-6);
@@ -43,7 +46,8 @@ static void sums_of_cosines(void)
     for (int j = 0; j < 500; j++)
         x[j] = cos(dt * j) + 0.5 * cos(1.02 * dt * j);
     const struct pk_spectrum blurred = spectrum_of(500, dt, 4);
-    CU_ASSERT(blurred.resolution > 0.08 && (blurred.residual > 1e-4 || blurred.lines[0].error > 1e-4));
+    CU_ASSERT(blurred.resolution > 0.08);
+    CU_ASSERT(blurred.residual > 1e-4 || blurred.lines[0].error > 1e-4);
 }
 
 static void single_lines(void)
@@ -55,14 +59,15 @@ static void single_lines(void)
             x[j] = cos(1.1 * dt * j + phase);
         CU_ASSERT(fabs(pk_spectrum_peak(x, COUNT, dt, 1.0985, 1.1025) - 1.1) < 1e-9);
     }
-    CU_ASSERT(pk_spectrum_peak(x, COUNT, dt, 1.1005, 1.1025) < 1.1005001); /* not between: the end */
+    CU_ASSERT(pk_spectrum_peak(x, COUNT, dt, 1.1005, 1.1025) < 1.1005001); /* not between: an end */
     for (int j = 0; j < COUNT; j++)
         x[j] = cos(1.1 * dt * j) + 0.2 * cos(4.25 * dt * j);
     s.lines[0].frequency = 4.2501; /* guesses, the smaller first */
     s.lines[1].frequency = 1.0999;
     CU_ASSERT(pk_spectrum_fit(&s, x, COUNT, dt, work) == PK_DONE && s.lines[1].amplitude > 0.9);
     pk_spectrum_judge(&s, x, COUNT, dt, work);
-    CU_ASSERT(fabs(s.lines[0].frequency - 1.1) < 1e-12 && fabs(s.lines[1].frequency - 4.25) < 1e-12);
+    CU_ASSERT(fabs(s.lines[0].frequency - 1.1) < 1e-12);
+    CU_ASSERT(fabs(s.lines[1].frequency - 4.25) < 1e-12);
     s.lines[1].frequency = 1.1002; /* two guesses of one line cannot be told apart */
     CU_ASSERT(pk_spectrum_fit(&s, x, COUNT, dt, work) == PK_NO_CONVERGENCE || s.residual > 0.1);
 }

@@ -83,7 +83,7 @@ static double missed(const struct pk_system *system, const struct pk_method *met
     return worst;
 }
 
-/* Steps of a length that depends on the state are not maps of one length: no derivative is asked. */
+/* Steps whose length depends on the state are not maps of one length: no derivative is asked. */
 static int follows_the_motion(const struct pk_method *method)
 {
     return strcmp(method->name, "adaptive_verlet") == 0;

@@ -19,9 +19,10 @@ extern "C" {
 const struct pk_method *pk_gsl_method_find(const char *name);
 const struct pk_method *pk_gsl_method_at(size_t index);
 
-/* The mean, the rate and up to `lines` (PK_LINES at most) lines of `count` samples dt apart, of which
- * there must be PK_SPECTRUM_LEAST; see pk/spectrum.h. The block: pk_gsl_spectrum_size(count) bytes, aligned for
- * double. Fewer lines are found where no other can be told from those there are. Nothing allocates. */
+/* The mean, the rate and up to `lines` (PK_LINES at most) lines of `count` samples dt apart, of
+ * which there must be PK_SPECTRUM_LEAST; see pk/spectrum.h. The block: pk_gsl_spectrum_size(count)
+ * bytes, aligned for double. Fewer lines are found where no other can be told from those there are.
+ * Nothing allocates. */
 size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);

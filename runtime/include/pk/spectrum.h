@@ -6,12 +6,12 @@
  * integral of what is left is largest, by the fast Fourier transform of GSL
  * (pk_gsl_spectrum() in pk/gsl.h), refined to the maximum of that integral, and then all lines are
  * fitted together by least squares with the same window, frequencies included, so that lines do not
- * bias one another, nor a frequency its own negative. The window is Hann's, 1 + cos over the time of
- * the samples.
+ * bias one another, nor a frequency its own negative. The window is Hann's, 1 + cos over the time
+ * of the samples.
  *
  * `error` is how far the frequency moves when only the first or the second half of the time is
- * fitted: of a regular motion that bounds the error of the whole (which is 8 to 16 times less); of a
- * chaotic one it shows how the frequency wanders. Lines closer than `resolution` count as one.
+ * fitted: of a regular motion that bounds the error of the whole (which is 8 to 16 times less); of
+ * a chaotic one it shows how the frequency wanders. Lines closer than `resolution` count as one.
  *
  * Reference: J. Laskar, Icarus 88 (1990) 266; J. Laskar, in Hamiltonian Systems with Three or More
  * Degrees of Freedom (1999) 134.
@@ -38,12 +38,13 @@ struct pk_spectrum {
     pk_real mean, rate;
     size_t count; /* of lines, the largest amplitude first */
     struct pk_line lines[PK_LINES];
-    pk_real residual;   /* root mean square, windowed, of what is left, over that of x - mean - rate t */
+    pk_real residual;   /* root mean square, windowed, of what is left over x - mean - rate t */
     pk_real resolution; /* 4 pi over the time of the samples: half the width of a line */
     pk_real nyquist;    /* pi/dt: what is faster shows as something slower */
 };
 
-/* Where |sum of window x exp(-i w t)|^2 is largest between w = lo and hi, which enclose one maximum. */
+/* Where |sum of window x exp(-i w t)|^2 is largest between w = lo and hi, which enclose one
+ * maximum. */
 pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo, pk_real hi);
 /* Fits mean, rate and spectrum->count lines, whose frequencies are guesses on entry, and fills
  * resolution, nyquist and residual; what is left of x goes to `left`, `count` numbers.

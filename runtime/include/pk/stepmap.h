@@ -4,8 +4,8 @@
  *     defect = max |S^T J S - J|,   volume = det S - 1,
  *
  * in canonical variables of one unit (M = C C^T at the start: C^T dq/sqrt(tau), C^-1 dp sqrt(tau),
- * tau^-2 the norm of C^-1 (dr/dq) C^-T), so both are free of units. Zero of a symplectic method on a
- * variational system; elsewhere the error of a step, or the forces' own loss. S is exact: the
+ * tau^-2 the norm of C^-1 (dr/dq) C^-T), so both are free of units. Zero of a symplectic method on
+ * a variational system; elsewhere the error of a step, or the forces' own loss. S is exact: the
  * variational equations under the same method (pk/variation.h), so what `rounding` bounds is the
  * error of defect and of volume both.
  */

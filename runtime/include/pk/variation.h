@@ -14,9 +14,9 @@
  *
  * The new system has kernels acceleration, mass, canonical, jacobian and linear. Its mass, jacobian
  * and linear leave out how the displacements depend on q and v, which would take second
- * derivatives: what iterates with them takes a few turns more, and may not converge at steps at which
- * the motion's own iteration only just does (of the double pendulum's gauss8 from .4, not .6 on; radau
- * then makes shorter steps).
+ * derivatives: what iterates with them takes a few turns more, and may not converge at steps at
+ * which the motion's own iteration only just does (of the double pendulum's gauss8 from .4, not .6
+ * on; radau then makes shorter steps).
  */
 #ifndef PK_VARIATION_H
 #define PK_VARIATION_H

@@ -1,0 +1,24 @@
+/* What the files of --diagnose share. */
+#ifndef RUN_DIAGNOSE_PARTS_H
+#define RUN_DIAGNOSE_PARTS_H
+
+#include "diagnose.h"
+
+struct diagnostics {
+    pk_real *rows; /* t, q, v of each */
+    size_t n_rows, capacity;
+    char *json;
+    size_t json_size;
+    FILE *file; /* of json while it is made */
+    int code, first, all;
+    double exponent; /* by Lyapunov, if that says chaotic */
+};
+
+/* Opens a member, with how it went. 1 where its numbers are to follow; then it is still open. */
+int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
+                    const char *reason);
+void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
+
+void diagnose_spectrum(struct run *run, struct diagnostics *d);
+
+#endif

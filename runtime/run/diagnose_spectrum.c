@@ -1,0 +1,87 @@
+/* The spectrum of each coordinate, of the rows of a run. */
+#include <stdlib.h>
+
+#include "diagnose_parts.h"
+#include "ensemble.h"
+#include "words.h"
+
+#ifdef PK_WITH_GSL
+#include <pk/gsl.h>
+#endif
+
+#ifdef PK_WITH_GSL
+static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
+                           size_t i)
+{
+    char name[128];
+    pk_system_name(run->problem.system, run->settings.params, run->problem.system->coordinates, i,
+                   name, sizeof name);
+    fputs(i ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
+    output_text(d->file, name);
+    diagnose_real(d, "mean", s->mean);
+    diagnose_real(d, "rate", s->rate);
+    diagnose_real(d, "residual", s->residual);
+    fputs(", \"lines\": [", d->file);
+    for (size_t k = 0; k < s->count; k++) {
+        fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
+        output_real(d->file, s->lines[k].frequency);
+        diagnose_real(d, "error", s->lines[k].error);
+        diagnose_real(d, "amplitude", s->lines[k].amplitude);
+        diagnose_real(d, "phase", s->lines[k].phase);
+        fputs("}", d->file);
+    }
+    fputs("]}", d->file);
+}
+
+/* Rows at equal times: all but a last one that is nearer. */
+void diagnose_spectrum(struct run *run, struct diagnostics *d)
+{
+    const struct settings *set = &run->settings;
+    const size_t n = set->n, width = 1 + 2 * n;
+    const double dt = set->every > 0 ? set->every : set->options.h;
+    size_t count = d->n_rows;
+    if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
+        count--;
+    if (set->at)
+        count = 0;
+    if (count < PK_SPECTRUM_LEAST) {
+        char reason[160];
+        snprintf(reason, sizeof reason,
+                 "%zu rows at equal times; at least %d are needed: --every%s", count,
+                 (int)PK_SPECTRUM_LEAST, set->at ? ", and no rows at events" : "");
+        diagnose_member(d, "spectrum", PK_REFUSED, reason);
+        return;
+    }
+    const size_t size = pk_gsl_spectrum_size(count);
+    void *block = words_allocate(size, 1);
+    double *x = (double *)words_allocate(count, sizeof *x);
+    enum pk_status status = PK_DONE;
+    struct pk_spectrum *found = (struct pk_spectrum *)words_allocate(n, sizeof *found);
+    for (size_t i = 0; i < n && status >= 0; i++) {
+        for (size_t k = 0; k < count; k++)
+            x[k] = d->rows[k * width + 1 + i];
+        status = pk_gsl_spectrum(&found[i], x, count, dt, PK_LINES, block, size);
+        run_progress(run, (double)i / (double)n, 0);
+    }
+    if (diagnose_member(d, "spectrum", status, pk_status_text(status))) {
+        fprintf(d->file, ", \"rows\": %zu", count);
+        diagnose_real(d, "interval", dt);
+        diagnose_real(d, "nyquist", found[0].nyquist);
+        diagnose_real(d, "resolution", found[0].resolution);
+        fputs(", \"coordinates\": [", d->file);
+        for (size_t i = 0; i < n; i++)
+            spectrum_lines(run, d, &found[i], i);
+        fputs("]}", d->file);
+    }
+    free(found);
+    free(x);
+    free(block);
+}
+#else
+void diagnose_spectrum(struct run *run, struct diagnostics *d)
+{
+    (void)run;
+    diagnose_member(d, "spectrum", PK_REFUSED,
+                    "it needs the GNU Scientific Library, which is not here");
+}
+#endif
