@@ -48,7 +48,7 @@ def energy_error(method: str, e: float, steps: int, orbits: float = 1) -> float:
 def steps_for_a_percent(method: str, e: float, guess: int) -> float:
     """The fewest steps an orbit that keep max |dE/E| of the first orbit within 1%."""
     low, high = guess // 2, guess * 2
-    while high - low > max(1, guess // 1000):
+    while high - low > max(1, guess // 300):
         middle = (low + high) // 2
         low, high = (low, middle) if energy_error(method, e, middle) <= 0.005 else (middle, high)
     return high

@@ -99,7 +99,7 @@ def foucault_rate(method: str, h: float = 0.0, latitude: float = 48.8462) -> flo
     400 swings, from the second moments of each tenth."""
     probe = Probe("foucault", method, h, set={"latitude": radians(latitude)}, start={"y'": -0.0})
     swing = 2 * pi * sqrt(67 / 9.81)
-    rows = probe.at(np.arange(1, 400 * 50 + 1) * swing / 50)
+    rows = probe.at(np.arange(1, 400 * 20 + 1) * swing / 20)
     angles, times = [], []
     for part in np.split(rows, 10):
         x, y = part[:, 1], part[:, 2]
