@@ -33,7 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--until", metavar="T", help="duration (default 10)")
     add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
-    add("--quick", action="store_true", help="fewer points, shorter laps, 15 s of measuring")
+    add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
     add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
 
 

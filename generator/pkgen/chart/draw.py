@@ -138,8 +138,8 @@ def _overview(chart: Chart):
     measures = [("error of the final state", lambda p: p.error)]
     kept = table.invariants(chart.tracks)
     if kept:
-        named = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
-        measures.append((f"largest drift on the way ({named})", worst_drift))
+        invariants = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
+        measures.append((f"largest drift on the way ({invariants})", worst_drift))
     rows = len(measures)
     height = 1.9 + 4.0 * rows
     figure, grid = pyplot.subplots(rows, 2, figsize=(11, height), squeeze=False, sharey="col")

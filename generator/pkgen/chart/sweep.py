@@ -34,7 +34,7 @@ class Effort:
         return Effort(
             points or (9 if quick else 16),
             0.004 if quick else 0.03,
-            seconds or (15.0 if quick else 60.0),
+            seconds or (8.0 if quick else 60.0),
         )
 
 
