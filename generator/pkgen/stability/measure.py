@@ -3,9 +3,9 @@
 A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
 modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
 mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
-the motion responds to it is asked apart, at some parts of the start's size. A branch is lost where
-one step from 1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves
-along the mode.
+the motion responds to it is asked apart, at some parts of the start's size. A branch
+is lost where one step from the equilibrium itself fails: from beside it a solution leads away.
+Growth is that of a reference motion that leaves along the mode.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def _branch(asker: Asker, p: Prediction) -> Measured:
 
     def fails(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-3 1" for h in hs
+            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-12 1" for h in hs
         )
         seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
         return [c.status != "PK_DONE" for c in closes]
