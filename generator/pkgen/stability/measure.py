@@ -214,9 +214,11 @@ def _response(
             f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
             for h in hs
         )
-        if all(c.status in ("PK_DONE", "PK_NOT_FINITE") for c in closes):
-            grown = [min(c.growth, FAR) if c.status == "PK_DONE" else FAR for c in closes]
+        # A motion that fails there, and not on either side, has responded.
+        grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
+        beside = max(grown[0], grown[-1])
+        if beside < FAR:
             best = max(range(SCAN), key=lambda k: grown[k])
-            found.append((grown[best] / max(grown[0], grown[-1]), hs[best]))
+            found.append((grown[best] / beside, hs[best]))
     response, peak = max(found, default=(None, None))
     return peak, response
