@@ -12,7 +12,7 @@ endif
 # Compiled runtimes and models are kept here, not in the home directory.
 export PKGEN_CACHE := $(CURDIR)/build/cache
 
-.PHONY: help setup demo test test-long test-licence test-python chart bench lint format golden install clean
+.PHONY: help setup demo test test-long test-licence test-python chart stability bench lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo 'make test       every test, under ten minutes'
 	@echo 'make test-long  what takes longer'
 	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
+	@echo 'make stability  where each method fails, three minutes (DOCS=1: into docs)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
@@ -46,6 +47,12 @@ test-python: $(STAMP)
 
 test-long: $(STAMP)
 	$(PYTHON) -m pytest -q -m long tests
+
+stability: $(STAMP)
+	@for model in models/*.lag; do \
+	    $(PYTHON) -m pkgen stability $$model -o build/stability || exit 1; done
+	@$(if $(DOCS),for f in build/stability/*_stability.svg; do \
+	    cp $$f docs/pictures/stability_$$(basename $$f _stability.svg).svg || exit 1; done)
 
 chart: $(STAMP)
 	@for model in models/*.lag; do $(PYTHON) -m pkgen chart $$model -o build/chart || exit 1; done

@@ -85,12 +85,18 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
 
 
-def _chart_arguments(parser: argparse.ArgumentParser) -> None:
-    # What it has no option of its own for is as in a run.
-    of_run = argparse.ArgumentParser()
-    _run_arguments(of_run)
-    parser.set_defaults(**vars(of_run.parse_args([])))
-    chart_command.arguments(parser)
+def _as_of_a_run(
+    own: Callable[[argparse.ArgumentParser], None],
+) -> Callable[[argparse.ArgumentParser], None]:
+    """A command's own options; what it has none for is as in a run."""
+
+    def add(parser: argparse.ArgumentParser) -> None:
+        of_run = argparse.ArgumentParser()
+        _run_arguments(of_run)
+        parser.set_defaults(**vars(of_run.parse_args([])))
+        own(parser)
+
+    return add
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
@@ -105,8 +111,8 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
 ARGUMENTS = {
     "compile": _compile_arguments,
     "run": _run_arguments,
-    "chart": _chart_arguments,
-    "stability": stability_command.arguments,
+    "chart": _as_of_a_run(chart_command.arguments),
+    "stability": _as_of_a_run(stability_command.arguments),
 }
 
 LATER = frozenset(("export", "sweep", "fmt"))

@@ -213,6 +213,16 @@ def test_classes(pendulum: Asker) -> None:
     assert (failed["class"], failed["status"]) == ("not converged", "PK_NO_CONVERGENCE")
 
 
+def test_a_wrong_branch_upright(pendulum: Asker) -> None:
+    # L14: the midpoint rule from rest upright has one solution for h omega <= 2 and three above.
+    upright = start(pendulum, math.pi - 1e-9)
+    assert point(upright, "gauss1", 1.99)["class"] == "bounded"
+    for h in (2.01, 6.0):
+        lost = point(upright, "gauss1", h)
+        assert (lost["class"], lost["status"]) == ("wrong branch", "PK_AMBIGUOUS_STEP")
+    assert point(upright, "gauss2", 2.01)["class"] != "wrong branch"
+
+
 def test_what_grows_without_bound_is_not_finite() -> None:
     linear = asker("model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
     grown = linear.with_settings(replace(linear.settings, until=5000.0))
@@ -241,6 +251,10 @@ def test_predictions_are_measured_and_a_wrong_one_is_a_miss(pendulum: Asker, ste
     never = Prediction("limit", "verlet", 0, 0, None, None, None)
     miss = misses.of_prediction(measure.measured(pendulum, rest, never, 0.5))
     assert miss is not None and "predicted nowhere" in miss.text
+    (branch,) = (p for p in predictions(steps["gauss1"], rest, 0) if p.kind == "branch")
+    lost = measure.measured(pendulum, rest, branch, 0.5)
+    assert lost.h == pytest.approx(2, rel=1e-3) and lost.how == "PK_AMBIGUOUS_STEP"
+    assert misses.of_prediction(lost) is None
     growths = measure.growths(pendulum, rest)
     assert [g.measured for g in growths] == [pytest.approx(1, rel=1e-6)]
     assert misses.of_growth(growths[0]) is None

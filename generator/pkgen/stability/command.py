@@ -15,6 +15,7 @@ from ..build import BuildError, find_toolchain
 from ..commands import compile_within_limits
 from ..compiler import Compilation
 from ..exits import DONE, NUMERICS_FAILED, UsageError
+from ..run_command import use_scene
 from . import map as maps
 from . import plan, text
 from .ask import Broken
@@ -25,6 +26,7 @@ from .misses import misses
 def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+    add("--scene", metavar="NAME", help="one scene of the model; options override it")
     add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
     add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
     add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
@@ -34,23 +36,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
     add("--until", metavar="T", help="duration (default: 50 periods of the slowest mode)")
     add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
-    # What a run of one method asks for besides.
-    parser.set_defaults(
-        scene=None,
-        method="rk4",
-        step=None,
-        rtol=None,
-        atol=None,
-        every=None,
-        ensemble=None,
-        threads=None,
-        max_steps=1_000_000_000,
-        output=None,
-        libm=False,
-        max_step=None,
-        record=None,
-        at=None,
-    )
+    parser.set_defaults(method="rk4")  # a run wants one; the maps have their own
 
 
 def run(options: argparse.Namespace) -> int:
@@ -59,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         raise BuildError(
             "pkgen stability finds equilibria and modes by GSL, which is not installed"
         )
-    compilation = compile_within_limits(options, unroll=None)
+    compilation = compile_within_limits(options, unroll=None, use=use_scene(options))
     asked = _asked(options, compilation)
     try:
         with _progress(compilation.model.name) as on_progress:

@@ -3,6 +3,7 @@ PNG. Colours are Okabe and Ito's, which survive colour-blindness; each class has
 
 from __future__ import annotations
 
+import re
 import textwrap
 from pathlib import Path
 
@@ -49,9 +50,15 @@ def pictures(made: StabilityMap, stem: Path) -> list[Path]:
         figure = _figure(made)
         files = [stem.with_suffix(".svg"), stem.with_suffix(".png")]
         figure.savefig(files[0], metadata={"Date": None}, dpi=150)
+        files[0].write_text(_rounded(files[0].read_text(encoding="utf-8")), encoding="utf-8")
         figure.savefig(files[1], dpi=150)
         plt.close(figure)
     return files
+
+
+def _rounded(svg: str) -> str:
+    """Paths to a hundredth of a point: the borders of hatched cells are most of a file."""
+    return re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\d+\.\d\d)\d+", r"\1", path[0]), svg)
 
 
 def _figure(made: StabilityMap) -> plt.Figure:

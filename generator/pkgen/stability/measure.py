@@ -3,9 +3,9 @@
 A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
 modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
 mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
-the motion responds to it is asked apart, at some parts of the start's size. A branch is lost where
-one step from 1e-3 beside the equilibrium fails. Growth is that of a reference motion that leaves
-along the mode.
+the motion responds to it is asked apart, at some parts of the start's size. A branch
+is lost where one step from the equilibrium itself fails: from beside it a solution leads away.
+Growth is that of a reference motion that leaves along the mode.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def _branch(asker: Asker, p: Prediction) -> Measured:
 
     def fails(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-3 1" for h in hs
+            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-12 1" for h in hs
         )
         seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
         return [c.status != "PK_DONE" for c in closes]
@@ -214,9 +214,11 @@ def _response(
             f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
             for h in hs
         )
-        if all(c.status in ("PK_DONE", "PK_NOT_FINITE") for c in closes):
-            grown = [min(c.growth, FAR) if c.status == "PK_DONE" else FAR for c in closes]
+        # A motion that fails there, and not on either side, has responded.
+        grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
+        beside = max(grown[0], grown[-1])
+        if beside < FAR:
             best = max(range(SCAN), key=lambda k: grown[k])
-            found.append((grown[best] / max(grown[0], grown[-1]), hs[best]))
+            found.append((grown[best] / beside, hs[best]))
     response, peak = max(found, default=(None, None))
     return peak, response

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from .. import named
+from .. import named, scene
 from .. import options as parsing
 from ..compiler import Compilation
 from ..exits import UsageError
@@ -140,7 +140,9 @@ def methods(
 
 def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     """Those of a run, none of its rows."""
-    return replace(parsing.settings(options, compilation), every=None, method="rk4", step=None)
+    chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
+    whole = parsing.settings(options, compilation, chosen=chosen)
+    return replace(whole, every=None, method="rk4", step=None, show=(), at=None)
 
 
 def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int | None:
