@@ -169,8 +169,8 @@ def test_usage_errors(pkgen, case: str) -> None:
 
 
 def test_commands_to_come_are_no_models(pkgen) -> None:
-    done = pkgen("chart", DOUBLE)
-    assert done.returncode == 2 and "'chart' is not there yet" in done.stderr
+    done = pkgen("export", DOUBLE)
+    assert done.returncode == 2 and "'export' is not there yet" in done.stderr
 
 
 def test_the_drift_of_a_constant_that_is_zero_says_so(pkgen) -> None:

@@ -89,7 +89,7 @@ def outcome(text: str) -> bool:
 def test_only_model_errors(seed):
     random_ = random.Random(seed)
     texts = [path.read_text(encoding="utf-8") for path in SEEDS if path.stat().st_size < 4000]
-    texts += [EXTRA] * 20
+    texts += [EXTRA] * 40
     right = wrong = 0
     end = time.monotonic() + 20  # a slow machine does fewer
     while right + wrong < 500 and time.monotonic() < end:
