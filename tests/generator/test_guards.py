@@ -149,3 +149,19 @@ def test_wording_reads_as_written(text):
     values |= {Symbol(Kind.PARAMETER, i): 1.3 for i in range(3)}
     assert evaluate(again.graph, again.observed, values) == evaluate(g, [node], values)
     assert len(wording(g, g.power(g.sum([node] * 3), 7), lambda s: "long_name" * 9)) == 60
+
+
+def test_a_parameter_as_exponent_is_a_guard_where_it_is_negative():
+    equations, _ = read_text("model m\nparam n = 2\ncoord x\nkinetic x'^2/2\npotential x^n/2\n")
+    ((guard),) = equations.guards
+    assert guard.quantity.name == "x"
+    (n,) = (k for k, slot in enumerate(equations.parameters) if slot.quantity.name == "n")
+
+    def value(exponent: float, x: float) -> float:
+        at = {Symbol(Kind.PARAMETER, n): exponent, Symbol(Kind.COORDINATE, 0): x}
+        (found,) = evaluate(equations.graph, [guard.node], at)
+        return found
+
+    # The force has x^(n - 1).
+    assert value(2, 0) == value(2, -0.3) == value(1, 0) == 1
+    assert value(-1, 0) == 0 and value(-1, -0.3) == pytest.approx(0.09)

@@ -60,7 +60,7 @@ def guards_of(
     found = dict.fromkeys([*charts, *motions])
     squares = {g.args[node][0] for node in found if _is_call(g, node, "sqrt")}
     return tuple(
-        Guard(Quantity(wording(g, node, name), "", ""), node, node in charts)
+        Guard(Quantity(wording(g, _base(g, node), name), "", ""), node, node in charts)
         for node in found
         if node not in squares  # r, not r^2 too
     )
@@ -85,14 +85,27 @@ def _dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[No
                 g.data[node].denominator > 1 and not ranges(first).not_negative
             ):
                 yield first
-        elif _is_call(g, node, "log", "reciprocal", "pow"):
+        elif _is_call(g, node, "log", "reciprocal"):
             yield first
+        elif _is_call(g, node, "pow"):
+            yield _where_negative(g, first, g.args[node][1])
         elif _is_call(g, node, "sqrt") and not ranges(first).not_negative:
             yield first  # of a sum of squares, a root alone is no more than a kink
         elif _is_call(g, node, "tan"):
             yield g.call("cos", first)
         elif _is_call(g, node, "asin", "acos"):
             yield g.subtract(ONE, g.power(first, 2))
+
+
+def _where_negative(g: Graph, base: Node, exponent: Node) -> Node:
+    """|x|^max(-n, 0), which vanishes with x as far as x^n is singular there: n is a parameter, so
+    that is known when the model runs. A root of a negative x is no number, and told as such."""
+    return g.call("pow", g.call("abs", base), g.call("max", g.negate(exponent), g.number(0)))
+
+
+def _base(g: Graph, guard: Node) -> Node:
+    """What the guard is about."""
+    return g.args[g.args[guard][0]][0] if _is_call(g, guard, "pow") else guard
 
 
 def _zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
