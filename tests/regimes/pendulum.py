@@ -40,7 +40,8 @@ def verlet_period(model: str, start: dict, h: float, **more) -> float:
 
 def pendulum_ratio(amplitude: float) -> float:
     """T / T_small = 2 K / pi, of modulus sin(amplitude/2)."""
-    return float(2 * mp.ellipk(mp.sin(mp.radians(amplitude) / 2) ** 2) / mp.pi)
+    with mp.workdps(30):  # near 180 degrees the integral is badly conditioned
+        return float(2 * mp.ellipk(mp.sin(mp.radians(mp.mpf(str(amplitude))) / 2) ** 2) / mp.pi)
 
 
 def pendulum_period(amplitude: float) -> float:
