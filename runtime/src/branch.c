@@ -223,7 +223,7 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
         return factor(it, w, w->jacobian, stride, 1) ? PK_DONE : follow(it, w);
     if (regular(it, w)) {
         const pk_real varied = apart(it, w, w->start_J, 0, 1);
-        if (varied < REGULAR && straight(it, w)) {
+        if (varied < REGULAR && (*w->noisy > 0 || straight(it, w))) {
             *w->sure = varied <= LASTING;
             return PK_DONE;
         }

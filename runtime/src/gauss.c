@@ -30,8 +30,8 @@ size_t pk_gauss_size(const struct pk_method *method, size_t n)
 {
     const struct pk_gauss *table = (const struct pk_gauss *)method->table;
     const size_t s = (size_t)table->stages, m = s * n;
-    return 11 * m + 9 * s * n * n + 2 * m * m + 6 * n * n + 3 * n +
-           6 * s * s + s * s * s + 2 * s + 19 +
+    return 11 * m + 13 * s * n * n + 2 * m * m + 6 * n * n + 3 * n +
+           6 * s * s + s * s * s + 2 * s + 20 +
            (s == PK_LANES ? pk_gauss_nystrom_size(n) : 0);
 }
 
@@ -71,6 +71,8 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
     w.hh = x, x += s * s * s;
     w.mu_columns = x, x += s * s;
     w.start_J = x, x += 4 * n * n;
+    w.before_J = x, x += 4 * s * n * n;
+    w.noisy = x++;
     w.old_J = x, x += 4 * s * n * n;
     w.old_V = x, x += m;
     w.older_V = x, x += m;

@@ -21,6 +21,10 @@
  * ones, relative, may rise and fall without leading to another solution. */
 #define PK_GAUSS_FAST PK_C(0.7)
 #define PK_GAUSS_FAR PK_C(0.1)
+/* Newton's corrections that do not shrink like that, while its matrix changes by no more than
+ * this, are no corrections at all. */
+#define PK_GAUSS_STUCK PK_C(0.7)
+#define PK_GAUSS_STEADY PK_C(1e-3)
 
 struct pk_gauss_work {
     const struct pk_gauss *table;
@@ -46,6 +50,8 @@ struct pk_gauss_work {
     pk_real *contraction, *last_contraction, *sure, *fresh, *first_rate, *worst_rate;
     pk_real *loose, *loose_for;
     pk_real *start_J, *old_J, *old_V, *older_V, *other, *x, *y;
+    /* newton.c: derivatives an iteration before; whether it ended in the round-off of the forces. */
+    pk_real *before_J, *noisy;
 };
 
 /* Iteration by Newton's matrix frozen at the predicted stages, or made anew each time, or by M

@@ -85,6 +85,25 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 
 enum outcome { CONVERGED, FAILED, NO_NUMBER };
 
+/* How much the derivatives have changed since the iteration before, relative, each of their four
+ * kinds by itself. */
+static pk_real changed(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    const size_t nn = it->n * it->n;
+    pk_real worst = 0;
+    for (size_t kind = 0; kind < 4; kind++) {
+        pk_real most = 0, change = 0;
+        for (size_t i = 0; i < w->s; i++)
+            for (size_t k = 0; k < nn; k++) {
+                const size_t x = (4 * i + kind) * nn + k;
+                most = pk_max(most, pk_abs(w->jacobian[x]));
+                change = pk_max(change, pk_abs(w->jacobian[x] - w->before_J[x]));
+            }
+        worst = change > 0 ? pk_max(worst, change / most) : worst;
+    }
+    return worst;
+}
+
 void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
 {
     const size_t n = it->n, m = w->s * n;
@@ -136,9 +155,9 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
                      : mode == PK_BY_MASS           ? 1000
                                                     : 50;
-    int fresh = 0, growing = 0, last = 0;
+    int fresh = 0, growing = 0, last = 0, stuck = 0;
     pk_real before = 0, least = 0, window[2] = {0, 0};
-    *w->fresh = *w->first_rate = *w->worst_rate = 0;
+    *w->fresh = *w->first_rate = *w->worst_rate = *w->noisy = 0;
     for (int count = 0; count <= most; count++) {
         if (!pk_gauss_residual(it, w))
             return NO_NUMBER;
@@ -149,6 +168,8 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         const int stale = !(it->flags & PK_HAVE_LU) || it->flags & PK_REFRESH ||
                           it->h > *w->lu_h || it->h < *w->lu_h;
         if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || stale))) {
+            if (mode == PK_FULL)
+                memcpy(w->before_J, w->jacobian, 4 * w->s * it->n * it->n * sizeof *w->V);
             if (!pk_gauss_refactor(it, w, mode))
                 return FAILED;
             fresh = 1;
@@ -163,8 +184,15 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return NO_NUMBER;
         const pk_real rate = count ? size / before : PK_C(1.0);
-        if (count == 1 && size > PK_GAUSS_ROUND)
+        /* Where the matrix stays, one correction is all there is to do. If more are called for,
+         * they are the round-off of the forces: terms that cancel, near rest. */
+        const int same = mode == PK_FULL && count && changed(it, w) <= PK_GAUSS_STEADY;
+        stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
+        if (stuck >= 4) {
+            *w->noisy = last = 1;
+        } else if (count == 1 && size > PK_GAUSS_ROUND && !same) {
             *w->first_rate = rate;
+        }
         if (count && size > PK_GAUSS_FAR)
             *w->worst_rate = pk_max(*w->worst_rate, rate);
         if (it->options.newton_tol > 0)
@@ -178,7 +206,7 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         least = count == 0 ? size : pk_min(least, size);
         if (mode == PK_BY_MASS && growing >= 3 && shared <= PK_GAUSS_ROUND)
             last = 1;
-        if (!last && (mode == PK_BY_MASS ? rising(size, count, window) : growing >= 3))
+        if (!last && (mode == PK_BY_MASS ? rising(size, count, window) : growing >= 3 && !same))
             return FAILED;
         if (!last && mode == PK_SIMPLIFIED && count && rate > PK_C(0.3)) {
             if (fresh)

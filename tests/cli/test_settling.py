@@ -1,0 +1,31 @@
+"""Implicit steps of a motion that comes to rest where large forces cancel: Newton's corrections end
+in the round-off of those forces, far above that of the motion."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+DISPLACED = """model displaced
+param k = 40 [N/m]
+param l0 = 1 [m]
+coord x, y [m]
+kinetic (0.5 [kg])*(x'^2+y'^2)
+potential k/2*(sqrt(x^2+(l0+y)^2)-l0)^2
+dissipation (0.5 [N*s/m])*(x'^2+y'^2)
+start y = 0.1 [m]
+"""
+
+
+@pytest.mark.parametrize("method", ["gauss1", "gauss2", "gauss4", "lobatto3", "radau5", "radau9"])
+def test_motion_to_rest_goes_on(pkgen, tmp_path: Path, method: str) -> None:
+    model = tmp_path / "displaced.lag"
+    model.write_text(DISPLACED)
+    run = ["run", model, "--method", method, "--step", "0.2", "--every", "2"]
+    done = pkgen(*run, "--until", "200", "--json")
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(done.stdout)["rows"]
+    assert 0 < abs(rows[1][2]) < 0.1  # y at 2 s, on its way
+    assert max(map(abs, rows[-1][1:5])) < 1e-15  # and at rest
