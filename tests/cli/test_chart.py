@@ -181,6 +181,7 @@ def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
         (["--seconds", 0], "positive"),
         (["--seconds", "inf"], "finite"),
         (["--set", "w=-1"], "parameter w is outside its bounds"),
+        (["--start", "theta=0", "--methods", "rk4", "--quick"], "nothing moves"),
         (["--until", -1], "positive"),
     ],
 )
