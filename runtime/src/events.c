@@ -11,6 +11,8 @@
 
 #include "events.h"
 
+enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
+
 /* Samples are taken in proportion to the stages, for steps are as long as the stages are many. */
 static int samples_of(const struct pk_method *method)
 {
@@ -204,10 +206,8 @@ static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
     return it->status = PK_STOPPED_EVENT;
 }
 
-enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
-    if (e->n_events == 0 || !it->ready)
-        return pk_integrator_step(it, limit);
     it->event = 0;
     e->from = it->t;
     e->listed = 0;
@@ -224,6 +224,41 @@ enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_
         if (pk_events_seek(e, it, k) < 0)
             return it->status;
     return report(e, it);
+}
+
+/* A step that a singularity ends has no end to look at, and events may come before it. So the
+ * motion is followed up to there, each step half of what is left. */
+static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
+{
+    const enum pk_status ended = it->status;
+    const pk_real detail = it->detail;
+    const size_t where = it->where;
+    if (!pk_finite(detail) || !((pk_real)it->direction * (detail - e->from) > 0) ||
+        pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
+        it->ready = 0;
+        return it->status = ended;
+    }
+    for (int count = 0; count < HALVINGS; count++) {
+        const enum pk_status status = one_step(e, it, it->t + (detail - it->t) / 2);
+        if (status == PK_STOPPED_EVENT)
+            return status;
+        if (status != PK_DONE)
+            break;
+    }
+    it->ready = 0;
+    it->event = 0;
+    it->where = where;
+    it->detail = detail;
+    return it->status = ended;
+}
+
+enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    if (e->n_events == 0 || !it->ready)
+        return pk_integrator_step(it, limit);
+    const enum pk_status status = one_step(e, it, limit);
+    return status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES ? towards_end(e, it)
+                                                                           : status;
 }
 
 enum pk_status pk_events_to(struct pk_events *e, struct pk_integrator *it, pk_real t_end)
