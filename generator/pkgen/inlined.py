@@ -21,7 +21,7 @@ INLINED = {
 def inline_flags(methods: Iterable[str | None]) -> list[str]:
     """Flags to compile the steps of these methods alone: others only take time."""
     families: dict[str, list[str]] = {}
-    for method in methods:
+    for method in dict.fromkeys(methods):
         if method in INLINED:
             families.setdefault(INLINED[method], []).append(f"X({method})")
     flags = []

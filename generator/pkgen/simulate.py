@@ -22,7 +22,7 @@ from .build import build_program
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
-from .exits import INTERRUPTED
+from .exits import INTERRUPTED, NUMERICS_FAILED
 
 LISTED = 10_000  # members of a family that are described one by one
 
@@ -162,6 +162,9 @@ def simulate(
         report = json.loads(report_path.read_text()) if report_path.exists() else {}
     if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
         return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")
+    if child.returncode < 0:
+        messages += f"run: ended by signal {-child.returncode}\n"
+        return Outcome(NUMERICS_FAILED, report, messages)
     return Outcome(child.returncode, report, ensemble.placed(messages) if ensemble else messages)
 
 

@@ -86,7 +86,7 @@ static void lyapunov(struct run *run, struct diagnostics *d)
     const struct settings *s = &run->settings;
     const size_t size = pk_lyapunov_size(&run->problem, s->method);
     void *block = words_allocate(size, 1);
-    struct pk_lyapunov l;
+    struct pk_lyapunov l = {0};
     char reason[512] = "";
     enum pk_status status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q,
                                              s->v, run->it.t / BLOCKS, block, size);
@@ -121,13 +121,13 @@ static void reversal(struct run *run, struct diagnostics *d)
     const struct settings *s = &run->settings;
     const size_t size = pk_reversal_size(&run->problem, s->method);
     void *block = words_allocate(size, 1);
-    struct pk_integrator it;
-    struct pk_reversal r;
+    struct pk_integrator it = {0};
+    struct pk_reversal r = {0};
     char reason[512];
     const enum pk_status status =
         pk_reversal_find(&r, &it, &run->problem, s->method, &s->options, 0, s->q, s->v, run->it.t,
                          (pk_real)THRESHOLD, block, size);
-    if (status < 0)
+    if (status < 0 && it.method)
         pk_integrator_reason(&it, reason, sizeof reason);
     else
         strcpy(reason, pk_status_text(status));

@@ -11,6 +11,8 @@
 
 #include "events.h"
 
+enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
+
 /* Samples are taken in proportion to the stages, for steps are as long as the stages are many. */
 static int samples_of(const struct pk_method *method)
 {
@@ -145,13 +147,19 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     return it->status = scout->status;
 }
 
+/* Some two units in the last place of t, on either side: a crossing is known no better. */
+static pk_real width_of(const struct pk_events *e, const struct pk_integrator *it)
+{
+    return PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
+}
+
 /* The state just behind a crossing. A step of the core's methods gives the same each time, and that
  * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little further. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];
     const pk_real side = entry[2] * (pk_real)it->direction;
-    const pk_real width = PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
+    const pk_real width = width_of(e, it);
     pk_real *g = pk_events_sample(e, e->samples + 1);
     for (int tries = 0; tries < 4; tries++) {
         e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
@@ -164,11 +172,15 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
     return PK_DONE;
 }
 
-/* Reports what was found, as far as the first event that stops. */
+/* Reports what was found, as far as the first event that stops and what is at the same time. */
 static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
 {
+    size_t stopped = 0;
+    pk_real last = pk_abs(it->t - e->from);
     for (size_t i = 0; i < e->listed; i++) {
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
+        if (entry[0] > last)
+            break;
         e->which = (size_t)entry[1];
         e->direction = (int)entry[2];
         if (behind(e, it, entry) < 0)
@@ -181,20 +193,21 @@ static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
             stop = 1;
         if (it->status < 0) /* of dense output that found() asked for */
             return it->status;
-        if (!stop)
-            continue;
-        if ((e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
-            return it->status;
-        it->event = e->which + 1;
-        return it->status = PK_STOPPED_EVENT;
+        if (stop && !stopped) {
+            stopped = e->which + 1;
+            last = entry[0] + width_of(e, it);
+        }
     }
-    return it->status = PK_DONE;
+    if (!stopped)
+        return it->status = PK_DONE;
+    if ((e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
+        return it->status;
+    it->event = stopped;
+    return it->status = PK_STOPPED_EVENT;
 }
 
-enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
-    if (e->n_events == 0 || !it->ready)
-        return pk_integrator_step(it, limit);
     it->event = 0;
     e->from = it->t;
     e->listed = 0;
@@ -211,6 +224,41 @@ enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_
         if (pk_events_seek(e, it, k) < 0)
             return it->status;
     return report(e, it);
+}
+
+/* A step that a singularity ends has no end to look at, and events may come before it. So the
+ * motion is followed up to there, each step half of what is left. */
+static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
+{
+    const enum pk_status ended = it->status;
+    const pk_real detail = it->detail;
+    const size_t where = it->where;
+    if (!pk_finite(detail) || !((pk_real)it->direction * (detail - e->from) > 0) ||
+        pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
+        it->ready = 0;
+        return it->status = ended;
+    }
+    for (int count = 0; count < HALVINGS; count++) {
+        const enum pk_status status = one_step(e, it, it->t + (detail - it->t) / 2);
+        if (status == PK_STOPPED_EVENT)
+            return status;
+        if (status != PK_DONE)
+            break;
+    }
+    it->ready = 0;
+    it->event = 0;
+    it->where = where;
+    it->detail = detail;
+    return it->status = ended;
+}
+
+enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    if (e->n_events == 0 || !it->ready)
+        return pk_integrator_step(it, limit);
+    const enum pk_status status = one_step(e, it, limit);
+    return status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES ? towards_end(e, it)
+                                                                           : status;
 }
 
 enum pk_status pk_events_to(struct pk_events *e, struct pk_integrator *it, pk_real t_end)

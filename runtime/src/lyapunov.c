@@ -46,10 +46,11 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
                                 pk_real t0, const pk_real *q0, const pk_real *v0, pk_real block,
                                 void *memory, size_t size)
 {
+    if (l)
+        memset(l, 0, sizeof *l); /* pk_lyapunov_free() may follow whatever is refused */
     const size_t least = pk_lyapunov_size(problem, method);
     if (!l || !least || !options || !q0 || !v0 || !(block > 0) || !pk_finite(block))
         return PK_BAD_ARGUMENT;
-    memset(l, 0, sizeof *l);
     if (!memory || size < least || (size_t)memory % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     const size_t n = pk_system_count(problem->system, problem->params);

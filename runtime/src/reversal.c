@@ -97,10 +97,11 @@ enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrat
                                 const pk_real *v0, pk_real t_end, pk_real threshold, void *block,
                                 size_t block_size)
 {
+    if (it)
+        memset(it, 0, sizeof *it); /* pk_integrator_free() may follow whatever is refused */
     const size_t size = pk_reversal_size(problem, method);
     if (!reversal || !it || !size || !options || !q0 || !v0 || !(t_end > t0) || !(threshold > 0))
         return PK_BAD_ARGUMENT;
-    memset(it, 0, sizeof *it);
     memset(reversal, 0, sizeof *reversal);
     reversal->threshold = threshold;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

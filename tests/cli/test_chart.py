@@ -15,9 +15,10 @@ from pathlib import Path
 
 import pytest
 from conftest import run_pkgen
-from pkgen.chart import answer, draw, labels, points, spectrum, sweep, table
+from pkgen.chart import answer, chart, draw, labels, points, spectrum, sweep, table
 from pkgen.chart.panel import Curve
 from pkgen.chart.points import Method, Point, Track
+from pkgen.inlined import inline_flags
 
 PENDULUM = """model pendulum
 param w = 1.8 in (0, inf)
@@ -178,6 +179,9 @@ def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
         (["--methods", "rk5"], "rk5"),
         (["--points", 1], "2 at least"),
         (["--seconds", 0], "positive"),
+        (["--seconds", "inf"], "finite"),
+        (["--set", "w=-1"], "parameter w is outside its bounds"),
+        (["--start", "theta=0", "--methods", "rk4", "--quick"], "nothing moves"),
         (["--until", -1], "positive"),
     ],
 )
@@ -187,6 +191,11 @@ def test_wrong_options_are_usage(pkgen, tmp_path: Path, options: list, said: str
     done = pkgen("chart", model, "-o", tmp_path, *options)
     assert done.returncode == 2 and said in done.stderr
     assert "Traceback" not in done.stderr and not list(tmp_path.glob("*.svg"))
+
+
+def test_a_method_named_twice_is_one() -> None:
+    assert [m.name for m in chart.methods(["rk4", "gauss", "rk4"])] == ["rk4", "gauss"]
+    assert inline_flags(["rk4", "rk4"]) == inline_flags(["rk4"])
 
 
 def test_a_motion_that_ends_has_no_chart(pkgen, tmp_path: Path) -> None:

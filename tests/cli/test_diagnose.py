@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build
+from pkgen import build, simulate
+from pkgen.__main__ import main
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 FPUT = ROOT / "models/families/fput.lag"
@@ -156,6 +157,25 @@ def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
     report = json.loads(done.stdout)["report"]
     assert report["status"] == "PK_DONE"
     assert report["diagnostics"]["reversal"]["status"] == "PK_TOO_MANY_STEPS"
+
+
+def test_a_run_too_short_for_blocks_is_refused(pkgen, tmp_path: Path) -> None:
+    # A thousandth part of so short a time is zero: pk_lyapunov_init() refuses it.
+    path = tmp_path / "swing.lag"
+    path.write_text(SWING)
+    times = ["--step", "1e-321", "--until", "2e-321", "--every", "2e-321"]
+    done = pkgen("run", path, "--method", "rk4", *times, "--diagnose", "all")
+    assert done.returncode == 4, done.stderr
+    assert "diagnose lyapunov: " in done.stderr and "ended by signal" not in done.stderr
+
+
+def test_a_driver_that_a_signal_ends_has_failed(tmp_path: Path, monkeypatch) -> None:
+    path, program = tmp_path / "swing.lag", tmp_path / "driver"
+    path.write_text(SWING)
+    program.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    program.chmod(0o755)
+    monkeypatch.setattr(simulate, "build_program", lambda *_, **__: program)
+    assert main(["run", str(path), "--json", "-o", str(tmp_path / "rows.csv")]) == 4
 
 
 def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:

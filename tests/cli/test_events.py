@@ -180,6 +180,28 @@ def test_usage_errors(pkgen, tmp_path: Path, case: str) -> None:
     assert done.returncode == 2 and said in done.stderr and done.stdout == ""
 
 
+FALL = (math.pi / 4 + 0.5) / math.sqrt(2)  # from rest at r = 1 to 1/2 under -1/r^2; pi/sqrt(8) to 0
+
+
+def test_an_event_before_a_singularity_in_the_same_step(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "fall.lag"
+    path.write_text(
+        "model fall\ncoord r\nkinetic r'^2/2\npotential -1/r\nstart r = 1\n"
+        "event half: r - 0.5 falling\n"
+    )
+    command = ["run", path, "--until", "4", "--every", "2", "--step", "2", "--method", "gauss8"]
+    done = pkgen(*command, "--json")
+    report = json.loads(done.stdout)["report"]
+    assert done.returncode == 4 and report["status"] == "PK_SINGULAR_TIME"
+    assert "r vanishes at t = 1.11" in report["reason"]
+    assert report["events"][0]["times"] == [pytest.approx(FALL, abs=1e-5)]
+    path.write_text(path.read_text().replace("falling", "falling stop"))
+    done = pkgen(*command)
+    assert done.returncode == 0, done.stderr
+    t, r, *_ = rows_of(done.stdout)[1][-1]
+    assert t == pytest.approx(FALL, abs=1e-5) and r == pytest.approx(0.5, abs=1e-12)
+
+
 def test_an_event_that_is_no_number_ends_the_run(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "m.lag"
     path.write_text(

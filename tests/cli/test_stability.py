@@ -18,9 +18,10 @@ from pkgen.__main__ import main
 pytestmark = pytest.mark.filterwarnings("error")
 
 PENDULUM = """model pendulum
+param k = 1 in (0, inf)
 coord theta
 kinetic theta'^2/2
-potential -cos(theta)
+potential -k*cos(theta)
 start theta = 0.001
 """
 
@@ -109,6 +110,7 @@ USAGE = {
     "no step": (["--steps", "0..1"], "must be positive"),
     "not two numbers": (["--points", "20"], "20"),
     "too many": (["--points", "9999x9999"], "at most"),
+    "outside its bounds": (["--vary", "k=-1..2"], "parameter k is outside its bounds"),
     "too many steps": (["--until", "1e9"], "shorter --until"),
 }
 

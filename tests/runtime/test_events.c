@@ -274,6 +274,21 @@ static void ties(void)
     CU_ASSERT(w.t[0] == 0.125 && w.t[1] == 0.25 && w.t[2] == 0.25);
 }
 
+/* What stops hides nothing that happens at the same time; going on finds none of it again. */
+static void ties_with_a_stop(void)
+{
+    static struct watch w;
+    watch_set(&w, &oscillator_system, both_at_once, 3);
+    w.declared[0].stop = 1;
+    watch_init(&w, "rk4", 0.5);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 2) == PK_STOPPED_EVENT);
+    CU_ASSERT_EQUAL_FATAL(w.count, 3);
+    CU_ASSERT(w.which[1] == 0 && w.which[2] == 1 && w.t[2] == 0.25);
+    CU_ASSERT(w.f.it.t == 0.25 && w.f.it.event == 1);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 2) == PK_DONE);
+    CU_ASSERT_EQUAL(w.count, 3);
+}
+
 /* q = cos t. */
 static void watch_cosine(struct watch *w, event_function *g, size_t n)
 {
@@ -469,6 +484,7 @@ void add_events(void)
     CU_add_test(suite, "the trajectory is undisturbed", undisturbed);
     CU_add_test(suite, "several in a step, in order", in_order);
     CU_add_test(suite, "ties", ties);
+    CU_add_test(suite, "ties with an event that stops", ties_with_a_stop);
     CU_add_test(suite, "directions, zero at the start", directions);
     CU_add_test(suite, "two crossings within a step", twice_in_a_step);
     CU_add_test(suite, "bounces", bounces);

@@ -58,7 +58,7 @@ def methods(wanted: list[str] | None) -> list[Method]:
             imaginary=_end(limits.get("imaginary")),
             real=_end(limits.get("real")),
         )
-    return [known[name] for name in (wanted if wanted is not None else known)]
+    return [known[name] for name in dict.fromkeys(known if wanted is None else wanted)]
 
 
 def _end(limit: object) -> float | None:
@@ -74,7 +74,7 @@ def measure(
     effort: Effort,
     on_progress: Callable[[str, float], None],
 ) -> Chart:
-    """Raises reference.NoReference, measure.Broken, or BuildError."""
+    """Raises reference.NoReference, measure.Broken, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress("compiling", 0.0)
     path = build_program(compilation.files, name, *(m.name for m in chosen))

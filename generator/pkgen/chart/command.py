@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -80,8 +81,8 @@ def _methods(text: str | None) -> list[Method]:
 def _effort(options: argparse.Namespace) -> Effort:
     if options.points is not None and options.points < 2:
         raise UsageError(f"--points {options.points}: 2 at least")
-    if options.seconds is not None and not options.seconds > 0:
-        raise UsageError(f"--seconds {options.seconds:g}: must be positive")
+    if options.seconds is not None and not 0 < options.seconds < math.inf:
+        raise UsageError(f"--seconds {options.seconds:g}: must be positive and finite")
     return Effort.usual(options.points, options.seconds, options.quick)
 
 

@@ -12,6 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
 
+from ..exits import USAGE, UsageError
 from ..simulate import Settings
 from .points import Method, Point
 
@@ -78,7 +79,10 @@ class Program:
         if not line:
             assert self._child.stderr is not None
             message = self._child.stderr.read().strip()
-            raise Broken(message or f"the driver ended with code {self._child.wait()}")
+            code = self._child.wait()
+            if code == USAGE:
+                raise UsageError(message.removeprefix("run: "))
+            raise Broken(message or f"the driver ended with code {code}")
         return json.loads(line)
 
     def given(self) -> Settings:

@@ -12,10 +12,12 @@ reference holds.
 from __future__ import annotations
 
 import shutil
+import sys
 from dataclasses import dataclass, replace
 
 from ..build import BuildError, Toolchain, build_program, find_toolchain
 from ..compiler import Compilation
+from ..exits import UsageError
 from ..simulate import Settings
 from .measure import Exact, Program, difference
 
@@ -77,7 +79,7 @@ def precise_tools(scalar: str) -> list[Toolchain]:
 
 
 def find(compilation: Compilation, settings: Settings) -> Reference:
-    """Raises NoReference, or BuildError if nothing compiles."""
+    """Raises NoReference, UsageError where nothing moves, or BuildError if nothing compiles."""
     refusal: BuildError | None = None
     for scalar in TYPES:
         for tools in precise_tools(scalar):
@@ -101,6 +103,10 @@ def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
     if smooth:
         paths.append(_path(program, "dop853", other))
     exact, checks = paths[0], paths[1:]
+    if _at_rest([state for _, state in exact[0]]):
+        raise UsageError(
+            "nothing moves from this start, so every method is exact; give another by --start"
+        )
     scales = _scales([state for _, state in exact[0]])
     worst = [
         max(difference(state, check[0][k][1], scales) for check in checks)
@@ -132,6 +138,15 @@ def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[f
         )
     states = [(state["t"], Exact.of(state)) for state in found["states"]]
     return states, found["steps"]
+
+
+def _at_rest(states: list[Exact]) -> bool:
+    """No coordinate moves by what a double can tell."""
+    for i in range(len(states[0]) // 2):
+        xs = [state[i] for state in states]
+        if float(max(xs) - min(xs)) > sys.float_info.epsilon * float(max(map(abs, xs))):
+            return False
+    return True
 
 
 def _scales(states: list[Exact]) -> list[float]:

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..exits import USAGE, UsageError
 from ..simulate import Settings
 
 TRIES = 100  # starts from which equilibria are sought
@@ -120,6 +121,8 @@ class Asker:
                 capture_output=True,
                 text=True,
             )
+        if done.returncode == USAGE:
+            raise UsageError(done.stderr.strip().removeprefix("run: "))
         if done.returncode != 0:
             raise Broken(done.stderr.strip() or f"ended by signal {-done.returncode}")
         answers = [json.loads(line) for line in done.stdout.splitlines()]

@@ -74,6 +74,9 @@ def make(
     program = build_program(compilation.files, compilation.model.name)
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.motion()
+    if asked.axis.kind == "parameter":
+        for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
+            asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).ask([])
     cyclic = frozenset(i for i, c in enumerate(compilation.structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
     if primary is None and asked.axis.kind == "amplitude":

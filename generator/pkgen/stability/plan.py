@@ -118,6 +118,7 @@ def methods(
     """Those to be mapped, and a sentence for each that is not. `facts` are the system's."""
     by_name = {m.name: m for m in known}
     names = [n.strip() for n in text.split(",") if n.strip()] if text else list(USUAL)
+    names = list(dict.fromkeys(names))
     taken: list[Traits] = []
     left: list[str] = []
     for name in names:

@@ -21,6 +21,9 @@
  * unless g is exactly zero at the end of a step. The time is that of a state just behind the
  * crossing, where g has its new sign or is zero, within some four units in the last place of t.
  *
+ * Before a singularity, where a step fails (PK_SINGULAR_TIME, PK_SINGULAR_COORDINATES), shorter
+ * ones lead up to it, each half of what is left, and what they cross is found.
+ *
  * Where g is exactly zero at the start, or stays so, nothing has crossed: an event fires when g
  * reaches zero from somewhere else. Each step begins anew with the state that `it` has: after a jump
  * (pk_integrator_reset()) g may be on the other side, and that is no crossing.
@@ -73,8 +76,9 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               void *block, size_t block_size);
 
 /* One step of `it` towards `limit`, as pk_integrator_step(), and found() for all that was crossed
- * in it. PK_STOPPED_EVENT: `it` is at the event, `it->event` - 1 says which; a next step goes on
- * from there. PK_NOT_FINITE with it->event: g is no finite number there. */
+ * in it. PK_STOPPED_EVENT: `it` is at the event, behind all others at the same time (some four units
+ * in the last place of t), `it->event` - 1 says which; a next step goes on from there.
+ * PK_NOT_FINITE with it->event: g is no finite number there. */
 enum pk_status pk_events_step(struct pk_events *events, struct pk_integrator *it, pk_real limit);
 
 /* Steps until it->t == t_end or an event that stops. */
