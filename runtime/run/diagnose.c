@@ -80,6 +80,15 @@ int diagnose_member(struct diagnostics *d, const char *name, enum pk_status stat
 static const char NO_LINEAR[] = "the system has no kernel linear: it was left out, or its families "
                                 "are kept as loops";
 
+static const char KINKS[] = "the equations have kinks (abs, min, max, step), across which "
+                            "displacements jump: linearised equations do not tell";
+
+/* Why there are no variational equations, or NULL. */
+static const char *no_variation(const struct pk_system *system)
+{
+    return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
+}
+
 static void lyapunov(struct run *run, struct diagnostics *d)
 {
     static const char *const motions[] = {"regular", "chaotic", "undecided"};
@@ -94,8 +103,8 @@ static void lyapunov(struct run *run, struct diagnostics *d)
         status = pk_lyapunov_step(&l);
         run_progress(run, (double)(l.it.t / run->it.t), 0);
     }
-    if (status == PK_REFUSED && !l.it.method)
-        strcpy(reason, NO_LINEAR);
+    if (status == PK_REFUSED && no_variation(run->problem.system))
+        strcpy(reason, no_variation(run->problem.system));
     else if (status < 0 && l.it.method)
         pk_integrator_reason(&l.it, reason, sizeof reason);
     else
@@ -187,9 +196,9 @@ static void symplectic(struct run *run, struct diagnostics *d)
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
-        reason = system->linear ? "the method's steps follow the motion, or it makes none of that "
-                                  "length"
-                                : NO_LINEAR;
+        reason = no_variation(system)
+                     ? no_variation(system)
+                     : "steps of this method have no length of their own: take one of fixed steps";
     if (diagnose_member(d, "symplectic", made ? PK_DONE : last, reason)) {
         diagnose_real(d, "defect", most.defect);
         diagnose_real(d, "volume", most.volume);

@@ -141,7 +141,8 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     if (!variation || !of || !of->system || !block || of->system->abi != PK_ABI)
         return PK_BAD_ARGUMENT;
     const struct pk_system *system = of->system;
-    if (!system->linear || !system->mass || !system->jacobian)
+    /* Across a kink displacements jump, and derivatives do not tell by how much. */
+    if (!system->linear || !system->mass || !system->jacobian || !(system->facts & PK_SMOOTH))
         return PK_REFUSED;
     if (block_size < pk_variation_size(of, columns) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;

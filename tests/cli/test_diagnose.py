@@ -149,6 +149,17 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 0 and "21 rows" in done.stderr and "symplectic: of" in done.stderr
 
 
+def test_kinks_are_no_matter_for_derivatives(pkgen, tmp_path: Path) -> None:
+    # By derivatives alone this bouncing motion would be that of free particles: "regular".
+    path = tmp_path / "sheets.lag"
+    path.write_text(
+        "model sheets\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential abs(x - y) + abs(x)\n"
+        "start x = 1, y = 0.3\n"
+    )
+    done = pkgen("run", path, "--until", "3", "--diagnose", "lyapunov,symplectic")
+    assert done.returncode == 2 and done.stderr.count("the equations have kinks") == 2
+
+
 def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
     # The run has steps enough, the way there and back has not.
     few = ["--method", "rk4", "--step", "0.01", "--max-steps", "1000", "--json"]
