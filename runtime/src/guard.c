@@ -2,12 +2,12 @@
  *
  * A guard that changes its sign in a step has vanished in it. One that never does, such as the
  * distance in a collision, has not for all that two ends of a step tell; nor has one that changes
- * it twice, and a fixed step steps over a singularity without a sign of it. So where the tangent at
- * either end says that a guard may vanish within a fixed step, or cannot account for its change,
- * the step is gone through again by short ones, none of which lets a guard fall below .7 of its
- * value: towards a zero they shrink geometrically, past it they get on. Adaptive methods need no
- * such care: their steps shrink before a singularity until they underflow, and then the same
- * search tells its cause.
+ * it twice, and a step may step over a singularity without a sign of it. So where the tangent at
+ * either end says that a guard may vanish within the step, or cannot account for its change, the
+ * step is gone through again by short ones, none of which lets a guard fall below .7 of its value:
+ * towards a zero they shrink geometrically, past it they get on. Adaptive steps are no exception:
+ * at a tight tolerance they shrink before a singularity until they underflow, and then the same
+ * search tells its cause; at a loose one they step over it as fixed ones do.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6.
@@ -67,7 +67,7 @@ static void along(struct pk_integrator *it, pk_real t, const pk_real *q, const p
 static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *value, pk_real *slope)
 {
-    const pk_real d = it->h / 1024;
+    const pk_real d = (it->next_t - it->t) / 1024;
     along(it, t, q, v, d, slope);
     for (size_t k = 0; k < count_of(it); k++)
         slope[k] = (slope[k] - value[k]) / d;
@@ -238,7 +238,7 @@ static int calm(const struct pk_integrator *it)
     return 1;
 }
 
-enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
+enum pk_status pk_guard_step(struct pk_integrator *it)
 {
     const size_t m = count_of(it), n = it->n;
     if (!it->guards)
@@ -249,22 +249,21 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
     int doubt = 0;
     pk_real when = it->next_t;
     evaluate(it, it->next_t, q, v, g1);
-    const int quiet = fixed && calm(it) ? QUIET : 0;
+    const int quiet = calm(it) ? QUIET : 0;
     if (quiet & it->slopes) {
         memcpy(g0, g1, m * sizeof *g0);
         it->slopes = QUIET;
         return PK_DONE;
     }
-    if (fixed && !(it->slopes & KNOWN))
+    if (!(it->slopes & KNOWN))
         slopes(it, it->t, it->q, it->v, g0, part(it, SLOPE));
-    if (fixed)
-        slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
+    slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
         if (!(g0[k] * g1[k] > 0) && crossed == m) {
             crossed = k;
             when = it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
         }
-        doubt |= fixed && doubtful(it, k);
+        doubt |= doubtful(it, k);
     }
     if (crossed < m || doubt) {
         if (search(it, it->next_t, DEEP, &which, &when))
@@ -274,7 +273,7 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
         evaluate(it, it->next_t, q, v, g1); /* the search has used its place */
         slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     }
-    memcpy(g0, g1, (fixed ? 2 : 1) * m * sizeof *g0);
+    memcpy(g0, g1, 2 * m * sizeof *g0);
     it->slopes = KNOWN | quiet;
     return PK_DONE;
 }

@@ -78,6 +78,30 @@ static void collision(void)
     }
 }
 
+/* Adaptive steps at a loose tolerance are long enough to step over it too. */
+static void loose(void)
+{
+    static struct fixture f;
+    struct pk_system system = guarded_kepler();
+    static const char *const names[] = {"dopri5", "dop853", "gauss", "gsl_rkf45", "gsl_rk8pd",
+                                        "gsl_bsimp"};
+    for (int i = 0; i < 6; i++)
+        for (double tol = 1e-4; tol < 0.5; tol *= 10) {
+            fixture_set(&f, &system);
+            f.q0[0] = 1, f.q0[1] = f.v0[0] = f.v0[1] = 0;
+            f.options.rtol = f.options.atol = tol;
+            CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_SINGULAR_TIME && f.it.where == 1);
+            CU_ASSERT(f.it.t < f.it.detail + 1e-9 && fabs(f.it.detail - FALL) < 1e-3);
+            pk_integrator_free(&f.it);
+            f.q0[0] = 1.9; /* e = .9 from the far end: no more than near */
+            f.v0[1] = sqrt(1 / 19.);
+            CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&f.it, 4) == PK_DONE && f.it.t == 4);
+            pk_integrator_free(&f.it);
+        }
+}
+
 /* What would have come out. */
 static void stepped_over_without_guards(void)
 {
@@ -226,6 +250,7 @@ void add_guard(void)
 {
     CU_pSuite suite = CU_add_suite("guards", NULL, NULL);
     CU_add_test(suite, "collision", collision);
+    CU_add_test(suite, "collision at loose tolerances", loose);
     CU_add_test(suite, "stepped over without", stepped_over_without_guards);
     CU_add_test(suite, "near pass", near_pass);
     CU_add_test(suite, "pole of a chart", pole);
