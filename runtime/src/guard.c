@@ -132,6 +132,12 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
     return k;
 }
 
+/* A time from a tangent that is no more than round-off may be anything: then the first of two. */
+static pk_real within(pk_real t, pk_real first, pk_real last)
+{
+    return t >= pk_min(first, last) && t <= pk_max(first, last) ? t : first;
+}
+
 /* Whether a guard falls to `depth` of its value on the way from the state to t_end; which one, and
  * when it vanishes. */
 static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t *which,
@@ -179,7 +185,7 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size
     if (*which == m)
         return 0;
     along(it, it->t + at, y, y + n, made / 16, g1);
-    *when = it->t + at + made / 16 * g[*which] / (g[*which] - g1[*which]);
+    *when = within(it->t + at + made / 16 * g[*which] / (g[*which] - g1[*which]), it->t + at, t_end);
     return 1;
 }
 
@@ -261,7 +267,8 @@ enum pk_status pk_guard_step(struct pk_integrator *it)
     for (size_t k = 0; k < m; k++) {
         if (!(g0[k] * g1[k] > 0) && crossed == m) {
             crossed = k;
-            when = it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
+            when = within(it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k])), it->next_t,
+                          it->t);
         }
         doubt |= doubtful(it, k);
     }
@@ -269,7 +276,7 @@ enum pk_status pk_guard_step(struct pk_integrator *it)
         if (search(it, it->next_t, DEEP, &which, &when))
             return ended(it, which, when);
         if (crossed < m)
-            return ended(it, crossed, pk_finite(when) ? when : it->next_t);
+            return ended(it, crossed, when);
         evaluate(it, it->next_t, q, v, g1); /* the search has used its place */
         slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     }

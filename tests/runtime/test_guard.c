@@ -200,6 +200,52 @@ static void pole(void)
     CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_COORDINATES && f.it.t == 0);
 }
 
+/* A force that ends at t = 1, whatever the motion: its guard is zero at the last trial step. */
+static int closing_acceleration(const void *p, double t, const double *q, const double *v,
+                                const double *u, double *a)
+{
+    (void)p, (void)v, (void)u;
+    a[0] = -q[0] - 1 / ((t - 1) * (t - 1));
+    return 0;
+}
+
+static void until_one(const void *p, double t, const double *q, const double *v, const double *u,
+                      double *out)
+{
+    (void)p, (void)q, (void)v, (void)u;
+    out[0] = t - 1;
+}
+
+static const struct pk_guard time_guard[] = {{{"t - 1", "", ""}, PK_GUARD_MOTION}};
+
+/* The time is always one of the step that failed. */
+static void time_of_it(void)
+{
+    static struct fixture f;
+    struct pk_system system = polar();
+    system.acceleration = closing_acceleration;
+    system.guards = time_guard;
+    system.guard = until_one;
+    int singular = 0;
+    for (int i = 0; i < METHODS; i++)
+        for (double tol = 1e-9; tol < 0.2; tol *= methods[i].h > 0 ? 1e9 : 10) {
+            if (strncmp(methods[i].name, "gauss", 5) == 0 && methods[i].name[5])
+                continue;
+            fixture_set(&f, &system);
+            f.options.h = methods[i].h > 0 ? 0.3 : 0;
+            f.options.rtol = f.options.atol = tol;
+            CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+            const enum pk_status status = pk_integrator_to(&f.it, 3);
+            CU_ASSERT(status < 0 && f.it.t < 1);
+            if (status == PK_SINGULAR_TIME) { /* else steps underflow closer to it than is told */
+                CU_ASSERT(fabs(f.it.detail - 1) < 1e-9);
+                singular++;
+            }
+            pk_integrator_free(&f.it);
+        }
+    CU_ASSERT(singular > 20);
+}
+
 /* Members of an ensemble end where each does alone. */
 static void members(void)
 {
@@ -254,6 +300,7 @@ void add_guard(void)
     CU_add_test(suite, "stepped over without", stepped_over_without_guards);
     CU_add_test(suite, "near pass", near_pass);
     CU_add_test(suite, "pole of a chart", pole);
+    CU_add_test(suite, "when it vanishes", time_of_it);
     CU_add_test(suite, "members", members);
     CU_add_test(suite, "with displacements", with_displacements);
 }
