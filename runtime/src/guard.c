@@ -185,7 +185,8 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size
     if (*which == m)
         return 0;
     along(it, it->t + at, y, y + n, made / 16, g1);
-    *when = within(it->t + at + made / 16 * g[*which] / (g[*which] - g1[*which]), it->t + at, t_end);
+    *when = it->t + at + made / 16 * g[*which] / (g[*which] - g1[*which]);
+    *when = within(*when, it->t + at, t_end);
     return 1;
 }
 
@@ -195,11 +196,12 @@ static int search(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t
 {
     const struct pk_counters count = it->count;
     const size_t where = it->where;
-    const pk_real detail = it->detail;
+    const pk_real detail = it->detail, condition = it->condition;
     const int found = vanishes(it, t_end, depth, which, when);
     it->count = count;
     it->where = where;
     it->detail = detail;
+    it->condition = condition;
     return found;
 }
 
