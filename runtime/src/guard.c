@@ -225,14 +225,20 @@ enum pk_status pk_guard_here(struct pk_integrator *it)
     return PK_DONE;
 }
 
+/* +1, -1, or 0 for zero and what is no number; products of two guards may underflow. */
+static int sign(pk_real x)
+{
+    return (x > 0) - (x < 0);
+}
+
 /* Whether the tangents say that guard k may vanish in the step just tried, or say too little. */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
     const pk_real g0 = part(it, NOW)[k], g1 = part(it, NEXT)[k], h = it->next_t - it->t;
     const pk_real d0 = h * part(it, SLOPE)[k], d1 = h * part(it, NEXT_SLOPE)[k];
-    if (g0 * d0 < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
+    if (sign(g0) * sign(d0) < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
         return 1;
-    if (g1 * d1 > 0 && pk_abs(g1) <= FAR * pk_abs(d1))
+    if (sign(g1) * sign(d1) > 0 && pk_abs(g1) <= FAR * pk_abs(d1))
         return 1;
     return !(pk_abs(g1 - g0 - (d0 + d1) / 2) <= pk_min(pk_abs(g0), pk_abs(g1)) / 2);
 }
@@ -267,7 +273,7 @@ enum pk_status pk_guard_step(struct pk_integrator *it)
         slopes(it, it->t, it->q, it->v, g0, part(it, SLOPE));
     slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
-        if (!(g0[k] * g1[k] > 0) && crossed == m) {
+        if (sign(g0[k]) * sign(g1[k]) <= 0 && crossed == m) {
             crossed = k;
             when = within(it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k])), it->next_t,
                           it->t);

@@ -246,6 +246,34 @@ static void time_of_it(void)
     CU_ASSERT(singular > 20);
 }
 
+/* The size of a guard does not matter, though products of two be too small for a number. */
+static void tiny_distance(const void *p, double t, const double *q, const double *v,
+                          const double *u, double *out)
+{
+    distance(p, t, q, v, u, out);
+    out[0] *= 1e-200;
+    out[1] *= 1e-200;
+}
+
+static void tiny(void)
+{
+    static struct fixture f;
+    struct pk_system system = guarded_kepler();
+    system.guard = tiny_distance;
+    for (int i = 0; i < METHODS; i++) {
+        fixture_set(&f, &system);
+        f.q0[0] = 1, f.q0[1] = f.v0[0] = 0, f.v0[1] = 1;
+        f.options.h = methods[i].h;
+        CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE);
+        pk_integrator_free(&f.it);
+        skew_start(&f);
+        CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_SINGULAR_TIME && f.it.where == 1);
+        pk_integrator_free(&f.it);
+    }
+}
+
 /* Members of an ensemble end where each does alone. */
 static void members(void)
 {
@@ -301,6 +329,7 @@ void add_guard(void)
     CU_add_test(suite, "near pass", near_pass);
     CU_add_test(suite, "pole of a chart", pole);
     CU_add_test(suite, "when it vanishes", time_of_it);
+    CU_add_test(suite, "tiny", tiny);
     CU_add_test(suite, "members", members);
     CU_add_test(suite, "with displacements", with_displacements);
 }
