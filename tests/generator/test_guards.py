@@ -35,6 +35,7 @@ def test_guards_of_the_models(path):
 
 def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -> str:
     parameters = "param k = 2 in (0, inf)\nparam e = 0.1 in [0, 1)\nparam l = 1\n"
+    parameters += "param d = 1 in [0, inf)\n"
     return f"model m\n{parameters}coord x, y\nkinetic {kinetic}\npotential {potential}\n{more}"
 
 
@@ -64,6 +65,14 @@ def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -
         # Pivots that are sums: k + sin^2 stays; 1 - 4 cos^2 does not.
         (in_plane("x", "(1 + k)*x'^2/2 + y'^2/2 + x'*y'*cos(x - y)"), []),
         (in_plane("x", "x'^2/2 + y'^2/2 + 2*x'*y'*cos(x)"), None),
+        # Definite by default, but not for every value that the parameters may have.
+        (in_plane("x", "x'^2/2 + y'^2/2 + l/2*x'*y'*cos(x)"), [("1 - 1/4*l^2*cos(x)^2", CHART)]),
+        (in_plane("x", "x'^2/2 + y'^2/2 + e*x'*y'*cos(x)"), []),
+        (
+            in_plane("x", "(d + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"),
+            [("1 - 1/(1 + d)*cos(x)^2", CHART)],
+        ),
+        (in_plane("x", "(k + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"), []),
     ],
 )
 def test_guards_of_equations(text, expected):
