@@ -8,11 +8,13 @@ import random
 import pytest
 from building import model
 from c_harness import MODELS, Loaded, read_model, read_text
+from pkgen.compiler import compile_model
 from pkgen.middle.derive import derive
 from pkgen.middle.evaluate import evaluate
 from pkgen.middle.graph import Graph, Kind, Symbol
 from pkgen.middle.ranges import ANY, Range, Ranges
 from pkgen.middle.wording import wording
+from pkgen.source import Source
 
 CHART, MOTION = True, False
 OF_MODELS = {
@@ -158,3 +160,28 @@ def test_wording_reads_as_written(text):
     values |= {Symbol(Kind.PARAMETER, i): 1.3 for i in range(3)}
     assert evaluate(again.graph, again.observed, values) == evaluate(g, [node], values)
     assert len(wording(g, g.power(g.sum([node] * 3), 7), lambda s: "long_name" * 9)) == 60
+
+
+@pytest.mark.parametrize(
+    ("potential", "expected"),
+    [
+        ("sum(-1/(x[i+1] - x[i]), i = 1..N-1)", True),
+        ("sum(-k/norm([x[j] - x[i], 0, 0]), i = 1..N-1, j = i+1..N)", True),
+        ("sum(log(x[i]), i = 1..N)", True),
+        ("sum(x[i]^2/2/m[i]/i, i = 1..N)", False),
+        ("sum(-k/sqrt(k + (x[i+1] - x[i])^2), i = 1..N-1)", False),
+        ("sum(cos(x[i]) + exp(x[i]), i = 1..N)", False),
+    ],
+)
+def test_what_loops_do_not_watch_is_said(potential, expected):
+    text = "model m\nsize N = 20\nparam k = 2 in (0, inf)\nparam m[i = 1..N] = i in (0, inf)\n"
+    text += f"coord x[1..N]\nkinetic sum(x[i]'^2/2, i = 1..N)\npotential {potential}\n"
+    text += "start x[i = 1..N] = i\n"
+    source = Source("m.lag", text)
+    loops = compile_model(source)
+    assert loops.looped
+    said = [w.message for w in loops.warnings if "may vanish" in w.message]
+    assert len(said) == expected
+    unrolled = compile_model(source, sizes={"N": 3}, unroll=None)
+    assert bool(unrolled.equations.guards) == expected
+    assert not any("may vanish" in w.message for w in unrolled.warnings)

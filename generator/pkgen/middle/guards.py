@@ -45,7 +45,7 @@ def guards_of(
     motions: dict[Node, None] = {}
     unsure: dict[Node, int] = {}
     for i, pivot in of_mass.items():
-        for node, rest in _zeros(g, ranges, pivot):
+        for node, rest in zeros(g, ranges, pivot):
             if rest and pivot != mass[i][i]:
                 unsure[node] = i
             else:
@@ -61,9 +61,9 @@ def guards_of(
                 if not pivot > limit * diagonal:
                     charts[node] = None
     known = {g.split(p)[1] for p in of_mass.values()}
-    for base in _dangerous(g, ranges, [*outputs, *of_mass.values()]):
+    for base in dangerous(g, ranges, [*outputs, *of_mass.values()]):
         if g.split(base)[1] not in known:
-            motions.update(dict.fromkeys(node for node, _ in _zeros(g, ranges, base)))
+            motions.update(dict.fromkeys(node for node, _ in zeros(g, ranges, base)))
     found = dict.fromkeys([*charts, *motions])
     squares = {g.args[node][0] for node in found if _is_call(g, node, "sqrt")}
     return tuple(
@@ -83,7 +83,7 @@ def _is_call(g: Graph, node: Node, *functions: str) -> bool:
     return g.op[node] is Op.CALL and g.data[node] in functions
 
 
-def _dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:
+def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:
     """What must not vanish for the outputs to be finite and smooth."""
     for node in reachable(g, outputs, VARIABLE):
         first = g.args[node][0] if g.args[node] else node
@@ -102,7 +102,7 @@ def _dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[No
             yield g.subtract(ONE, g.power(first, 2))
 
 
-def _zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
+def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
     """The factors of a node that may vanish, down to what is no product; and whether it is a sum of
     which no more is known."""
     for base, _ in g.factors(node):
@@ -111,11 +111,11 @@ def _zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
         op, first = g.op[base], (g.args[base] or (base,))[0]
         inside = op is Op.POWER or _is_call(g, base, *_LIKE_ARGUMENT)
         if inside and not (_is_call(g, base, "sqrt") and ranges(first).not_negative):
-            yield from _zeros(g, ranges, first)
+            yield from zeros(g, ranges, first)
         elif op is Op.ADD:
             common, rest = _common(g, base)
             for factor in common:
-                yield from _zeros(g, ranges, factor)
+                yield from zeros(g, ranges, factor)
             if not ranges(rest).never_zero:
                 yield rest, True
         else:
