@@ -48,8 +48,7 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
     const int failed =
         problem->system->acceleration(problem->params, t, y, y + it->n, it->u, dy + it->n);
     if (failed) {
-        f->status = pk_all_finite(y, 2 * it->n) ? PK_SINGULAR_MASS : PK_NOT_FINITE;
-        it->where = (size_t)failed - 1;
+        f->status = pk_eval_failed(it, t, y, y + it->n, failed);
     } else if (!pk_all_finite(dy, 2 * it->n)) {
         f->status = PK_NOT_FINITE;
     } else {

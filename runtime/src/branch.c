@@ -119,9 +119,9 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
         memcpy(w->other, w->jacobian + i * 4 * n * n, n * n * sizeof *w->other);
         const size_t failed = pk_ldl_factor(w->other, n);
         if (failed) {
-            it->where = failed - 1;
-            it->detail = it->t + w->table->c[i] * it->h;
-            return PK_SINGULAR_MASS;
+            const pk_real t = it->t + w->table->c[i] * it->h;
+            pk_eval_input(it, t);
+            return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, (int)failed);
         }
     }
     return PK_DONE;

@@ -144,6 +144,7 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     }
     it->where = scout->where;
     it->detail = scout->detail;
+    it->condition = scout->condition;
     return it->status = scout->status;
 }
 

@@ -2,12 +2,12 @@
  *
  * A guard that changes its sign in a step has vanished in it. One that never does, such as the
  * distance in a collision, has not for all that two ends of a step tell; nor has one that changes
- * it twice, and a fixed step steps over a singularity without a sign of it. So where the tangent at
- * either end says that a guard may vanish within a fixed step, or cannot account for its change,
- * the step is gone through again by short ones, none of which lets a guard fall below .7 of its
- * value: towards a zero they shrink geometrically, past it they get on. Adaptive methods need no
- * such care: their steps shrink before a singularity until they underflow, and then the same
- * search tells its cause.
+ * it twice, and a step may step over a singularity without a sign of it. So where the tangent at
+ * either end says that a guard may vanish within the step, or cannot account for its change, the
+ * step is gone through again by short ones, none of which lets a guard fall below .7 of its value:
+ * towards a zero they shrink geometrically, past it they get on. Adaptive steps are no exception:
+ * at a tight tolerance they shrink before a singularity until they underflow, and then the same
+ * search tells its cause; at a loose one they step over it as fixed ones do.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6.
@@ -67,7 +67,7 @@ static void along(struct pk_integrator *it, pk_real t, const pk_real *q, const p
 static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *value, pk_real *slope)
 {
-    const pk_real d = it->h / 1024;
+    const pk_real d = (it->next_t - it->t) / 1024;
     along(it, t, q, v, d, slope);
     for (size_t k = 0; k < count_of(it); k++)
         slope[k] = (slope[k] - value[k]) / d;
@@ -132,6 +132,12 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
     return k;
 }
 
+/* A time from a tangent that is no more than round-off may be anything: then the first of two. */
+static pk_real within(pk_real t, pk_real first, pk_real last)
+{
+    return t >= pk_min(first, last) && t <= pk_max(first, last) ? t : first;
+}
+
 /* Whether a guard falls to `depth` of its value on the way from the state to t_end; which one, and
  * when it vanishes. */
 static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t *which,
@@ -180,6 +186,7 @@ static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size
         return 0;
     along(it, it->t + at, y, y + n, made / 16, g1);
     *when = it->t + at + made / 16 * g[*which] / (g[*which] - g1[*which]);
+    *when = within(*when, it->t + at, t_end);
     return 1;
 }
 
@@ -189,11 +196,12 @@ static int search(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t
 {
     const struct pk_counters count = it->count;
     const size_t where = it->where;
-    const pk_real detail = it->detail;
+    const pk_real detail = it->detail, condition = it->condition;
     const int found = vanishes(it, t_end, depth, which, when);
     it->count = count;
     it->where = where;
     it->detail = detail;
+    it->condition = condition;
     return found;
 }
 
@@ -217,14 +225,20 @@ enum pk_status pk_guard_here(struct pk_integrator *it)
     return PK_DONE;
 }
 
+/* +1, -1, or 0 for zero and what is no number; products of two guards may underflow. */
+static int sign(pk_real x)
+{
+    return (x > 0) - (x < 0);
+}
+
 /* Whether the tangents say that guard k may vanish in the step just tried, or say too little. */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
     const pk_real g0 = part(it, NOW)[k], g1 = part(it, NEXT)[k], h = it->next_t - it->t;
     const pk_real d0 = h * part(it, SLOPE)[k], d1 = h * part(it, NEXT_SLOPE)[k];
-    if (g0 * d0 < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
+    if (sign(g0) * sign(d0) < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
         return 1;
-    if (g1 * d1 > 0 && pk_abs(g1) <= FAR * pk_abs(d1))
+    if (sign(g1) * sign(d1) > 0 && pk_abs(g1) <= FAR * pk_abs(d1))
         return 1;
     return !(pk_abs(g1 - g0 - (d0 + d1) / 2) <= pk_min(pk_abs(g0), pk_abs(g1)) / 2);
 }
@@ -238,7 +252,7 @@ static int calm(const struct pk_integrator *it)
     return 1;
 }
 
-enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
+enum pk_status pk_guard_step(struct pk_integrator *it)
 {
     const size_t m = count_of(it), n = it->n;
     if (!it->guards)
@@ -249,32 +263,32 @@ enum pk_status pk_guard_step(struct pk_integrator *it, int fixed)
     int doubt = 0;
     pk_real when = it->next_t;
     evaluate(it, it->next_t, q, v, g1);
-    const int quiet = fixed && calm(it) ? QUIET : 0;
+    const int quiet = calm(it) ? QUIET : 0;
     if (quiet & it->slopes) {
         memcpy(g0, g1, m * sizeof *g0);
         it->slopes = QUIET;
         return PK_DONE;
     }
-    if (fixed && !(it->slopes & KNOWN))
+    if (!(it->slopes & KNOWN))
         slopes(it, it->t, it->q, it->v, g0, part(it, SLOPE));
-    if (fixed)
-        slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
+    slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
-        if (!(g0[k] * g1[k] > 0) && crossed == m) {
+        if (sign(g0[k]) * sign(g1[k]) <= 0 && crossed == m) {
             crossed = k;
-            when = it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
+            when = within(it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k])), it->next_t,
+                          it->t);
         }
-        doubt |= fixed && doubtful(it, k);
+        doubt |= doubtful(it, k);
     }
     if (crossed < m || doubt) {
         if (search(it, it->next_t, DEEP, &which, &when))
             return ended(it, which, when);
         if (crossed < m)
-            return ended(it, crossed, pk_finite(when) ? when : it->next_t);
+            return ended(it, crossed, when);
         evaluate(it, it->next_t, q, v, g1); /* the search has used its place */
         slopes(it, it->next_t, q, v, g1, part(it, NEXT_SLOPE));
     }
-    memcpy(g0, g1, (fixed ? 2 : 1) * m * sizeof *g0);
+    memcpy(g0, g1, 2 * m * sizeof *g0);
     it->slopes = KNOWN | quiet;
     return PK_DONE;
 }

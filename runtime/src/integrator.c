@@ -236,7 +236,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     status = it->step(it, limit);
     if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
         status = PK_NOT_FINITE;
-    status = status < 0 ? pk_guard_cause(it, status, fixed) : pk_guard_step(it, fixed);
+    status = status < 0 ? pk_guard_cause(it, status, fixed) : pk_guard_step(it);
     if (status < 0)
         return stop(it, status);
 

@@ -47,7 +47,7 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 size_t pk_guard_size(const struct pk_system *system, size_t n);
 void pk_guard_start(struct pk_integrator *it);
 enum pk_status pk_guard_here(struct pk_integrator *it);
-enum pk_status pk_guard_step(struct pk_integrator *it, int fixed);
+enum pk_status pk_guard_step(struct pk_integrator *it);
 enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */

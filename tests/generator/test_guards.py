@@ -8,11 +8,13 @@ import random
 import pytest
 from building import model
 from c_harness import MODELS, Loaded, read_model, read_text
+from pkgen.compiler import compile_model
 from pkgen.middle.derive import derive
 from pkgen.middle.evaluate import evaluate
 from pkgen.middle.graph import Graph, Kind, Symbol
 from pkgen.middle.ranges import ANY, Range, Ranges
 from pkgen.middle.wording import wording
+from pkgen.source import Source
 
 CHART, MOTION = True, False
 OF_MODELS = {
@@ -35,6 +37,7 @@ def test_guards_of_the_models(path):
 
 def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -> str:
     parameters = "param k = 2 in (0, inf)\nparam e = 0.1 in [0, 1)\nparam l = 1\n"
+    parameters += "param d = 1 in [0, inf)\n"
     return f"model m\n{parameters}coord x, y\nkinetic {kinetic}\npotential {potential}\n{more}"
 
 
@@ -64,6 +67,14 @@ def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -
         # Pivots that are sums: k + sin^2 stays; 1 - 4 cos^2 does not.
         (in_plane("x", "(1 + k)*x'^2/2 + y'^2/2 + x'*y'*cos(x - y)"), []),
         (in_plane("x", "x'^2/2 + y'^2/2 + 2*x'*y'*cos(x)"), None),
+        # Definite by default, but not for every value that the parameters may have.
+        (in_plane("x", "x'^2/2 + y'^2/2 + l/2*x'*y'*cos(x)"), [("1 - 1/4*l^2*cos(x)^2", CHART)]),
+        (in_plane("x", "x'^2/2 + y'^2/2 + e*x'*y'*cos(x)"), []),
+        (
+            in_plane("x", "(d + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"),
+            [("1 - 1/(1 + d)*cos(x)^2", CHART)],
+        ),
+        (in_plane("x", "(k + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"), []),
     ],
 )
 def test_guards_of_equations(text, expected):
@@ -165,3 +176,28 @@ def test_a_parameter_as_exponent_is_a_guard_where_it_is_negative():
     # The force has x^(n - 1).
     assert value(2, 0) == value(2, -0.3) == value(1, 0) == 1
     assert value(-1, 0) == 0 and value(-1, -0.3) == pytest.approx(0.09)
+
+
+@pytest.mark.parametrize(
+    ("potential", "expected"),
+    [
+        ("sum(-1/(x[i+1] - x[i]), i = 1..N-1)", True),
+        ("sum(-k/norm([x[j] - x[i], 0, 0]), i = 1..N-1, j = i+1..N)", True),
+        ("sum(log(x[i]), i = 1..N)", True),
+        ("sum(x[i]^2/2/m[i]/i, i = 1..N)", False),
+        ("sum(-k/sqrt(k + (x[i+1] - x[i])^2), i = 1..N-1)", False),
+        ("sum(cos(x[i]) + exp(x[i]), i = 1..N)", False),
+    ],
+)
+def test_what_loops_do_not_watch_is_said(potential, expected):
+    text = "model m\nsize N = 20\nparam k = 2 in (0, inf)\nparam m[i = 1..N] = i in (0, inf)\n"
+    text += f"coord x[1..N]\nkinetic sum(x[i]'^2/2, i = 1..N)\npotential {potential}\n"
+    text += "start x[i = 1..N] = i\n"
+    source = Source("m.lag", text)
+    loops = compile_model(source)
+    assert loops.looped
+    said = [w.message for w in loops.warnings if "may vanish" in w.message]
+    assert len(said) == expected
+    unrolled = compile_model(source, sizes={"N": 3}, unroll=None)
+    assert bool(unrolled.equations.guards) == expected
+    assert not any("may vanish" in w.message for w in unrolled.warnings)

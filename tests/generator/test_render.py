@@ -10,6 +10,7 @@ import sys
 import pytest
 from c_harness import MODELS, ROOT, read_model
 from hand_made import World, make, pendulum_chain, structure
+from pkgen.back.ctext import fold
 from pkgen.back.lower import lower
 from pkgen.back.render import pasted, render
 
@@ -156,3 +157,11 @@ def test_the_same_to_the_byte_for_ten_hash_seeds():
     assert all(process.returncode == 0 for process in started)
     assert len(outputs) == 1
     assert len(outputs.pop().split()) == len(MODELS) >= 5
+
+
+def test_a_long_string_stays_whole():
+    name = "1 + 4*r - 1/(1 + 4*r)*(1/3*r*cos(y[1]) - 2*r)^2 - 1/(1 + ..."
+    line = '{{"' + name + '", "", ""}, PK_GUARD_COORDINATES},'
+    folded = fold(line, 4).split("\n")
+    assert len(folded) == 2 and all(part.count('"') % 2 == 0 for part in folded)
+    assert " ".join(part.strip() for part in folded) == line

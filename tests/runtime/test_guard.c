@@ -78,6 +78,30 @@ static void collision(void)
     }
 }
 
+/* Adaptive steps at a loose tolerance are long enough to step over it too. */
+static void loose(void)
+{
+    static struct fixture f;
+    struct pk_system system = guarded_kepler();
+    static const char *const names[] = {"dopri5", "dop853", "gauss", "gsl_rkf45", "gsl_rk8pd",
+                                        "gsl_bsimp"};
+    for (int i = 0; i < 6; i++)
+        for (double tol = 1e-4; tol < 0.5; tol *= 10) {
+            fixture_set(&f, &system);
+            f.q0[0] = 1, f.q0[1] = f.v0[0] = f.v0[1] = 0;
+            f.options.rtol = f.options.atol = tol;
+            CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_SINGULAR_TIME && f.it.where == 1);
+            CU_ASSERT(f.it.t < f.it.detail + 1e-9 && fabs(f.it.detail - FALL) < 1e-3);
+            pk_integrator_free(&f.it);
+            f.q0[0] = 1.9; /* e = .9 from the far end: no more than near */
+            f.v0[1] = sqrt(1 / 19.);
+            CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&f.it, 4) == PK_DONE && f.it.t == 4);
+            pk_integrator_free(&f.it);
+        }
+}
+
 /* What would have come out. */
 static void stepped_over_without_guards(void)
 {
@@ -176,6 +200,80 @@ static void pole(void)
     CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_COORDINATES && f.it.t == 0);
 }
 
+/* A force that ends at t = 1, whatever the motion: its guard is zero at the last trial step. */
+static int closing_acceleration(const void *p, double t, const double *q, const double *v,
+                                const double *u, double *a)
+{
+    (void)p, (void)v, (void)u;
+    a[0] = -q[0] - 1 / ((t - 1) * (t - 1));
+    return 0;
+}
+
+static void until_one(const void *p, double t, const double *q, const double *v, const double *u,
+                      double *out)
+{
+    (void)p, (void)q, (void)v, (void)u;
+    out[0] = t - 1;
+}
+
+static const struct pk_guard time_guard[] = {{{"t - 1", "", ""}, PK_GUARD_MOTION}};
+
+/* The time is always one of the step that failed. */
+static void time_of_it(void)
+{
+    static struct fixture f;
+    struct pk_system system = polar();
+    system.acceleration = closing_acceleration;
+    system.guards = time_guard;
+    system.guard = until_one;
+    int singular = 0;
+    for (int i = 0; i < METHODS; i++)
+        for (double tol = 1e-9; tol < 0.2; tol *= methods[i].h > 0 ? 1e9 : 10) {
+            if (strncmp(methods[i].name, "gauss", 5) == 0 && methods[i].name[5])
+                continue;
+            fixture_set(&f, &system);
+            f.options.h = methods[i].h > 0 ? 0.3 : 0;
+            f.options.rtol = f.options.atol = tol;
+            CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+            const enum pk_status status = pk_integrator_to(&f.it, 3);
+            CU_ASSERT(status < 0 && f.it.t < 1);
+            if (status == PK_SINGULAR_TIME) { /* else steps underflow closer to it than is told */
+                CU_ASSERT(fabs(f.it.detail - 1) < 1e-9);
+                singular++;
+            }
+            pk_integrator_free(&f.it);
+        }
+    CU_ASSERT(singular > 20);
+}
+
+/* The size of a guard does not matter, though products of two be too small for a number. */
+static void tiny_distance(const void *p, double t, const double *q, const double *v,
+                          const double *u, double *out)
+{
+    distance(p, t, q, v, u, out);
+    out[0] *= 1e-200;
+    out[1] *= 1e-200;
+}
+
+static void tiny(void)
+{
+    static struct fixture f;
+    struct pk_system system = guarded_kepler();
+    system.guard = tiny_distance;
+    for (int i = 0; i < METHODS; i++) {
+        fixture_set(&f, &system);
+        f.q0[0] = 1, f.q0[1] = f.v0[0] = 0, f.v0[1] = 1;
+        f.options.h = methods[i].h;
+        CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_DONE);
+        pk_integrator_free(&f.it);
+        skew_start(&f);
+        CU_ASSERT_FATAL(fixture_init(&f, methods[i].name) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_SINGULAR_TIME && f.it.where == 1);
+        pk_integrator_free(&f.it);
+    }
+}
+
 /* Members of an ensemble end where each does alone. */
 static void members(void)
 {
@@ -226,9 +324,12 @@ void add_guard(void)
 {
     CU_pSuite suite = CU_add_suite("guards", NULL, NULL);
     CU_add_test(suite, "collision", collision);
+    CU_add_test(suite, "collision at loose tolerances", loose);
     CU_add_test(suite, "stepped over without", stepped_over_without_guards);
     CU_add_test(suite, "near pass", near_pass);
     CU_add_test(suite, "pole of a chart", pole);
+    CU_add_test(suite, "when it vanishes", time_of_it);
+    CU_add_test(suite, "tiny", tiny);
     CU_add_test(suite, "members", members);
     CU_add_test(suite, "with displacements", with_displacements);
 }

@@ -182,6 +182,23 @@ static void lost_pivot(void)
     CU_ASSERT(pk_ldl_factor(B, 2) == 0 && B[3] == 0.5);
 }
 
+/* An M that is not positive: how far, by methods of the core and GSL's alike. */
+static void condition_of_mass(void)
+{
+    static const char *const names[] = {"rk4",       "dop853",    "gauss",
+                                        "gsl_rkf45", "gsl_rk8pd", "gsl_msadams"};
+    static struct fixture f;
+    for (int i = 0; i < 6; i++) {
+        fixture_set(&f, &folded_system);
+        f.options.h = 0.01;
+        f.q0[0] = f.params.limit + 1; /* M = -1 */
+        CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
+        CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_MASS);
+        CU_ASSERT(f.it.where == 0 && f.it.condition < -0.999 && f.it.condition > -1.001);
+        pk_integrator_free(&f.it);
+    }
+}
+
 /* After a sliver of a step the next one is not predicted from it: it costs what a first step
  * costs, which has no prediction either, and not a fall back to full Newton. */
 static void after_a_sliver(void)
@@ -322,6 +339,7 @@ void add_silence(void)
     CU_add_test(suite, "round-off of time", round_off_of_time);
     CU_add_test(suite, "dense output", dense_not_finite);
     CU_add_test(suite, "a pivot lost in rounding", lost_pivot);
+    CU_add_test(suite, "condition of M", condition_of_mass);
     CU_add_test(suite, "after a sliver of a step", after_a_sliver);
     CU_add_test(suite, "a reset is a fresh start", reset_is_fresh);
     CU_add_test(suite, "compensated sums", sums);

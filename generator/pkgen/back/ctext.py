@@ -53,6 +53,7 @@ def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
     return "\n".join(line.rstrip() for line in lines) if lines else first.rstrip()
 
 
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # not to be broken
 _BREAK = re.compile(r" (?=[-+*/|] )| (?=&& )|(?<=,) ")
 
 
@@ -86,7 +87,12 @@ def _best_break(line: str) -> int | None:
     for c in line[: WIDTH + 1]:
         depth += (c == "(") - (c == ")")
         depths.append(depth)
-    every = [m.start() for m in _BREAK.finditer(line) if m.start() > start]
+    strings = [m.span() for m in _STRING.finditer(line)]
+    every = [
+        m.start()
+        for m in _BREAK.finditer(line)
+        if m.start() > start and not any(lo < m.start() < hi for lo, hi in strings)
+    ]
     places = [at for at in every if at <= WIDTH]
     if not places:
         return every[0] if every else None

@@ -4,7 +4,8 @@ as that depends on the motion and can vanish.
 Each such expression is taken apart into factors (r sin(theta) vanishes where r does, and where
 sin(theta) does), and what interval arithmetic proves to be never zero is left out. A pivot of M
 that is a sum, such as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a guard only if a
-search finds M singular or indefinite somewhere: M of a sound model is positive definite almost
+search finds M singular or indefinite somewhere, for parameters at their defaults, at a bound that
+they may have, or anywhere else within their bounds: M of a sound model is positive definite almost
 everywhere, and where it is not, the acceleration itself says so.
 """
 
@@ -24,6 +25,8 @@ from .wording import wording
 _LIKE_ARGUMENT = frozenset({"abs", "sinh", "tanh", "asin", "atan", "sqrt"})
 SAMPLES = 25  # states at which the pivots of M are looked at,
 EFFORT = 50_000  # values computed in the search for a worse one: some 0.05 s
+SCATTER = 200  # and at most so many states with parameters anywhere,
+WIDE = 1e3  # so far from their defaults where nothing bounds them
 NEARLY = 1e-4  # a pivot beside its diagonal entry: M is singular nearby
 
 
@@ -42,21 +45,25 @@ def guards_of(
     motions: dict[Node, None] = {}
     unsure: dict[Node, int] = {}
     for i, pivot in of_mass.items():
-        for node, rest in _zeros(g, ranges, pivot):
+        for node, rest in zeros(g, ranges, pivot):
             if rest and pivot != mass[i][i]:
                 unsure[node] = i
             else:
                 charts[node] = None
     if unsure:
-        least = _least_definite(g, parameters, mass)
-        for node, i in unsure.items():
-            pivot, diagonal = evaluate(g, [of_mass[i], mass[i][i]], least)
-            if not pivot > NEARLY * diagonal:
-                charts[node] = None
+        rows = list(unsure.values())
+        wanted = [of_mass[i] for i in rows] + [mass[i][i] for i in rows]
+        suspects = [(state, NEARLY) for state in _least_definite(g, parameters, mass)]
+        suspects += [(state, 0.0) for state in _anywhere(g, parameters, wanted)]
+        for state, limit in suspects:
+            values = evaluate(g, wanted, state)
+            for node, pivot, diagonal in zip(unsure, values, values[len(rows) :], strict=False):
+                if not pivot > limit * diagonal:
+                    charts[node] = None
     known = {g.split(p)[1] for p in of_mass.values()}
-    for base in _dangerous(g, ranges, [*outputs, *of_mass.values()]):
+    for base in dangerous(g, ranges, [*outputs, *of_mass.values()]):
         if g.split(base)[1] not in known:
-            motions.update(dict.fromkeys(node for node, _ in _zeros(g, ranges, base)))
+            motions.update(dict.fromkeys(node for node, _ in zeros(g, ranges, base)))
     found = dict.fromkeys([*charts, *motions])
     squares = {g.args[node][0] for node in found if _is_call(g, node, "sqrt")}
     return tuple(
@@ -76,7 +83,7 @@ def _is_call(g: Graph, node: Node, *functions: str) -> bool:
     return g.op[node] is Op.CALL and g.data[node] in functions
 
 
-def _dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:
+def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:
     """What must not vanish for the outputs to be finite and smooth."""
     for node in reachable(g, outputs, VARIABLE):
         first = g.args[node][0] if g.args[node] else node
@@ -108,7 +115,7 @@ def _base(g: Graph, guard: Node) -> Node:
     return g.args[g.args[guard][0]][0] if _is_call(g, guard, "pow") else guard
 
 
-def _zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
+def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
     """The factors of a node that may vanish, down to what is no product; and whether it is a sum of
     which no more is known."""
     for base, _ in g.factors(node):
@@ -117,11 +124,11 @@ def _zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
         op, first = g.op[base], (g.args[base] or (base,))[0]
         inside = op is Op.POWER or _is_call(g, base, *_LIKE_ARGUMENT)
         if inside and not (_is_call(g, base, "sqrt") and ranges(first).not_negative):
-            yield from _zeros(g, ranges, first)
+            yield from zeros(g, ranges, first)
         elif op is Op.ADD:
             common, rest = _common(g, base)
             for factor in common:
-                yield from _zeros(g, ranges, factor)
+                yield from zeros(g, ranges, factor)
             if not ranges(rest).never_zero:
                 yield rest, True
         else:
@@ -150,27 +157,78 @@ def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
     return list(shared), rest
 
 
-def _least_definite(
-    g: Graph, parameters: tuple[ParameterSlot, ...], mass: Matrix
+def _moving(g: Graph, nodes: Iterable[Node]) -> tuple[list[Symbol], list[int]]:
+    """What the nodes depend on: the state's symbols, and the parameters."""
+    found = {g.data[x] for x in reachable(g, nodes) if g.op[x] is Op.SYMBOL} - {Symbol(Kind.PI)}
+    state = sorted(x for x in found if x.kind is not Kind.PARAMETER)
+    return state, sorted(x.index for x in found if x.kind is Kind.PARAMETER)
+
+
+def _drawn(draw: random.Random, symbol: Symbol) -> float:
+    return draw.uniform(-3, 3) * (0.3 if symbol.kind == Kind.RATE else 1)
+
+
+def _parameters(
+    g: Graph, parameters: tuple[ParameterSlot, ...], change: Callable[[int, float], float]
 ) -> dict[Symbol, float]:
-    """The state, of many with the parameters' defaults, at which M is nearest to singular."""
-    entries = [x for i, row in enumerate(mass) for x in row[: i + 1]]
-    below = reachable(g, entries)
-    draw = random.Random(2385)
+    """The defaults, each changed before others that follow from it."""
     fixed: dict[Symbol, float] = {}
     for k, slot in enumerate(parameters):
-        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
-    found = {g.data[x] for x in below if g.op[x] is Op.SYMBOL} - {Symbol(Kind.PI), *fixed}
-    moving = sorted(found)
-    left = max(SAMPLES, EFFORT // (len(below) + len(mass) ** 3))
+        fixed[Symbol(Kind.PARAMETER, k)] = change(k, evaluate(g, [slot.default], fixed)[0])
+    return fixed
+
+
+def _anywhere(
+    g: Graph, parameters: tuple[ParameterSlot, ...], nodes: list[Node]
+) -> Iterator[dict[Symbol, float]]:
+    """States with the parameters anywhere within their bounds: between two of them, else up to
+    WIDE times the default."""
+    draw = random.Random(2385)
+    moving, used = _moving(g, nodes)
+    bounds = {k: _bounds(g, parameters[k]) for k in used}
+
+    def change(k: int, value: float) -> float:
+        if k not in bounds:
+            return value
+        lo, hi = bounds[k].lo, bounds[k].hi
+        if lo > -INF and hi < INF:
+            return draw.uniform(lo, hi)
+        return min(max(value * WIDE ** draw.uniform(-1, 1), lo), hi)
+
+    if used:
+        for _ in range(max(SAMPLES, min(SCATTER, EFFORT // len(reachable(g, nodes))))):
+            fixed = _parameters(g, parameters, change)
+            yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
+
+
+def _least_definite(
+    g: Graph, parameters: tuple[ParameterSlot, ...], mass: Matrix
+) -> Iterator[dict[Symbol, float]]:
+    """The state, of many, at which M is nearest to singular: with the parameters' defaults, then
+    with each at a bound that it may have."""
+    _, used = _moving(g, [x for row in mass for x in row])
+    cases: list[tuple[int, float]] = [(-1, 0.0)]
+    for k in used:
+        at = _bounds(g, parameters[k])
+        cases += [(k, at.lo)] if not at.above and at.lo > -INF else []
+        cases += [(k, at.hi)] if not at.below and at.hi < INF else []
+    for which, bound in cases:
+        fixed = _parameters(g, parameters, {which: bound}.get)
+        yield _least_definite_at(g, fixed, mass, EFFORT // len(cases))
+
+
+def _least_definite_at(
+    g: Graph, fixed: dict[Symbol, float], mass: Matrix, effort: int
+) -> dict[Symbol, float]:
+    entries = [x for i, row in enumerate(mass) for x in row[: i + 1]]
+    draw = random.Random(2385)
+    moving, _ = _moving(g, entries)
+    left = max(SAMPLES, effort // (len(reachable(g, entries)) + len(mass) ** 3))
 
     def ratio(state: dict[Symbol, float]) -> float:
         return _least_ratio(len(mass), evaluate(g, entries, state))
 
-    states = [
-        fixed | {s: draw.uniform(-3, 3) * (0.3 if s.kind == Kind.RATE else 1) for s in moving}
-        for _ in range(SAMPLES)
-    ]
+    states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
     least, best = min((ratio(state), k) for k, state in enumerate(states))
     state, width = states[best], 1.0
     for k in range((left - SAMPLES) // 2):  # a coordinate at a time, by ever shorter steps

@@ -219,6 +219,7 @@ class LoopEquations:
     limits: tuple[Limit, ...]
     wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
     facts: Facts | None = None
+    unwatched: tuple[str, ...] = ()  # what may vanish, and has no guard
 
     def group(self, name: str) -> Group:
         return next(g for g in self.coordinates if g.name == name)

@@ -14,6 +14,7 @@ from .loops_facts import facts_of
 from .loops_rows import Gather
 from .loops_statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .loops_terms import Term, terms
+from .loops_unwatched import unwatched_of
 from .quantities import error, indexed
 
 
@@ -105,7 +106,11 @@ def _derive(x: LoopExpander) -> LoopEquations:
         wraps=gather.found.wraps,
     )
     _check_points(x, result)
-    values = vars(result) | {"slots": tuple(x.slots), "facts": facts_of(x, gather, result)}
+    values = vars(result) | {
+        "facts": facts_of(x, gather, result),
+        "unwatched": unwatched_of(x, result),
+        "slots": tuple(x.slots),
+    }
     return LoopEquations(**values)
 
 

@@ -20,7 +20,7 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         for part in row.parts
     ]
     entries += _total_nodes(e.mass.corner.values())
-    forces = [*_vector_nodes(e.force)]
+    forces = [*vector_nodes(e.force)]
     energies = _total_nodes([e.lagrangian])
     applied = bool(x.model.forces or x.model.dissipation)
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
@@ -60,7 +60,7 @@ def _total_nodes(totals: Iterable[Total]) -> list[Node]:
     return found
 
 
-def _vector_nodes(vector: Vector) -> list[Node]:
+def vector_nodes(vector: Vector) -> list[Node]:
     found = [part.node for row in vector.rows.values() for part in row.parts]
     found += _total_nodes(vector.totals.values())
     for pair in vector.pairs:
