@@ -10,7 +10,8 @@
  *
  * How a crossing is located. After each step g is compared at its ends and in between, at as many
  * points of an interpolant as suit the method's stages: its own dense output where that is as
- * accurate as its steps, else the cubic of Hermite through q and v. Where the interpolant crosses
+ * accurate as its steps, else the cubic of Hermite through q and v, or, where its second derivative
+ * at the ends is not the motion's, states by shorter steps. Where the interpolant crosses
  * zero, or dips towards it, g is computed anew at a state that a second integrator reaches by the
  * same method in one shorter step from where the step began. Only such states decide; so a crossing
  * is as accurate as the method's own step, and the trajectory is what it is without events.
