@@ -77,8 +77,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               void *block, size_t block_size);
 
 /* One step of `it` towards `limit`, as pk_integrator_step(), and found() for all that was crossed
- * in it. PK_STOPPED_EVENT: `it` is at the event, behind all others at the same time (some four units
- * in the last place of t), `it->event` - 1 says which; a next step goes on from there.
+ * in it. PK_STOPPED_EVENT: `it` is at the event, behind all others at the same time (some four
+ * units in its last place), `it->event` - 1 says which; a next step goes on from there.
  * PK_NOT_FINITE with it->event: g is no finite number there. */
 enum pk_status pk_events_step(struct pk_events *events, struct pk_integrator *it, pk_real limit);
 
