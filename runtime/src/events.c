@@ -1,8 +1,9 @@
 /* Events: crossings of zero within a step, located by the method itself; see pk/events.h.
  *
- * The functions of the events are looked at on an interpolant of the step, which costs no step. It
- * only proposes times: what is believed is g at states that a second integrator, the scout, reaches
- * from where the step began. Between two such times with opposite signs lies a crossing.
+ * The functions of the events are looked at on an interpolant of the step, which costs no step, or
+ * where a step is too long for it at states by shorter ones. It only proposes times: what is
+ * believed is g at states that a second integrator, the scout, reaches from where the step began.
+ * Between two such times with opposite signs lies a crossing.
  *
  * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
  * Comput. Math. Appl. 39 (2000) 43.
@@ -106,14 +107,48 @@ static void hermite(const struct pk_events *e, const struct pk_integrator *it, p
     }
 }
 
+/* Whether the cubic bends at an end by so much else than the motion does that half-way it may be
+ * off by 1/32 of the rise: bends differ by 32/h^2 of what it is off. */
+static int is_worthless(struct pk_events *e, const struct pk_integrator *it)
+{
+    const pk_real h = it->t - e->from;
+    for (int end = 0; end < 2; end++) {
+        const pk_real *q = end ? it->q : e->q0, *v = end ? it->v : e->v0;
+        if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, e->trial) < 0)
+            return 0;
+        for (size_t i = 0; i < e->n; i++) {
+            const pk_real rise = it->q[i] - e->q0[i], v0 = h * e->v0[i], v1 = h * it->v[i];
+            const pk_real bend = end ? 2 * v0 + 4 * v1 - 6 * rise : 6 * rise - 4 * v0 - 2 * v1;
+            const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(v0), pk_abs(v1)) / 4);
+            if (pk_abs(bend - h * h * e->trial[i]) > size + PK_EPS * pk_abs(q[i]))
+                return 1;
+        }
+    }
+    return 0;
+}
+
+/* A sample by the method itself; where it makes no such step there is none. */
+static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t)
+{
+    const size_t where = it->where;
+    const pk_real detail = it->detail;
+    if (pk_events_reach(e, it, t) >= 0)
+        return 1;
+    it->where = where;
+    it->detail = detail;
+    it->status = PK_DONE;
+    return 0;
+}
+
 static enum pk_status look(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;
+    const int by_steps = !e->dense && is_worthless(e, it);
     for (int j = 1; j < e->samples; j++) {
         const pk_real x = (pk_real)j / (pk_real)e->samples, t = e->from + x * h;
-        if (!e->dense)
+        if (!e->dense && !(by_steps && reach_sample(e, it, t)))
             hermite(e, it, x);
-        else if (pk_integrator_dense(it, t, e->trial, e->trial + e->n) < 0)
+        else if (e->dense && pk_integrator_dense(it, t, e->trial, e->trial + e->n) < 0)
             return it->status;
         pk_events_functions(e, it, t, e->trial, e->trial + e->n, pk_events_sample(e, j));
     }

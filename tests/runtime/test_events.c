@@ -354,6 +354,27 @@ static void twice_in_a_step(void)
     }
 }
 
+static void inside(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+                   pk_real *g)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    g[0] = q[0] - 0.3;
+}
+
+/* Steps of almost a period, which gauss8 makes well and no cubic follows. */
+static void long_steps(void)
+{
+    static struct watch w;
+    watch_cosine(&w, inside, 1);
+    watch_init(&w, "gauss8", 6);
+    CU_ASSERT(pk_events_to(&w.events, &w.f.it, 100) == PK_DONE);
+    CU_ASSERT_EQUAL_FATAL(w.count, 32);
+    for (int k = 0; k < w.count; k++) {
+        const double top = 2 * acos(-1) * ((k + 1) / 2), away = acos(0.3);
+        CU_ASSERT_DOUBLE_EQUAL(w.t[k], top + (k % 2 ? -away : away), 1e-3);
+    }
+}
+
 static void down(void *context, pk_real t, pk_real *u)
 {
     (void)t;
@@ -487,6 +508,7 @@ void add_events(void)
     CU_add_test(suite, "ties with an event that stops", ties_with_a_stop);
     CU_add_test(suite, "directions, zero at the start", directions);
     CU_add_test(suite, "two crossings within a step", twice_in_a_step);
+    CU_add_test(suite, "steps longer than a cubic follows", long_steps);
     CU_add_test(suite, "bounces", bounces);
     CU_add_test(suite, "stops", stops);
     CU_add_test(suite, "failures", failures);

@@ -10,7 +10,8 @@
  *
  * How a crossing is located. After each step g is compared at its ends and in between, at as many
  * points of an interpolant as suit the method's stages: its own dense output where that is as
- * accurate as its steps, else the cubic of Hermite through q and v. Where the interpolant crosses
+ * accurate as its steps, else the cubic of Hermite through q and v, or, where its second derivative
+ * at the ends is not the motion's, states by shorter steps. Where the interpolant crosses
  * zero, or dips towards it, g is computed anew at a state that a second integrator reaches by the
  * same method in one shorter step from where the step began. Only such states decide; so a crossing
  * is as accurate as the method's own step, and the trajectory is what it is without events.
@@ -76,8 +77,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               void *block, size_t block_size);
 
 /* One step of `it` towards `limit`, as pk_integrator_step(), and found() for all that was crossed
- * in it. PK_STOPPED_EVENT: `it` is at the event, behind all others at the same time (some four units
- * in the last place of t), `it->event` - 1 says which; a next step goes on from there.
+ * in it. PK_STOPPED_EVENT: `it` is at the event, behind all others at the same time (some four
+ * units in its last place), `it->event` - 1 says which; a next step goes on from there.
  * PK_NOT_FINITE with it->event: g is no finite number there. */
 enum pk_status pk_events_step(struct pk_events *events, struct pk_integrator *it, pk_real limit);
 
