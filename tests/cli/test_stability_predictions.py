@@ -170,6 +170,28 @@ def test_modes_of_a_damped_system_and_its_limit(steps) -> None:
     assert h * 1.7 != pytest.approx(2 * math.sqrt(2), rel=1e-2)
 
 
+# A double well a micrometre wide, in SI units.
+MEMS = """model mems
+param m = 1e-12 [kg] in (0, inf)
+param k = 1 [N/m] in (0, inf)
+param d = 1e-6 [m] in (0, inf)
+coord x [m]
+kinetic m*x'^2/2
+potential -k*x^2/2 + k*x^4/(4*d^2)
+start x = 1.2e-6
+"""
+
+
+@pytest.mark.parametrize("begin", [(1.2e-6, 0.0), (0.0, 0.3), (1e-8, 0.0)])
+def test_equilibria_of_what_is_small(begin: tuple[float, float]) -> None:
+    found = start(asker(MEMS), *begin).rest().equilibria
+    assert len(found) == 3
+    assert sorted(e.q[0] for e in found) == pytest.approx([-1e-6, 0, 1e-6], rel=1e-12, abs=1e-21)
+    for well in found[:2]:
+        assert [m.frequency for m in well.modes] == pytest.approx([math.sqrt(2) * 1e6], rel=1e-12)
+    assert found[2].modes[0].growth == pytest.approx(1e6, rel=1e-12)
+
+
 def test_relative_equilibria_of_a_top() -> None:
     # Steady precession at the start's momenta; omega from the effective potential.
     top = asker((ROOT / "models/heavy_top.lag").read_text())
