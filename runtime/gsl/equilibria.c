@@ -147,30 +147,41 @@ static void place(const struct search *s, size_t k, gsl_vector *z)
     }
 }
 
-/* Whether q_i and q_i + 2 pi are the same place, tried at three others. */
+/* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force beside
+ * its own size, for one may be of a far smaller one than the others. */
 static int is_turn(struct search *s, size_t i)
 {
-    double size = 0, change = 0;
-    double *copy = s->J; /* of p, then of pdot */
-    for (size_t k = 1; k <= 3; k++)
-        for (int part = 0; part < 2; part++) {
-            for (size_t j = 0; j < s->n; j++) {
+    double *size = s->p_q, *change = s->F_q; /* of each p and pdot */
+    double *copy = s->M;
+    const size_t n = s->n;
+    int same = 1;
+    for (int part = 0; part < 2 && same; part++) {
+        const double *now = part ? s->pdot : s->p;
+        memset(size, 0, n * sizeof *size);
+        memset(change, 0, n * sizeof *change);
+        for (size_t k = 1; k <= 3; k++) {
+            for (size_t j = 0; j < n; j++) {
                 s->q[j] = s->middle[j] + 2 * halton(k + 7, prime(j)) - 1;
                 s->v[j] = 0.7 - halton(k + 3, prime(j));
             }
             if (!equations(s))
                 return 0;
-            memcpy(copy, part ? s->pdot : s->p, s->n * sizeof *copy);
+            memcpy(copy, now, n * sizeof *copy);
             s->q[i] += TWO_PI;
             if (!equations(s))
                 return 0;
-            for (size_t j = 0; j < s->n; j++) {
-                const double x = part ? s->pdot[j] : s->p[j];
-                change = fmax(change, fabs(x - copy[j]));
-                size = fmax(size, fabs(x));
+            for (size_t j = 0; j < n; j++) {
+                change[j] = fmax(change[j], fabs(now[j] - copy[j]));
+                size[j] = fmax(size[j], fabs(now[j]));
             }
         }
-    return change <= 1e-9 * size;
+        double most = 0;
+        for (size_t j = 0; j < n; j++)
+            most = fmax(most, size[j]);
+        for (size_t j = 0; j < n; j++) /* one that vanishes is round-off of the others */
+            same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
+    }
+    return same;
 }
 
 /* How far the motion from the start goes in some steps of dop853, which are of its own length, into

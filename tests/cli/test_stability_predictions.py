@@ -192,6 +192,24 @@ def test_equilibria_of_what_is_small(begin: tuple[float, float]) -> None:
     assert found[2].modes[0].growth == pytest.approx(1e6, rel=1e-12)
 
 
+# An angle of great inertia beside a coordinate that is none, whose equation is a small one.
+TURN = """model turn
+param m1 = 1e6
+param k = 1e-4
+coord a, x
+kinetic m1*a'^2/2 + x'^2/2
+potential -m1*9.81*cos(a) + k*(x-10)^2/2
+start a = 0.3, x = 9
+"""
+
+
+def test_each_equation_decides_what_is_an_angle_by_its_own_size() -> None:
+    found = asker(TURN).rest().equilibria
+    assert [e.q for e in found] == [
+        (pytest.approx(angle, abs=1e-9), pytest.approx(10, rel=1e-9)) for angle in (0, math.pi)
+    ]
+
+
 def test_relative_equilibria_of_a_top() -> None:
     # Steady precession at the start's momenta; omega from the effective potential.
     top = asker((ROOT / "models/heavy_top.lag").read_text())
