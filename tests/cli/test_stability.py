@@ -173,3 +173,15 @@ def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
         if abs(y - 2) > 0.02:
             assert (p["kind"] == "bounded") == (y < 2), p
     assert any(p["kind"] == "bounded" for p in points)
+
+
+def test_small_energies_are_said(stability, tmp_path: Path) -> None:
+    model = tmp_path / "mems.lag"
+    model.write_text(
+        "model mems\nparam d = 1e-6\ncoord x\nkinetic 1e-12*x'^2/2\n"
+        "potential -x^2/2 + x^4/(4*d^2)\nstart x = 1.2e-6\n"
+    )
+    asked = ["--methods", "verlet", "--points", "2x2", "--until", "1e-4", "-o", tmp_path]
+    done = stability(model, *asked)
+    assert done.code == 0, done.err
+    assert "x = -1e-06" in done.out and "-2.5e-13" in done.out and "x = 0 " in done.out

@@ -210,6 +210,18 @@ def test_each_equation_decides_what_is_an_angle_by_its_own_size() -> None:
     ]
 
 
+def test_small_motions_are_small_beside_what_is_small(steps) -> None:
+    mems = asker(MEMS)
+    rest = mems.rest()
+    amplitude = measure.small(rest, frozenset(), 2e-7)
+    one = limit(steps["verlet"], 1, rest.equilibria[1])
+    measured = measure.measured(mems, rest, one, 2e-7, amplitude)
+    assert measured.h == pytest.approx(math.sqrt(2) * 1e-6, rel=1e-4)
+    (growth,) = measure.growths(mems, rest, amplitude)
+    assert growth.measured == pytest.approx(1e6, rel=1e-6)
+    assert measure.small(rest, frozenset(), 0.0) == pytest.approx(1e-12)
+
+
 def test_relative_equilibria_of_a_top() -> None:
     # Steady precession at the start's momenta; omega from the effective potential.
     top = asker((ROOT / "models/heavy_top.lag").read_text())
@@ -282,20 +294,20 @@ def test_predictions_are_measured_and_a_wrong_one_is_a_miss(pendulum: Asker, ste
     found = {p.kind: p for p in predictions(steps["verlet"], rest, 0)}
     assert set(found) == {"limit", "1:3", "1:4"}
     for p in found.values():
-        measured = measure.measured(pendulum, rest, p, 0.5)
+        measured = measure.measured(pendulum, rest, p, 0.5, 1e-6)
         assert measured.h == pytest.approx(p.h, rel=1e-4)
         assert misses.of_prediction(measured) is None
     wrong = replace(found["limit"], h=1.05 * found["limit"].h)
-    miss = misses.of_prediction(measure.measured(pendulum, rest, wrong, 0.5))
+    miss = misses.of_prediction(measure.measured(pendulum, rest, wrong, 0.5, 1e-6))
     assert miss is not None and "-4.8 %" in miss.text and "h = 2.1" in miss.text
     never = Prediction("limit", "verlet", 0, 0, None, None, None)
-    miss = misses.of_prediction(measure.measured(pendulum, rest, never, 0.5))
+    miss = misses.of_prediction(measure.measured(pendulum, rest, never, 0.5, 1e-6))
     assert miss is not None and "predicted nowhere" in miss.text
     (branch,) = (p for p in predictions(steps["gauss1"], rest, 0) if p.kind == "branch")
-    lost = measure.measured(pendulum, rest, branch, 0.5)
+    lost = measure.measured(pendulum, rest, branch, 0.5, 1e-6)
     assert lost.h == pytest.approx(2, rel=1e-3) and lost.how == "PK_AMBIGUOUS_STEP"
     assert misses.of_prediction(lost) is None
-    growths = measure.growths(pendulum, rest)
+    growths = measure.growths(pendulum, rest, 1e-6)
     assert [g.measured for g in growths] == [pytest.approx(1, rel=1e-6)]
     assert misses.of_growth(growths[0]) is None
     assert misses.of_growth(replace(growths[0], predicted=1.02)) is not None
@@ -310,7 +322,7 @@ def test_the_resonance_of_two_modes_is_found_and_answered(steps) -> None:
     assert [m.frequency for m in at.modes] == pytest.approx([1.9, 1.0], rel=1e-9)
     pair = next(p for p in predictions(steps["verlet"], rest, primary) if p.kind == "1:2")
     assert pair.h == pytest.approx(0.6244998, abs=5e-8)
-    measured = measure.measured(elastic, rest, pair, 0.1)
+    measured = measure.measured(elastic, rest, pair, 0.1, 1e-6)
     assert measured.h == pytest.approx(pair.h, rel=1e-4)
     assert measured.response > 10 and measured.peak == pytest.approx(pair.h, rel=0.02)
     assert not misses.unanswered((measured,), "verlet")

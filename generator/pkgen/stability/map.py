@@ -110,6 +110,7 @@ def make(
 
     flat = tuple(p for name in maps for p in predicted[name])
     size = _size(at, motion.q, cyclic) if at else 0.0
+    amplitude = measure.small(rest, cyclic, size)
     jobs = len(asked.axis.values) + len(flat) + 1
     done = [0]
 
@@ -123,9 +124,10 @@ def make(
         # The costly ones first: those that no method leaves early.
         rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
         checks = [
-            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, size))) for p in flat
+            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, size, amplitude)))
+            for p in flat
         ]
-        leaving = pool.submit(lambda: counted(measure.growths(asker, rest)))
+        leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
         return StabilityMap(
             compilation,
             asked,

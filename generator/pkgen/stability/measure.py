@@ -1,11 +1,11 @@
 """The points of the map, row by row, and each prediction measured on the model itself.
 
-A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
-modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
-mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
-the motion responds to it is asked apart, at some parts of the start's size. A branch
-is lost where one step from the equilibrium itself fails: from beside it a solution leads away.
-Growth is that of a reference motion that leaves along the mode.
+A limit is measured where the motion is small: 4000 steps from 1e-6 of the start's displacement
+beside the equilibrium, all modes that do not grow at once, must not carry it a thousand times as
+far. A resonance is where the mode's leading coordinate turns, on the average over 8000 steps, by
+the angle predicted; whether the motion responds to it is asked apart, at some parts of the start's
+size. A branch is lost where one step from the equilibrium itself fails: from beside it a solution
+leads away. Growth is that of a reference motion that leaves along the mode.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from .ask import Asker, Close, Motion, Point, Rest, motion, point, rest
 from .method import FURTHEST, combined
 from .predict import RESONANCES, Prediction
 
-SMALL = 1e-6
+SMALL = 1e-6  # of the size of the motion
+LEAST = 1e-8  # of the largest coordinate: clear of round-off
 STEPS = 4000
 TURNS = 8000
 FAR = 1e3
@@ -74,24 +75,36 @@ def row(
     return found, motion(answers[0]), tuple(point(a) for a in answers[1:])
 
 
-def measured(asker: Asker, at: Rest, prediction: Prediction, size: float) -> Measured:
-    """What the model does of what is predicted; `size` is the start's displacement."""
+def small(at: Rest, cyclic: frozenset[int], size: float) -> float:
+    """An amplitude at which motions are linear and round-off is not seen. The unit may be any: it
+    is SMALL beside the start's displacement `size`, or beside the places of rest."""
+    largest = max(
+        (abs(x) for e in at.equilibria for i, x in enumerate(e.q) if i not in cyclic), default=0.0
+    )
+    return max(SMALL * (size or largest or 1.0), LEAST * largest)
+
+
+def measured(
+    asker: Asker, at: Rest, prediction: Prediction, size: float, amplitude: float
+) -> Measured:
+    """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
+    that of small motions."""
     if prediction.kind == "limit":
-        return _limit(asker, at, prediction)
+        return _limit(asker, at, prediction, amplitude)
     if prediction.kind == "branch":
-        return _branch(asker, prediction)
-    return _resonance(asker, at, prediction, size)
+        return _branch(asker, prediction, amplitude)
+    return _resonance(asker, at, prediction, size, amplitude)
 
 
-def growths(asker: Asker, at: Rest) -> list[Growth]:
-    """Each mode that grows, left by a reference motion."""
+def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
+    """Each mode that grows, left by a reference motion from a tenth of `amplitude`."""
     wanted = [
         (e, k)
         for e, equilibrium in enumerate(at.equilibria)
         for k, mode in enumerate(equilibrium.modes)
         if mode.growth > 0
     ]
-    lines = ["equilibria 100", *(f"leave {e} {k} 1e-7" for e, k in wanted)]
+    lines = ["equilibria 100", *(f"leave {e} {k} {amplitude / 10!r}" for e, k in wanted)]
     answers = asker.ask(lines)[1:]
     return [
         Growth(e, k, at.equilibria[e].modes[k].growth, answer["rate"] or 0.0)
@@ -103,14 +116,14 @@ def _grows(close: Close) -> bool:
     return close.status != "PK_DONE" or not close.growth < FAR
 
 
-def _limit(asker: Asker, at: Rest, p: Prediction) -> Measured:
+def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
     steps = 100 if p.h is None else STEPS
     seen: list[Close] = []
 
     def grows(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} all {SMALL!r} {steps}" for h in hs
+            f"{p.method} {float(h).hex()} {p.equilibrium} all {amplitude!r} {steps}" for h in hs
         )
         found = [_grows(c) for c in closes]
         seen[:] = [c for c, bad in zip(closes, found, strict=True) if bad][:1] or seen
@@ -134,12 +147,13 @@ def _limit(asker: Asker, at: Rest, p: Prediction) -> Measured:
     return Measured(p, h, "growth" if status == "PK_DONE" else status)
 
 
-def _branch(asker: Asker, p: Prediction) -> Measured:
+def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
     seen: list[str] = []
 
     def fails(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-12 1" for h in hs
+            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} {amplitude / 1e6!r} 1"
+            for h in hs
         )
         seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
         return [c.status != "PK_DONE" for c in closes]
@@ -161,13 +175,13 @@ def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: floa
     return high
 
 
-def _resonance(asker: Asker, at: Rest, p: Prediction, size: float) -> Measured:
+def _resonance(asker: Asker, at: Rest, p: Prediction, size: float, amplitude: float) -> Measured:
     assert p.h is not None
 
     def excess(h: float) -> float | None:
         modes = [p.mode] if p.other is None else [p.mode, p.other]
         closes = asker.near(
-            f"{p.method} {h.hex()} {p.equilibrium} {k} {SMALL!r} {TURNS}" for k in modes
+            f"{p.method} {h.hex()} {p.equilibrium} {k} {amplitude!r} {TURNS}" for k in modes
         )
         if any(c.status != "PK_DONE" or c.steps < TURNS for c in closes):
             return None
