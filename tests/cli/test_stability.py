@@ -110,6 +110,7 @@ USAGE = {
     "not two numbers": (["--points", "20"], "20"),
     "too many": (["--points", "9999x9999"], "at most"),
     "too many steps": (["--until", "1e9"], "shorter --until"),
+    "too many given": (["--until", "1e7", "--steps", "1..2", "--points", "2x2"], "in all"),
 }
 
 

@@ -156,6 +156,7 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
     count = asked.across
     if asked.steps:
         low, high = asked.steps
+        _refuse_too_many(low, until)
         return [low + (high - low) * k / (count - 1) for k in range(count)]
     limits = [p.h for p in predicted if p.kind == "limit" and p.h]
     branches = [p.h for p in predicted if p.kind == "branch" and p.h]
@@ -165,9 +166,13 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
         high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
     else:
         raise UsageError("no mode oscillates or grows, so no step stands out: give --steps LO..HI")
-    if until / (high / count) > MOST_STEPS:
-        raise UsageError(
-            f"the shortest steps, {high / count:.3g}, would be {until * count / high:.3g} in all: "
-            "give a shorter --until, or --steps LO..HI"
-        )
+    _refuse_too_many(high / count, until)
     return [high * (k + 1) / count for k in range(count)]
+
+
+def _refuse_too_many(shortest: float, until: float) -> None:
+    if until / shortest > MOST_STEPS:
+        raise UsageError(
+            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, more than "
+            f"{MOST_STEPS}: give a shorter --until, or longer --steps LO..HI"
+        )
