@@ -7,12 +7,15 @@ import csv
 import io
 import json
 import math
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
+from pkgen.stability import measure
+from pkgen.stability.ask import Broken
 
 # matplotlib warns where labels have no room.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -186,3 +189,20 @@ def test_small_energies_are_said(stability, tmp_path: Path) -> None:
     done = stability(model, *asked)
     assert done.code == 0, done.err
     assert "x = -1e-06" in done.out and "-2.5e-13" in done.out and "x = 0 " in done.out
+
+
+def test_what_fails_ends_all(stability, tmp_path: Path, monkeypatch) -> None:
+    rows = []
+
+    def failing(*_: object) -> None:
+        rows.append(1)
+        if len(rows) > 1:
+            time.sleep(0.05)
+        raise Broken("no more")
+
+    monkeypatch.setattr(measure, "row", failing)
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "2x60")
+    assert done.code == 4 and "no more" in done.err
+    assert len(rows) < 30

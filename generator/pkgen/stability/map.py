@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
 from ..build import build_program, driver_methods
@@ -128,6 +128,13 @@ def make(
             for p in flat
         ]
         leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
+        try:
+            wait([*rows, *checks, leaving], return_when=FIRST_EXCEPTION)
+            for failed in (f for f in [*rows, *checks, leaving] if f.done()):
+                failed.result()
+        except BaseException:  # an interrupt too: what is queued is not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
         return StabilityMap(
             compilation,
             asked,
@@ -173,6 +180,6 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
 def _refuse_too_many(shortest: float, until: float) -> None:
     if until / shortest > MOST_STEPS:
         raise UsageError(
-            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, more than "
+            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, above "
             f"{MOST_STEPS}: give a shorter --until, or longer --steps LO..HI"
         )
