@@ -222,6 +222,16 @@ def test_small_motions_are_small_beside_what_is_small(steps) -> None:
     assert measure.small(rest, frozenset(), 0.0) == pytest.approx(1e-12)
 
 
+def test_what_the_linear_terms_do_not_decide() -> None:
+    # At 0 the linear terms vanish; -x^4/4 is unstable all the same.
+    quart = asker("model q\ncoord x\nkinetic x'^2/2\npotential -x^4/4 + x^6/6\nstart x = 0.3\n")
+    found = quart.rest().equilibria
+    assert [e.verdict for e in found] == ["stable", "stable", "not decided by the linear terms"]
+    assert not found[2].stable and all(m.rate == 0 for m in found[2].modes)
+    failed = replace(found[0], status="PK_NO_CONVERGENCE", modes=())
+    assert failed.verdict == "modes: PK_NO_CONVERGENCE" and not failed.stable
+
+
 def test_relative_equilibria_of_a_top() -> None:
     # Steady precession at the start's momenta; omega from the effective potential.
     top = asker((ROOT / "models/heavy_top.lag").read_text())

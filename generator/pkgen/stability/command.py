@@ -117,7 +117,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         "model": made.compilation.model.name,
         "until": made.until,
         "varied": {"name": made.asked.axis.name, "values": made.asked.axis.values},
-        "equilibria": [asdict(e) for e in made.rest.equilibria],
+        "equilibria": [{**asdict(e), "verdict": e.verdict} for e in made.rest.equilibria],
         "primary": made.primary,
         "predictions": [
             {**asdict(m.prediction), "measured": m.h, "how": m.how, "response": m.response}

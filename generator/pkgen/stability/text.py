@@ -58,7 +58,7 @@ def equilibria(made: StabilityMap) -> Table:
                 f"{k + 1}{mark}",
                 place(made, at),
                 _short(at.energy, energy),
-                "stable" if at.stable else "unstable",
+                at.verdict,
                 "; ".join(rate(m) for m in modes),
             ]
         )
