@@ -426,6 +426,8 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         status = PK_DONE;
         prepare(&s, q0, v0);
         measure(&s, z);
+        if (found->turns)
+            memcpy(found->turns, s.turns, n);
         for (size_t k = 0; k <= tries; k++) {
             place(&s, k, z);
             try_from(&s, solver, z, &function, found);

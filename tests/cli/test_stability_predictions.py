@@ -232,6 +232,18 @@ def test_what_the_linear_terms_do_not_decide() -> None:
     assert failed.verdict == "modes: PK_NO_CONVERGENCE" and not failed.stable
 
 
+def test_angles_count_by_the_shorter_way(pendulum: Asker) -> None:
+    rest = pendulum.rest()
+    turned = (6 * math.pi + 0.001,)
+    at = plan.beside(rest, 0, turned, frozenset())
+    assert at.q == (pytest.approx(6 * math.pi, abs=1e-9),)
+    both = replace(rest, equilibria=(replace(rest.equilibria[0], q=(1.5,)), rest.equilibria[0]))
+    assert plan.nearest(both, turned, frozenset()) == 1
+    mems = asker(MEMS).rest()
+    assert mems.turns == (False,) and rest.turns == (True,)
+    assert plan.beside(mems, 0, (50.0,), frozenset()).q == mems.equilibria[0].q
+
+
 def test_relative_equilibria_of_a_top() -> None:
     # Steady precession at the start's momenta; omega from the effective potential.
     top = asker((ROOT / "models/heavy_top.lag").read_text())

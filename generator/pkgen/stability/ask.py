@@ -80,6 +80,12 @@ class Rest:
     failed: int
     singular: int
     more: bool
+    turns: tuple[bool, ...] = ()  # of each coordinate: q + 2 pi is the same place
+
+    def beside(self, q: float, place: float, i: int) -> float:
+        """q_i; of an angle by whole turns next to a place."""
+        turns = bool(self.turns) and self.turns[i]
+        return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q
 
 
 @dataclass(frozen=True)
@@ -194,6 +200,7 @@ def rest(answer: dict) -> Rest:
         answer["failed"],
         answer["singular"],
         answer["more"],
+        tuple(map(bool, answer["turns"])),
     )
 
 

@@ -81,7 +81,7 @@ def make(
             f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
             'scale; say what to vary, e.g. --vary "m=1..2", and by --steps the steps'
         )
-    at = None if primary is None else rest.equilibria[primary]
+    at = plan.beside(rest, primary, motion.q, cyclic)
     until = plan.duration(at, asked.until)
     asker = asker.with_settings(replace(asked.settings, until=until))
     maps = {m.name: StepMap(m, asker) for m in asked.methods}

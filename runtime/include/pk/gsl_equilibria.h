@@ -33,6 +33,7 @@ struct pk_equilibria {
     size_t failed;   /* starts that led nowhere */
     size_t singular; /* that led to where M is singular or indefinite: the pole of a chart */
     int more;        /* there are more than `most`, perhaps a continuum */
+    unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same place as q_i */
 };
 
 /* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half
