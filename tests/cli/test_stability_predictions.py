@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
@@ -12,7 +13,7 @@ from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.simulate import Settings
 from pkgen.stability import measure, misses, plan
-from pkgen.stability.ask import Asker
+from pkgen.stability.ask import Asker, Close
 from pkgen.stability.map import known_methods
 from pkgen.stability.method import StepMap
 from pkgen.stability.predict import Prediction, limit, predictions
@@ -242,6 +243,26 @@ def test_angles_count_by_the_shorter_way(pendulum: Asker) -> None:
     mems = asker(MEMS).rest()
     assert mems.turns == (False,) and rest.turns == (True,)
     assert plan.beside(mems, 0, (50.0,), frozenset()).q == mems.equilibria[0].q
+
+
+def test_a_quick_map_measures_with_less(pendulum: Asker, steps, monkeypatch) -> None:
+    rest = pendulum.rest()
+    third = next(p for p in predictions(steps["verlet"], rest, 0) if p.kind == "1:3")
+    asked, near = [0], Asker.near
+
+    def counted(self: Asker, questions: Iterable[str]) -> list[Close]:
+        listed = list(questions)
+        asked[0] += sum(int(q.split()[5]) for q in listed)
+        return near(self, listed)
+
+    monkeypatch.setattr(Asker, "near", counted)
+    found = []
+    for effort in (measure.FULL, measure.QUICK):
+        asked[0] = 0
+        one = measure.measured(pendulum, rest, third, 0.5, 1e-6, effort)
+        assert one.h == pytest.approx(third.h, rel=1e-4) and one.response is not None
+        found.append(asked[0])
+    assert found[1] < found[0] / 3
 
 
 def test_relative_equilibria_of_a_top() -> None:

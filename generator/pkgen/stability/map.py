@@ -111,6 +111,7 @@ def make(
     flat = tuple(p for name in maps for p in predicted[name])
     size = _size(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
+    effort = measure.QUICK if asked.quick else measure.FULL
     jobs = len(asked.axis.values) + len(flat) + 1
     done = [0]
 
@@ -124,7 +125,9 @@ def make(
         # The costly ones first: those that no method leaves early.
         rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
         checks = [
-            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, size, amplitude)))
+            pool.submit(
+                lambda p=p: counted(measure.measured(asker, rest, p, size, amplitude, effort))
+            )
             for p in flat
         ]
         leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
