@@ -192,7 +192,8 @@ static int general_modes(const struct pencil *x, struct pk_mode *modes, double *
                 gsl_matrix_set(A, m + i, j + (part ? m : 0), column[i]);
         }
     }
-    gsl_eigen_nonsymmv_params(1, w);
+    if (w)
+        gsl_eigen_nonsymmv_params(1, w);
     failed = failed || gsl_eigen_nonsymmv(A, lambda, U, w);
     double most = 0;
     for (size_t k = 0; k < 2 * m && !failed; k++) {

@@ -27,15 +27,20 @@ int stability_equilibria(struct stability *s, size_t line, char *const words[])
 {
     const size_t n = s->n;
     size_t tries;
-    struct pk_equilibria found = {MOST_EQUILIBRIA, s->q, s->v, 0, 0, 0, 0};
+    struct pk_equilibria found = {MOST_EQUILIBRIA, s->q, s->v, 0, 0, 0, 0, NULL};
     if (!words_index(words[1], 100000, &tries))
         return words_usage(line, "not a number of tries", words[1]);
+    found.turns = (unsigned char *)words_allocate(n, 1);
     const enum pk_status status =
         pk_gsl_equilibria(&s->problem, s->settings.q, s->settings.v, tries, &found);
     s->equilibria = found.count;
-    printf("{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, "
-           "\"equilibria\": [",
+    for (size_t i = 0; i < n; i++)
+        s->work[i] = found.turns[i];
+    free(found.turns);
+    printf("{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, ",
            pk_status_name(status), found.failed, found.singular, found.more ? "true" : "false");
+    output_numbers(stdout, "turns", s->work, n);
+    fputs(", \"equilibria\": [", stdout);
     for (size_t k = 0; k < found.count; k++) {
         double energy, vp, size;
         const double *q = s->q + k * n, *v = s->v + k * n;

@@ -7,12 +7,15 @@ import csv
 import io
 import json
 import math
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
+from pkgen.stability import measure
+from pkgen.stability.ask import Broken
 
 # matplotlib warns where labels have no room.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -112,6 +115,7 @@ USAGE = {
     "too many": (["--points", "9999x9999"], "at most"),
     "outside its bounds": (["--vary", "k=-1..2"], "parameter k is outside its bounds"),
     "too many steps": (["--until", "1e9"], "shorter --until"),
+    "too many given": (["--until", "1e7", "--steps", "1..2", "--points", "2x2"], "in all"),
 }
 
 
@@ -175,3 +179,32 @@ def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:
         if abs(y - 2) > 0.02:
             assert (p["kind"] == "bounded") == (y < 2), p
     assert any(p["kind"] == "bounded" for p in points)
+
+
+def test_small_energies_are_said(stability, tmp_path: Path) -> None:
+    model = tmp_path / "mems.lag"
+    model.write_text(
+        "model mems\nparam d = 1e-6\ncoord x\nkinetic 1e-12*x'^2/2\n"
+        "potential -x^2/2 + x^4/(4*d^2)\nstart x = 1.2e-6\n"
+    )
+    asked = ["--methods", "verlet", "--points", "2x2", "--until", "1e-4", "-o", tmp_path]
+    done = stability(model, *asked)
+    assert done.code == 0, done.err
+    assert "x = -1e-06" in done.out and "-2.5e-13" in done.out and "x = 0 " in done.out
+
+
+def test_what_fails_ends_all(stability, tmp_path: Path, monkeypatch) -> None:
+    rows = []
+
+    def failing(*_: object) -> None:
+        rows.append(1)
+        if len(rows) > 1:
+            time.sleep(0.05)
+        raise Broken("no more")
+
+    monkeypatch.setattr(measure, "row", failing)
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    done = stability(model, "-o", tmp_path, "--methods", "rk4", "--points", "2x60")
+    assert done.code == 4 and "no more" in done.err
+    assert len(rows) < 30

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
@@ -12,7 +13,7 @@ from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.simulate import Settings
 from pkgen.stability import measure, misses, plan
-from pkgen.stability.ask import Asker
+from pkgen.stability.ask import Asker, Close
 from pkgen.stability.map import known_methods
 from pkgen.stability.method import StepMap
 from pkgen.stability.predict import Prediction, limit, predictions
@@ -170,6 +171,100 @@ def test_modes_of_a_damped_system_and_its_limit(steps) -> None:
     assert h * 1.7 != pytest.approx(2 * math.sqrt(2), rel=1e-2)
 
 
+# A double well a micrometre wide, in SI units.
+MEMS = """model mems
+param m = 1e-12 [kg] in (0, inf)
+param k = 1 [N/m] in (0, inf)
+param d = 1e-6 [m] in (0, inf)
+coord x [m]
+kinetic m*x'^2/2
+potential -k*x^2/2 + k*x^4/(4*d^2)
+start x = 1.2e-6
+"""
+
+
+@pytest.mark.parametrize("begin", [(1.2e-6, 0.0), (0.0, 0.3), (1e-8, 0.0)])
+def test_equilibria_of_what_is_small(begin: tuple[float, float]) -> None:
+    found = start(asker(MEMS), *begin).rest().equilibria
+    assert len(found) == 3
+    assert sorted(e.q[0] for e in found) == pytest.approx([-1e-6, 0, 1e-6], rel=1e-12, abs=1e-21)
+    for well in found[:2]:
+        assert [m.frequency for m in well.modes] == pytest.approx([math.sqrt(2) * 1e6], rel=1e-12)
+    assert found[2].modes[0].growth == pytest.approx(1e6, rel=1e-12)
+
+
+# An angle of great inertia beside a coordinate that is none, whose equation is a small one.
+TURN = """model turn
+param m1 = 1e6
+param k = 1e-4
+coord a, x
+kinetic m1*a'^2/2 + x'^2/2
+potential -m1*9.81*cos(a) + k*(x-10)^2/2
+start a = 0.3, x = 9
+"""
+
+
+def test_each_equation_decides_what_is_an_angle_by_its_own_size() -> None:
+    found = asker(TURN).rest().equilibria
+    assert [e.q for e in found] == [
+        (pytest.approx(angle, abs=1e-9), pytest.approx(10, rel=1e-9)) for angle in (0, math.pi)
+    ]
+
+
+def test_small_motions_are_small_beside_what_is_small(steps) -> None:
+    mems = asker(MEMS)
+    rest = mems.rest()
+    amplitude = measure.small(rest, frozenset(), 2e-7)
+    one = limit(steps["verlet"], 1, rest.equilibria[1])
+    measured = measure.measured(mems, rest, one, 2e-7, amplitude)
+    assert measured.h == pytest.approx(math.sqrt(2) * 1e-6, rel=1e-4)
+    (growth,) = measure.growths(mems, rest, amplitude)
+    assert growth.measured == pytest.approx(1e6, rel=1e-6)
+    assert measure.small(rest, frozenset(), 0.0) == pytest.approx(1e-12)
+
+
+def test_what_the_linear_terms_do_not_decide() -> None:
+    # At 0 the linear terms vanish; -x^4/4 is unstable all the same.
+    quart = asker("model q\ncoord x\nkinetic x'^2/2\npotential -x^4/4 + x^6/6\nstart x = 0.3\n")
+    found = quart.rest().equilibria
+    assert [e.verdict for e in found] == ["stable", "stable", "not decided by the linear terms"]
+    assert not found[2].stable and all(m.rate == 0 for m in found[2].modes)
+    failed = replace(found[0], status="PK_NO_CONVERGENCE", modes=())
+    assert failed.verdict == "modes: PK_NO_CONVERGENCE" and not failed.stable
+
+
+def test_angles_count_by_the_shorter_way(pendulum: Asker) -> None:
+    rest = pendulum.rest()
+    turned = (6 * math.pi + 0.001,)
+    at = plan.beside(rest, 0, turned, frozenset())
+    assert at.q == (pytest.approx(6 * math.pi, abs=1e-9),)
+    both = replace(rest, equilibria=(replace(rest.equilibria[0], q=(1.5,)), rest.equilibria[0]))
+    assert plan.nearest(both, turned, frozenset()) == 1
+    mems = asker(MEMS).rest()
+    assert mems.turns == (False,) and rest.turns == (True,)
+    assert plan.beside(mems, 0, (50.0,), frozenset()).q == mems.equilibria[0].q
+
+
+def test_a_quick_map_measures_with_less(pendulum: Asker, steps, monkeypatch) -> None:
+    rest = pendulum.rest()
+    third = next(p for p in predictions(steps["verlet"], rest, 0) if p.kind == "1:3")
+    asked, near = [0], Asker.near
+
+    def counted(self: Asker, questions: Iterable[str]) -> list[Close]:
+        listed = list(questions)
+        asked[0] += sum(int(q.split()[5]) for q in listed)
+        return near(self, listed)
+
+    monkeypatch.setattr(Asker, "near", counted)
+    found = []
+    for effort in (measure.FULL, measure.QUICK):
+        asked[0] = 0
+        one = measure.measured(pendulum, rest, third, 0.5, 1e-6, effort)
+        assert one.h == pytest.approx(third.h, rel=1e-4) and one.response is not None
+        found.append(asked[0])
+    assert found[1] < found[0] / 3
+
+
 def test_relative_equilibria_of_a_top() -> None:
     # Steady precession at the start's momenta; omega from the effective potential.
     top = asker((ROOT / "models/heavy_top.lag").read_text())
@@ -242,20 +337,20 @@ def test_predictions_are_measured_and_a_wrong_one_is_a_miss(pendulum: Asker, ste
     found = {p.kind: p for p in predictions(steps["verlet"], rest, 0)}
     assert set(found) == {"limit", "1:3", "1:4"}
     for p in found.values():
-        measured = measure.measured(pendulum, rest, p, 0.5)
+        measured = measure.measured(pendulum, rest, p, 0.5, 1e-6)
         assert measured.h == pytest.approx(p.h, rel=1e-4)
         assert misses.of_prediction(measured) is None
     wrong = replace(found["limit"], h=1.05 * found["limit"].h)
-    miss = misses.of_prediction(measure.measured(pendulum, rest, wrong, 0.5))
+    miss = misses.of_prediction(measure.measured(pendulum, rest, wrong, 0.5, 1e-6))
     assert miss is not None and "-4.8 %" in miss.text and "h = 2.1" in miss.text
     never = Prediction("limit", "verlet", 0, 0, None, None, None)
-    miss = misses.of_prediction(measure.measured(pendulum, rest, never, 0.5))
+    miss = misses.of_prediction(measure.measured(pendulum, rest, never, 0.5, 1e-6))
     assert miss is not None and "predicted nowhere" in miss.text
     (branch,) = (p for p in predictions(steps["gauss1"], rest, 0) if p.kind == "branch")
-    lost = measure.measured(pendulum, rest, branch, 0.5)
+    lost = measure.measured(pendulum, rest, branch, 0.5, 1e-6)
     assert lost.h == pytest.approx(2, rel=1e-3) and lost.how == "PK_AMBIGUOUS_STEP"
     assert misses.of_prediction(lost) is None
-    growths = measure.growths(pendulum, rest)
+    growths = measure.growths(pendulum, rest, 1e-6)
     assert [g.measured for g in growths] == [pytest.approx(1, rel=1e-6)]
     assert misses.of_growth(growths[0]) is None
     assert misses.of_growth(replace(growths[0], predicted=1.02)) is not None
@@ -270,7 +365,7 @@ def test_the_resonance_of_two_modes_is_found_and_answered(steps) -> None:
     assert [m.frequency for m in at.modes] == pytest.approx([1.9, 1.0], rel=1e-9)
     pair = next(p for p in predictions(steps["verlet"], rest, primary) if p.kind == "1:2")
     assert pair.h == pytest.approx(0.6244998, abs=5e-8)
-    measured = measure.measured(elastic, rest, pair, 0.1)
+    measured = measure.measured(elastic, rest, pair, 0.1, 1e-6)
     assert measured.h == pytest.approx(pair.h, rel=1e-4)
     assert measured.response > 10 and measured.peak == pytest.approx(pair.h, rel=0.02)
     assert not misses.unanswered((measured,), "verlet")

@@ -4,6 +4,7 @@ runtime/run/stability.h for the questions."""
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import tempfile
 from collections.abc import Iterable
@@ -13,6 +14,7 @@ from pathlib import Path
 from ..exits import USAGE, UsageError
 from ..simulate import Settings
 
+ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
 TRIES = 100  # starts from which equilibria are sought
 
 
@@ -41,11 +43,28 @@ class Equilibrium:
     v: tuple[float, ...]
     energy: float
     modes: tuple[Mode, ...]  # fastest first
+    status: str = "PK_DONE"  # of the modes
 
     @property
     def stable(self) -> bool:
-        """No mode grows."""
-        return all(mode.growth <= 0 for mode in self.modes)
+        """The modes are known, there is one that moves or none at all, and none grows."""
+        moves = not self.modes or any(mode.rate > 0 for mode in self.modes)
+        return self.status == "PK_DONE" and moves and not self._grows
+
+    @property
+    def _grows(self) -> bool:
+        return any(mode.growth > 0 for mode in self.modes)
+
+    @property
+    def verdict(self) -> str:
+        """In words. A mode that neither returns nor leaves is left to terms of higher order."""
+        if self.status != "PK_DONE":
+            return f"modes: {self.status}"
+        if self._grows:
+            return "unstable"
+        if any(mode.rate == 0 for mode in self.modes):
+            return "not decided by the linear terms"
+        return "stable"
 
     @property
     def oscillating(self) -> list[int]:
@@ -62,6 +81,12 @@ class Rest:
     failed: int
     singular: int
     more: bool
+    turns: tuple[bool, ...] = ()  # of each coordinate: q + 2 pi is the same place
+
+    def beside(self, q: float, place: float, i: int) -> float:
+        """q_i; of an angle by whole turns next to a place."""
+        turns = bool(self.turns) and self.turns[i]
+        return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q
 
 
 @dataclass(frozen=True)
@@ -150,6 +175,16 @@ def _number(x: float | None) -> float:
 
 
 def rest(answer: dict) -> Rest:
+    fastest = max(
+        (math.hypot(m["growth"], m["frequency"]) for e in answer["equilibria"] for m in e["modes"]),
+        default=0.0,
+    )
+
+    def cleared(mode: dict) -> dict:
+        """What is found close to a root at which the linear terms vanish moves a little."""
+        slow = math.hypot(mode["growth"], mode["frequency"]) <= ZERO * fastest
+        return {**mode, "growth": 0, "frequency": 0} if slow else mode
+
     return Rest(
         answer["status"],
         tuple(
@@ -159,14 +194,16 @@ def rest(answer: dict) -> Rest:
                 e["energy"],
                 tuple(
                     Mode(m["growth"], m["frequency"], tuple(m["re"]), tuple(m["im"]))
-                    for m in e["modes"]
+                    for m in map(cleared, e["modes"])
                 ),
+                e["status"],
             )
             for e in answer["equilibria"]
         ),
         answer["failed"],
         answer["singular"],
         answer["more"],
+        tuple(map(bool, answer["turns"])),
     )
 
 

@@ -31,7 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
     add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
     add("--points", metavar="NxM", help="steps x values (default 48x32)")
-    add("--quick", action="store_true", help="24x12 points")
+    add("--quick", action="store_true", help="24x12 points, and resonances measured with less")
     add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
     add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
     add("--until", metavar="T", help="duration (default: 50 periods of the slowest mode)")
@@ -117,7 +117,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         "model": made.compilation.model.name,
         "until": made.until,
         "varied": {"name": made.asked.axis.name, "values": made.asked.axis.values},
-        "equilibria": [asdict(e) for e in made.rest.equilibria],
+        "equilibria": [{**asdict(e), "verdict": e.verdict} for e in made.rest.equilibria],
         "primary": made.primary,
         "predictions": [
             {**asdict(m.prediction), "measured": m.h, "how": m.how, "response": m.response}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
 from ..build import build_program, driver_methods
@@ -84,7 +84,7 @@ def make(
             f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
             'scale; say what to vary, e.g. --vary "m=1..2", and by --steps the steps'
         )
-    at = None if primary is None else rest.equilibria[primary]
+    at = plan.beside(rest, primary, motion.q, cyclic)
     until = plan.duration(at, asked.until)
     asker = asker.with_settings(replace(asked.settings, until=until))
     maps = {m.name: StepMap(m, asker) for m in asked.methods}
@@ -113,6 +113,8 @@ def make(
 
     flat = tuple(p for name in maps for p in predicted[name])
     size = _size(at, motion.q, cyclic) if at else 0.0
+    amplitude = measure.small(rest, cyclic, size)
+    effort = measure.QUICK if asked.quick else measure.FULL
     jobs = len(asked.axis.values) + len(flat) + 1
     done = [0]
 
@@ -126,9 +128,19 @@ def make(
         # The costly ones first: those that no method leaves early.
         rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
         checks = [
-            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, size))) for p in flat
+            pool.submit(
+                lambda p=p: counted(measure.measured(asker, rest, p, size, amplitude, effort))
+            )
+            for p in flat
         ]
-        leaving = pool.submit(lambda: counted(measure.growths(asker, rest)))
+        leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
+        try:
+            wait([*rows, *checks, leaving], return_when=FIRST_EXCEPTION)
+            for failed in (f for f in [*rows, *checks, leaving] if f.done()):
+                failed.result()
+        except BaseException:  # an interrupt too: what is queued is not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
         return StabilityMap(
             compilation,
             asked,
@@ -157,6 +169,7 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
     count = asked.across
     if asked.steps:
         low, high = asked.steps
+        _refuse_too_many(low, until)
         return [low + (high - low) * k / (count - 1) for k in range(count)]
     limits = [p.h for p in predicted if p.kind == "limit" and p.h]
     branches = [p.h for p in predicted if p.kind == "branch" and p.h]
@@ -166,9 +179,13 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
         high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
     else:
         raise UsageError("no mode oscillates or grows, so no step stands out: give --steps LO..HI")
-    if until / (high / count) > MOST_STEPS:
-        raise UsageError(
-            f"the shortest steps, {high / count:.3g}, would be {until * count / high:.3g} in all: "
-            "give a shorter --until, or --steps LO..HI"
-        )
+    _refuse_too_many(high / count, until)
     return [high * (k + 1) / count for k in range(count)]
+
+
+def _refuse_too_many(shortest: float, until: float) -> None:
+    if until / shortest > MOST_STEPS:
+        raise UsageError(
+            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, above "
+            f"{MOST_STEPS}: give a shorter --until, or longer --steps LO..HI"
+        )

@@ -1,11 +1,11 @@
 """The points of the map, row by row, and each prediction measured on the model itself.
 
-A limit is measured where the motion is small: 4000 steps from 1e-6 beside the equilibrium, all
-modes that do not grow at once, must not carry it a thousand times as far. A resonance is where the
-mode's leading coordinate turns, on the average over 8000 steps, by the angle predicted; whether
-the motion responds to it is asked apart, at some parts of the start's size. A branch
-is lost where one step from the equilibrium itself fails: from beside it a solution leads away.
-Growth is that of a reference motion that leaves along the mode.
+A limit is measured where the motion is small: 4000 steps from 1e-6 of the start's displacement
+beside the equilibrium, all modes that do not grow at once, must not carry it a thousand times as
+far. A resonance is where the mode's leading coordinate turns, on the average over thousands of
+steps, by the angle predicted; whether the motion responds to it is asked apart, at some parts of
+the start's size. A branch is lost where one step from the equilibrium itself fails: from beside it
+a solution leads away. Growth is that of a reference motion that leaves along the mode.
 """
 
 from __future__ import annotations
@@ -18,15 +18,26 @@ from .ask import Asker, Close, Motion, Point, Rest, motion, point, rest
 from .method import FURTHEST, combined
 from .predict import RESONANCES, Prediction
 
-SMALL = 1e-6
+SMALL = 1e-6  # of the size of the motion
+LEAST = 1e-8  # of the largest coordinate: clear of round-off
 STEPS = 4000
-TURNS = 8000
 FAR = 1e3
 ROUNDS = 4
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
-SIZES = (0.02, 0.1, 0.5)  # of the start's displacement, at which it is
-SCAN = 17
 SCAN_STEPS = 1500
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a resonance is measured with."""
+
+    turns: int  # steps over which its angle is a mean
+    scan: int  # steps h at which a response is sought
+    sizes: tuple[float, ...]  # of the start's displacement, at which it is
+
+
+FULL = Effort(8000, 17, (0.02, 0.1, 0.5))
+QUICK = Effort(2000, 9, (0.1, 0.5))
 
 
 @dataclass(frozen=True)
@@ -74,24 +85,41 @@ def row(
     return found, motion(answers[0]), tuple(point(a) for a in answers[1:])
 
 
-def measured(asker: Asker, at: Rest, prediction: Prediction, size: float) -> Measured:
-    """What the model does of what is predicted; `size` is the start's displacement."""
+def small(at: Rest, cyclic: frozenset[int], size: float) -> float:
+    """An amplitude at which motions are linear and round-off is not seen. The unit may be any: it
+    is SMALL beside the start's displacement `size`, or beside the places of rest."""
+    largest = max(
+        (abs(x) for e in at.equilibria for i, x in enumerate(e.q) if i not in cyclic), default=0.0
+    )
+    return max(SMALL * (size or largest or 1.0), LEAST * largest)
+
+
+def measured(
+    asker: Asker,
+    at: Rest,
+    prediction: Prediction,
+    size: float,
+    amplitude: float,
+    effort: Effort = FULL,
+) -> Measured:
+    """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
+    that of small motions."""
     if prediction.kind == "limit":
-        return _limit(asker, at, prediction)
+        return _limit(asker, at, prediction, amplitude)
     if prediction.kind == "branch":
-        return _branch(asker, prediction)
-    return _resonance(asker, at, prediction, size)
+        return _branch(asker, prediction, amplitude)
+    return _resonance(asker, at, prediction, size, amplitude, effort)
 
 
-def growths(asker: Asker, at: Rest) -> list[Growth]:
-    """Each mode that grows, left by a reference motion."""
+def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
+    """Each mode that grows, left by a reference motion from a tenth of `amplitude`."""
     wanted = [
         (e, k)
         for e, equilibrium in enumerate(at.equilibria)
         for k, mode in enumerate(equilibrium.modes)
         if mode.growth > 0
     ]
-    lines = ["equilibria 100", *(f"leave {e} {k} 1e-7" for e, k in wanted)]
+    lines = ["equilibria 100", *(f"leave {e} {k} {amplitude / 10!r}" for e, k in wanted)]
     answers = asker.ask(lines)[1:]
     return [
         Growth(e, k, at.equilibria[e].modes[k].growth, answer["rate"] or 0.0)
@@ -103,14 +131,14 @@ def _grows(close: Close) -> bool:
     return close.status != "PK_DONE" or not close.growth < FAR
 
 
-def _limit(asker: Asker, at: Rest, p: Prediction) -> Measured:
+def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
     steps = 100 if p.h is None else STEPS
     seen: list[Close] = []
 
     def grows(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} all {SMALL!r} {steps}" for h in hs
+            f"{p.method} {float(h).hex()} {p.equilibrium} all {amplitude!r} {steps}" for h in hs
         )
         found = [_grows(c) for c in closes]
         seen[:] = [c for c, bad in zip(closes, found, strict=True) if bad][:1] or seen
@@ -134,12 +162,13 @@ def _limit(asker: Asker, at: Rest, p: Prediction) -> Measured:
     return Measured(p, h, "growth" if status == "PK_DONE" else status)
 
 
-def _branch(asker: Asker, p: Prediction) -> Measured:
+def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
     seen: list[str] = []
 
     def fails(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} 1e-12 1" for h in hs
+            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} {amplitude / 1e6!r} 1"
+            for h in hs
         )
         seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
         return [c.status != "PK_DONE" for c in closes]
@@ -161,15 +190,17 @@ def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: floa
     return high
 
 
-def _resonance(asker: Asker, at: Rest, p: Prediction, size: float) -> Measured:
+def _resonance(
+    asker: Asker, at: Rest, p: Prediction, size: float, amplitude: float, effort: Effort
+) -> Measured:
     assert p.h is not None
 
     def excess(h: float) -> float | None:
         modes = [p.mode] if p.other is None else [p.mode, p.other]
         closes = asker.near(
-            f"{p.method} {h.hex()} {p.equilibrium} {k} {SMALL!r} {TURNS}" for k in modes
+            f"{p.method} {h.hex()} {p.equilibrium} {k} {amplitude!r} {effort.turns}" for k in modes
         )
-        if any(c.status != "PK_DONE" or c.steps < TURNS for c in closes):
+        if any(c.status != "PK_DONE" or c.steps < effort.turns for c in closes):
             return None
         if p.other is None:
             return closes[0].turn - RESONANCES[p.kind]
@@ -178,7 +209,7 @@ def _resonance(asker: Asker, at: Rest, p: Prediction, size: float) -> Measured:
     h = secant(excess, p.h, 1.01 * p.h)
     if h is None:
         return Measured(p, None, "the mode does not turn steadily there")
-    peak, response = _response(asker, at, p, size)
+    peak, response = _response(asker, p, size, effort)
     return Measured(p, h, "turning", response, peak)
 
 
@@ -198,16 +229,17 @@ def secant(f: Callable[[float], float | None], a: float, b: float) -> float | No
 
 
 def _response(
-    asker: Asker, at: Rest, p: Prediction, size: float
+    asker: Asker, p: Prediction, size: float, effort: Effort
 ) -> tuple[float | None, float | None]:
     """The step near the resonant one at which the motion grows most, and that growth over the one
-    on either side, where no resonance is: the largest of SIZES. None, None where none is known.
+    on either side, where no resonance is: the largest over all sizes. None, None where none is
+    known.
 
     Of a pair: of the slower mode, begun a hundred times as small as the faster one."""
     assert p.h is not None
-    hs = [p.h * (1 + BESIDE * (2 * k / (SCAN - 1) - 1)) for k in range(SCAN)]
+    hs = [p.h * (1 + BESIDE * (2 * k / (effort.scan - 1) - 1)) for k in range(effort.scan)]
     found: list[tuple[float, float]] = []
-    for part in SIZES:
+    for part in effort.sizes:
         amplitude = part * size
         more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
         closes = asker.near(
@@ -218,7 +250,7 @@ def _response(
         grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
         beside = max(grown[0], grown[-1])
         if beside < FAR:
-            best = max(range(SCAN), key=lambda k: grown[k])
+            best = max(range(effort.scan), key=lambda k: grown[k])
             found.append((grown[best] / beside, hs[best]))
     response, peak = max(found, default=(None, None))
     return peak, response

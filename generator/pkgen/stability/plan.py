@@ -152,11 +152,27 @@ def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int |
     def distance(number: int) -> tuple[bool, float]:
         at = rest.equilibria[number]
         apart = [
-            abs(a - b) for i, (a, b) in enumerate(zip(at.q, place, strict=True)) if i not in cyclic
+            abs(rest.beside(a, b, i) - b)
+            for i, (a, b) in enumerate(zip(at.q, place, strict=True))
+            if i not in cyclic
         ]
         return not at.stable, max(apart, default=0.0)
 
     return min(range(len(rest.equilibria)), key=distance, default=None)
+
+
+def beside(
+    rest: Rest, number: int | None, place: Sequence[float], cyclic: frozenset[int]
+) -> Equilibrium | None:
+    """That equilibrium, its angles by whole turns next to a place."""
+    if number is None:
+        return None
+    at = rest.equilibria[number]
+    q = tuple(
+        a if i in cyclic else rest.beside(a, b, i)
+        for i, (a, b) in enumerate(zip(at.q, place, strict=True))
+    )
+    return replace(at, q=q)
 
 
 def duration(at: Equilibrium | None, given: float | None) -> float:

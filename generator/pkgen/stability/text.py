@@ -16,17 +16,26 @@ Table = tuple[list[str], list[list[str]]]
 def place(made: StabilityMap, at: Equilibrium) -> str:
     """`theta1 = 0, theta2 = 3.14159`; a cyclic coordinate by the rate at which it goes on."""
     coordinates = [c.name for c in named.coordinates(made.compilation).columns(64)]
+    of_q = _sizes([made.motion.q, *(e.q for e in made.rest.equilibria)])
+    of_v = _sizes([made.motion.v, *(e.v for e in made.rest.equilibria)])
     said = []
     for i, name in enumerate(coordinates):
         if made.compilation.structure.cyclic[i]:
-            said.append(f"{name}' = {_short(at.v[i])}")
+            said.append(f"{name}' = {_short(at.v[i], of_v[i])}")
         else:
-            said.append(f"{name} = {_short(at.q[i])}")
+            said.append(f"{name} = {_short(at.q[i], of_q[i])}")
     return ", ".join(said[:6]) + (", ..." if len(said) > 6 else "")
 
 
-def _short(x: float) -> str:
-    return f"{0.0 if abs(x) < 1e-12 else x:.6g}"
+def _sizes(states: list[tuple[float, ...]]) -> list[float]:
+    """The largest of each coordinate; of one that starts at 0 that of all of them."""
+    whole = max((abs(x) for state in states for x in state), default=0.0)
+    return [max(map(abs, column)) if column[0] else whole for column in zip(*states, strict=True)]
+
+
+def _short(x: float, largest: float) -> str:
+    """Round-off beside the largest of its kind is 0."""
+    return f"{0.0 if abs(x) < 1e-12 * largest else x:.6g}"
 
 
 def rate(mode: Mode) -> str:
@@ -40,6 +49,7 @@ def rate(mode: Mode) -> str:
 
 def equilibria(made: StabilityMap) -> Table:
     rows = []
+    energy = max((abs(e.energy) for e in (made.motion, *made.rest.equilibria)), default=0.0)
     for k, at in enumerate(made.rest.equilibria):
         mark = " (the motion's)" if k == made.primary else ""
         modes = [m for m in at.modes if not (m.growth < 0 and m.frequency == 0 and not at.stable)]
@@ -47,8 +57,8 @@ def equilibria(made: StabilityMap) -> Table:
             [
                 f"{k + 1}{mark}",
                 place(made, at),
-                _short(at.energy),
-                "stable" if at.stable else "unstable",
+                _short(at.energy, energy),
+                at.verdict,
                 "; ".join(rate(m) for m in modes),
             ]
         )

@@ -33,10 +33,11 @@ struct pk_equilibria {
     size_t failed;   /* starts that led nowhere */
     size_t singular; /* that led to where M is singular or indefinite: the pole of a chart */
     int more;        /* there are more than `most`, perhaps a continuum */
+    unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same place as q_i */
 };
 
 /* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half
- * a turn wide for angles, else 1 or some |q0|. A coordinate of which the equations have the period
+ * a turn wide for angles, else some times what the motion covers, or |q0|; no length is absolute. A coordinate of which the equations have the period
  * 2 pi is given in (-pi, pi]. PK_REFUSED where the equations depend on time or on inputs.
  * That all are found cannot be promised. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
