@@ -6,8 +6,8 @@
  * After Newton's method has come to round-off a root counts where the equations hold to 1e-10 of
  * their size and the correction is below 1e-4 of the way from the start. The second test rejects
  * points on the way to infinity, where forces vanish too; that it is no sharper admits roots at
- * which the linear terms vanish (a hoop at its critical rate). Reference: M. J. D. Powell, in P. Rabinowitz (ed.), Numerical Methods for Nonlinear
- * Algebraic Equations (1970) 87.
+ * which the linear terms vanish (a hoop at its critical rate). Reference: M. J. D. Powell, in
+ * P. Rabinowitz (ed.), Numerical Methods for Nonlinear Algebraic Equations (1970) 87.
  */
 #include <math.h>
 #include <stdlib.h>
