@@ -189,7 +189,8 @@ static enum outcome iterate(struct pk_integrator *it, struct pk_gauss_work *w,
         const int same = mode == PK_FULL && count && changed(it, w) <= PK_GAUSS_STEADY;
         stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
         if (stuck >= 4) {
-            *w->noisy = last = 1;
+            *w->noisy = 1;
+            last = 1;
         } else if (count == 1 && size > PK_GAUSS_ROUND && !same) {
             *w->first_rate = rate;
         }
