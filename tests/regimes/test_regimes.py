@@ -44,6 +44,13 @@ def test_the_catalogue_is_large_enough() -> None:
     assert len(own) >= 10 and sum("limit" in p.says for p in own) <= 3
 
 
+def same(said: str, computed: str) -> bool:
+    try:
+        return math.isclose(float(said), float(computed), rel_tol=1e-9)
+    except ValueError:  # a band, or a word
+        return said == computed
+
+
 def test_the_page_is_the_catalogues() -> None:
     known = rows()
     assert list(known) == [
@@ -53,7 +60,8 @@ def test_the_page_is_the_catalogues() -> None:
     for entry in PREDICTIONS:
         cells = known[entry.id]
         assert re.sub(r" \*\(long, [\d-]+\)\*$", "", cells[1]) == entry.system
-        assert cells[3] == predicted(entry) and cells[7] == entry.worse
+        # Closed forms differ in their last digit with the precision that mpmath was left at.
+        assert same(cells[3], predicted(entry)) and cells[7] == entry.worse
         measured, worse = (math.inf if c == "none" else float(c) for c in (cells[5], cells[8]))
         assert cells[9] == ("met" if entry.met(measured) else "**MISSED**")
         assert entry.met(measured) == (not entry.missed) and not entry.met(worse)
