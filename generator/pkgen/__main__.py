@@ -16,7 +16,16 @@ from . import __version__, commands, run_command
 from .build import BuildError
 from .chart import command as chart_command
 from .compiler import STAGES
-from .exits import COMPILER_FAILED, DONE, INTERRUPTED, MODEL_WRONG, USAGE, UsageError
+from .exits import (
+    COMPILER_FAILED,
+    DONE,
+    INTERRUPTED,
+    MODEL_WRONG,
+    NUMERICS_FAILED,
+    USAGE,
+    NumericsFailed,
+    UsageError,
+)
 from .resources import ResourcesExceeded
 from .source import ModelError
 from .stability import command as stability_command
@@ -166,6 +175,8 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
         return _fail(options, str(error), USAGE)
     except BuildError as error:
         return _fail(options, str(error), COMPILER_FAILED)
+    except NumericsFailed as error:
+        return _fail(options, str(error), NUMERICS_FAILED)
     except KeyboardInterrupt:
         return _fail(options, "interrupted", INTERRUPTED)
     except BrokenPipeError:

@@ -10,3 +10,7 @@ INTERRUPTED = 130
 
 class UsageError(Exception):
     """The command line asks for what there is not."""
+
+
+class NumericsFailed(Exception):
+    """The C driver, or what was to be found with it, failed; the text is its reason."""

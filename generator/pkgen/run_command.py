@@ -11,8 +11,7 @@ import csv
 import json
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -25,6 +24,7 @@ from .compiler import Compilation
 from .ensemble import Ensemble
 from .exits import DONE
 from .model import Model
+from .progress import progress
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
 # The share of steps that an iteration may hold back before it is worth a word.
@@ -111,7 +111,7 @@ def _result(asked: _Run, outcome: Outcome, table: Path) -> dict[str, object]:
 
 
 def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
-    with _progress(asked.compilation.model.name) as on_progress:
+    with progress(asked.compilation.model.name) as on_progress:
         return simulate(
             asked.compilation,
             asked.settings,
@@ -120,20 +120,6 @@ def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
             asked.ensemble,
             asked.threads,
         )
-
-
-@contextmanager
-def _progress(title: str) -> Iterator[Callable[[float], None] | None]:
-    """A progress bar on standard error if that is a terminal; yields what to call, or None."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
-        yield lambda fraction: bar.update(task, completed=fraction)
 
 
 def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:

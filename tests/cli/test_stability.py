@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
+from pkgen.exits import NumericsFailed
 from pkgen.stability import measure
-from pkgen.stability.ask import Broken
 
 # matplotlib warns where labels have no room.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -200,7 +200,7 @@ def test_what_fails_ends_all(stability, tmp_path: Path, monkeypatch) -> None:
         rows.append(1)
         if len(rows) > 1:
             time.sleep(0.05)
-        raise Broken("no more")
+        raise NumericsFailed("no more")
 
     monkeypatch.setattr(measure, "row", failing)
     model = tmp_path / "pendulum.lag"

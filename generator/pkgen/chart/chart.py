@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from .. import named
 from ..build import build_program, driver_methods
 from ..compiler import Compilation
+from ..progress import Show
 from ..simulate import Settings
 from . import answer, reference, spectrum, sweep
 from .answer import Answer
@@ -72,27 +72,27 @@ def measure(
     settings: Settings,
     chosen: list[Method],
     effort: Effort,
-    on_progress: Callable[[str, float], None],
+    on_progress: Show,
 ) -> Chart:
-    """Raises reference.NoReference, measure.Broken, BuildError, or UsageError."""
+    """Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
-    on_progress("compiling", 0.0)
+    on_progress(0.0, "compiling")
     path = build_program(compilation.files, name, *(m.name for m in chosen))
     with Program(path, settings) as program:
         given = program.given()
-        on_progress("compiling and integrating the reference", 0.02)
+        on_progress(0.02, "compiling and integrating the reference")
         exact = reference.find(compilation, given)
         structure = compilation.structure
         follower = "gauss" if structure.smooth else "dop853"
         found = spectrum.find(program, follower, settings.until, not structure.variational)
         bench = Bench(program, exact.final, exact.scales, exact.error, settings.until, effort)
         tracks = sweep.measure(
-            bench, chosen, found, lambda text, part: on_progress(text, 0.1 + 0.8 * part)
+            bench, chosen, found, lambda part, text="": on_progress(0.1 + 0.8 * part, text)
         )
-        on_progress("the answers", 0.9)
+        on_progress(0.9, "the answers")
         able = [t for t in tracks if not t.points[0].refused]
         told, able = answer.answers(bench, able)
-    on_progress("", 1.0)
+    on_progress(1.0)
     return Chart(
         model=name,
         unit="" if compilation.model.dimensionless else "s",

@@ -6,21 +6,18 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from .. import options as parsing
 from .. import scene
 from ..commands import compile_within_limits
-from ..exits import DONE, NUMERICS_FAILED, UsageError
+from ..exits import DONE, NumericsFailed, UsageError
+from ..progress import progress
 from ..run_command import use_scene
 from . import chart as charts
 from . import table
 from .chart import Chart
-from .measure import Broken
 from .points import Method
-from .reference import NoReference
 from .sweep import Effort
 from .text import report
 
@@ -49,13 +46,10 @@ def run(options: argparse.Namespace) -> int:
         if event.stop:
             note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
             print(f"pkgen: {note}", file=sys.stderr)
-    try:
-        with _progress(compilation.model.name) as on_progress:
-            chart = charts.measure(compilation, settings, chosen, effort, on_progress)
-    except (NoReference, Broken) as error:
-        return _fail(options, str(error))
+    with progress(compilation.model.name) as show:
+        chart = charts.measure(compilation, settings, chosen, effort, show or _unseen)
     if not any(track.good for track in chart.tracks):
-        return _fail(options, "no method arrived with an error below that of no motion at all")
+        raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(Path(options.directory), chart, options)
     if options.json:
         print(json.dumps(_record(chart, files), indent=1))
@@ -146,25 +140,5 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
     }
 
 
-def _fail(options: argparse.Namespace, message: str) -> int:
-    if options.json:
-        print(json.dumps({"error": message, "code": NUMERICS_FAILED}))
-    else:
-        print(f"pkgen: {message}", file=sys.stderr)
-    return NUMERICS_FAILED
-
-
-@contextmanager
-def _progress(title: str) -> Iterator[Callable[[str, float], None]]:
-    """A progress bar on standard error if that is a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda text, part: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
-        yield lambda text, part: bar.update(
-            task, completed=part, description=f"{title}: {text}" if text else title
-        )
+def _unseen(part: float, text: str = "") -> None:
+    """Progress where nobody looks."""

@@ -12,13 +12,9 @@ from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
 
-from ..exits import USAGE, UsageError
+from ..exits import USAGE, NumericsFailed, UsageError
 from ..simulate import Settings
 from .points import Method, Point
-
-
-class Broken(Exception):
-    """The program ended, or said what it should not; the text is its own message."""
 
 
 class Exact(list):
@@ -28,7 +24,7 @@ class Exact(list):
     def of(state: dict[str, list]) -> Exact:
         pairs = [*state["q"], *state["v"]]
         if any(x is None for pair in pairs for x in pair):
-            raise Broken("a state is not finite")
+            raise NumericsFailed("a state is not finite")
         return Exact(Fraction(high) + Fraction(low) for high, low in pairs)
 
 
@@ -82,7 +78,7 @@ class Program:
             code = self._child.wait()
             if code == USAGE:
                 raise UsageError(message.removeprefix("run: "))
-            raise Broken(message or f"the driver ended with code {code}")
+            raise NumericsFailed(message or f"the driver ended with code {code}")
         return json.loads(line)
 
     def given(self) -> Settings:

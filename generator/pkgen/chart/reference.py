@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 from ..build import BuildError, Toolchain, build_program, find_toolchain
 from ..compiler import Compilation
-from ..exits import UsageError
+from ..exits import NumericsFailed, UsageError
 from ..simulate import Settings
 from .measure import Exact, Program, difference
 
@@ -31,10 +31,6 @@ TYPES = {
     "__float128": ("-DPK_FLOAT128", ("-lquadmath",), (1e-28, 1e-25, 1e-22)),
     "long double": ("-DPK_LONG_DOUBLE", (), (1e-18, 1e-17, 1e-17)),
 }
-
-
-class NoReference(Exception):
-    """The motion could not be followed; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ def precise_tools(scalar: str) -> list[Toolchain]:
 
 
 def find(compilation: Compilation, settings: Settings) -> Reference:
-    """Raises NoReference, UsageError where nothing moves, or BuildError if nothing compiles."""
+    """Raises NumericsFailed, UsageError where nothing moves, or BuildError if nothing compiles."""
     refusal: BuildError | None = None
     for scalar in TYPES:
         for tools in precise_tools(scalar):
@@ -131,9 +127,9 @@ def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
 def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[float, Exact]], int]:
     found = program.ask("path", method, tolerance, TIMES, SLOWEST)
     if found["status"] != "PK_DONE":
-        raise NoReference(f"the reference ends early: {found['reason']}")
+        raise NumericsFailed(f"the reference ends early: {found['reason']}")
     if found["slow"]:
-        raise NoReference(
+        raise NumericsFailed(
             f"the reference came to t = {found['t']:.3g} in {SLOWEST:g} s; take a shorter --until"
         )
     states = [(state["t"], Exact.of(state)) for state in found["states"]]

@@ -4,9 +4,9 @@ error is round-off, or the next point would take more than its share of the time
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
+from ..progress import Show
 from .measure import Exact, Program
 from .points import Method, Point, Track
 from .spectrum import Spectrum
@@ -97,17 +97,17 @@ def measure(
     bench: Bench,
     methods: list[Method],
     spectrum: Spectrum,
-    on_progress: Callable[[str, float], None],
+    on_progress: Show,
 ) -> list[Track]:
     """All points of all methods that the system admits, refused ones with one point each."""
     left, tracks = bench.effort.seconds, []
     for k, method in enumerate(methods):
         share = max(left, 0.0) / (len(methods) - k)
-        on_progress(method.name, k / len(methods))
+        on_progress(k / len(methods), method.name)
         points = _sweep(bench, method, spectrum, share)
         left -= sum(point.took for point in points)
         tracks.append(Track(method, tuple(points)))
-    on_progress("", 1.0)
+    on_progress(1.0)
     return tracks
 
 

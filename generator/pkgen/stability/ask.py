@@ -11,15 +11,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..exits import USAGE, UsageError
+from ..exits import USAGE, NumericsFailed, UsageError
 from ..simulate import Settings
 
 ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
 TRIES = 100  # starts from which equilibria are sought
-
-
-class Broken(Exception):
-    """The program failed; the text is what it said."""
 
 
 @dataclass(frozen=True)
@@ -149,10 +145,10 @@ class Asker:
         if done.returncode == USAGE:
             raise UsageError(done.stderr.strip().removeprefix("run: "))
         if done.returncode != 0:
-            raise Broken(done.stderr.strip() or f"ended by signal {-done.returncode}")
+            raise NumericsFailed(done.stderr.strip() or f"ended by signal {-done.returncode}")
         answers = [json.loads(line) for line in done.stdout.splitlines()]
         if len(answers) != len(asked):
-            raise Broken(f"{len(answers)} answers to {len(asked)} questions")
+            raise NumericsFailed(f"{len(answers)} answers to {len(asked)} questions")
         return answers
 
     def rest(self, tries: int = TRIES) -> Rest:

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
@@ -14,11 +11,11 @@ from .. import options as parsing
 from ..build import BuildError, find_toolchain
 from ..commands import compile_within_limits
 from ..compiler import Compilation
-from ..exits import DONE, NUMERICS_FAILED, UsageError
+from ..exits import DONE, UsageError
+from ..progress import progress
 from ..run_command import use_scene
 from . import map as maps
 from . import plan, text
-from .ask import Broken
 from .map import Asked, StabilityMap
 from .misses import misses
 
@@ -47,11 +44,8 @@ def run(options: argparse.Namespace) -> int:
         )
     compilation = compile_within_limits(options, unroll=None, use=use_scene(options))
     asked = _asked(options, compilation)
-    try:
-        with _progress(compilation.model.name) as on_progress:
-            made = maps.make(compilation, asked, on_progress)
-    except Broken as error:
-        return _fail(options, str(error))
+    with progress(compilation.model.name) as show:
+        made = maps.make(compilation, asked, show)
     files = _write(Path(options.directory), made)
     if options.json:
         print(json.dumps(record(made, files), indent=1))
@@ -138,25 +132,3 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
         "files": [str(file) for file in files],
     }
-
-
-def _fail(options: argparse.Namespace, message: str) -> int:
-    if options.json:
-        print(json.dumps({"error": message, "code": NUMERICS_FAILED}))
-    else:
-        print(f"pkgen: {message}", file=sys.stderr)
-    return NUMERICS_FAILED
-
-
-@contextmanager
-def _progress(title: str) -> Iterator[Callable[[float], None] | None]:
-    """A progress bar on standard error if that is a terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
-        yield lambda part: bar.update(task, completed=part)

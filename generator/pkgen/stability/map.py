@@ -70,7 +70,7 @@ def known_methods() -> list[Traits]:
 def make(
     compilation: Compilation, asked: Asked, on_progress: Callable[[float], None] | None = None
 ) -> StabilityMap:
-    """Raises Broken, BuildError, UsageError."""
+    """Raises NumericsFailed, BuildError, UsageError."""
     program = build_program(compilation.files, compilation.model.name)
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.motion()

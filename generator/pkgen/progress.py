@@ -1,0 +1,32 @@
+"""A progress bar on standard error."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+
+class Show(Protocol):
+    """What part of the work is done, from 0 to 1, and what is being done."""
+
+    def __call__(self, part: float, text: str = "") -> None: ...
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Show | None]:
+    """Yields what to call, or None where standard error is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+
+        def show(part: float, text: str = "") -> None:
+            bar.update(task, completed=part, description=f"{title}: {text}" if text else title)
+
+        yield show
