@@ -36,8 +36,8 @@ demo: $(STAMP)
 	$(PYTHON) tools/demo.py
 
 test: $(STAMP)
-	@$(MAKE) -j 2 test-runtime-programs
-	@$(MAKE) test-runtime test-licence test-python
+	@$(MAKE) -j 2 -O test-runtime
+	@$(MAKE) test-licence test-python
 
 test-licence: runtime
 	@sh tools/check_licence.sh

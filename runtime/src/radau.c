@@ -3,46 +3,25 @@
  * p' = dL/dq + Q - dD/dv asks for no derivative of M, so M(q, v) and any dissipation are served by
  * the kernels that Newton's matrix has anyway, and momentum balances as exactly as it is summed.
  *
- * The error, of order 3, is that of RADAU5: with gamma the real eigenvalue of A, f = (v, pdot), J
- * its derivative by y = (q, p), z_i the stages less y0,
- *
- *     (I - h gamma J) err = gamma h f(y0) + e1 z1 + e2 z2 + e3 z3,
- *
- * once more with f(y0 + err) where that rejects a step right after a start or a rejection. For
- * y = (q, p) this is one system of n for the error of v, M dv + (dp/dq) dq = dp; tolerances are on
- * q and v. As there, they are taken to the power 2/3 of rtol (times .1 / rtol^(1/3)), since the
- * result is of order 5 and the estimate of 3: the error then follows rtol. Newton's iteration ends
- * at a part of them. Where it does not converge, or to a solution that is not the one of
- * short steps (branch.c), the step is cut.
+ * Newton's iteration ends at a part of the tolerance of the error (radau_error.c). Where it does
+ * not converge, or to a solution that is not the one of short steps (branch.c), the step is cut.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
  * control.
  */
-#include <string.h>
+#include "radau.h"
 
-#include "gauss.h"
-
-#define GAMMA PK_C(0.27488882959567736774782860359941478)
-#define SQRT6 PK_C(2.4494897427831780981972840747058914)
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
 #define KEEP PK_C(1.2) /* a step that might grow by less stays: Newton's matrix too */
 enum { MOST_ITERATIONS = 10 };
 
-/* The work behind that of the stages. */
-struct parts {
-    pk_real *E, *pivot, *pdot, *dq, *dv, *of_q, *of_v, *x;
-    pk_real *left; /* the factor between corrections to come and the last one, of the step before */
-    pk_real *enough;    /* the part of the tolerance that the iteration may leave undone */
-    pk_real *h, *error; /* of the last step accepted */
-};
-
-static struct parts parts_of(const struct pk_integrator *it, const struct pk_gauss_work *w)
+static struct pk_radau_parts parts_of(const struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n = it->n;
-    struct parts r;
+    struct pk_radau_parts r;
     pk_real *x = w->rest;
     r.E = x, x += n * n;
     r.pivot = x, x += n;
@@ -65,31 +44,15 @@ static enum pk_status init(struct pk_integrator *it)
 {
     const enum pk_status status = pk_gauss_init(it);
     const struct pk_gauss_work w = pk_gauss_parts(it);
-    const struct parts r = parts_of(it, &w);
+    const struct pk_radau_parts r = parts_of(it, &w);
     *r.left = 1;
     *r.h = *r.error = 0;
     return status;
 }
 
-static void set_tolerances(const struct pk_integrator *it, const struct parts *r, const pk_real *q,
-                           const pk_real *v)
-{
-    const struct pk_options *o = &it->options;
-    const pk_real rtol = pk_max(o->rtol, 10 * PK_EPS);
-    const pk_real factor = o->rtol > 0 ? PK_C(0.1) / PK_F(cbrt)(rtol) : 1;
-    /* As in RADAU5: what is left undone has the same sign from step to step. */
-    *r->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
-                                      pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
-                             : PK_C(1e-3);
-    for (size_t k = 0; k < it->n; k++) {
-        r->of_q[k] = factor * (o->atol + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
-        r->of_v[k] = factor * (o->atol + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
-    }
-}
-
 /* The last correction, in tolerances: root mean square over stages, q and v. */
 static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_work *w,
-                          const struct parts *r)
+                          const struct pk_radau_parts *r)
 {
     pk_real sum = 0;
     for (size_t i = 0; i < w->s; i++)
@@ -113,7 +76,7 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
 
 /* Simplified Newton to a part of the tolerance; *count iterations. */
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
-                              const struct parts *r, int *count)
+                              const struct pk_radau_parts *r, int *count)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
                      : it->options.newton_tol > 0   ? 50
@@ -154,87 +117,31 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
     return PK_NO_CONVERGENCE;
 }
 
-/* From gamma h f + e.z to err, in r->dq, r->dv; f = (v, pdot). In units of the tolerance. */
-static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
-                        const struct parts *r, const pk_real *v, const pk_real *pdot)
-{
-    static const pk_real e[] = {GAMMA * (-13 - 7 * SQRT6) / 3, GAMMA * (-13 + 7 * SQRT6) / 3,
-                                -GAMMA / 3};
-    const size_t n = it->n, nn = n * n;
-    const pk_real *J = w->jacobian, *p0 = pk_part(it->state, n, PK_P), hg = it->h * GAMMA;
-    pk_real sum = 0;
-    for (size_t k = 0; k < n; k++) {
-        pk_real of_q = hg * v[k], of_p = hg * pdot[k];
-        for (size_t i = 0; i < 3; i++) {
-            of_q += e[i] * (w->Q[i * n + k] - it->q[k]);
-            of_p += e[i] * (w->P[i * n + k] - p0[k]);
-        }
-        r->dq[k] = of_q;
-        r->x[k] = of_p;
-    }
-    for (size_t k = 0; k < n; k++) {
-        r->dv[k] = r->x[k];
-        for (size_t l = 0; l < n; l++)
-            r->dv[k] += (hg * J[2 * nn + k * n + l] - J[nn + k * n + l]) * r->dq[l];
-    }
-    pk_lu_solve(r->E, r->pivot, n, r->dv);
-    for (size_t k = 0; k < n; k++) {
-        r->dq[k] += hg * r->dv[k];
-        sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +
-               r->dv[k] / r->of_v[k] * (r->dv[k] / r->of_v[k]);
-    }
-    return PK_F(sqrt)(sum / (pk_real)(2 * n));
-}
-
-/* it->error of the stages found. `again`: by the second formula, where the first one rejects. */
-static enum pk_status judge(struct pk_integrator *it, struct pk_gauss_work *w,
-                            const struct parts *r, int again)
-{
-    const size_t n = it->n, nn = n * n;
-    const pk_real *J = w->jacobian, hg = it->h * GAMMA;
-    for (size_t i = 0; i < nn; i++)
-        r->E[i] = J[i] + hg * (J[nn + i] - J[3 * nn + i]) - hg * hg * J[2 * nn + i];
-    it->count.factorisations++;
-    if (!pk_lu_factor(r->E, r->pivot, n))
-        return PK_NO_CONVERGENCE;
-    set_tolerances(it, r, w->Q + 2 * n, w->V + 2 * n);
-    it->error = estimate(it, w, r, it->v, r->pdot);
-    if (again && it->error >= 1) {
-        for (size_t k = 0; k < n; k++) {
-            r->dq[k] += it->q[k];
-            r->dv[k] += it->v[k];
-        }
-        pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
-        memcpy(w->x, r->dv, n * sizeof *w->x); /* estimate() writes to dv */
-        it->error = estimate(it, w, r, w->x, w->y);
-    }
-    return pk_finite(it->error) ? PK_DONE : PK_NOT_FINITE;
-}
-
 /* One trial of it->h: the stages, their error and which solution they are. */
 static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
-                              const struct parts *r, int again, int *count)
+                              const struct pk_radau_parts *r, int again, int *count)
 {
     enum pk_status status;
     if (it->h > *w->h || it->h < *w->h)
         pk_gauss_set_step(it, w, it->h);
-    set_tolerances(it, r, it->q, it->v);
+    pk_radau_tolerances(it, r, it->q, it->v);
     do {
         *w->fresh = 0;
         pk_gauss_predict(it, w);
         status = iterate(it, w, r, count);
         it->flags |= status < 0 ? PK_REFRESH : 0; /* a kept matrix may be at fault */
     } while (status == PK_NO_CONVERGENCE && !(*w->fresh > 0));
-    if (status < 0 || (status = judge(it, w, r, again)) < 0 || it->error > 1)
+    if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->error > 1)
         return status;
-    const pk_real rate = it->error;
     status = pk_gauss_certify(it, w);
-    it->error = rate;
+    if (status >= 0 && !pk_finite(*w->contraction)) /* it was followed, and may be another one */
+        status = pk_radau_judge(it, w, r, again);
     return status;
 }
 
 /* A first step of 1% of |y|/|y'|. */
-static enum pk_status first_step(struct pk_integrator *it, const struct parts *r, pk_real limit)
+static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau_parts *r,
+                                 pk_real limit)
 {
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0, h = it->options.h;
@@ -245,7 +152,7 @@ static enum pk_status first_step(struct pk_integrator *it, const struct parts *r
         const enum pk_status status = pk_eval_acceleration(it, it->t, it->q, it->v, r->x);
         if (status < 0)
             return status;
-        set_tolerances(it, r, it->q, it->v);
+        pk_radau_tolerances(it, r, it->q, it->v);
         for (size_t k = 0; k < it->n; k++) {
             const pk_real q = it->q[k], v = it->v[k], of_q = r->of_q[k], of_v = r->of_v[k];
             d0 += q / of_q * (q / of_q) + v / of_v * (v / of_v);
@@ -262,7 +169,7 @@ static enum pk_status first_step(struct pk_integrator *it, const struct parts *r
 
 /* The next step over this one, by the error, by that of the step before too, and less where the
  * iteration took long. */
-static pk_real growth(const struct pk_integrator *it, const struct parts *r, int count)
+static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
     const pk_real error = pk_max(it->error, PK_C(1e-10));
     const pk_real most = 2 * MOST_ITERATIONS;
@@ -277,7 +184,7 @@ static pk_real growth(const struct pk_integrator *it, const struct parts *r, int
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
     struct pk_gauss_work w = pk_gauss_parts(it);
-    const struct parts r = parts_of(it, &w);
+    const struct pk_radau_parts r = parts_of(it, &w);
     const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);

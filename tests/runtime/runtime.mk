@@ -23,7 +23,7 @@ RT_INLINE = -DPK_INLINE_ERK -DPK_INLINE_EMBEDDED -DPK_INLINE_SPLITTING -DPK_INLI
 RT_SYSTEMS_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/inlined/%.o,$(RT_SYSTEMS_C))
 RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 
-.PHONY: runtime test-runtime-programs test-runtime asan-runtime check-runtime-symbols test-runtime-scalars
+.PHONY: runtime test-runtime-programs test-runtime asan-runtime
 
 runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a $(RT_OMP)
 
@@ -54,13 +54,16 @@ $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTE
 	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
 # The driver around a hand-written system, for its own tests.
-$(RT_TESTS)/run_%: $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a \
-                   $(wildcard runtime/run/*.c) $(RT_HEADERS)
+RT_RUN_CFLAGS = $(RT_CFLAGS) -DPK_WITH_GSL -DRUN_BATCH_BYTES=4096 -Iruntime/run -Itests/runtime
+RT_RUN = $(patsubst runtime/run/%.c,$(RT_TESTS)/run/%.o,$(sort $(wildcard runtime/run/*.c)))
+.SECONDARY: $(RT_RUN)
+$(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_RUN_CFLAGS) -c $< -o $@
+$(RT_TESTS)/run_%: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
 	    'const struct pk_system *const run_system = &$*_system;' >$@.c
-	$(CC) $(RT_CFLAGS) -DPK_WITH_GSL -DRUN_BATCH_BYTES=4096 -Iruntime/run -Itests/runtime runtime/run/*.c $@.c \
-	    $(RT_SYSTEMS) $(RT_OMP) $(RT_OPENMP) \
-	    $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a -lgsl -lgslcblas -lm -o $@
+	$(CC) $(RT_RUN_CFLAGS) $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
 $(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
@@ -71,23 +74,50 @@ $(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
 	$(CC) $(RT_CFLAGS) -Itests/runtime -I$(RT_TESTS)/example.d $(RT_TESTS)/example.d/example.c \
 	    $(RT_SYSTEMS) $(RT_DIR)/libpk.a -lm -o $@
 
-# Order of the methods of order 6 and more in __float128, where round-off is far away.
-$(RT_TESTS)/quad_inlined: RT_INSTANCE = $(RT_INLINE)
-$(RT_TESTS)/quad $(RT_TESTS)/quad_inlined: $(wildcard runtime/src/*.c) $(RT_HEADERS) tests/runtime/quad/order.c \
-                  $(RT_SYSTEMS_C)
+# Order of the methods of order 6 and more in __float128, where round-off is far away. The systems
+# alone are compiled twice: around function pointers, and with the steps inlined.
+RT_QUAD_FLAGS = -std=gnu11 -O1 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
+                -Itests/runtime $(RT_EXTRA)
+RT_QUAD = $(patsubst runtime/src/%.c,$(RT_TESTS)/quad.d/%.o,$(sort $(wildcard runtime/src/*.c))) \
+          $(RT_TESTS)/quad.d/order.o
+RT_QUAD_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/quad.d/%.o,$(RT_SYSTEMS_C))
+RT_QUAD_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/quad.d/inlined/%.o,$(RT_SYSTEMS_C))
+$(RT_TESTS)/quad.d/inlined/%.o: tests/runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
-	gcc -std=gnu11 -O2 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
-	    -Itests/runtime $(RT_EXTRA) $(RT_INSTANCE) runtime/src/*.c $(RT_SYSTEMS_C) \
-	    tests/runtime/quad/order.c -lquadmath -lm -o $@
+	gcc $(RT_QUAD_FLAGS) $(RT_INLINE) -c $< -o $@
+$(RT_TESTS)/quad.d/%.o: runtime/src/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	gcc $(RT_QUAD_FLAGS) -c $< -o $@
+$(RT_TESTS)/quad.d/%.o: tests/runtime/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	gcc $(RT_QUAD_FLAGS) -c $< -o $@
+$(RT_TESTS)/quad.d/order.o: tests/runtime/quad/order.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	gcc $(RT_QUAD_FLAGS) -c $< -o $@
+$(RT_TESTS)/quad: $(RT_QUAD) $(RT_QUAD_SYSTEMS)
+	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
+$(RT_TESTS)/quad_inlined: $(RT_QUAD) $(RT_QUAD_INLINED)
+	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
 
 RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined run_pendulum run_broken)
 test-runtime-programs: $(RT_PROGRAMS)
-test-runtime: $(RT_PROGRAMS) check-runtime-symbols test-runtime-scalars
-	$(RT_TESTS)/runtime
-	$(RT_TESTS)/runtime_inlined inlined
-	$(RT_TESTS)/quad
-	$(RT_TESTS)/quad_inlined
-	$(RT_TESTS)/example | grep -q '^t = 10: 1.018731427'
+
+# Each on its own, so that `make -j 2 -O` runs two at a time and prints each one's lines together.
+RT_CHECKS = check-runtime check-runtime-inlined check-runtime-quad check-runtime-quad-inlined \
+            check-runtime-example check-runtime-driver check-runtime-symbols test-runtime-scalars
+.PHONY: $(RT_CHECKS)
+test-runtime: $(RT_CHECKS)
+check-runtime: $(RT_TESTS)/runtime
+	$<
+check-runtime-inlined: $(RT_TESTS)/runtime_inlined
+	$< inlined
+check-runtime-quad: $(RT_TESTS)/quad
+	$<
+check-runtime-quad-inlined: $(RT_TESTS)/quad_inlined
+	$<
+check-runtime-example: $(RT_TESTS)/example
+	$< | grep -q '^t = 10: 1.018731427'
+check-runtime-driver: $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken
 	sh tests/runtime/driver.sh $(RT_TESTS)
 
 asan-runtime:
@@ -105,15 +135,18 @@ run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_TESTS)/ru
 check-runtime-symbols: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
 	sh tests/runtime/symbols.sh $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
 
-# The same source in every scalar type, and headers as C99 and C++.
-test-runtime-scalars:
-	@mkdir -p $(RT_DIR)
-	@for t in FLOAT LONG_DOUBLE; do for f in runtime/src/*.c; do \
-	    $(CC) $(RT_CFLAGS) -DPK_$$t -c $$f -o $(RT_DIR)/scalar.o || exit 1; done; done
-	@for f in runtime/src/*.c; do gcc -std=gnu11 -O2 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 \
-	    -Iruntime/include -c $$f -o $(RT_DIR)/scalar.o || exit 1; done
+# The same source in the other scalar types (the quad programs are the fourth), headers as C99 and C++.
+RT_SCALARS = $(foreach t,FLOAT LONG_DOUBLE,$(patsubst runtime/src/%.c,$(RT_DIR)/$(t)/%.o,\
+               $(sort $(wildcard runtime/src/*.c))))
+$(RT_DIR)/FLOAT/%.o: runtime/src/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_CFLAGS) -O1 -DPK_FLOAT -c $< -o $@
+$(RT_DIR)/LONG_DOUBLE/%.o: runtime/src/%.c $(RT_HEADERS)
+	@mkdir -p $(@D)
+	$(CC) $(RT_CFLAGS) -O1 -DPK_LONG_DOUBLE -c $< -o $@
+test-runtime-scalars: $(RT_SCALARS)
 	@echo '#include <pk/pk.h>' >$(RT_DIR)/header.c
 	@echo '#include <pk/gsl.h>' >>$(RT_DIR)/header.c
-	$(CC) -std=c99 $(RT_WARN) -Iruntime/include -c $(RT_DIR)/header.c -o $(RT_DIR)/scalar.o
+	$(CC) -std=c99 $(RT_WARN) -Iruntime/include -c $(RT_DIR)/header.c -o $(RT_DIR)/header.o
 	c++ -std=c++11 -Wall -Wextra -Wpedantic -Werror -Iruntime/include -x c++ -c \
-	    $(RT_DIR)/header.c -o $(RT_DIR)/scalar.o
+	    $(RT_DIR)/header.c -o $(RT_DIR)/header.o
