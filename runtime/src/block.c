@@ -151,10 +151,30 @@ static void store_row(const struct pk_block *b, const struct pk_ensemble *e, siz
     }
 }
 
+static struct pk_member *member_at(const struct pk_ensemble *e, char *memory, size_t k)
+{
+    return (struct pk_member *)(void *)(memory + k * pk_member_size(e));
+}
+
+/* The members of `bits` end with `status`, or for the reason that their guards know. */
+static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_integrator *clock,
+                 size_t first, char *memory, unsigned long long bits, enum pk_status status,
+                 unsigned long long *live)
+{
+    *live &= ~bits;
+    for (size_t l = 0; l < b->lanes; l++)
+        if (bits >> l & 1)
+            retire(b, e, first, 1ull << l,
+                   e->system->n_guards
+                       ? pk_member_step(member_at(e, memory, l), clock, b->next + l, b->lanes, status)
+                       : status,
+                   live);
+}
+
 /* All live lanes to t. */
 static unsigned long long advance(struct pk_block *b, const struct pk_block_stepper *s,
                                   const struct pk_ensemble *e, struct pk_integrator *clock,
-                                  size_t first, pk_real t, unsigned long long live)
+                                  size_t first, char *memory, pk_real t, unsigned long long live)
 {
     while (live && (clock->t < t || clock->t > t)) {
         const enum pk_status status = pk_step_choose(clock, t, 1);
@@ -170,8 +190,16 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
         if (bad) { /* a kernel that saw finite numbers failed on M, all else is not finite */
             const unsigned long long mass = bad & b->failed & ~b->not_finite;
             live &= ~bad;
-            retire(b, e, first, mass, PK_SINGULAR_MASS, &live);
-            retire(b, e, first, bad & ~mass, PK_NOT_FINITE, &live);
+            fail(b, e, clock, first, memory, mass, PK_SINGULAR_MASS, &live);
+            fail(b, e, clock, first, memory, bad & ~mass, PK_NOT_FINITE, &live);
+        }
+        for (size_t l = 0; e->system->n_guards && l < b->lanes; l++) {
+            if (!(live >> l & 1))
+                continue;
+            const enum pk_status seen = pk_member_step(member_at(e, memory, l), clock,
+                                                       b->next + l, b->lanes, PK_DONE);
+            if (seen < 0)
+                retire(b, e, first, 1ull << l, seen, &live);
         }
         pk_real *left_behind = b->state;
         b->state = b->next;
@@ -186,11 +214,10 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
                   size_t count, char *memory)
 {
     struct pk_block b = {.system = e->system, .lanes = s->lanes};
-    struct pk_integrator it, clock = {0};
-    struct pk_constant_input input;
+    struct pk_integrator clock = {0};
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
     const size_t W = s->lanes, n = pk_system_count(e->system, problem.params);
-    char *own = memory + pk_ensemble_padded(pk_integrator_size(&problem, e->method));
+    char *own = memory + pk_member_count(e, W) * pk_member_size(e);
     unsigned long long live = 0;
     memset(own, 0, block_reals(e, n, W) * sizeof(pk_real));
     b.n = n;
@@ -203,13 +230,14 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
     b.lane = b.work + pk_block_reals(MOST_STAGES, n, W);
 
     for (size_t l = 0; l < count; l++) {
-        const enum pk_status status = pk_ensemble_begin(e, first + l, &it, &input, memory);
+        struct pk_member *member = member_at(e, memory, e->system->n_guards ? l : 0);
+        const enum pk_status status = pk_member_begin(e, first + l, member);
         e->status[first + l] = status;
         if (status < 0)
             continue;
-        load_lane(&b, e, &it, first + l, l);
+        load_lane(&b, e, &member->it, first + l, l);
         live |= 1ull << l;
-        clock = it;
+        clock = member->it;
     }
     for (size_t l = 0; live && l < W; l++)
         if (!(live >> l & 1))
@@ -222,7 +250,7 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
         }
         if (pk_ensemble_stopped(e))
             retire(&b, e, first, live, PK_STOPPED_USER, &live);
-        live = advance(&b, s, e, &clock, first, e->t[row], live);
+        live = advance(&b, s, e, &clock, first, memory, e->t[row], live);
         store_row(&b, e, first, row, live);
     }
 }

@@ -1,5 +1,5 @@
-/* Ensembles: which route a member takes, and the way of one member from row to row. Blocks of
- * members in lanes: block.c.
+/* Ensembles: which route a member takes, and the way of one member from row to row. One member:
+ * member.c; blocks of members in lanes: block.c.
  */
 #include <string.h>
 
@@ -13,12 +13,11 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
     return NULL;
 }
 
-/* NULL: one member after the other. So are those of a system with guards, which a block does not
- * watch. */
+/* NULL: one member after the other. */
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
-    if (!(e->options.h > 0) || e->system->n_guards)
+    if (!(e->options.h > 0))
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }
@@ -42,36 +41,8 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
     const struct pk_block_stepper *s = stepper(e);
     const size_t n = pk_system_count(e->system, problem.params);
-    return pk_ensemble_padded(pk_integrator_size(&problem, e->method)) +
+    return pk_member_count(e, s ? s->lanes : 1) * pk_member_size(e) +
            (s ? pk_block_size(e, n, s->lanes) : 0);
-}
-
-static void constant_input(void *context, pk_real t, pk_real *u)
-{
-    const struct pk_constant_input *input = (const struct pk_constant_input *)context;
-    (void)t;
-    memcpy(u, input->u, input->count * sizeof *u);
-}
-
-enum pk_status pk_ensemble_begin(const struct pk_ensemble *e, size_t member,
-                                 struct pk_integrator *it, struct pk_constant_input *input,
-                                 void *block)
-{
-    struct pk_problem problem = pk_ensemble_problem(e, member);
-    const struct pk_problem first = pk_ensemble_problem(e, 0);
-    const size_t n = pk_system_count(e->system, first.params);
-    e->done[member] = 0;
-    e->last_t[member] = e->t0;
-    if (pk_system_count(e->system, problem.params) != n)
-        return PK_BAD_ARGUMENT;
-    if (e->u) {
-        input->count = e->system->n_inputs;
-        input->u = e->u + member * input->count;
-        problem.input = constant_input;
-        problem.context = input;
-    }
-    return pk_integrator_init(it, &problem, e->method, &e->options, e->t0, e->q0 + member * n,
-                              e->v0 + member * n, block, pk_integrator_size(&problem, e->method));
 }
 
 int pk_ensemble_stopped(const struct pk_ensemble *e) { return e->stop && e->stop(e->context); }
@@ -83,22 +54,22 @@ int pk_ensemble_last_interval(const struct pk_ensemble *e, size_t row)
 
 static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *block)
 {
-    struct pk_integrator it = {0};
-    struct pk_constant_input input;
-    enum pk_status status = pk_ensemble_begin(e, member, &it, &input, block);
+    struct pk_member *m = (struct pk_member *)block;
+    enum pk_status status = pk_member_begin(e, member, m);
+    struct pk_integrator *it = &m->it;
     for (size_t row = 0; row < e->rows && status == PK_DONE; row++) {
         if (pk_ensemble_last_interval(e, row) && !(e->method->traits & PK_ADAPTIVE))
-            pk_integrator_set_step(&it, e->last_h);
-        status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : pk_integrator_to(&it, e->t[row]);
-        e->last_t[member] = it.t;
+            pk_integrator_set_step(it, e->last_h);
+        status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : pk_integrator_to(it, e->t[row]);
+        e->last_t[member] = it->t;
         if (status == PK_DONE) {
-            const size_t at = (member * e->rows + row) * it.n;
-            memcpy(e->q + at, it.q, it.n * sizeof *it.q);
-            memcpy(e->v + at, it.v, it.n * sizeof *it.v);
+            const size_t at = (member * e->rows + row) * it->n;
+            memcpy(e->q + at, it->q, it->n * sizeof *it->q);
+            memcpy(e->v + at, it->v, it->n * sizeof *it->v);
             e->done[member]++;
         }
     }
-    pk_integrator_free(&it);
+    pk_integrator_free(it);
     return e->status[member] = status;
 }
 
@@ -109,7 +80,7 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
         !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
         first > e->members || count > e->members - first)
         return PK_BAD_ARGUMENT;
-    if (size < pk_ensemble_size(e) || (size_t)block % _Alignof(pk_real))
+    if (size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     const struct pk_block_stepper *s = stepper(e);
     const size_t W = s ? s->lanes : 1;

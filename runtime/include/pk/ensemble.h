@@ -6,9 +6,9 @@
  *
  * Explicit methods with a fixed step advance many members side by side, in vector lanes: euler,
  * rk4, symplectic_euler, verlet, yoshida4, and dopri5 and dop853 where options.h is given, which
- * is then kept. Any other method, and any method where the system has guards (where its equations
- * end), integrates one member after the other by pk_integrator, adaptive ones with steps of their
- * own. A member's result is the same in any company and any thread; with
+ * is then kept; the guards of a system that has some are watched lane by lane. Any other method
+ * integrates one member after the other by pk_integrator, adaptive ones with steps of their own. A
+ * member's result is the same in any company and any thread; with
  * -ffp-contract=off it is what pk_integrator gives for it alone, to the bit.
  *
  * A member that fails stops alone: its status says why, its results up to then are valid. Nothing
@@ -56,7 +56,7 @@ struct pk_ensemble {
 };
 
 /* Bytes of the block that one thread wants, a multiple of 64, 0 if a pointer is null. It is to be
- * aligned for pk_real; at 64 bytes it is fastest. */
+ * aligned for pk_real and for pointers, as malloc() does; at 64 bytes it is fastest. */
 size_t pk_ensemble_size(const struct pk_ensemble *e);
 
 /* Whether all members take the fixed steps options.h. */
