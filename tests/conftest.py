@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import os
 import subprocess
 import sys
+import tempfile
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -12,10 +16,37 @@ ROOT = Path(__file__).resolve().parent.parent
 MODELS = sorted((ROOT / "models").glob("*.lag"))
 
 
-def run_pkgen(*arguments: object, **more: object) -> subprocess.CompletedProcess[str]:
-    """Run the command line in a process of its own."""
-    command = [sys.executable, "-m", "pkgen", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, **more)
+@lru_cache
+def _command_server() -> subprocess.Popen[str]:
+    command = [sys.executable, ROOT / "tests" / "command_server.py"]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def run_pkgen(
+    *arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a process of its own; with `env`, in an interpreter of its own."""
+    words = list(map(str, arguments))
+    if env is not None:
+        command = [sys.executable, "-m", "pkgen", *words]
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=120, cwd=cwd, env=env
+        )
+    server = _command_server()
+    with tempfile.TemporaryDirectory() as directory:
+        out, err = Path(directory, "out"), Path(directory, "err")
+        request = {
+            "arguments": words,
+            "cwd": str(cwd or Path.cwd()),
+            "env": dict(os.environ),
+            "out": str(out),
+            "err": str(err),
+        }
+        server.stdin.write(json.dumps(request) + "\n")
+        server.stdin.flush()
+        code = int(server.stdout.readline())
+        texts = [path.read_text(encoding="utf-8") for path in (out, err)]
+    return subprocess.CompletedProcess(["pkgen", *words], code, *texts)
 
 
 @pytest.fixture

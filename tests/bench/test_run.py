@@ -14,6 +14,7 @@ import pytest
 
 from bench import models
 
+pytestmark = pytest.mark.long
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = "bead_on_hoop"
 
@@ -57,7 +58,6 @@ def test_flags_and_verdicts_are_printed(measured) -> None:
     assert builds.count("True") >= 2
 
 
-@pytest.mark.long
 def test_the_lagrangians_of_the_peers_are_those_of_the_models(pkgen) -> None:
     """The accelerations that peers get are those that pkgen's model has, at its start."""
 

@@ -61,13 +61,6 @@ def test_the_cache_keeps_the_newest(tmp_path: Path) -> None:
     assert left == {f"model-{age}" for age in range(build.KEPT_PROGRAMS)}
 
 
-def test_a_new_cache_is_filled_and_used(pkgen, tmp_path: Path) -> None:
-    env = {**os.environ, "PKGEN_CACHE": str(tmp_path / "cache")}
-    for _ in range(2):
-        assert pkgen("run", DOUBLE, "--until", "0.1", env=env).returncode == 0
-        assert len(list((tmp_path / "cache" / "programs").iterdir())) == 1
-
-
 def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
     monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: directory.mkdir())

@@ -27,9 +27,14 @@ STRICT = [
     "-Werror",
 ]
 COMPILERS = ("gcc", "clang")
-# Warnings that need optimisation are the same in every type: the others are only read.
-THOROUGHLY = {"float": ["-fsyntax-only"], "double": ["-O2", "-c"], "long double": ["-fsyntax-only"]}
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
+
+
+def for_warnings(compiler: str, scalar: str) -> list[str]:
+    """Flags for what only looks for warnings. Those that need optimisation are gcc's, and the same
+    in every type: all else is only read."""
+    return ["-O1", "-c"] if (compiler, scalar) == ("gcc", "double") else ["-fsyntax-only"]
+
 
 # Every helper, every kind of power, an input, dissipation, families, names that are macros.
 ODD = """\
@@ -95,12 +100,14 @@ def run(*command: str | Path, cwd: Path) -> str:
 class Loaded:
     """A model compiled to a shared object, in double; kernels take and give lists of floats."""
 
-    def __init__(self, program: Program, directory: Path, compiler: str = "gcc") -> None:
+    def __init__(
+        self, program: Program, directory: Path, compiler: str = "gcc", optimise: str = "-O1"
+    ) -> None:
         self.program = program
         self.name = program.equations.model.name
         write(program, directory)
         library = directory / f"{self.name}.so"
-        flags = ["-O1", "-ffp-contract=off", "-shared", "-fPIC"]
+        flags = [optimise, "-ffp-contract=off", "-shared", "-fPIC"]
         run(compiler, *STRICT, *flags, f"{self.name}.c", "-o", library, "-lm", cwd=directory)
         self.library = ctypes.CDLL(str(library))
         count = len(program.parameter_names) + max(1, program.hoisted)

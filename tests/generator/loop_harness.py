@@ -28,7 +28,9 @@ class Unrolled(Loaded):
         model, _ = check.check_text(Source("model.lag", text), {"N": size})
         equations = derive.derive(model)
         directory.mkdir(exist_ok=True)
-        super().__init__(lower.lower(equations, analyze.analyze(equations)), directory)
+        super().__init__(
+            lower.lower(equations, analyze.analyze(equations)), directory, optimise="-O0"
+        )
 
 
 class Looped:

@@ -11,8 +11,8 @@ from c_harness import (
     ODD,
     ROOT,
     STRICT,
-    THOROUGHLY,
     TYPES,
+    for_warnings,
     read_model,
     read_text,
     run,
@@ -39,7 +39,7 @@ def test_no_warnings(model, compiler, scalar, tmp_path):
     _, program = model
     name = program.equations.model.name
     write(program, tmp_path, self_test=True)
-    flags = [*STRICT, *TYPES[scalar], *THOROUGHLY[scalar], "-o", "x.o"]
+    flags = [*STRICT, *TYPES[scalar], *for_warnings(compiler, scalar), "-o", "x.o"]
     run(compiler, *flags, f"{name}.c", cwd=tmp_path)
     run(compiler, *flags, *RUNTIME, f"{name}.c", cwd=tmp_path)
     run(compiler, *flags, *INLINED, f"{name}.c", cwd=tmp_path)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from c_harness import COMPILERS, ROOT, STRICT, THOROUGHLY, TYPES, run
+from c_harness import COMPILERS, ROOT, STRICT, TYPES, for_warnings, run
 from loop_models import FPUT, MODELS
 from pkgen.compiler import compile_model
 from pkgen.source import Source
@@ -28,7 +28,7 @@ def test_clean_in_every_type(name, compiler, tmp_path):
     model = emitted(MODELS[name][0], tmp_path)
     for scalar, flags in TYPES.items():
         for more in ([], RUNTIME):
-            how = [*STRICT, *flags, *more, *THOROUGHLY[scalar]]
+            how = [*STRICT, *flags, *more, *for_warnings(compiler, scalar)]
             run(compiler, *how, f"{model}.c", cwd=tmp_path)
     if compiler == "gcc":
         strict = [flag for flag in STRICT if flag != "-Wpedantic"]
