@@ -196,6 +196,9 @@ def _legend(figure: plt.Figure, used: set[str], columns: int) -> None:
         if kind in used
     ]
     handles += overlay.handles(used)
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(columns, len(handles)), frameon=False
+    legend = figure.legend(
+        handles=handles, loc="lower center", ncols=min(columns, len(handles)), frameon=False
     )
+    # "outside lower center" is not known to matplotlib before 3.7.
+    height = legend.get_window_extent(figure.canvas.get_renderer()).height / figure.bbox.height
+    figure.get_layout_engine().set(rect=(0, height, 1, 1 - height))
