@@ -58,7 +58,7 @@ static void exact_rates(void)
     const struct pk_problem problem = {.system = &oscillator, .params = &params};
     struct pk_options options = pk_options_default();
     struct pk_lyapunov l;
-    double error;
+    double error = 0;
     oscillator.prepare = NULL; /* which wants g > 0 */
     options.rtol = options.atol = 1e-10;
     CU_ASSERT_FATAL(pk_lyapunov_init(&l, &problem, pk_method_find("dop853"), &options, 0, q, v, 2,
