@@ -139,23 +139,6 @@ def _equations(
     return replace(derive.derive(model, kernels, reason), unrolled=reason)
 
 
-def _unwatched(model: Model, equations: Equations | LoopEquations) -> tuple[Diagnostic, ...]:
-    """That what divides in a loop may vanish unseen."""
-    if not isinstance(equations, LoopEquations) or not equations.unwatched:
-        return ()
-    span = equations.families[0].declared.span
-    return (
-        Diagnostic(
-            f"'{equations.unwatched[0]}' may vanish, and as families are loops no step watches it: "
-            "one that is too long steps over a singularity",
-            span,
-            "`pkgen run` watches it where few coordinates or an ensemble unroll the families; "
-            "else make sure that it stays away from 0",
-            "warning",
-        ),
-    )
-
-
 def compile_model(
     source: Source,
     *,
@@ -177,5 +160,4 @@ def compile_model(
     """
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use)
     _, (model, warnings), _, structure, (equations, report), program, files = made
-    warnings += _unwatched(model, equations)
     return Compilation(model, warnings, equations, structure, report, program, files)

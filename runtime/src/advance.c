@@ -28,7 +28,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     const struct pk_splitting *table = pk_splitting_table(it->method);
     const size_t n = it->n;
     const pk_real h = (pk_real)it->direction * it->options.h;
-    if (!system->advance || !table || system->n_inputs)
+    if (!system->advance || !table || system->n_inputs || it->guards) /* which it passes over */
         return 0;
     unsigned long steps = whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)

@@ -30,7 +30,7 @@ enum { Y, TRIAL = 2, SUM = 4, STAGE = 6, K = 8, SEARCH_PARTS = 10 };
 
 enum { KNOWN = 1, QUIET = 2 }; /* it->slopes: those at the state; the last step changed little */
 
-static size_t count_of(const struct pk_integrator *it) { return it->problem.system->n_guards; }
+static size_t count_of(const struct pk_integrator *it) { return it->n_guards; }
 
 static pk_real *part(const struct pk_integrator *it, int which)
 {
@@ -42,9 +42,9 @@ static pk_real *search_part(const struct pk_integrator *it, int which)
     return part(it, GUARD_PARTS) + (size_t)which * it->n;
 }
 
-size_t pk_guard_size(const struct pk_system *system, size_t n)
+size_t pk_guard_size(size_t n_guards, size_t n)
 {
-    return system->n_guards ? GUARD_PARTS * system->n_guards + SEARCH_PARTS * n : 0;
+    return n_guards ? GUARD_PARTS * n_guards + SEARCH_PARTS * n : 0;
 }
 
 static void evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
@@ -207,9 +207,11 @@ static int search(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t
 
 static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when)
 {
+    const struct pk_system *system = it->problem.system;
+    const size_t guard = pk_system_guard(system, it->problem.params, which).guard;
     it->where = which;
     it->detail = when;
-    return it->problem.system->guards[which].kind == PK_GUARD_COORDINATES
+    return system->guards[guard].kind == PK_GUARD_COORDINATES
                ? PK_SINGULAR_COORDINATES
                : PK_SINGULAR_TIME;
 }

@@ -23,7 +23,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t n = pk_system_count(system, problem->params);
     const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
     const size_t inputs = system->n_inputs * (1 + PK_LANES);
-    const size_t work = inputs + lane + method->size(method, n) + pk_guard_size(system, n);
+    const size_t guards = pk_guard_size(pk_system_guard_count(system, problem->params), n);
+    const size_t work = inputs + lane + method->size(method, n) + guards;
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
 }
@@ -82,7 +83,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->u = it->next + PK_PARTS * it->n;
     it->lane = it->u + system->n_inputs * (1 + PK_LANES);
     it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
-    it->guards = system->n_guards ? it->work + method->size(method, it->n) : NULL;
+    it->n_guards = pk_system_guard_count(system, problem->params);
+    it->guards = it->n_guards ? it->work + method->size(method, it->n) : NULL;
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
     return pk_integrator_reset(it, t0, q0, v0);

@@ -44,7 +44,7 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 /* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at a
  * start; whether a guard is zero there; after a trial step, which is still it->next; and after one
  * that failed, whether a guard is its cause. */
-size_t pk_guard_size(const struct pk_system *system, size_t n);
+size_t pk_guard_size(size_t n_guards, size_t n);
 void pk_guard_start(struct pk_integrator *it);
 enum pk_status pk_guard_here(struct pk_integrator *it);
 enum pk_status pk_guard_step(struct pk_integrator *it);

@@ -1,4 +1,5 @@
-/* Names of coordinates whose families are kept as loops: the declared name with its index. */
+/* Names in families kept as loops: of coordinates the declared name with its index, of guards the
+ * expression with the indices of its members. */
 #include <stdio.h>
 #include <string.h>
 
@@ -25,4 +26,35 @@ int pk_system_name(const struct pk_system *system, const void *params,
     const int stem = (int)strcspn(table[k].name, "'");
     return snprintf(text, size, "%.*s[%td]%s", stem, table[k].name, range.lo + (ptrdiff_t)i,
                     table[k].name + stem);
+}
+
+/* "[i+1]" and "[j-2]" as numbers; where it ends, or NULL if it is none of these. */
+static const char *index_of(const char *text, const struct pk_guard_place *place, ptrdiff_t *index)
+{
+    ptrdiff_t number = 0;
+    if (text[0] != '[' || (text[1] != 'i' && text[1] != 'j'))
+        return NULL;
+    *index = text[1] == 'i' ? place->i : place->j;
+    const int sign = text[2] == '-' ? -1 : 1;
+    text += text[2] == '+' || text[2] == '-' ? 3 : 2;
+    for (; *text >= '0' && *text <= '9'; text++)
+        number = 10 * number + (*text - '0');
+    *index += sign * number;
+    return *text == ']' ? text + 1 : NULL;
+}
+
+int pk_system_guard_name(const struct pk_system *system, const void *params, size_t k, char *text,
+                         size_t size)
+{
+    const struct pk_guard_place place = pk_system_guard(system, params, k);
+    const char *from = system->guards[place.guard].what.name;
+    size_t at = 0;
+    while (*from && at < size) {
+        ptrdiff_t index = 0;
+        const char *end = system->guard_place ? index_of(from, &place, &index) : NULL;
+        at += (size_t)(end ? snprintf(text + at, size - at, "[%td]", index)
+                           : snprintf(text + at, size - at, "%c", *from));
+        from = end ? end : from + 1;
+    }
+    return (int)at;
 }

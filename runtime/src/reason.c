@@ -101,8 +101,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         what, name, (double)it->condition, (double)it->detail, t);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
+        pk_system_guard_name(system, it->problem.params, it->where, name, sizeof name);
         return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
-                        system->guards[it->where].what.name, (double)it->detail, t);
+                        name, (double)it->detail, t);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:

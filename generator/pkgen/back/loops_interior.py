@@ -11,7 +11,7 @@ from ..middle.differentiate import reachable
 from ..middle.graph import MINUS_ONE, ONE, ZERO, Kind, Node, Op, Symbol
 from ..middle.loops import Group, LoopEquations, Part, Row, Slot
 from ..middle.loops_expand import domain
-from ..middle.loops_slots import substitute
+from ..middle.loops_slots import shifted
 from ..middle.normal import WORK
 from ..middle.policies import linear
 from .loops import WIDEST_BOND
@@ -36,18 +36,7 @@ class Interior:
 
     def shifted(self, node: Node, shift: int) -> Node:
         """The same expression in the row m + shift."""
-        values = {}
-        for n in reachable(self.g, [node]):
-            data = self.g.data[n]
-            if self.g.op[n] is not Op.SYMBOL or data.kind in (Kind.PI, Kind.TIME):
-                continue
-            slot = self.slots[data.index]
-            if slot.kind == "index" and slot.name == ROW:
-                values[n] = self.g.add(n, self.g.number(shift))
-            elif slot.at is not None and slot.at.factor(ROW):
-                at = slot.at + shift * slot.at.factor(ROW)
-                values[n] = self.symbol(Slot(slot.kind, slot.name, at))
-        return substitute(self.g, node, values)
+        return shifted(self.g, node, shift, self.slots, self.symbol)
 
     def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
         """Forces of bonds, each once: row(m) = sum of F_k(m) - F_k(m - s), and the rest.

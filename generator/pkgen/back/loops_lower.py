@@ -66,6 +66,7 @@ class _Context:
             for what in ("gradient", "pdot", "force")
         }
         pieces = self._pieces(lowering)
+        pieces["guards"] = [self.builder.total(p) for p in plans["guards"]]
         lowering.finish()
         return self._text(sets, band, totals, pairs, pieces)
 
@@ -194,6 +195,7 @@ class _Context:
             "defaults": [self.text.lines(s) for s in pieces["defaults"]],
             "observe": self.text.lines({"block": pieces["observed"]}) if e.observed else None,
             "conserve": self.text.lines({"block": pieces["conserved"]}) if e.conserved else None,
+            "guards": self.text.guards(pieces["guards"]),
             "n_sums": len(e.sums),
             "chunk": CHUNK,
             "widest": WIDEST_BOND,

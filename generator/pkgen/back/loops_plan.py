@@ -56,7 +56,11 @@ def planned(e: LoopEquations, plan: Builder) -> dict[str, Any]:
             totals[what] = plan.plan_total(what, total)
     for k, total in enumerate(e.sums):
         totals[f"sum_{k}"] = plan.plan_total(f"sum_{k}", total)
-    return {"rows": rows, "totals": totals, "band": band}
+    guards = [
+        plan.plan_total(f"guard_{k}", guard.terms, as_derived=True)
+        for k, guard in enumerate(e.guards)
+    ]
+    return {"rows": rows, "totals": totals, "band": band, "guards": guards}
 
 
 def _own(e: LoopEquations, g: Group) -> Row:

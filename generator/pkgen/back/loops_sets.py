@@ -102,14 +102,14 @@ class Builder:
             "span": span,
         }
 
-    def plan_total(self, name: str, total: Total) -> dict:
+    def plan_total(self, name: str, total: Total, as_derived: bool = False) -> dict:
         parts = [Row(total.parts)]
         nodes, lows, highs = self.sets.interior(parts, None)
         return {
             "name": name,
             "total": total,
             "rows": parts,
-            "nodes": self.sets.shortest(nodes),
+            "nodes": nodes if as_derived else self.sets.shortest(nodes),
             "lows": lows,
             "highs": highs,
         }

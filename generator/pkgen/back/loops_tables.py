@@ -14,6 +14,7 @@ def system_kernels(e: LoopEquations, totals: dict) -> list[tuple[str, str, list[
     found = [("acceleration", "int", ["a"]), ("force", "void", ["f"])]
     found += [("canonical", "void", ["momenta", "pdot"]), ("gradient", "void", ["dLdq"])]
     found += [(k, "pk_real", []) for k in ("energy", "kinetic", "potential") if k in totals]
+    found += [("guard", "void", ["out"])] if e.guards or e.pivots else []
     found += [("observe", "void", ["out"])] if e.observed else []
     found += [("conserve", "void", ["out"])] if e.conserved else []
     return found

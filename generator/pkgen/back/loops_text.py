@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import Any
 
 from ..middle.affine import ROW, Affine, variable
@@ -167,6 +168,32 @@ class Text:
                 for p, b in t.pairs
             ],
         }
+
+    def guards(self, sets: list[TotalSet]) -> dict[str, Any]:
+        """The kernel's sets of values, and what the tables say of each: M's pivots come first."""
+        e = self.e
+        entries = []
+        if e.pivots:
+            for g in e.coordinates:
+                ends = (g.lo, g.hi) if g.is_family else ()
+                at = "[i]" if g.is_family else ""
+                entries.append(self._guard(f"the pivot of {g.name}{at}", True, ends))
+        for guard in e.guards:
+            [over] = [
+                *((p.lo, p.hi) for p in guard.terms.parts),
+                *((p.lo, p.hi, p.first, p.last) for p in guard.terms.pairs),
+            ] or [()]
+            entries.append(self._guard(guard.name, guard.chart, over))
+        pivots = ("mass" if self.diagonal else "pivots") if e.pivots else ""
+        return {"sets": [self.total(t) for t in sets], "entries": entries, "pivots": pivots}
+
+    def _guard(self, text: str, chart: bool, over: tuple[Affine, ...]) -> dict[str, str]:
+        kind = "PK_GUARD_COORDINATES" if chart else "PK_GUARD_MOTION"
+        found = {"name": text, "kind": kind}
+        for key, at in zip_longest(("lo", "hi", "first", "last"), over):
+            found[key] = "" if at is None else self.lowering.index(at)
+            found[f"{key}_text"] = "" if at is None else at.text({ROW: "i"})
+        return found
 
     def pair(self, s: PairSet) -> dict[str, Any]:
         w, f = self.lowering, s.force

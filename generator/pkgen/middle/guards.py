@@ -65,7 +65,7 @@ def guards_of(
         if g.split(base)[1] not in known:
             motions.update(dict.fromkeys(node for node, _ in zeros(g, ranges, base)))
     found = dict.fromkeys([*charts, *motions])
-    squares = {g.args[node][0] for node in found if _is_call(g, node, "sqrt")}
+    squares = {square for node in found for square in squared(g, node)}
     return tuple(
         Guard(Quantity(wording(g, _base(g, node), name), "", ""), node, node in charts)
         for node in found
@@ -81,6 +81,11 @@ def _bounds(g: Graph, slot: ParameterSlot) -> Range:
 
 def _is_call(g: Graph, node: Node, *functions: str) -> bool:
     return g.op[node] is Op.CALL and g.data[node] in functions
+
+
+def squared(g: Graph, node: Node) -> tuple[Node, ...]:
+    """What a root is taken of."""
+    return g.args[node] if _is_call(g, node, "sqrt") else ()
 
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:

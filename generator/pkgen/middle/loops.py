@@ -191,6 +191,16 @@ class Bounded:
 
 
 @dataclass(frozen=True)
+class LoopGuard:
+    """The equations end where one of `terms` vanishes, each for itself: a member's, a pair's, or a
+    constant. `name` is the expression in i, of a pair in i and j."""
+
+    name: str
+    chart: bool
+    terms: Total
+
+
+@dataclass(frozen=True)
 class LoopEquations:
     model: Model
     graph: Graph
@@ -219,7 +229,8 @@ class LoopEquations:
     limits: tuple[Limit, ...]
     wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
     facts: Facts | None = None
-    unwatched: tuple[str, ...] = ()  # what may vanish, and has no guard
+    guards: tuple[LoopGuard, ...] = ()
+    pivots: bool = False  # those of M are guards too, before the others
 
     def group(self, name: str) -> Group:
         return next(g for g in self.coordinates if g.name == name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .. import limits
 from ..model import Model
 from ..source import Diagnostic, ModelError
@@ -11,10 +13,10 @@ from .loops import Band, Limit, LoopEquations, Row, Total, Unrolled, Vector
 from .loops_bodies import Gathered
 from .loops_expand import LoopExpander, size_values
 from .loops_facts import facts_of
+from .loops_guards import guards_of
 from .loops_rows import Gather
 from .loops_statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .loops_terms import Term, terms
-from .loops_unwatched import unwatched_of
 from .quantities import error, indexed
 
 
@@ -106,12 +108,9 @@ def _derive(x: LoopExpander) -> LoopEquations:
         wraps=gather.found.wraps,
     )
     _check_points(x, result)
-    values = vars(result) | {
-        "facts": facts_of(x, gather, result),
-        "unwatched": unwatched_of(x, result),
-        "slots": tuple(x.slots),
-    }
-    return LoopEquations(**values)
+    result = replace(result, facts=facts_of(x, gather, result))
+    guards, pivots = guards_of(x, gather, result)
+    return replace(result, guards=guards, pivots=pivots, slots=tuple(x.slots))
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:

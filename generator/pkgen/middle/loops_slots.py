@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
+from .affine import ROW
 from .differentiate import reachable
-from .graph import Graph, Node, Op
+from .graph import Graph, Kind, Node, Op
 from .loops import Slot
 from .loops_expand import LoopExpander
 
@@ -33,3 +36,21 @@ def substitute(g: Graph, node: Node, values: dict[Node, Node]) -> Node:
         else:
             known[n] = g.call(g.data[n], *args)
     return known[node]
+
+
+def shifted(
+    g: Graph, node: Node, shift: int, slots: Sequence[Slot], symbol: Callable[[Slot], Node]
+) -> Node:
+    """The same expression in the row m + shift."""
+    values = {}
+    for n in reachable(g, [node]):
+        data = g.data[n]
+        if g.op[n] is not Op.SYMBOL or data.kind in (Kind.PI, Kind.TIME):
+            continue
+        slot = slots[data.index]
+        if slot.kind == "index" and slot.name == ROW:
+            values[n] = g.add(n, g.number(shift))
+        elif slot.at is not None and slot.at.factor(ROW):
+            at = slot.at + shift * slot.at.factor(ROW)
+            values[n] = symbol(Slot(slot.kind, slot.name, at))
+    return substitute(g, node, values)

@@ -80,6 +80,7 @@ struct pk_integrator {
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
     pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
     pk_real *guards; /* NULL: the system has none; see src/guard.c */
+    size_t n_guards; /* their values: of families one a member */
     int slopes;      /* of the guards: what is known of them at this state */
     pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
     pk_real next_t, last_t;   /* end of the step being made; start of the last one made */

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 3u
+#define PK_ABI 4u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -59,6 +59,13 @@ enum pk_guard_kind { PK_GUARD_COORDINATES, PK_GUARD_MOTION };
 struct pk_guard {
     struct pk_quantity what; /* name: the expression as text, "sin(theta)" */
     enum pk_guard_kind kind;
+};
+
+/* Of a family kept as loops a guard is one for each member i, or for each pair of i and j, which
+ * stand in its name: "x[i+1] - x[i]". */
+struct pk_guard_place {
+    size_t guard; /* in the table */
+    ptrdiff_t i, j;
 };
 
 /* What `event` declares: a zero of a function of the state, crossed in a direction. */
@@ -201,6 +208,9 @@ struct pk_system {
      * Uncompensated. NULL: there is none. */
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
+    /* How many numbers guard() writes, and which guard number k of them is. */
+    size_t (*guard_count)(const void *params);
+    void (*guard_place)(const void *params, size_t k, struct pk_guard_place *place);
 };
 
 /* Degrees of freedom. */
@@ -208,6 +218,26 @@ static inline size_t pk_system_count(const struct pk_system *system, const void 
 {
     return system->count ? system->count(params) : system->n;
 }
+
+/* How many numbers guard() writes. */
+static inline size_t pk_system_guard_count(const struct pk_system *system, const void *params)
+{
+    return system->guard_count ? system->guard_count(params) : system->n_guards;
+}
+
+/* Which guard number k of these is. */
+static inline struct pk_guard_place pk_system_guard(const struct pk_system *system,
+                                                    const void *params, size_t k)
+{
+    struct pk_guard_place place = {k, 0, 0};
+    if (system->guard_place)
+        system->guard_place(params, k, &place);
+    return place;
+}
+
+/* Its name with i and j in brackets as numbers: "x[8] - x[7]". */
+int pk_system_guard_name(const struct pk_system *system, const void *params, size_t k, char *text,
+                         size_t size);
 
 /* The name of coordinate i (a number in q): "theta", "q[3]". `table` is the system's coordinates,
  * rates or momenta ("q[3]'", "p_q[3]"). Returns its length as snprintf() does. */
