@@ -67,7 +67,7 @@ def guards_of(
     found = dict.fromkeys([*charts, *motions])
     squares = {square for node in found for square in squared(g, node)}
     return tuple(
-        Guard(Quantity(wording(g, _base(g, node), name), "", ""), node, node in charts)
+        Guard(Quantity(wording(g, about(g, node), name), "", ""), node, node in charts)
         for node in found
         if node not in squares  # r, not r^2 too
     )
@@ -100,7 +100,7 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Nod
         elif _is_call(g, node, "log", "reciprocal"):
             yield first
         elif _is_call(g, node, "pow"):
-            yield _where_negative(g, first, g.args[node][1])
+            yield _where_positive(g, first, g.negate(g.args[node][1]))
         elif _is_call(g, node, "sqrt") and not ranges(first).not_negative:
             yield first  # of a sum of squares, a root alone is no more than a kink
         elif _is_call(g, node, "tan"):
@@ -109,13 +109,13 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Nod
             yield g.subtract(ONE, g.power(first, 2))
 
 
-def _where_negative(g: Graph, base: Node, exponent: Node) -> Node:
-    """|x|^max(-n, 0), which vanishes with x as far as x^n is singular there: n is a parameter, so
+def _where_positive(g: Graph, base: Node, exponent: Node) -> Node:
+    """|x|^max(n, 0), which vanishes with x as far as x^-n is singular there: n is a parameter, so
     that is known when the model runs. A root of a negative x is no number, and told as such."""
-    return g.call("pow", g.call("abs", base), g.call("max", g.negate(exponent), g.number(0)))
+    return g.call("pow", g.call("abs", base), g.call("max", exponent, g.number(0)))
 
 
-def _base(g: Graph, guard: Node) -> Node:
+def about(g: Graph, guard: Node) -> Node:
     """What the guard is about."""
     return g.args[g.args[guard][0]][0] if _is_call(g, guard, "pow") else guard
 
@@ -136,6 +136,8 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
                 yield from zeros(g, ranges, factor)
             if not ranges(rest).never_zero:
                 yield rest, True
+        elif _is_call(g, base, "pow") and not _is_call(g, first, "abs"):
+            yield _where_positive(g, first, g.args[base][1]), False
         else:
             yield base, False
 

@@ -10,11 +10,12 @@ it with ranges of their own: then all pivots, as the acceleration finds them, ar
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from .affine import OTHER, ROW, Affine
+from .collect import settled
 from .graph import BIT, ZERO, Graph, Kind, Node, Symbol
-from .guards import dangerous, squared, zeros
+from .guards import about, dangerous, squared, zeros
 from .loops import Group, LoopEquations, LoopGuard, PairPart, Part, Slot, Total
 from .loops_expand import LoopExpander, unlike_loops
 from .loops_pairs import M
@@ -26,9 +27,12 @@ from .wording import wording
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME]
 _PRIMES = {"v": "'", "d": "'"}
 _Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
+_Guarded = tuple[_Over, Node]
 
 
-def guards_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> tuple[tuple[LoopGuard, ...], bool]:
+def guards_of(
+    x: LoopExpander, gather: Gather, e: LoopEquations
+) -> tuple[tuple[LoopGuard, ...], bool]:
     """The guards, those of the chart first; and whether the pivots of M are guards too."""
     return _Guards(x, gather, e).found()
 
@@ -49,13 +53,28 @@ class _Guards:
             if self._moves(node)
         ]
         kept = dict.fromkeys([*charts, *motions])
-        roots = {(over, square) for over, node in kept for square in squared(self.g, node)}
+        roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
+        for root in roots:  # r, not r^2 too
+            kept.pop(root, None)
         guards = [
             LoopGuard(self._text(node), (over, node) in charts, self._terms(over, node))
-            for over, node in kept
-            if (over, node) not in roots  # r, not r^2 too
+            for over, node in self._distinct(kept)
         ]
         return tuple(guards), pivots
+
+    def _distinct(self, found: Iterable[_Guarded]) -> list[_Guarded]:
+        """Those that are not another one or its negative: two rows see a body in two ways."""
+        kept: list[_Guarded] = []
+        for over, node in found:
+            same = [
+                ways(node, other)
+                for there, other in kept
+                if there == over
+                for ways in (self.g.subtract, self.g.add)
+            ]
+            if ZERO not in settled(self.g, same):
+                kept.append((over, node))
+        return kept
 
     # -- where they are found -----------------------------------------------------------------
 
@@ -75,11 +94,11 @@ class _Guards:
             for _, node in (*pair.by_row, *pair.by_other, *pair.by_scalar):
                 yield over, node
 
-    def _charts(self) -> tuple[dict[tuple[_Over, Node], None], bool]:
+    def _charts(self) -> tuple[dict[_Guarded, None], bool]:
         """The factors of a diagonal M's entries that may vanish; and whether its pivots are to be
         watched as they are."""
         e = self.e
-        found: dict[tuple[_Over, Node], None] = {}
+        found: dict[_Guarded, None] = {}
         if e.facts.mass_constant:
             return found, False
         if not e.mass.is_diagonal:
@@ -96,7 +115,7 @@ class _Guards:
                     found[self._canonical(over, factor)] = None
         return found, pivots
 
-    def _single(self, group: Group) -> tuple[_Over, Node] | None:
+    def _single(self, group: Group) -> _Guarded | None:
         """The diagonal entry of M as one expression, with its range; None: it is none."""
         if not group.is_family:
             total = self.e.mass.corner[group.name, group.name]
@@ -108,13 +127,12 @@ class _Guards:
         return over, self.g.sum(part.node for part in parts)
 
     def _positive(self, group: Group) -> bool:
-        """Whether no part of the diagonal entry is negative, and one that is always there positive."""
-        key = (group.name, group.name)
+        """Whether no part of the diagonal entry is negative, and one everywhere is positive."""
         if not group.is_family:
-            total = self.e.mass.corner[key]
+            total = self.e.mass.corner[group.name, group.name]
             always, parts = [total.constant], total.parts
         else:
-            parts = self.e.mass.entries[*key, 0].parts
+            parts = self.e.mass.entries[group.name, group.name, 0].parts
             always = [part.node for part in parts if _covers(part, group)]
         return all(self.ranges(part.node).not_negative for part in parts) and any(
             self.ranges(node).positive for node in always
@@ -128,8 +146,8 @@ class _Guards:
             slot.kind in moving for slot in slots_of(self.x, [node])
         )
 
-    def _canonical(self, over: _Over, node: Node) -> tuple[_Over, Node]:
-        """The same for the least index in it as i, since rows see a body from each of its members."""
+    def _canonical(self, over: _Over, node: Node) -> _Guarded:
+        """The same with i the least index in it: rows see a body from each of its members."""
         slots = slots_of(self.x, [node])
         members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
         if len(over) != 2:
@@ -163,7 +181,7 @@ class _Guards:
             at = "" if slot.at is None else f"[{slot.at.text(shown).replace(' ', '')}]"
             return slot.name + at + _PRIMES.get(slot.kind, "")
 
-        return wording(self.g, node, name)
+        return wording(self.g, about(self.g, node), name)
 
 
 def _covers(part: Part, group: Group) -> bool:
