@@ -49,6 +49,8 @@ int pk_system_guard_name(const struct pk_system *system, const void *params, siz
     const struct pk_guard_place place = pk_system_guard(system, params, k);
     const char *from = system->guards[place.guard].what.name;
     size_t at = 0;
+    if (size)
+        *text = 0;
     while (*from && at < size) {
         ptrdiff_t index = 0;
         const char *end = system->guard_place ? index_of(from, &place, &index) : NULL;
