@@ -8,13 +8,11 @@ import random
 import pytest
 from building import model
 from c_harness import MODELS, Loaded, read_model, read_text
-from pkgen.compiler import compile_model
 from pkgen.middle.derive import derive
 from pkgen.middle.evaluate import evaluate
 from pkgen.middle.graph import Graph, Kind, Symbol
 from pkgen.middle.ranges import ANY, Range, Ranges
 from pkgen.middle.wording import wording
-from pkgen.source import Source
 
 CHART, MOTION = True, False
 OF_MODELS = {
@@ -176,28 +174,3 @@ def test_a_parameter_as_exponent_is_a_guard_where_it_is_negative():
     # The force has x^(n - 1).
     assert value(2, 0) == value(2, -0.3) == value(1, 0) == 1
     assert value(-1, 0) == 0 and value(-1, -0.3) == pytest.approx(0.09)
-
-
-@pytest.mark.parametrize(
-    ("potential", "expected"),
-    [
-        ("sum(-1/(x[i+1] - x[i]), i = 1..N-1)", True),
-        ("sum(-k/norm([x[j] - x[i], 0, 0]), i = 1..N-1, j = i+1..N)", True),
-        ("sum(log(x[i]), i = 1..N)", True),
-        ("sum(x[i]^2/2/m[i]/i, i = 1..N)", False),
-        ("sum(-k/sqrt(k + (x[i+1] - x[i])^2), i = 1..N-1)", False),
-        ("sum(cos(x[i]) + exp(x[i]), i = 1..N)", False),
-    ],
-)
-def test_what_loops_do_not_watch_is_said(potential, expected):
-    text = "model m\nsize N = 20\nparam k = 2 in (0, inf)\nparam m[i = 1..N] = i in (0, inf)\n"
-    text += f"coord x[1..N]\nkinetic sum(x[i]'^2/2, i = 1..N)\npotential {potential}\n"
-    text += "start x[i = 1..N] = i\n"
-    source = Source("m.lag", text)
-    loops = compile_model(source)
-    assert loops.looped
-    said = [w.message for w in loops.warnings if "may vanish" in w.message]
-    assert len(said) == expected
-    unrolled = compile_model(source, sizes={"N": 3}, unroll=None)
-    assert bool(unrolled.equations.guards) == expected
-    assert not any("may vanish" in w.message for w in unrolled.warnings)

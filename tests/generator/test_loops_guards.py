@@ -1,0 +1,172 @@
+"""Guards of families kept as loops: which there are, over which members, and their values."""
+
+from __future__ import annotations
+
+import ctypes
+import random
+
+import numpy as np
+import pytest
+from loop_harness import Looped, looped
+from pkgen.front import check
+from pkgen.middle.derive import derive
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import Kind, Symbol
+from pkgen.source import Source
+
+CHART, MOTION = True, False
+HEAD = """model m
+size N = 20
+param k = 2 in (0, inf)
+param e = 0.1
+param m[i = 1..N] = i in (0, inf)
+coord x[1..N], y[1..N], s
+"""
+FLAT = "sum(x[i]'^2/2 + y[i]'^2/2, i = 1..N) + s'^2/2"
+
+
+def written(potential: str = "0", kinetic: str = FLAT, more: str = "") -> str:
+    return f"{HEAD}kinetic {kinetic}\npotential {potential}\n{more}"
+
+
+def over(guard) -> str:
+    """The range of its members: '1..N-1', of pairs '1..N-1, m+1..N', of a single value ''."""
+    ends = [(p.lo, p.hi) for p in guard.terms.parts]
+    ends += [end for p in guard.terms.pairs for end in ((p.lo, p.hi), (p.first, p.last))]
+    return ", ".join(f"{a.text()}..{b.text()}" for a, b in ends).replace(" ", "").replace(",", ", ")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        # Once for a body, whichever of its members the row belongs to.
+        (written("sum(-k/(x[i+1] - x[i]), i = 1..N-1)"), [("x[i+1] - x[i]", MOTION, "1..N-1")]),
+        (
+            written("sum(-k/norm([x[i+1] - x[i], y[i+1] - y[i], 0]), i = 1..N-1)"),
+            [("(x[i+1] - x[i])^2 + (y[i+1] - y[i])^2", MOTION, "1..N-1")],
+        ),
+        (
+            written("sum(-k/norm([x[j] - x[i], 0, 0]), i = 1..N-1, j = i+1..N)"),
+            [("x[j] - x[i]", MOTION, "1..N-1, m+1..N")],
+        ),
+        (
+            written("sum(asin(x[i+1] - x[i-1]), i = 2..N-1)"),
+            [("1 - (x[i+2] - x[i])^2", MOTION, "1..N-2")],
+        ),
+        (written("sum(log(x[i] - e*i), i = 1..N)"), [("x[i] - e*i", MOTION, "1..N")]),
+        (written("sum(x[i]^m[i], i = 1..N)"), [("x[i]", MOTION, "1..N")]),
+        (
+            written("sum(k/cos(x[i])/y[i], i = 2..N)"),
+            [("cos(x[i])", MOTION, "2..N"), ("y[i]", MOTION, "2..N")],
+        ),
+        # Single members, a coordinate beside the families, the time.
+        (
+            written("-1/x[1] - 1/(x[N] - x[N-1])"),
+            [("x[i]", MOTION, "1..1"), ("x[i+1] - x[i]", MOTION, "N-1..N-1")],
+        ),
+        (written("sum(-y[i]/s, i = 1..N)"), [("s", MOTION, "")]),
+        (written("sum(-1/(s - x[i]), i = 1..N)"), [("s - x[i]", MOTION, "1..N")]),
+        (written("sum(y[i]/(t - i), i = 1..N)"), [("t - i", MOTION, "1..N")]),
+        # Forces, and the time in an end that is given.
+        (written(more="force x[i = 1..N] = 1/(y[i] - e)\n"), [("y[i] - e", MOTION, "1..N")]),
+        (
+            written("sum((x[i+1] - x[i])^2, i = 0..N)", more="fixed x[0] = 1/t, x[N+1] = 0\n"),
+            [("t", MOTION, "")],
+        ),
+        # M.
+        (
+            written(kinetic="sum(x[i]'^2/2 + x[i]^2*y[i]'^2/2, i = 1..N) + s'^2/2"),
+            [("x[i]", CHART, "1..N")],
+        ),
+        (
+            written("1/s", kinetic="sum(x[i]'^2/2 + y[i]'^2/2, i = 1..N) + s'^2*s^2/2"),
+            [("s", CHART, "")],
+        ),
+        # What is proved never to vanish, or does not move.
+        (written("sum(x[i]^2/2/m[i]/i/e, i = 1..N)"), []),
+        (written("sum(-k/sqrt(k + (x[i+1] - x[i])^2), i = 1..N-1)"), []),
+        (written("sum(cos(x[i]) + exp(x[i]) + 1/cosh(y[i]), i = 1..N)"), []),
+        (written(kinetic=f"{FLAT} + sum(x[i]^2*y[i]'^2/2, i = 1..N-1)"), []),
+        (written(kinetic=f"{FLAT} + sum(x[i]^2*s'^2/2, i = 1..N)"), []),
+        (written(kinetic=f"{FLAT} + sum(x[i]'*x[i+1]'/3, i = 1..N-1)"), []),
+    ],
+)
+def test_which(text, expected):
+    e = looped(text)
+    found = [(guard.name, guard.chart, over(guard)) for guard in e.guards]
+    assert found == expected and not e.pivots
+
+
+@pytest.mark.parametrize(
+    "kinetic",
+    [
+        f"{FLAT} + sum(x[i]'*y[i]'*cos(x[i]), i = 1..N)",
+        "sum(x[i]'^2/2, i = 1..N) + sum(x[i]^2*y[i]'^2, i = 1..N-1) + sum(y[i]'^2, i = 2..N) + s'^2",
+        "sum(x[i]'^2/2 + y[i]'^2/2 + x[i]^2*s'^2/2, i = 1..N)",
+    ],
+)
+def test_pivots_of_m_where_they_are_no_expression(kinetic):
+    assert looped(written(kinetic=kinetic)).pivots
+
+
+# A guard of each kind beside the pivots of a band.
+ALL = """model all
+size N = 4
+param k = 2
+param l[i = 0..N] = 0.1*i
+coord x[1..N], a[0..N-1], s
+fixed x[0] = -1 + t/7, x[N+1] = 3
+periodic a
+kinetic sum(x[i]'^2 + x[i]'*a[i-1]'*cos(x[i])/2, i = 1..N) + sum(a[i]'^2, i = 0..N-1) + s'^2/2
+potential sum(-k/(x[i+1] - x[i] - l[i]), i = 0..N) + sum(1/sin(a[i+1] - a[i]), i = 0..N-1)
+potential log(s) + sum(1/(s - i*x[i]), i = 1..N) - 1/(x[1] - 9)
+potential sum(1/(x[j] - x[i]), i = 1..N-1, j = i+1..N)
+start x[i = 1..N] = i
+"""
+# M is diagonal, and of y[N] another sum than of the rest.
+UNEVEN = """model uneven
+size N = 4
+coord x[1..N], y[1..N]
+kinetic sum(x[i]'^2/2, i = 1..N) + sum(x[i]^2*y[i]'^2, i = 1..N-1) + sum(x[i]^4*y[i]'^2, i = 2..N)
+potential 0
+"""
+
+
+def unrolled(text: str, size: int):
+    model, _ = check.check_text(Source("model.lag", text), {"N": size})
+    e = derive(model)
+    fixed: dict[Symbol, float] = {}
+    for k, slot in enumerate(e.parameters):
+        fixed[Symbol(Kind.PARAMETER, k)] = evaluate(e.graph, [slot.default], fixed)[0]
+    return e, fixed
+
+
+def state_of(e, generator: random.Random, size: int, far: bool):
+    q = [generator.uniform(-1, 1) for _ in e.coordinates]
+    q[size] += 3e9 * far  # a[0]: beyond the inline sine
+    v = [generator.uniform(-1, 1) for _ in e.coordinates]
+    values = {Symbol(Kind.COORDINATE, i): x for i, x in enumerate(q)} | {Symbol(Kind.TIME): 0.3}
+    return q, v, values | {Symbol(Kind.RATE, i): x for i, x in enumerate(v)}
+
+
+@pytest.mark.parametrize(("text", "sizes"), [(ALL, (3, 4, 9)), (UNEVEN, (2, 9))])
+def test_values(text, sizes, tmp_path):
+    loops = Looped(text, tmp_path, ("-O0",))
+    generator = random.Random(2385)
+    for size in sizes:
+        e, fixed = unrolled(text, size)
+        at, n = loops.at(size), len(e.coordinates)
+        count = loops.function("guard_count", ctypes.c_size_t)(ctypes.byref(at.params))
+        for far in (False, text is ALL):
+            q, v, values = state_of(e, generator, size, far)
+            _, (found,) = at.call("guard", 0.3, q, v, [], (count,))
+            # The pivots first: their product is the determinant, in whatever order M is factored.
+            entries = evaluate(e.graph, [x for row in e.mass for x in row], fixed | values)
+            whole = np.linalg.det(np.array(entries).reshape(n, n))
+            assert min(found[:n]) > 0 and np.prod(found[:n]) == pytest.approx(whole, rel=1e-12)
+            nodes = [guard.node for guard in e.guards if not guard.chart]
+            expected = evaluate(e.graph, nodes, fixed | values)
+            # Of an expression and its negative either may be the guard.
+            rest = {f"{abs(x):.9g}" for x in found[n:]}
+            assert rest == {f"{abs(x):.9g}" for x in expected}
+            assert len(rest) > 3 * size if text is ALL else not rest
