@@ -49,6 +49,20 @@ kinetic x'^2/2
 potential sqrt(x)
 start x = 1
 """
+CHAIN = """model chain
+size N = 20
+coord x[1..N]
+kinetic sum(x[i]'^2/2, i = 1..N)
+potential sum(-1/(x[i+1] - x[i]), i = 1..N-1)
+start x[i = 1..N] = i
+"""
+FOLDED_CHAIN = """model folded_chain
+size N = 20
+coord x[1..N], y[1..N]
+kinetic sum(x[i]'^2/2 + y[i]'^2/2 + x[i]'*y[i]'*cos(x[i]), i = 1..N)
+potential 0
+start x[i = 1..N] = 1.5, x[7]' = -0.7
+"""
 BLOW_UP = """model away
 param a = 1 in (0, inf)
 coord x
@@ -131,6 +145,18 @@ CASES: dict[str, Case] = {
         "M that becomes singular on the way",
         FOLDED,
         "--until 10",
+        "PK_SINGULAR_COORDINATES",
+    ),
+    "chain": Case(
+        "a family kept as loops, whose steps would be fused: two pairs collide at once",
+        CHAIN,
+        "--until 3 --method verlet --step 0.01",
+        "PK_SINGULAR_TIME",
+    ),
+    "chain-fold": Case(
+        "M of a family kept as loops that becomes singular on the way, and regular again",
+        FOLDED_CHAIN,
+        "--until 3 --method rk4 --step 0.02",
         "PK_SINGULAR_COORDINATES",
     ),
     "indefinite": Case(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -238,3 +240,51 @@ def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
     assert "families         unrolled: 'x' is defined piece by piece" in done.stdout
     done = pkgen("check", links, "--size", "N=20000")
     assert done.returncode == 1 and "which cannot stay loops" in done.stderr
+
+
+GAS = """\
+model gas
+size N = 20
+param g = 1
+coord x[1..N]
+kinetic sum(x[i]'^2/2, i = 1..N)
+potential sum(g/(x[i+1] - x[i]), i = 1..N-1)
+start x[i = 1..N] = i
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["dop853", "verlet --step 0.01"])
+def test_a_collision_is_the_same_unrolled_and_as_loops(pkgen, tmp_path: Path, method: str) -> None:
+    """Where all attract each other, those at either end fall first, both at once."""
+    path, members = tmp_path / "gas.lag", tmp_path / "members.csv"
+    path.write_text(GAS, encoding="utf-8")
+    members.write_text("g\n-1\n", encoding="utf-8")
+    common = ("run", path, "--until", "5", "--every", "0.1", "--method", *method.split(), "--json")
+    last, ends = [], []
+    for size in (8, 17, 32):  # up to 16 coordinates families are unrolled
+        done = pkgen(*common, "--size", f"N={size}", "--set", "g=-1")
+        report = json.loads(done.stdout)["report"]
+        assert done.returncode == 4 and report["status"] == "PK_SINGULAR_TIME"
+        last.append(report["t"])
+        ends.append(float(re.search(r"x\[\d+\] vanishes at t = (\S+);", done.stderr)[1]))
+    done = pkgen(*common, "--size", "N=17", "--ensemble", members)
+    failed = json.loads(done.stdout)["report"]["first_failed"]
+    assert done.returncode == 4 and failed["status"] == "PK_SINGULAR_TIME"
+    last.append(failed["t"])
+    assert last == pytest.approx([1.0] * 4 if "verlet" in method else [ends[0]] * 4, rel=1e-6)
+    assert 1 < ends[0] < 1.01 and ends == pytest.approx([ends[0]] * 3, rel=1e-6)
+
+
+@pytest.mark.long
+def test_what_repels_passes_near_and_never_ends(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "gas.lag"
+    walls = "fixed x[0] = 0, x[N+1] = N + 1\nstart x[i = 1..N]' = 3*sin(7*i^2)\n"
+    path.write_text(GAS.replace("i = 1..N-1)", "i = 0..N)") + walls, encoding="utf-8")
+    for method in ("dop853", "verlet --step 0.002"):
+        names, table = ran(
+            pkgen, path, "--until", "200", "--every", "0.5", "--method", *method.split()
+        )
+        places = [row[1 : names.index("x[1]'")] for row in table]
+        gaps = [b - a for row in places for a, b in pairwise(row)]
+        assert 0 < min(gaps) < 0.15 and len(table) == 401

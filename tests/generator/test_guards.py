@@ -174,3 +174,14 @@ def test_a_parameter_as_exponent_is_a_guard_where_it_is_negative():
     # The force has x^(n - 1).
     assert value(2, 0) == value(2, -0.3) == value(1, 0) == 1
     assert value(-1, 0) == 0 and value(-1, -0.3) == pytest.approx(0.09)
+
+
+def test_a_power_of_a_parameter_that_divides():
+    equations, _ = read_text("model m\nparam n = 2\ncoord x\nkinetic x'^2/2\npotential 1/x^n\n")
+    assert {name for name, _ in guards(equations)} == {"x"}
+
+    def least(n: float, x: float) -> float:
+        at = {Symbol(Kind.PARAMETER, 0): n, Symbol(Kind.COORDINATE, 0): x}
+        return min(evaluate(equations.graph, [guard.node for guard in equations.guards], at))
+
+    assert least(2, 0) == 0 and least(2, 0.1) > 0 and least(-3, 0) == 1

@@ -101,7 +101,7 @@ def test_which(text, expected):
     "kinetic",
     [
         f"{FLAT} + sum(x[i]'*y[i]'*cos(x[i]), i = 1..N)",
-        "sum(x[i]'^2/2, i = 1..N) + sum(x[i]^2*y[i]'^2, i = 1..N-1) + sum(y[i]'^2, i = 2..N) + s'^2",
+        "sum(x[i]'^2, i = 1..N) + sum(x[i]^2*y[i]'^2, i = 1..N-1) + sum(y[i]'^2, i = 2..N) + s'^2",
         "sum(x[i]'^2/2 + y[i]'^2/2 + x[i]^2*s'^2/2, i = 1..N)",
     ],
 )
