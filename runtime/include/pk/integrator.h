@@ -126,8 +126,8 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
  * exactly there. PK_DONE without a step if t is there already. */
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
 /* Up to `steps` steps (0: as many as it takes) towards `limit`. Where the system can advance() by a
- * splitting method, all that lie on the grid at once, uncompensated and in one pass over memory;
- * if they end in what is not finite fewer are made, so that the failing one is found. Else the same
+ * splitting method and has no guards, all that lie on the grid at once, uncompensated and in one
+ * pass over memory; if they end in what is not finite fewer are made, so that the failing one is found. Else the same
  * as so many calls of pk_integrator_step(). */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Steps until t == t_end exactly, forward or backward. */

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 4u
+#define PK_ABI 3u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
