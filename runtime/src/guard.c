@@ -30,11 +30,9 @@ enum { Y, TRIAL = 2, SUM = 4, STAGE = 6, K = 8, SEARCH_PARTS = 10 };
 
 enum { KNOWN = 1, QUIET = 2 }; /* it->slopes: those at the state; the last step changed little */
 
-static size_t count_of(const struct pk_integrator *it) { return it->n_guards; }
-
 static pk_real *part(const struct pk_integrator *it, int which)
 {
-    return it->guards + (size_t)which * count_of(it);
+    return it->guards + (size_t)which * it->n_guards;
 }
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
@@ -69,7 +67,7 @@ static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const 
 {
     const pk_real d = (it->next_t - it->t) / 1024;
     along(it, t, q, v, d, slope);
-    for (size_t k = 0; k < count_of(it); k++)
+    for (size_t k = 0; k < it->n_guards; k++)
         slope[k] = (slope[k] - value[k]) / d;
 }
 
@@ -127,7 +125,7 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
 {
     const pk_real *first = part(it, NOW);
     size_t k = 0;
-    while (k < count_of(it) && !(pk_abs(g[k]) <= depth * pk_abs(first[k])))
+    while (k < it->n_guards && !(pk_abs(g[k]) <= depth * pk_abs(first[k])))
         k++;
     return k;
 }
@@ -143,7 +141,7 @@ static pk_real within(pk_real t, pk_real first, pk_real last)
 static int vanishes(struct pk_integrator *it, pk_real t_end, pk_real depth, size_t *which,
                     pk_real *when)
 {
-    const size_t n = it->n, m = count_of(it);
+    const size_t n = it->n, m = it->n_guards;
     const pk_real whole = t_end - it->t;
     pk_real *g = part(it, NEXT), *g1 = part(it, NEXT_SLOPE);
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL);
@@ -221,7 +219,7 @@ enum pk_status pk_guard_here(struct pk_integrator *it)
     if (!it->guards)
         return PK_DONE;
     const pk_real *g = part(it, NOW);
-    for (size_t k = 0; k < count_of(it); k++)
+    for (size_t k = 0; k < it->n_guards; k++)
         if (!(g[k] > 0) && !(g[k] < 0))
             return ended(it, k, it->t);
     return PK_DONE;
@@ -248,7 +246,7 @@ static int doubtful(const struct pk_integrator *it, size_t k)
 static int calm(const struct pk_integrator *it)
 {
     const pk_real *g0 = part(it, NOW), *g1 = part(it, NEXT);
-    for (size_t k = 0; k < count_of(it); k++)
+    for (size_t k = 0; k < it->n_guards; k++)
         if (!(pk_abs(g1[k] - g0[k]) <= CALM * pk_abs(g0[k])))
             return 0;
     return 1;
@@ -256,7 +254,7 @@ static int calm(const struct pk_integrator *it)
 
 enum pk_status pk_guard_step(struct pk_integrator *it)
 {
-    const size_t m = count_of(it), n = it->n;
+    const size_t m = it->n_guards, n = it->n;
     if (!it->guards)
         return PK_DONE;
     const pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);

@@ -68,12 +68,19 @@ int main(void)
 }
 """
 
+GUARD = """{
+            double *g = malloc(NAME_guard_count(&p) * sizeof *g);
+            NAME_guard(&p, 0, q, v, u, g);
+            free(g);
+        }"""
+
 
 @pytest.mark.parametrize("name", ["fput", "ring", "paired", "beam", "wheel", "cart"])
 def test_sound_under_sanitizers(name, tmp_path):
     model = emitted(MODELS[name][0], tmp_path)
     text = USE.replace("NAME", model)
-    text = text.replace("ADVANCE", "fput_verlet(&p, 0, 0.01, 20, q, v);" if name == "fput" else "")
+    more = {"fput": "fput_verlet(&p, 0, 0.01, 20, q, v);", "wheel": GUARD, "cart": GUARD}
+    text = text.replace("ADVANCE", more.get(name, "").replace("NAME", model))
     (tmp_path / "use.c").write_text(text)
     flags = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     run("gcc", *STRICT, *flags, f"{model}.c", "use.c", "-o", "use", "-lm", cwd=tmp_path)
