@@ -52,6 +52,30 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
                     what, detail, h, t);
 }
 
+static const char *const guard_use[] = {
+    [PK_GUARD_COORDINATES] = "M is singular there",
+    [PK_GUARD_DIVISOR] = "they divide by it",
+    [PK_GUARD_ROOT] = "they take a root of it",
+    [PK_GUARD_LOGARITHM] = "they take its logarithm",
+    [PK_GUARD_ARC] = "their asin or acos ends there",
+};
+
+/* An acceleration that does not grow on the way to a division by zero seems to have a limit there:
+ * the expression ends and the motion may not. */
+static int singular(const struct pk_integrator *it, const struct pk_guard *guard, char *text,
+                    size_t size)
+{
+    const int removable = guard->kind == PK_GUARD_DIVISOR && pk_finite(it->condition);
+    return snprintf(text, size, "%s: %s vanishes at t = %.17g, and %s%s; last valid time %.17g",
+                    pk_status_text(it->status), guard->what.name, (double)it->detail,
+                    guard_use[guard->kind],
+                    removable ? "; the acceleration stays finite on the way there: if the "
+                                "expression has a limit, as sin(x)/x has, write it without the "
+                                "division"
+                              : "",
+                    (double)it->t);
+}
+
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
@@ -101,8 +125,13 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         what, name, (double)it->condition, (double)it->detail, t);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
-        return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
-                        system->guards[it->where].what.name, (double)it->detail, t);
+        return singular(it, &system->guards[it->where], text, size);
+    case PK_STEP_TOO_LONG:
+        return snprintf(text, size,
+                        "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
+                        "from there the motion does not: make the steps shorter; last valid time "
+                        "%.17g",
+                        what, t, (double)it->detail, system->guards[it->where].what.name, t);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:

@@ -52,6 +52,7 @@ void add_advance(void);
 void add_adaptive_verlet(void);
 void add_linear(void);
 void add_guard(void);
+void add_guard_cause(void);
 void add_after_failure(void);
 void add_events(void);
 void add_variation(void);

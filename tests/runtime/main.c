@@ -116,6 +116,7 @@ int main(int argc, char **argv)
     add_adaptive_verlet();
     add_linear();
     add_guard();
+    add_guard_cause();
     add_after_failure();
     add_events();
     add_variation();

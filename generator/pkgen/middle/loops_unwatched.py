@@ -26,7 +26,7 @@ def unwatched_of(x: LoopExpander, e: LoopEquations) -> tuple[str, ...]:
     entries = [part.node for row in e.mass.entries.values() for part in row.parts]
     found = [
         node
-        for base in dangerous(g, ranges, [*vector_nodes(e.force), *entries])
+        for base, _ in dangerous(g, ranges, [*vector_nodes(e.force), *entries])
         for node, _ in zeros(g, ranges, base)
     ]
     for (name, other, distance), row in e.mass.entries.items():
