@@ -49,6 +49,18 @@ kinetic x'^2/2
 potential sqrt(x)
 start x = 1
 """
+REMOVABLE = """model sinc
+coord x
+kinetic x'^2/2
+potential -sin(x)/x
+start x = 1
+"""
+ARC = """model arc
+coord x
+kinetic x'^2/2
+potential -asin(x)
+start x = 0.1
+"""
 BLOW_UP = """model away
 param a = 1 in (0, inf)
 coord x
@@ -108,6 +120,24 @@ CASES: dict[str, Case] = {
         ROOT_OF_X,
         "--until 10",
         "PK_SINGULAR_TIME",
+    ),
+    "arc": Case(
+        "the same of an asin, whose force is infinite at its end",
+        ARC,
+        "--until 10",
+        "PK_SINGULAR_TIME",
+    ),
+    "removable": Case(
+        "a division by what vanishes, though the quotient has a limit there",
+        REMOVABLE,
+        "--until 10",
+        "PK_SINGULAR_TIME",
+    ),
+    "step-too-long": Case(
+        "a step over a singularity that the motion does not reach",
+        TOP,
+        "--until 50 --method rk4 --step 0.5",
+        "PK_STEP_TOO_LONG",
     ),
     "pole": Case(
         "coordinate singularity, theta -> 0 of the top",
