@@ -26,6 +26,9 @@ struct run {
     pk_real last_row;    /* its time */
     unsigned long rows;
     pk_real h_min, h_max; /* steps made */
+    pk_real trusted; /* until when the energy was what it is to be; see trust.h */
+    int distrusted;
+    char *besides; /* behind the reason of a failure, or NULL */
     int interrupted;
     int write_failed;
     const char *not_finite; /* the first energy or observed value that was not, or NULL */

@@ -12,8 +12,9 @@ enum pk_status watch_step(struct run *run, pk_real limit);
 void watch_report(struct run *run, FILE *file);
 void watch_free(struct run *run);
 
-/* Of main.c: rows by time up to t, of the last step by the method's dense output. 0 where that
- * fails. */
+/* Of integrate.c: rows from the start to the end, which may be at an event; rows by time up to t, of
+ * the last step by the method's dense output, 0 where that fails. */
+void run_integrate(struct run *run);
 int run_dense_rows(struct run *run, pk_real t);
 
 #endif

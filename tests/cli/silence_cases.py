@@ -193,6 +193,12 @@ CASES: dict[str, Case] = {
         "--until 10 --method rk4 --step 0.1",
         "PK_NOT_FINITE",
     ),
+    "beyond": Case(
+        "the same by fixed steps that arrive behind its end",
+        BLOW_UP,
+        "--until 2.2 --method rk4 --step 0.2",
+        "PK_DONE",
+    ),
     "observed": Case(
         "an observed value that is no number, of a motion that is",
         WATCHED,
