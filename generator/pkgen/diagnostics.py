@@ -9,6 +9,7 @@ from .back.kernels import KERNELS
 from .exits import UsageError
 
 NAMES = ("lyapunov", "reversal", "spectrum", "symplectic")
+UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 BROAD = 0.03  # a residual that lines do not explain
 LINEARISED = frozenset(("all", "lyapunov", "symplectic"))  # by the kernel `linear`
 
@@ -72,6 +73,12 @@ def _lyapunov(found: dict, time: str) -> list[str]:
         return ["lyapunov: too few steps to tell"]
     value = f"{found['exponent']:.4g} +- {found['error']:.2g}{_per(time)}"
     megno = f"megno {found['megno']:.3g}"
+    if found["motion"] == "leaving":
+        return [
+            f"lyapunov: displacements grow exponentially, exponent {value}, and the motion is still "
+            "leaving its start (or rests there): an instability; chaos is told only of a motion that "
+            "stays in bounds, over a longer time"
+        ]
     if found["motion"] == "chaotic":
         return [f"lyapunov: chaotic, exponent {value} ({megno})"]
     if found["motion"] == "regular":
@@ -107,12 +114,21 @@ def _spectrum(found: dict, time: str) -> list[str]:
             f"{line['frequency']:.10g} +- {line['error']:.0e} (amplitude {line['amplitude']:.3g})"
             for line in coordinate["lines"][:3]
         ]
+        if not shown and coordinate["away"] < UNIFORM:
+            said.append(f"spectrum: {coordinate['name']}: {_uniform(coordinate, time)}")
+            continue
         text = ", ".join(shown) + unit if shown else "no line"
         left = coordinate["residual"]
         said.append(f"spectrum: {coordinate['name']}: {text}; {left:.1e} left by all lines")
         if left > BROAD:
             said[-1] += ": more than lines, or the time is too short to tell them apart"
     return said
+
+
+def _uniform(coordinate: dict, time: str) -> str:
+    if coordinate["drifts"] < UNIFORM:
+        return f"constant, {coordinate['mean']:.6g}"
+    return f"goes uniformly, by {coordinate['rate']:.10g}{_per(time)}; it does not oscillate"
 
 
 def _symplectic(found: dict, time: str) -> list[str]:

@@ -24,6 +24,7 @@ struct run {
     pk_real *row; /* q, v, u, observed of a row */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real last_row;    /* its time */
+    int at_event;        /* the row being written is at one */
     unsigned long rows;
     pk_real h_min, h_max; /* steps made */
     pk_real trusted; /* until when the energy was what it is to be; see trust.h */

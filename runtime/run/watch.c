@@ -14,8 +14,11 @@ static int found(void *context, const struct pk_events *events)
     crossed->count++;
     if (!run->settings.land && !run_dense_rows(run, events->t))
         return 1;
-    if (run->settings.at == events->which + 1)
+    if (run->settings.at == events->which + 1) {
+        run->at_event = 1;
         output_row(run, stdout, events->t, events->q, events->v);
+        run->at_event = 0;
+    }
     return run->write_failed;
 }
 
