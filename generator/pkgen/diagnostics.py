@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from .back.kernels import KERNELS
 from .exits import UsageError
+from .option_values import near
 
 NAMES = ("lyapunov", "reversal", "spectrum", "symplectic")
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
@@ -25,8 +26,9 @@ def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
     names = [name.strip() for name in text.split(",")]
     for name in names:
         if name not in NAMES:
+            known = [*NAMES, "all"]
             raise UsageError(
-                f"--diagnose {text}: there is no '{name}'; there are {', '.join(NAMES)}, and all"
+                f"--diagnose {text}: there is no '{name}'; {near(name, known, 'diagnostic')}"
             )
     return tuple(name for name in NAMES if name in names)
 
@@ -75,9 +77,9 @@ def _lyapunov(found: dict, time: str) -> list[str]:
     megno = f"megno {found['megno']:.3g}"
     if found["motion"] == "leaving":
         return [
-            f"lyapunov: displacements grow exponentially, exponent {value}, and the motion is still "
-            "leaving its start (or rests there): an instability; chaos is told only of a motion that "
-            "stays in bounds, over a longer time"
+            f"lyapunov: displacements grow exponentially, exponent {value}: an instability and no "
+            "chaos as far as this goes, for the motion still leaves its start, or rests there, or "
+            "has one coordinate alone and no explicit time"
         ]
     if found["motion"] == "chaotic":
         return [f"lyapunov: chaotic, exponent {value} ({megno})"]

@@ -124,9 +124,12 @@ static int finish(struct run *run, int code)
     if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
         run->write_failed = errno ? errno : EIO;
     const int beyond = trust_judge(run);
+    watch_warn(run);
     if (run->it.status < 0 || beyond) {
         pk_integrator_reason(&run->it, reason, sizeof reason);
-        fprintf(stderr, "run: %s: %s%s\n", run->settings.method->name, reason,
+        const char *name = run->settings.method->name;
+        const int named = strncmp(reason, name, strlen(name)) == 0; /* in the reason itself */
+        fprintf(stderr, "run: %s%s%s%s\n", named ? "" : name, named ? "" : ": ", reason,
                 run->besides ? run->besides : "");
         code = run->it.status == PK_BAD_ARGUMENT ? 2 : 4;
     }

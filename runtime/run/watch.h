@@ -8,6 +8,8 @@
 int watch_start(struct run *run);
 /* One step, with all that is crossed in it. */
 enum pk_status watch_step(struct run *run, pk_real limit);
+/* Says on standard error which events are crossings of errors alone. */
+void watch_warn(const struct run *run);
 /* The member "events" of the report. */
 void watch_report(struct run *run, FILE *file);
 void watch_free(struct run *run);

@@ -7,14 +7,15 @@ static const char *const bad_argument[] = {
     "",
     "a pointer is null",
     "the system is of another version of the interface, or has no coordinates",
-    "the step must be positive and finite, and h_min not above h_max",
+    "the step must be positive and finite, and the least one not above the largest",
     "the tolerances must be finite and not negative, and one positive",
     "the start is not finite",
     "the time is not finite",
     "the time is outside the last step, or the method has no dense output",
-    "newton_tol must be in [0, 1), max_iterations not negative, iteration one of its enum",
+    "an iteration is Newton's or fixed-point, its tolerance in [0, 1), its bound not negative",
     "a parameter was changed without prepare() after it",
-    "da/dq vanishes at the start, so it gives no step: give h_max, and a tolerance instead of h",
+    "da/dq vanishes at the start, so it gives no step: give a largest step, and a tolerance "
+    "instead of a first step",
 };
 
 static const struct {
@@ -143,7 +144,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         if (it->detail < 0) /* adaptive_verlet's */
             return snprintf(text, size,
                             "%s cannot follow: the time scale changes too much within a step; give "
-                            "a smaller one, or h_max; last valid time %.17g",
+                            "a smaller tolerance, a largest step or a shorter first one; last valid "
+                            "time %.17g",
                             it->method->name, t);
         return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
                         (double)it->detail, t);

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .. import options as parsing
 from .. import scene
+from ..build import driver_methods
 from ..commands import compile_within_limits
 from ..exits import DONE, NumericsFailed, UsageError
 from ..progress import progress
@@ -63,9 +64,10 @@ def _methods(text: str | None) -> list[Method]:
     wanted = None if text is None else [name.strip() for name in text.split(",") if name.strip()]
     try:
         found = charts.methods(wanted)
-    except KeyError as unknown:
+    except KeyError as missing:
+        known = [str(m["name"]) for m in driver_methods()]
         raise UsageError(
-            f"--methods {unknown.args[0]}: there is no such method; see pkgen methods"
+            parsing.unknown("--methods", missing.args[0], known, "method")
         ) from None
     if not found:
         raise UsageError("--methods: name one at least")
