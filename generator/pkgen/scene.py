@@ -16,8 +16,8 @@ from .exits import UsageError
 from .front.check_values import NoValue, evaluate
 from .indices import assignments, integer
 from .middle.quantities import families, sizes
-from .option_values import unknown
 from .model import Assignment, Definition, Model, Parameter, Record, Scene
+from .option_values import unknown
 from .source import Span
 from .tree import Expr, Name, Prime
 
