@@ -119,6 +119,7 @@ int main(int argc, char **argv)
     add_guard_cause();
     add_after_failure();
     add_events();
+    add_events_within();
     add_variation();
     add_chaos();
     add_spectrum();
