@@ -12,7 +12,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from . import __version__, commands, run_command
+from . import __version__, arguments, commands, run_command
 from .build import BuildError
 from .chart import command as chart_command
 from .compiler import STAGES
@@ -51,7 +51,7 @@ def _parser(command: str) -> argparse.ArgumentParser:
 
 
 def _compile_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+    arguments.directory(parser)
     parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
     _libm_argument(parser)
@@ -68,10 +68,7 @@ def _libm_argument(parser: argparse.ArgumentParser) -> None:
 
 def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("--scene", metavar="NAME", help="run one scene of the model; options override it")
-    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
-    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
-    add("--until", metavar="T", help="duration (default 10)")
+    arguments.of_a_motion(parser, "10")
     add(
         "--method",
         metavar="NAME",
@@ -87,7 +84,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
     add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
-    add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
+    arguments.of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help="lyapunov,reversal,spectrum,symplectic, or all")
     _libm_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
@@ -137,20 +134,20 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen --version"""
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(words: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    if not arguments or arguments[0] in ("-h", "--help"):
-        print(OVERVIEW, file=sys.stdout if arguments else sys.stderr)
-        return DONE if arguments else USAGE
-    if arguments[0] == "--version":
+    words = sys.argv[1:] if words is None else words
+    if not words or words[0] in ("-h", "--help"):
+        print(OVERVIEW, file=sys.stdout if words else sys.stderr)
+        return DONE if words else USAGE
+    if words[0] == "--version":
         print(f"pkgen {__version__}")
         return DONE
-    if arguments[0] in LATER and not os.path.exists(arguments[0]):
-        print(f"pkgen: '{arguments[0]}' is not there yet\n\n{OVERVIEW}", file=sys.stderr)
+    if words[0] in LATER and not os.path.exists(words[0]):
+        print(f"pkgen: '{words[0]}' is not there yet\n\n{OVERVIEW}", file=sys.stderr)
         return USAGE
-    command = arguments[0] if arguments[0] in COMMANDS else "compile"
-    options = _parser(command).parse_args(arguments[1:] if command == arguments[0] else arguments)
+    command = words[0] if words[0] in COMMANDS else "compile"
+    options = _parser(command).parse_args(words[1:] if command == words[0] else words)
     try:
         return _guarded(COMMANDS[command], options)
     except BrokenPipeError:

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from .back.kernels import KERNELS
 from .exits import UsageError
+from .option_values import near
 
 NAMES = ("lyapunov", "reversal", "spectrum", "symplectic")
+UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 BROAD = 0.03  # a residual that lines do not explain
 LINEARISED = frozenset(("all", "lyapunov", "symplectic"))  # by the kernel `linear`
 
@@ -24,8 +26,9 @@ def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
     names = [name.strip() for name in text.split(",")]
     for name in names:
         if name not in NAMES:
+            known = [*NAMES, "all"]
             raise UsageError(
-                f"--diagnose {text}: there is no '{name}'; there are {', '.join(NAMES)}, and all"
+                f"--diagnose {text}: there is no '{name}'; {near(name, known, 'diagnostic')}"
             )
     return tuple(name for name in NAMES if name in names)
 
@@ -72,6 +75,12 @@ def _lyapunov(found: dict, time: str) -> list[str]:
         return ["lyapunov: too few steps to tell"]
     value = f"{found['exponent']:.4g} +- {found['error']:.2g}{_per(time)}"
     megno = f"megno {found['megno']:.3g}"
+    if found["motion"] == "leaving":
+        return [
+            f"lyapunov: displacements grow exponentially, exponent {value}: an instability and no "
+            "chaos as far as this goes, for the motion still leaves its start, or rests there, or "
+            "has one coordinate alone and no explicit time"
+        ]
     if found["motion"] == "chaotic":
         return [f"lyapunov: chaotic, exponent {value} ({megno})"]
     if found["motion"] == "regular":
@@ -107,12 +116,21 @@ def _spectrum(found: dict, time: str) -> list[str]:
             f"{line['frequency']:.10g} +- {line['error']:.0e} (amplitude {line['amplitude']:.3g})"
             for line in coordinate["lines"][:3]
         ]
+        if not shown and coordinate["away"] < UNIFORM:
+            said.append(f"spectrum: {coordinate['name']}: {_uniform(coordinate, time)}")
+            continue
         text = ", ".join(shown) + unit if shown else "no line"
         left = coordinate["residual"]
         said.append(f"spectrum: {coordinate['name']}: {text}; {left:.1e} left by all lines")
         if left > BROAD:
             said[-1] += ": more than lines, or the time is too short to tell them apart"
     return said
+
+
+def _uniform(coordinate: dict, time: str) -> str:
+    if coordinate["drifts"] < UNIFORM:
+        return f"constant, {coordinate['mean']:.6g}"
+    return f"goes uniformly, by {coordinate['rate']:.10g}{_per(time)}; it does not oscillate"
 
 
 def _symplectic(found: dict, time: str) -> list[str]:

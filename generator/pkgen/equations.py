@@ -31,12 +31,12 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Guard:
-    """The equations end where it vanishes; with `chart` the coordinates alone do, M being singular
-    there."""
+    """The equations end where it vanishes: what they use it for, a kind of pk/system.h without its
+    PK_GUARD_. As "COORDINATES" these alone end, M being singular there."""
 
     quantity: Quantity  # its name is the expression
     node: Node
-    chart: bool
+    use: str
 
 
 @dataclass(frozen=True)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import difflib
-import math
 from collections.abc import Iterable
 from pathlib import Path
 
 from . import diagnostics, limits, named, rows, scene
+from .build import driver_methods
 from .compiler import Compilation
 from .exits import UsageError
-from .front import options_text
-from .front.options_text import OptionError
+from .inlined import INLINED
 from .middle.loops import LoopEquations
 from .middle.quantities import indexed
 from .model import Model, Scene
+from .option_values import Values, assignment, unknown
 from .simulate import Settings, Shown
 
 UNTIL = 10.0
@@ -82,8 +81,8 @@ def settings(
     defaults. `members` are those of an ensemble."""
     values = Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
-    starts = [_assignment("--start", text) for text in options.start]
-    sets = [_assignment("--set", text) for text in options.set]
+    starts = [assignment("--start", text) for text in options.start]
+    sets = [assignment("--set", text) for text in options.set]
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
@@ -113,7 +112,7 @@ def settings(
         every = rows.interval(until, step, numbers)
     rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members)
     return Settings(
-        method=options.method or said.method or default_method(compilation, rtol),
+        method=_method(options, said.method) or default_method(compilation, rtol),
         until=until,
         every=every,
         step=step,
@@ -157,6 +156,18 @@ def _recorded(
     return tuple(show or ()), None if at is None else events.index(at)
 
 
+def _method(options: argparse.Namespace, of_scene: str) -> str:
+    """The method asked for, "" if none is. Which there are only the compiled runtime can list."""
+    name = options.method or of_scene
+    if not name or name in INLINED:
+        return name
+    known = [str(m["name"]) for m in driver_methods()]
+    if name not in known:
+        option = "--method" if options.method else f"--scene {options.scene}: method"
+        raise UsageError(unknown(option, name, known, "method"))
+    return name
+
+
 def default_method(compilation: Compilation, rtol: float) -> str:
     """gauss is the fastest where the equations are smooth and the tolerance is not loose; across
     a kink its error estimate means nothing. A long chain oscillates faster than it visibly moves,
@@ -196,141 +207,7 @@ def _places(
     return tuple(single), tuple(members)
 
 
-class Values:
-    """Values of options for one model: its units, its sizes, its names."""
-
-    def __init__(self, compilation: Compilation):
-        self.compilation = compilation
-        self.model = compilation.model
-        self.coordinates = named.coordinates(compilation)
-        self.rates = named.coordinates(compilation, rates=True)
-        self.sizes = {size.name: size.value for size in self.model.sizes}
-        self.time = "" if self.model.dimensionless else "s"
-
-    def value(self, option: str, text: str, unit: str, name: str) -> float:
-        try:
-            found = options_text.quantity(
-                text,
-                unit,
-                dimensionless=self.model.dimensionless,
-                values=self.sizes,
-                name=name,
-            )
-        except OptionError as error:
-            given = text if option == f"--{name}" else f"{name}={text}"
-            raise UsageError(f"{option} {given}: {error.text()}") from None
-        if not math.isfinite(found):
-            raise UsageError(f"{option} {text}: {name} must be finite")
-        return float(found)
-
-    def positive(self, option: str, text: str | None, unit: str) -> float | None:
-        if text is None:
-            return None
-        name = option.removeprefix("--")
-        found = self.value(option, text, unit, name)
-        if not found > 0:
-            raise UsageError(f"{option} {text}: {name} must be positive")
-        return found
-
-    def assigned(
-        self,
-        option: str,
-        assignments: list[tuple[str, str]],
-        known: named.Named,
-        others: named.Named,
-    ) -> tuple[tuple[int, float], ...]:
-        """Those of the assignments whose left side is in `known`, as (index, value)."""
-        found = []
-        for left, text in assignments:
-            name = self.flat_name(option, left)
-            if name in known:
-                index, quantity = known[name]
-                found.append((index, self.value(option, text, quantity.unit, name)))
-            elif name not in others:
-                raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
-        return tuple(found)
-
-    def started(
-        self, assignments: list[tuple[str, str]], order: int
-    ) -> tuple[tuple[int, float], ...]:
-        """The starts of coordinates (order 0) or of their rates (order 1)."""
-        found = []
-        for left, text in assignments:
-            side = self.left("--start", left)
-            name = indexed(side.name, side.index)
-            if name not in self.coordinates:
-                raise UsageError(unknown("--start", name, list(self.coordinates), "coordinate"))
-            if side.order > 1:
-                raise UsageError(f"--start {left}: a start is a coordinate or its rate")
-            if side.order == order:
-                known = self.rates if order else self.coordinates
-                index, quantity = known[name + "'" * order]
-                found.append((index, self.value("--start", text, quantity.unit, left)))
-        return tuple(found)
-
-    def by_key(
-        self, parameters: named.Named, values: dict[int, float]
-    ) -> dict[tuple[str, int | None], float]:
-        """Values of parameters under their names and indices."""
-        found = {}
-        for item in parameters.declared:
-            for flat, x in values.items():
-                if item.first <= flat < item.first + item.count:
-                    index = None if item.lo is None else item.lo + flat - item.first
-                    found[item.quantity.name, index] = x
-        return found
-
-    def shown(self, kind: str, name: str) -> Shown:
-        """A column, by the index that the driver counts."""
-        observed = [q.name for q in named.observed(self.compilation)]
-        if kind == "energy":
-            return Shown(kind, 0, name)
-        if kind == "observed":
-            return Shown(kind, observed.index(name), name)
-        return Shown(kind, (self.rates if kind == "v" else self.coordinates)[name][0], name)
-
-    def shown_as(self, text: str) -> Shown:
-        """`--record`: one of the columns that rows have without it."""
-        name = self.flat_name("--record", text.strip())
-        observed = [q.name for q in named.observed(self.compilation)]
-        for kind, known in (("q", self.coordinates), ("v", self.rates), ("observed", observed)):
-            if name in known:
-                return self.shown(kind, name)
-        if name == "energy":
-            return self.shown(name, name)
-        known = [*self.coordinates, *self.rates, *observed, "energy"]
-        raise UsageError(unknown("--record", name, known, "column"))
-
-    def left(self, option: str, text: str) -> options_text.LeftSide:
-        try:
-            return options_text.left_side(text, self.sizes)
-        except OptionError as error:
-            raise UsageError(f"{option} {text}: {error.text()}") from None
-
-    def flat_name(self, option: str, text: str) -> str:
-        side = self.left(option, text)
-        return indexed(side.name, side.index) + "'" * side.order
-
-
-def _assignment(option: str, text: str) -> tuple[str, str]:
-    left, equal, right = text.partition("=")
-    if not (equal and left.strip()):
-        raise UsageError(f"{option} {text}: give a name and a value, e.g. {option} g=9.81")
-    return left.strip(), right.strip()
-
-
 def _count(option: str, value: int) -> int:
     if value <= 0:
         raise UsageError(f"{option} {value}: must be positive")
     return value
-
-
-def unknown(option: str, name: str, known: list[str], kind: str) -> str:
-    near = difflib.get_close_matches(name, known, n=1)
-    if near:
-        hint = f"did you mean '{near[0]}'?"
-    elif known:
-        hint = f"it has: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
-    else:
-        hint = "it has none"
-    return f"{option} {name}: the model has no such {kind}; {hint}"

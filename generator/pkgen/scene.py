@@ -7,7 +7,6 @@ values, so that options of the command line can override them.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -18,6 +17,7 @@ from .front.check_values import NoValue, evaluate
 from .indices import assignments, integer
 from .middle.quantities import families, sizes
 from .model import Assignment, Definition, Model, Parameter, Record, Scene
+from .option_values import unknown
 from .source import Span
 from .tree import Expr, Name, Prime
 
@@ -29,10 +29,7 @@ def chosen(model: Model, name: str) -> Scene:
     """The scene of that name, if it can be run. Raises UsageError."""
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
-        near = difflib.get_close_matches(name, list(scenes), n=1)
-        hint = f"it has: {', '.join(scenes)}" if scenes else "it has none"
-        hint = f"did you mean '{near[0]}'?" if near else hint
-        raise UsageError(f"--scene {name}: the model has no such scene; {hint}")
+        raise UsageError(unknown("--scene", name, scenes, "scene"))
     scene = scenes[name]
     if scene.refused:
         why, span = scene.refused[0]

@@ -23,6 +23,7 @@ from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
 from .exits import INTERRUPTED, NUMERICS_FAILED
+from .reasons import with_options
 
 LISTED = 10_000  # members of a family that are described one by one
 
@@ -158,7 +159,7 @@ def simulate(
         child = subprocess.Popen(
             [program], stdin=subprocess.PIPE, stdout=output, stderr=subprocess.PIPE, text=True
         )
-        messages = _converse(child, "\n".join(lines) + "\n", on_progress)
+        messages = with_options(_converse(child, "\n".join(lines) + "\n", on_progress))
         report = json.loads(report_path.read_text()) if report_path.exists() else {}
     if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
         return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")

@@ -11,7 +11,7 @@
 #include "ensemble.h"
 #include "words.h"
 
-enum { STATES = 16, BLOCKS = 1000 };
+enum { STATES = 16 };
 static const double THRESHOLD = 1e-3; /* of reversal: what has come so far from its start is lost */
 
 static const struct {
@@ -35,6 +35,8 @@ void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
     if (!(run->settings.diagnose & (DIAGNOSE_SPECTRUM | DIAGNOSE_SYMPLECTIC)))
+        return;
+    if (run->at_event && run->settings.has_every) /* spectra are of rows at equal times */
         return;
     if (!run->diagnostics)
         run->diagnostics = (struct diagnostics *)words_allocate(1, sizeof *run->diagnostics);
@@ -75,54 +77,6 @@ int diagnose_member(struct diagnostics *d, const char *name, enum pk_status stat
     else if (d->code == 0)
         d->code = 4;
     return 0;
-}
-
-static const char NO_LINEAR[] = "the system has no kernel linear: it was left out, or its families "
-                                "are kept as loops";
-
-static const char KINKS[] = "the equations have kinks (abs, min, max, step), across which "
-                            "displacements jump: linearised equations do not tell";
-
-/* Why there are no variational equations, or NULL. */
-static const char *no_variation(const struct pk_system *system)
-{
-    return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
-}
-
-static void lyapunov(struct run *run, struct diagnostics *d)
-{
-    static const char *const motions[] = {"regular", "chaotic", "undecided"};
-    const struct settings *s = &run->settings;
-    const size_t size = pk_lyapunov_size(&run->problem, s->method);
-    void *block = words_allocate(size, 1);
-    struct pk_lyapunov l = {0};
-    char reason[512] = "";
-    enum pk_status status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q,
-                                             s->v, run->it.t / BLOCKS, block, size);
-    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < run->it.t; k++) {
-        status = pk_lyapunov_step(&l);
-        run_progress(run, (double)(l.it.t / run->it.t), 0);
-    }
-    if (status == PK_REFUSED && no_variation(run->problem.system))
-        strcpy(reason, no_variation(run->problem.system));
-    else if (status < 0 && l.it.method)
-        pk_integrator_reason(&l.it, reason, sizeof reason);
-    else
-        strcpy(reason, pk_status_text(status));
-    if (diagnose_member(d, "lyapunov", status, reason)) {
-        pk_real error;
-        const pk_real exponent = pk_lyapunov_exponent(&l, &error);
-        const enum pk_motion motion = pk_lyapunov_motion(&l);
-        if (motion == PK_CHAOTIC)
-            d->exponent = (double)exponent;
-        diagnose_real(d, "exponent", exponent);
-        diagnose_real(d, "error", error);
-        diagnose_real(d, "megno", pk_lyapunov_megno(&l));
-        diagnose_real(d, "time", l.it.t);
-        fprintf(d->file, ", \"motion\": \"%s\"}", motions[motion]);
-    }
-    pk_lyapunov_free(&l);
-    free(block);
 }
 
 static void reversal(struct run *run, struct diagnostics *d)
@@ -196,8 +150,8 @@ static void symplectic(struct run *run, struct diagnostics *d)
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
-        reason = no_variation(system)
-                     ? no_variation(system)
+        reason = diagnose_no_variation(system)
+                     ? diagnose_no_variation(system)
                      : "steps of this method have no length of their own: take one of fixed steps";
     if (diagnose_member(d, "symplectic", made ? PK_DONE : last, reason)) {
         diagnose_real(d, "defect", most.defect);
@@ -215,7 +169,7 @@ static void symplectic(struct run *run, struct diagnostics *d)
 
 int diagnose_run(struct run *run, int code)
 {
-    static void (*const make[])(struct run *, struct diagnostics *) = {lyapunov, reversal,
+    static void (*const make[])(struct run *, struct diagnostics *) = {diagnose_lyapunov, reversal,
                                                                        diagnose_spectrum,
                                                                        symplectic};
     const unsigned wanted = run->settings.diagnose;

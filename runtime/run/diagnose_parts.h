@@ -11,7 +11,7 @@ struct diagnostics {
     size_t json_size;
     FILE *file; /* of json while it is made */
     int code, first, all;
-    double exponent; /* by Lyapunov, if that says chaotic */
+    double exponent; /* by Lyapunov, if that says chaotic or leaving */
 };
 
 /* Opens a member, with how it went. 1 where its numbers are to follow; then it is still open. */
@@ -19,6 +19,9 @@ int diagnose_member(struct diagnostics *d, const char *name, enum pk_status stat
                     const char *reason);
 void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
 
+/* Why there are no variational equations, or NULL. */
+const char *diagnose_no_variation(const struct pk_system *system);
+void diagnose_lyapunov(struct run *run, struct diagnostics *d);
 void diagnose_spectrum(struct run *run, struct diagnostics *d);
 
 #endif

@@ -1,4 +1,5 @@
 /* The spectrum of each coordinate, of the rows of a run. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "diagnose_parts.h"
@@ -11,9 +12,16 @@
 
 #ifdef PK_WITH_GSL
 static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
-                           size_t i)
+                           size_t i, size_t count, double dt)
 {
+    const size_t width = 1 + 2 * run->settings.n;
+    double away = 0, size = 0; /* from mean + rate t; of x */
     char name[128];
+    for (size_t k = 0; k < count; k++) {
+        const double x = d->rows[k * width + 1 + i];
+        away = fmax(away, fabs(x - s->mean - s->rate * (double)k * dt));
+        size = fmax(size, fabs(x));
+    }
     pk_system_name(run->problem.system, run->settings.params, run->problem.system->coordinates, i,
                    name, sizeof name);
     fputs(i ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
@@ -21,6 +29,8 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
     diagnose_real(d, "mean", s->mean);
     diagnose_real(d, "rate", s->rate);
     diagnose_real(d, "residual", s->residual);
+    diagnose_real(d, "away", size > 0 ? away / size : 0);
+    diagnose_real(d, "drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0);
     fputs(", \"lines\": [", d->file);
     for (size_t k = 0; k < s->count; k++) {
         fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
@@ -42,13 +52,17 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
     size_t count = d->n_rows;
     if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
         count--;
-    if (set->at)
-        count = 0;
-    if (count < PK_SPECTRUM_LEAST) {
-        char reason[160];
-        snprintf(reason, sizeof reason,
-                 "%zu rows at equal times; at least %d are needed: --every%s", count,
-                 (int)PK_SPECTRUM_LEAST, set->at ? ", and no rows at events" : "");
+    const int at_events = set->at && !set->has_every;
+    if (count < PK_SPECTRUM_LEAST || at_events) {
+        char reason[200];
+        if (at_events)
+            snprintf(reason, sizeof reason,
+                     "rows are at event %s alone: give --every too, for rows at equal times",
+                     run->problem.system->events[set->at - 1].what.name);
+        else
+            snprintf(reason, sizeof reason,
+                     "%zu rows at equal times; at least %d are needed: --every", count,
+                     (int)PK_SPECTRUM_LEAST);
         diagnose_member(d, "spectrum", PK_REFUSED, reason);
         return;
     }
@@ -70,7 +84,7 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
         diagnose_real(d, "resolution", found[0].resolution);
         fputs(", \"coordinates\": [", d->file);
         for (size_t i = 0; i < n; i++)
-            spectrum_lines(run, d, &found[i], i);
+            spectrum_lines(run, d, &found[i], i, count, dt);
         fputs("]}", d->file);
     }
     free(found);

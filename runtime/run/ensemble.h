@@ -16,6 +16,7 @@ int ensemble_run(struct run *run, pk_real count);
 int run_interrupted(void);
 double run_now(void);
 void run_progress(const struct run *run, double part, int force);
+/* Of integrate.c. */
 pk_real run_intervals(pk_real whole, pk_real part);
 
 #endif

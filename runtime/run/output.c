@@ -221,6 +221,8 @@ static void json_run(struct run *run, FILE *file)
     output_text(file, pk_status_text(it->status));
     fputs(",\n  \"reason\": ", file);
     output_text(file, reason);
+    fputs(",\n  \"besides\": ", file); /* "; the energy ..." */
+    output_text(file, run->besides && *run->besides ? run->besides + 2 : "");
     fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
     output_real(file, it->t);
     fputs(",\n  ", file);

@@ -10,6 +10,8 @@
 struct crossed {
     unsigned long count;
     pk_real *t;
+    int leaves;    /* its function has been away from zero by more than errors, */
+    pk_real parts; /* beside the largest contribution to it so far */
 };
 
 struct run {
@@ -21,11 +23,16 @@ struct run {
     struct pk_events events;
     void *events_block;
     struct crossed *crossed; /* of each event */
+    pk_real *event_values;   /* work of watch.c */
     pk_real *row; /* q, v, u, observed of a row */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real last_row;    /* its time */
+    int at_event;        /* the row being written is at one */
     unsigned long rows;
     pk_real h_min, h_max; /* steps made */
+    pk_real trusted; /* until when the energy was what it is to be; see trust.h */
+    int distrusted;
+    char *besides; /* behind the reason of a failure, or NULL */
     int interrupted;
     int write_failed;
     const char *not_finite; /* the first energy or observed value that was not, or NULL */

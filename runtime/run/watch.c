@@ -2,8 +2,10 @@
 #include "watch.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST_TIMES = 1000 }; /* of an event, in the report */
+#define NOISE PK_C(1e-8)    /* of the size of what is subtracted: no more than errors */
 
 static int found(void *context, const struct pk_events *events)
 {
@@ -14,8 +16,11 @@ static int found(void *context, const struct pk_events *events)
     crossed->count++;
     if (!run->settings.land && !run_dense_rows(run, events->t))
         return 1;
-    if (run->settings.at == events->which + 1)
+    if (run->settings.at == events->which + 1) {
+        run->at_event = 1;
         output_row(run, stdout, events->t, events->q, events->v);
+        run->at_event = 0;
+    }
     return run->write_failed;
 }
 
@@ -27,13 +32,19 @@ int watch_start(struct run *run)
         return 0;
     run->events_block = malloc(size);
     run->crossed = (struct crossed *)calloc(m, sizeof *run->crossed);
-    int missing = !run->events_block || !run->crossed;
+    run->event_values = (pk_real *)calloc(2 * m + 2 * run->it.n, sizeof *run->event_values);
+    int missing = !run->events_block || !run->crossed || !run->event_values;
     for (size_t k = 0; !missing && k < m; k++) {
         run->crossed[k].t = (pk_real *)malloc(MOST_TIMES * sizeof(pk_real));
         missing = !run->crossed[k].t;
     }
-    if (missing || pk_events_init(&run->events, &run->it, run->events_block, size) < 0) {
+    if (missing) {
         fprintf(stderr, "run: out of memory\n");
+        return 4;
+    }
+    const enum pk_status status = pk_events_init(&run->events, &run->it, run->events_block, size);
+    if (status < 0) {
+        fprintf(stderr, "run: events: %s\n", pk_status_text(status));
         return 4;
     }
     run->events.found = found;
@@ -41,10 +52,53 @@ int watch_start(struct run *run)
     return 0;
 }
 
+/* A function that is zero but for errors, as that of a constant of the motion, crosses zero by these
+ * errors alone. It is seen by what each coordinate and rate contributes to it: |dg/dx| |x|. */
+static void note_leaving(struct run *run)
+{
+    const struct pk_system *system = run->problem.system;
+    const size_t n = run->it.n, m = system->n_events;
+    const pk_real t = run->it.t, *u = run->settings.u;
+    pk_real *g = run->event_values, *moved = g + m, *x = moved + m;
+    int all = 1;
+    for (size_t k = 0; k < m; k++)
+        all &= run->crossed[k].leaves;
+    if (all)
+        return;
+    memcpy(x, run->it.q, n * sizeof *x);
+    memcpy(x + n, run->it.v, n * sizeof *x);
+    system->event(run->settings.params, t, x, x + n, u, g);
+    for (size_t i = 0; i < 2 * n; i++) {
+        const pk_real was = x[i], part = PK_C(1e-4);
+        x[i] += part * was;
+        system->event(run->settings.params, t, x, x + n, u, moved);
+        x[i] = was;
+        for (size_t k = 0; k < m; k++)
+            run->crossed[k].parts = PK_F(fmax)(run->crossed[k].parts,
+                                               PK_F(fabs)(moved[k] - g[k]) / part);
+    }
+    for (size_t k = 0; k < m; k++)
+        run->crossed[k].leaves |= PK_F(fabs)(g[k]) > NOISE * run->crossed[k].parts;
+}
+
 enum pk_status watch_step(struct run *run, pk_real limit)
 {
-    return run->crossed ? pk_events_step(&run->events, &run->it, limit)
-                        : pk_integrator_step(&run->it, limit);
+    if (!run->crossed)
+        return pk_integrator_step(&run->it, limit);
+    const enum pk_status status = pk_events_step(&run->events, &run->it, limit);
+    if (status >= 0)
+        note_leaving(run);
+    return status;
+}
+
+void watch_warn(const struct run *run)
+{
+    for (size_t k = 0; run->crossed && k < run->problem.system->n_events; k++)
+        if (run->crossed[k].count && !run->crossed[k].leaves)
+            fprintf(stderr,
+                    "run: event %s: its function stays within %g of zero, beside what it is made "
+                    "of: its crossings may be no more than errors\n",
+                    run->problem.system->events[k].what.name, (double)NOISE);
 }
 
 void watch_report(struct run *run, FILE *file)
@@ -72,5 +126,6 @@ void watch_free(struct run *run)
         free(run->crossed[k].t);
     pk_events_free(&run->events);
     free(run->crossed);
+    free(run->event_values);
     free(run->events_block);
 }

@@ -8,12 +8,15 @@
 int watch_start(struct run *run);
 /* One step, with all that is crossed in it. */
 enum pk_status watch_step(struct run *run, pk_real limit);
+/* Says on standard error which events are crossings of errors alone. */
+void watch_warn(const struct run *run);
 /* The member "events" of the report. */
 void watch_report(struct run *run, FILE *file);
 void watch_free(struct run *run);
 
-/* Of main.c: rows by time up to t, of the last step by the method's dense output. 0 where that
- * fails. */
+/* Of integrate.c: rows from the start to the end, which may be at an event; rows by time up to t, of
+ * the last step by the method's dense output, 0 where that fails. */
+void run_integrate(struct run *run);
 int run_dense_rows(struct run *run, pk_real t);
 
 #endif

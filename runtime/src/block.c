@@ -162,13 +162,14 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
                  unsigned long long *live)
 {
     *live &= ~bits;
-    for (size_t l = 0; l < b->lanes; l++)
-        if (bits >> l & 1)
-            retire(b, e, first, 1ull << l,
-                   e->system->n_guards
-                       ? pk_member_step(member_at(e, memory, l), clock, b->next + l, b->lanes, status)
-                       : status,
-                   live);
+    for (size_t l = 0; l < b->lanes; l++) {
+        enum pk_status reason = status;
+        if (!(bits >> l & 1))
+            continue;
+        if (e->system->n_guards)
+            reason = pk_member_step(member_at(e, memory, l), clock, b->next + l, b->lanes, status);
+        retire(b, e, first, 1ull << l, reason, live);
+    }
 }
 
 /* All live lanes to t. */

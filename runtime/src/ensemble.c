@@ -80,7 +80,8 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
         !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
         first > e->members || count > e->members - first)
         return PK_BAD_ARGUMENT;
-    if (size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) || (size_t)block % _Alignof(pk_real))
+    if (size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) ||
+        (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     const struct pk_block_stepper *s = stepper(e);
     const size_t W = s ? s->lanes : 1;

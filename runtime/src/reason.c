@@ -7,14 +7,15 @@ static const char *const bad_argument[] = {
     "",
     "a pointer is null",
     "the system is of another version of the interface, or has no coordinates",
-    "the step must be positive and finite, and h_min not above h_max",
+    "the step must be positive and finite, and the least one not above the largest",
     "the tolerances must be finite and not negative, and one positive",
     "the start is not finite",
     "the time is not finite",
     "the time is outside the last step, or the method has no dense output",
-    "newton_tol must be in [0, 1), max_iterations not negative, iteration one of its enum",
+    "an iteration is Newton's or fixed-point, its tolerance in [0, 1), its bound not negative",
     "a parameter was changed without prepare() after it",
-    "da/dq vanishes at the start, so it gives no step: give h_max, and a tolerance instead of h",
+    "da/dq vanishes at the start, so it gives no step: give a largest step, and a tolerance "
+    "instead of a first step",
 };
 
 static const struct {
@@ -50,6 +51,35 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
                     "converges for short steps alone: use Newton's or a step shorter than %.6g; "
                     "last valid time %.17g",
                     what, detail, h, t);
+}
+
+static const char *const guard_use[] = {
+    [PK_GUARD_COORDINATES] = "M is singular there",
+    [PK_GUARD_DIVISOR] = "they divide by it",
+    [PK_GUARD_ROOT] = "they take a root of it",
+    [PK_GUARD_LOGARITHM] = "they take its logarithm",
+    [PK_GUARD_ARC] = "their asin or acos ends there",
+};
+
+/* An acceleration that does not grow on the way to a division by zero seems to have a limit there:
+ * the expression ends and the motion may not. */
+static int singular(const struct pk_integrator *it, char *text, size_t size)
+{
+    const struct pk_system *system = it->problem.system;
+    const void *params = it->problem.params;
+    const struct pk_guard *guard =
+        &system->guards[pk_system_guard(system, params, it->where).guard];
+    char name[128];
+    pk_system_guard_name(system, params, it->where, name, sizeof name);
+    const int removable = guard->kind == PK_GUARD_DIVISOR && pk_finite(it->condition);
+    return snprintf(text, size, "%s: %s vanishes at t = %.17g, and %s%s; last valid time %.17g",
+                    pk_status_text(it->status), name, (double)it->detail,
+                    guard_use[guard->kind],
+                    removable ? "; the acceleration stays finite on the way there: if the "
+                                "expression has a limit, as sin(x)/x has, write it without the "
+                                "division"
+                              : "",
+                    (double)it->t);
 }
 
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
@@ -101,9 +131,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         what, name, (double)it->condition, (double)it->detail, t);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
+        return singular(it, text, size);
+    case PK_STEP_TOO_LONG:
         pk_system_guard_name(system, it->problem.params, it->where, name, sizeof name);
-        return snprintf(text, size, "%s: %s vanishes at t = %.17g; last valid time %.17g", what,
-                        name, (double)it->detail, t);
+        return snprintf(text, size,
+                        "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
+                        "from there the motion does not: make the steps shorter; last valid time "
+                        "%.17g",
+                        what, t, (double)it->detail, name, t);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:
@@ -115,7 +150,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         if (it->detail < 0) /* adaptive_verlet's */
             return snprintf(text, size,
                             "%s cannot follow: the time scale changes too much within a step; give "
-                            "a smaller one, or h_max; last valid time %.17g",
+                            "a smaller tolerance, a largest step or a shorter first one; last valid "
+                            "time %.17g",
                             it->method->name, t);
         return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
                         (double)it->detail, t);

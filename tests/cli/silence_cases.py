@@ -63,6 +63,18 @@ kinetic sum(x[i]'^2/2 + y[i]'^2/2 + x[i]'*y[i]'*cos(x[i]), i = 1..N)
 potential 0
 start x[i = 1..N] = 1.5, x[7]' = -0.7
 """
+REMOVABLE = """model sinc
+coord x
+kinetic x'^2/2
+potential -sin(x)/x
+start x = 1
+"""
+ARC = """model arc
+coord x
+kinetic x'^2/2
+potential -asin(x)
+start x = 0.1
+"""
 BLOW_UP = """model away
 param a = 1 in (0, inf)
 coord x
@@ -122,6 +134,24 @@ CASES: dict[str, Case] = {
         ROOT_OF_X,
         "--until 10",
         "PK_SINGULAR_TIME",
+    ),
+    "arc": Case(
+        "the same of an asin, whose force is infinite at its end",
+        ARC,
+        "--until 10",
+        "PK_SINGULAR_TIME",
+    ),
+    "removable": Case(
+        "a division by what vanishes, though the quotient has a limit there",
+        REMOVABLE,
+        "--until 10",
+        "PK_SINGULAR_TIME",
+    ),
+    "step-too-long": Case(
+        "a step over a singularity that the motion does not reach",
+        TOP,
+        "--until 50 --method rk4 --step 0.5",
+        "PK_STEP_TOO_LONG",
     ),
     "pole": Case(
         "coordinate singularity, theta -> 0 of the top",
@@ -188,6 +218,12 @@ CASES: dict[str, Case] = {
         BLOW_UP,
         "--until 10 --method rk4 --step 0.1",
         "PK_NOT_FINITE",
+    ),
+    "beyond": Case(
+        "the same by fixed steps that arrive behind its end",
+        BLOW_UP,
+        "--until 2.2 --method rk4 --step 0.2",
+        "PK_DONE",
     ),
     "observed": Case(
         "an observed value that is no number, of a motion that is",

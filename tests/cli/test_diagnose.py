@@ -164,7 +164,10 @@ def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
     # The run has steps enough, the way there and back has not.
     few = ["--method", "rk4", "--step", "0.01", "--max-steps", "1000", "--json"]
     done = pkgen("run", DOUBLE, "--diagnose", "reversal,symplectic", *few)
-    assert done.returncode == 4 and "diagnose reversal: too many steps: 1000" in done.stderr
+    assert (
+        done.returncode == 4
+        and "diagnose reversal: too many steps (--max-steps): 1000" in done.stderr
+    )
     report = json.loads(done.stdout)["report"]
     assert report["status"] == "PK_DONE"
     assert report["diagnostics"]["reversal"]["status"] == "PK_TOO_MANY_STEPS"
@@ -214,4 +217,4 @@ def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
     assert found["symplectic"]["t"] <= report["t"] and found["symplectic"]["states"] == 16
     path.write_text(SWING + "\n")
     done = pkgen("run", path, "--diagnose", "spectrum", "--at", "bottom", "--until", "900", *RK4)
-    assert done.returncode == 2 and "no rows at events" in done.stderr
+    assert done.returncode == 2 and "rows are at event bottom alone" in done.stderr

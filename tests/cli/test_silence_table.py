@@ -34,6 +34,18 @@ this page (numbers rounded to four digits); the models are in `tests/cli/silence
 |---|---|---|---|---|
 """
 FOOT = """
+A step that is too long for its method may leave the motion without a sign of it. So behind the
+reason stands, after "last valid time", since when the energy of a conservative system is off by
+more than .01 of its scale, and for fixed steps and loose tolerances what dop853 at 1e-9 makes of
+the same motion. Fixed steps that *arrive* with such an energy are judged by dop853 too: where the
+motion ends on the way (it runs away in finite time) the exit code is 4.
+
+What fixed steps cannot tell: that a motion without a constant energy (forces, inputs, explicit
+time) has run away in finite time. A large change in one step is no sign: a kick by an input and a
+close passage have it too. Such a run is silent until numbers overflow (PK_NOT_FINITE), a few
+steps later; then dop853 is asked, and rows behind the end that it tells are void. An adaptive
+method tells at once: there steps underflow.
+
 By programs of one's own alone, since `pkgen run` sees to it:
 
 | status | provoked by |

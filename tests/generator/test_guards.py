@@ -25,7 +25,7 @@ OF_MODELS = {
 
 
 def guards(equations) -> list[tuple[str, bool]]:
-    return [(guard.quantity.name, guard.chart) for guard in equations.guards]
+    return [(guard.quantity.name, guard.use == "COORDINATES") for guard in equations.guards]
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)

@@ -93,7 +93,7 @@ def over(guard) -> str:
 )
 def test_which(text, expected):
     e = looped(text)
-    found = [(guard.name, guard.chart, over(guard)) for guard in e.guards]
+    found = [(guard.name, guard.use == "COORDINATES", over(guard)) for guard in e.guards]
     assert found == expected and not e.pivots
 
 
@@ -164,7 +164,7 @@ def test_values(text, sizes, tmp_path):
             entries = evaluate(e.graph, [x for row in e.mass for x in row], fixed | values)
             whole = np.linalg.det(np.array(entries).reshape(n, n))
             assert min(found[:n]) > 0 and np.prod(found[:n]) == pytest.approx(whole, rel=1e-12)
-            nodes = [guard.node for guard in e.guards if not guard.chart]
+            nodes = [guard.node for guard in e.guards if guard.use != "COORDINATES"]
             expected = evaluate(e.graph, nodes, fixed | values)
             # Of an expression and its negative either may be the guard.
             rest = {f"{abs(x):.9g}" for x in found[n:]}

@@ -117,8 +117,10 @@ int main(int argc, char **argv)
     add_linear();
     add_guard();
     add_guard_families();
+    add_guard_cause();
     add_after_failure();
     add_events();
+    add_events_within();
     add_variation();
     add_chaos();
     add_spectrum();

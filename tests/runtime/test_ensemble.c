@@ -247,7 +247,7 @@ static void distance(const void *p, double t, const double *q, const double *v, 
 /* Members that fall into the centre, seen lane by lane: without guards all of them arrive. */
 static void guards(void)
 {
-    static const struct pk_guard centre = {{"r", "", ""}, PK_GUARD_MOTION};
+    static const struct pk_guard centre = {{"r", "", ""}, PK_GUARD_DIVISOR};
     static const char *const methods[] = {"verlet", "rk4"};
     static struct crowd c;
     for (int guarded = 0; guarded < 2; guarded++)

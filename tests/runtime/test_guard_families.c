@@ -54,7 +54,7 @@ static void place(const void *p, size_t k, struct pk_guard_place *at)
     *at = (struct pk_guard_place){0, (ptrdiff_t)k + 1, 0};
 }
 
-static const struct pk_guard line_guard[] = {{{"x[i+1] - x[i]", "", ""}, PK_GUARD_MOTION}};
+static const struct pk_guard line_guard[] = {{{"x[i+1] - x[i]", "", ""}, PK_GUARD_DIVISOR}};
 
 struct line {
     struct fixture f;
@@ -222,7 +222,7 @@ static void named(void)
                  {"(x[j-2] - y[i])^2", "(x[9] - y[7])^2"},
                  {"r[3] + s[N] + k[2*i] + in[i", "r[3] + s[N] + k[2*i] + in[i"},
                  {"", ""}};
-    struct pk_guard guards[1] = {{{"", "", ""}, PK_GUARD_MOTION}};
+    struct pk_guard guards[1] = {{{"", "", ""}, PK_GUARD_DIVISOR}};
     const struct pk_system system = {
         .n_guards = 1, .guards = guards, .guard_count = one, .guard_place = seven};
     char text[40], few[4];

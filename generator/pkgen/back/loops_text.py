@@ -177,19 +177,18 @@ class Text:
             for g in e.coordinates:
                 ends = (g.lo, g.hi) if g.is_family else ()
                 at = "[i]" if g.is_family else ""
-                entries.append(self._guard(f"the pivot of {g.name}{at}", True, ends))
+                entries.append(self._guard(f"the pivot of {g.name}{at}", "COORDINATES", ends))
         for guard in e.guards:
             [over] = [
                 *((p.lo, p.hi) for p in guard.terms.parts),
                 *((p.lo, p.hi, p.first, p.last) for p in guard.terms.pairs),
             ] or [()]
-            entries.append(self._guard(guard.name, guard.chart, over))
+            entries.append(self._guard(guard.name, guard.use, over))
         pivots = ("mass" if self.diagonal else "pivots") if e.pivots else ""
         return {"sets": [self.total(t) for t in sets], "entries": entries, "pivots": pivots}
 
-    def _guard(self, text: str, chart: bool, over: tuple[Affine, ...]) -> dict[str, str]:
-        kind = "PK_GUARD_COORDINATES" if chart else "PK_GUARD_MOTION"
-        found = {"name": text, "kind": kind}
+    def _guard(self, text: str, use: str, over: tuple[Affine, ...]) -> dict[str, str]:
+        found = {"name": text, "kind": f"PK_GUARD_{use}"}
         for key, at in zip_longest(("lo", "hi", "first", "last"), over):
             found[key] = "" if at is None else self.lowering.index(at)
             found[f"{key}_text"] = "" if at is None else at.text({ROW: "i"})

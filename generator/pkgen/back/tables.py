@@ -40,8 +40,7 @@ def guards(program: Program) -> list[dict[str, Any]]:
     if program.kernel("guard") is None:
         return []
     return [
-        {"name": x.quantity.name, "kind": "PK_GUARD_COORDINATES" if x.chart else "PK_GUARD_MOTION"}
-        for x in program.equations.guards
+        {"name": x.quantity.name, "kind": f"PK_GUARD_{x.use}"} for x in program.equations.guards
     ]
 
 

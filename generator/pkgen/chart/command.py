@@ -8,8 +8,10 @@ import math
 import sys
 from pathlib import Path
 
+from .. import arguments as shared
 from .. import options as parsing
 from .. import scene
+from ..build import driver_methods
 from ..commands import compile_within_limits
 from ..exits import DONE, NumericsFailed, UsageError
 from ..progress import progress
@@ -24,11 +26,8 @@ from .text import report
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("-o", dest="directory", default=".", metavar="DIR", help="default: here")
-    add("--scene", metavar="NAME", help="one scene of the model; options override it")
-    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
-    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
-    add("--until", metavar="T", help="duration (default 10)")
+    shared.directory(parser)
+    shared.of_a_motion(parser, "10")
     add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
     add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
@@ -63,10 +62,9 @@ def _methods(text: str | None) -> list[Method]:
     wanted = None if text is None else [name.strip() for name in text.split(",") if name.strip()]
     try:
         found = charts.methods(wanted)
-    except KeyError as unknown:
-        raise UsageError(
-            f"--methods {unknown.args[0]}: there is no such method; see pkgen methods"
-        ) from None
+    except KeyError as missing:
+        known = [str(m["name"]) for m in driver_methods()]
+        raise UsageError(parsing.unknown("--methods", missing.args[0], known, "method")) from None
     if not found:
         raise UsageError("--methods: name one at least")
     return found

@@ -50,6 +50,8 @@ class Spectrum:
         return min(limits) if limits else None
 
     def text(self, time: str) -> str:
+        if not self.omega and not self.rho:
+            return "nothing oscillates or decays along the motion: no step is beyond a limit"
         turns = self.omega * self.until / (2 * math.pi)
         unit = f" rad/{time}" if time else ""
         said = f"fastest oscillation along the motion {self.omega:.4g}{unit}: {turns:.3g} periods"

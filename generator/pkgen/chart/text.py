@@ -6,7 +6,9 @@ import shlex
 
 from .answer import Answer
 from .chart import Chart
+from .points import Track
 
+EXACT = 1e-13
 AXIS = {"seconds": "time", "work": "evaluations"}
 
 
@@ -34,7 +36,21 @@ def preamble(chart: Chart) -> list[str]:
     ]
     if chart.refused:
         lines.append(f"do not apply: {', '.join(chart.refused)}")
+    arrived = [track for track in chart.tracks if track.good]
+    exact = [track.method.name for track in arrived if _exact(track)]
+    if exact and len(exact) == len(arrived):
+        lines.append(
+            "every method is exact here, up to round-off, at any step: the answers tell what a "
+            "step costs, not what is accurate"
+        )
+    elif exact:
+        lines.append(f"exact here, up to round-off, at any step: {', '.join(exact)}")
     return lines
+
+
+def _exact(track: Track) -> bool:
+    """A motion that the method's formula is exact for, such as a uniform one."""
+    return all(p.error is not None and p.error < EXACT for p in track.good)
 
 
 def answer_rows(chart: Chart) -> list[tuple[str, ...]]:

@@ -49,7 +49,7 @@ class Mismatch:
                     f"unit mismatch in {where}: {self.text(part)} is {described(fact.dimension)},"
                     f" {self.text(reference)} is {described(shared)}",
                     part.span,
-                    self._hint(part, fact, shared, "", False),
+                    self._hint(part, fact, shared, "", False, within=True),
                 )
         return shared
 
@@ -69,12 +69,24 @@ class Mismatch:
             self._hint(expr.of, facts, declared, "", False),
         )
 
-    def _hint(self, expr: Expr, facts: Facts, needed: Dimension, needs: str, bare: bool) -> str:
+    def _hint(
+        self,
+        expr: Expr,
+        facts: Facts,
+        needed: Dimension,
+        needs: str,
+        bare: bool,
+        within: bool = False,
+    ) -> str:
+        """`within` a larger expression, where a unit ends the whole but for brackets."""
         if self.report.full:
             return ""
         text = self.text(expr)
         if facts.bare:
-            return f"give it a unit: {text} [{si_text(needed)}]" if needed != NONE else ""
+            given = f"{text} [{si_text(needed)}]"
+            if within:
+                return f"give it a unit, in brackets: ({given})" if needed != NONE else ""
+            return f"give it a unit: {given}" if needed != NONE else ""
         if isinstance(expr, Quantity):
             return ""
         factor = units.over(needed, facts.dimension)

@@ -127,8 +127,12 @@ def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
         statement = lark.parse(lexed.tokens)
     except UnexpectedToken as error:
         found = explain(source, lexed, error)
-        help = "" if found.help.startswith(("the form", "e.g.")) else found.help
-        raise OptionError(source, Diagnostic(found.message, found.span, help)) from None
+        message, help = found.message, found.help
+        if message.endswith("takes one item"):  # of the statement that stands around the value
+            message, help = "one value is needed here", ""
+        elif help.startswith(("the form", "e.g.")):
+            help = ""
+        raise OptionError(source, Diagnostic(message, found.span, help)) from None
     wrong = measure(statement)[1]
     if wrong is not None:
         raise OptionError(source, wrong)

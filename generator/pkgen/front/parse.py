@@ -105,6 +105,7 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.SceneHead | None = None
+        self.headless = False  # in a scene whose first line does not parse
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -115,14 +116,16 @@ class _Reader:
         if self.scene is None:
             self.units.update((str(t), None) for t in lexed.tokens if t.type == "UNIT")
         if statement is None:
+            self.headless |= lexed.keyword == "scene"
             self.broken.append(st.Broken(lexed.keyword, declared_names(lexed), lexed.span))
         elif isinstance(statement, st.SceneHead):
             self.scene = statement
         elif isinstance(statement, st.EndOfScene):
             self._close_scene(statement.span)
+            self.headless = False
         elif self.scene is not None:
             self.clauses.append(statement)
-        elif lexed.keyword in MODEL_WORDS:
+        elif lexed.keyword in MODEL_WORDS and not self.headless:
             self.statements.append(statement)
 
     def file(self) -> st.File:
@@ -141,6 +144,8 @@ class _Reader:
         word = lexed.keyword
         if self.scene is not None and word in MODEL_WORDS and word not in _SHARED_WORDS:
             self._unended_scene(f"'{word}' cannot stand in a scene")
+        elif self.headless:
+            self.headless = word not in MODEL_WORDS or word in _SHARED_WORDS
         elif self.scene is None and word and word not in MODEL_WORDS:
             self.errors.append(misplaced(lexed))
 

@@ -27,6 +27,8 @@ SAMPLES = 25  # states at which the pivots of M are looked at,
 EFFORT = 50_000  # values computed in the search for a worse one: some 0.05 s
 SCATTER = 200  # and at most so many states with parameters anywhere,
 WIDE = 1e3  # so far from their defaults where nothing bounds them
+# What the equations use a guard for, Guard.use.
+COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
 NEARLY = 1e-4  # a pivot beside its diagonal entry: M is singular nearby
 
 
@@ -42,7 +44,7 @@ def guards_of(
     ranges = Ranges(g, [_bounds(g, slot) for slot in parameters])
     of_mass = {i: p for i, p in enumerate(pivots or ()) if g.depends[p] & VARIABLE}
     charts: dict[Node, None] = {}
-    motions: dict[Node, None] = {}
+    motions: dict[Node, str] = {}
     unsure: dict[Node, int] = {}
     for i, pivot in of_mass.items():
         for node, rest in zeros(g, ranges, pivot):
@@ -61,14 +63,17 @@ def guards_of(
                 if not pivot > limit * diagonal:
                     charts[node] = None
     known = {g.split(p)[1] for p in of_mass.values()}
-    for base in dangerous(g, ranges, [*outputs, *of_mass.values()]):
+    for base, use in dangerous(g, ranges, [*outputs, *of_mass.values()]):
         if g.split(base)[1] not in known:
-            motions.update(dict.fromkeys(node for node, _ in zeros(g, ranges, base)))
-    found = dict.fromkeys([*charts, *motions])
+            for node, _ in zeros(g, ranges, base):
+                if node not in motions or use == DIVISOR:
+                    motions[node] = use
+    found = {**motions, **dict.fromkeys(charts, COORDINATES)}
+    found = {node: found[node] for node in [*charts, *motions]}
     squares = {square for node in found for square in squared(g, node)}
     return tuple(
-        Guard(Quantity(wording(g, about(g, node), name), "", ""), node, node in charts)
-        for node in found
+        Guard(Quantity(wording(g, about(g, node), name), "", ""), node, use)
+        for node, use in found.items()
         if node not in squares  # r, not r^2 too
     )
 
@@ -88,25 +93,25 @@ def squared(g: Graph, node: Node) -> tuple[Node, ...]:
     return g.args[node] if _is_call(g, node, "sqrt") else ()
 
 
-def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[Node]:
-    """What must not vanish for the outputs to be finite and smooth."""
+def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
+    """What must not vanish for the outputs to be finite and smooth, and how they use it."""
     for node in reachable(g, outputs, VARIABLE):
         first = g.args[node][0] if g.args[node] else node
         if g.op[node] is Op.POWER:
             if g.data[node] < 0 or (
                 g.data[node].denominator > 1 and not ranges(first).not_negative
             ):
-                yield first
+                yield first, DIVISOR if g.data[node] < 0 else ROOT
         elif _is_call(g, node, "log", "reciprocal"):
-            yield first
+            yield first, DIVISOR if g.data[node] == "reciprocal" else LOGARITHM
         elif _is_call(g, node, "pow"):
-            yield _where_positive(g, first, g.negate(g.args[node][1]))
+            yield _where_positive(g, first, g.negate(g.args[node][1])), DIVISOR
         elif _is_call(g, node, "sqrt") and not ranges(first).not_negative:
-            yield first  # of a sum of squares, a root alone is no more than a kink
+            yield first, ROOT  # of a sum of squares, a root alone is no more than a kink
         elif _is_call(g, node, "tan"):
-            yield g.call("cos", first)
+            yield g.call("cos", first), DIVISOR
         elif _is_call(g, node, "asin", "acos"):
-            yield g.subtract(ONE, g.power(first, 2))
+            yield g.subtract(ONE, g.power(first, 2)), ARC
 
 
 def _where_positive(g: Graph, base: Node, exponent: Node) -> Node:

@@ -193,10 +193,10 @@ class Bounded:
 @dataclass(frozen=True)
 class LoopGuard:
     """The equations end where one of `terms` vanishes, each for itself: a member's, a pair's, or a
-    constant. `name` is the expression in i, of a pair in i and j."""
+    constant. `name` is the expression in i, of a pair in i and j; `use` as of a Guard."""
 
     name: str
-    chart: bool
+    use: str
     terms: Total
 
 

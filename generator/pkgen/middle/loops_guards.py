@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from .affine import OTHER, ROW, Affine
 from .collect import settled
 from .graph import BIT, ZERO, Graph, Kind, Node, Symbol
-from .guards import about, dangerous, squared, zeros
+from .guards import COORDINATES, DIVISOR, about, dangerous, squared, zeros
 from .loops import Group, LoopEquations, LoopGuard, PairPart, Part, Slot, Total
 from .loops_expand import LoopExpander, unlike_loops
 from .loops_pairs import M
@@ -45,19 +45,20 @@ class _Guards:
 
     def found(self) -> tuple[tuple[LoopGuard, ...], bool]:
         charts, pivots = self._charts()
-        motions = [
-            self._canonical(over, node)
-            for over, output in self._outputs()
-            for base in dangerous(self.g, self.ranges, [output])
-            for node, _ in zeros(self.g, self.ranges, base)
-            if self._moves(node)
-        ]
-        kept = dict.fromkeys([*charts, *motions])
+        motions: dict[_Guarded, str] = {}
+        for over, output in self._outputs():
+            for base, use in dangerous(self.g, self.ranges, [output]):
+                for node, _ in zeros(self.g, self.ranges, base):
+                    found = self._canonical(over, node)
+                    if self._moves(node) and (found not in motions or use == DIVISOR):
+                        motions[found] = use
+        kept = dict.fromkeys(charts, COORDINATES)
+        kept |= {found: use for found, use in motions.items() if found not in kept}
         roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
         for root in roots:  # r, not r^2 too
             kept.pop(root, None)
         guards = [
-            LoopGuard(self._text(node), (over, node) in charts, self._terms(over, node))
+            LoopGuard(self._text(node), kept[over, node], self._terms(over, node))
             for over, node in self._distinct(kept)
         ]
         return tuple(guards), pivots

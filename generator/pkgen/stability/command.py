@@ -7,6 +7,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
+from .. import arguments as shared
 from .. import options as parsing
 from ..build import BuildError, find_toolchain
 from ..commands import compile_within_limits
@@ -22,17 +23,14 @@ from .misses import misses
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("-o", dest="directory", default=".", metavar="DIR", help="default: here")
-    add("--scene", metavar="NAME", help="one scene of the model; options override it")
+    shared.directory(parser)
+    shared.of_a_motion(parser, "50 periods of the slowest mode")
     add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
     add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
     add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
     add("--points", metavar="NxM", help="steps x values (default 48x32)")
     add("--quick", action="store_true", help="24x12 points, and resonances measured with less")
-    add("--set", action="append", default=[], metavar="p=VALUE", help="a parameter or input")
-    add("--start", action="append", default=[], metavar="a=VALUE", help="a coordinate or a rate")
-    add("--until", metavar="T", help="duration (default: 50 periods of the slowest mode)")
-    add("--iteration", choices=("newton", "fixed"), default="newton", help="of implicit methods")
+    shared.of_implicit_methods(parser)
     parser.set_defaults(method="rk4")  # a run wants one; the maps have their own
 
 

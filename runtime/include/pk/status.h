@@ -24,15 +24,16 @@ extern "C" {
     X(PK_NOT_FINITE, -8, "the motion is no longer finite")                                  \
     X(PK_TOO_MANY_STEPS, -9, "too many steps")                                              \
     X(PK_NO_MEMORY, -10, "a foreign library could not allocate its workspace")            \
-    X(PK_SINGULAR_TIME, -11, "the motion ends in a singularity")                            \
+    X(PK_SINGULAR_TIME, -11, "the equations of motion as written end here")                 \
     X(PK_SINGULAR_COORDINATES, -12, "the coordinates are singular here")                    \
-    X(PK_AMBIGUOUS_STEP, -13, "the equations of an implicit step have several solutions")
+    X(PK_AMBIGUOUS_STEP, -13, "the equations of an implicit step have several solutions") \
+    X(PK_STEP_TOO_LONG, -14, "a step is too long to be of the motion")
 
 enum pk_status {
 #define PK_STATUS_ENUM(name, value, text) name = value,
     PK_STATUSES(PK_STATUS_ENUM)
 #undef PK_STATUS_ENUM
-    PK_STATUS_LAST = -14 /* below every status; no trailing comma, for C++98 readers */
+    PK_STATUS_LAST = -15 /* below every status; no trailing comma, for C++98 readers */
 };
 
 /* "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */

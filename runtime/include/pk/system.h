@@ -54,8 +54,14 @@ struct pk_parameter {
 
 /* What the acceleration divides by, or takes a root or a logarithm of: it is singular where the
  * guard vanishes. There the chart alone may end, M being singular (the pole of a sphere), or the
- * motion itself (a collision). */
-enum pk_guard_kind { PK_GUARD_COORDINATES, PK_GUARD_MOTION };
+ * motion itself (a collision), or no more than the expression, where a quotient has a limit. */
+enum pk_guard_kind {
+    PK_GUARD_COORDINATES,
+    PK_GUARD_DIVISOR,
+    PK_GUARD_ROOT,
+    PK_GUARD_LOGARITHM,
+    PK_GUARD_ARC /* 1 - x^2 of an asin or acos of x */
+};
 struct pk_guard {
     struct pk_quantity what; /* name: the expression as text, "sin(theta)" */
     enum pk_guard_kind kind;

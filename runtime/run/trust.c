@@ -1,0 +1,95 @@
+/* See trust.h. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "trust.h"
+
+#include <stdlib.h>
+
+#include "words.h"
+
+#define WRONG PK_C(1e-2) /* of the energy's scale */
+#define LOOSE PK_C(1e-8)
+#define JUDGE "dop853"
+#define JUDGE_TOL PK_C(1e-9)
+
+enum { MOST_VALUES = 5000000 }; /* of accelerations by the judge: a second or so */
+
+void trust_step(struct run *run)
+{
+    if (!run->monitor.has_energy || run->distrusted)
+        return;
+    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= WRONG); /* true of a NaN */
+    if (!run->distrusted)
+        run->trusted = run->it.t;
+}
+
+/* Whether the status is one that the path may have come to by its steps alone. */
+static int doubtful(const struct run *run)
+{
+    switch (run->it.status) {
+    case PK_SINGULAR_MASS:
+    case PK_SINGULAR_TIME:
+    case PK_SINGULAR_COORDINATES:
+    case PK_NOT_FINITE:
+    case PK_STEP_TOO_LONG:
+        return run->it.t > 0;
+    default:
+        return 0;
+    }
+}
+
+/* The same motion by another method up to t: where it ends, or that it goes on. 1 where it ends
+ * before the run does. */
+static int judge(struct run *run, pk_real t, FILE *file)
+{
+    int before = 0;
+    const struct settings *s = &run->settings;
+    const struct pk_method *method = pk_method_find(JUDGE);
+    const size_t size = pk_integrator_size(&run->problem, method);
+    struct pk_options options = pk_options_default();
+    struct pk_integrator it;
+    void *block = words_allocate(size, 1);
+    options.rtol = options.atol = JUDGE_TOL;
+    options.max_steps = MOST_VALUES / (12 * s->n) + 1;
+    enum pk_status status = pk_integrator_init(&it, &run->problem, method, &options, 0, s->q, s->v,
+                                               block, size);
+    if (status >= 0)
+        status = pk_integrator_to(&it, t);
+    if (status == PK_DONE && run->it.status < 0)
+        fprintf(file, "; by %s at %.0e the motion goes on past that: only these steps end", JUDGE,
+                (double)JUDGE_TOL);
+    if (status <= PK_SINGULAR_MASS && status != PK_TOO_MANY_STEPS && status != PK_NO_MEMORY) {
+        const int singular = status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES;
+        const pk_real end = singular ? it.detail : it.t;
+        fprintf(file, "; by %s at %.0e it ends at t = %.9g", JUDGE, (double)JUDGE_TOL, (double)end);
+        before = end < run->it.t;
+        if (before)
+            fputs(", so what follows is of the steps alone", file);
+    }
+    pk_integrator_free(&it);
+    free(block);
+    return before;
+}
+
+int trust_judge(struct run *run)
+{
+    const struct settings *s = &run->settings;
+    const int fixed = !(s->method->traits & PK_ADAPTIVE), done = run->it.status == PK_DONE;
+    int before = 0;
+    size_t size;
+    /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */
+    if (!(done ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
+        return 0;
+    FILE *file = open_memstream(&run->besides, &size);
+    if (!file)
+        return 0;
+    if (run->distrusted)
+        fprintf(file, "; the energy, which the motion keeps, is off by more than %g of its scale "
+                "after t = %.9g", (double)WRONG, (double)run->trusted);
+    if (fixed || s->options.rtol > LOOSE)
+        before = judge(run, run->it.t + (done ? 0 : 2 * (fixed ? s->options.h : run->h_max)), file);
+    fclose(file);
+    if (done && !before)
+        run->besides[0] = '\0';
+    return before;
+}

@@ -1,0 +1,105 @@
+"""What is said of a wrong option, of a motion that is no chaos, of a line that is none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from pkgen.__main__ import main
+from pkgen.chart import text
+from pkgen.chart.spectrum import Spectrum
+from pkgen.diagnostics import lines
+from pkgen.front.parse import parse_all
+from pkgen.reasons import with_options
+from pkgen.source import Source
+
+# x runs away, y goes uniformly, z stays; `kept` is a constant of the motion, zero but for errors.
+MODEL = """model three
+coord x, y, z
+kinetic (x'^2 + y'^2 + z'^2)/2
+potential -x^2/2
+start x = 0.1, y' = 1, z = 2
+event kept: x'^2 - x^2 + 0.01
+event half: y - 5
+scene section
+  record x, y at half
+  until 20
+end
+"""
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    path = tmp_path / "three.lag"
+    path.write_text(MODEL)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--method gaus3", "--method gaus3: there is no such method; did you mean 'gauss3'"),
+        ("--method nosuch", "--method nosuch: there is no such method; there are: euler, "),
+        ("--diagnose lyapnov", "there is no 'lyapnov'; did you mean 'lyapunov'?"),
+        ("--at halv", "--at halv: the model has no such event; did you mean 'half'?"),
+        ("--record enery", "--record enery: the model has no such column; did you mean 'energy'?"),
+        ("--start x=0,y'=2", "one value an option: --start x=0 --start y'=2"),
+        ("--start x=0;y", "--start x=0;y: "),
+    ],
+)
+def test_a_wrong_name_in_an_option(model: Path, capsys, options: str, said: str) -> None:
+    assert main(["run", str(model), *options.split()]) == 2
+    shown = capsys.readouterr().err
+    assert said in shown and "settings line" not in shown and "until" not in shown
+
+
+def test_a_run_says_what_its_numbers_are(model: Path, capsys) -> None:
+    options = ["--scene", "section", "--diagnose", "lyapunov,spectrum", "--every", "0.1", "--json"]
+    assert main(["run", str(model), *options]) == 0
+    shown = capsys.readouterr()
+    report = json.loads(shown.out)["report"]
+    assert "event kept: its function stays within 1e-08 of zero" in shown.err
+    assert "event half: its" not in shown.err and [e["count"] for e in report["events"]][1] == 1
+    found = report["diagnostics"]
+    assert found["lyapunov"]["motion"] == "leaving" and found["lyapunov"]["megno"] > 6
+    said = "\n".join(lines(found, ""))
+    assert "an instability and no chaos" in said
+    assert "y: goes uniformly, by 1; it does not oscillate" in said and "z: constant, 2" in said
+    # x grows like e^t: neither of the two.
+    assert found["spectrum"]["coordinates"][0]["away"] > 0.1
+    # Rows at the event alone are at no equal times, and this is said with what to do.
+    assert main(["run", str(model), *options[:4], "--json"]) == 2
+    assert "rows are at event half alone: give --every too" in capsys.readouterr().err
+
+
+def test_reasons_name_options() -> None:
+    said = with_options("give a largest step, and a tolerance instead of a first step")
+    assert said == (
+        "give a largest step (--max-step), and a tolerance instead of a first step (--step)"
+    )
+    assert with_options("too many steps: 7") == "too many steps (--max-steps): 7"
+    assert with_options("pivot of coordinate h_max") == "pivot of coordinate h_max"
+
+
+def test_no_field_of_c_is_in_a_reason() -> None:
+    source = (ROOT / "runtime/src/reason.c").read_text(encoding="utf-8")
+    words = " ".join(part for part in source.split('"')[1::2])
+    assert "tolerance" in words
+    for field in ("h_max", "h_min", "rtol", "atol", "newton_tol", "max_steps", "max_iterations"):
+        assert field not in words
+
+
+def test_a_scene_with_a_reserved_name_has_one_error() -> None:
+    scene = "scene event\n  start x = 1\n  until 5\nend\nscene good\n  until 5\nend\nuntil 3\n"
+    source = Source("m.lag", "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2\n" + scene)
+    found = parse_all(source).diagnostics
+    assert [d.message.split("'")[1] for d in found] == ["event", "until"]
+    assert found[1].span.start == source.text.rindex("until")
+
+
+def test_a_motion_without_frequencies() -> None:
+    assert Spectrum(0.0, 0.0, 10.0).text("s").startswith("nothing oscillates")
+    assert Spectrum(2.0, 0.0, 10.0).text("s").startswith("fastest oscillation")
+    assert text.EXACT > 2.0**-52
