@@ -252,7 +252,7 @@ def test_a_quick_map_measures_with_less(pendulum: Asker, steps, monkeypatch) -> 
 
     def counted(self: Asker, questions: Iterable[str]) -> list[Close]:
         listed = list(questions)
-        asked[0] += sum(int(q.split()[5]) for q in listed)
+        asked[0] += sum(int(q.split()[4]) for q in listed)
         return near(self, listed)
 
     monkeypatch.setattr(Asker, "near", counted)
@@ -262,7 +262,7 @@ def test_a_quick_map_measures_with_less(pendulum: Asker, steps, monkeypatch) -> 
         one = measure.measured(pendulum, rest, third, 0.5, 1e-6, effort)
         assert one.h == pytest.approx(third.h, rel=1e-4) and one.response is not None
         found.append(asked[0])
-    assert found[1] < found[0] / 3
+    assert found[1] < found[0] / 2
 
 
 def test_relative_equilibria_of_a_top() -> None:
@@ -326,8 +326,9 @@ def test_what_grows_without_bound_is_not_finite() -> None:
 
 
 def test_stable_at_999_growing_at_1001(pendulum: Asker) -> None:
+    hanging = pendulum.at(pendulum.rest().equilibria[0])
     for method, y in (("verlet", 2.0), ("yoshida4", 1.5734019474), ("rk4", math.sqrt(8))):
-        below, above = pendulum.near(f"{method} {y * x!r} 0 all 1e-6 4000" for x in (0.999, 1.001))
+        below, above = hanging.near(f"{method} {y * x!r} all 1e-6 4000" for x in (0.999, 1.001))
         assert below.growth < 300 and below.status == "PK_DONE", method
         assert not above.growth < 1000, method
 

@@ -31,7 +31,6 @@ TWO_PI = 2 * math.pi
 PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
 
-
 @dataclass(frozen=True)
 class Map:
     """Of A; numbers that are not finite are None."""
@@ -73,9 +72,7 @@ class StepMap:
     _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
     _angles: tuple[list[float], list[float]] | None = None
 
-    def maps(
-        self, ys: Sequence[float], stiffness: float = 1, damping: float = 0
-    ) -> list[Map]:
+    def maps(self, ys: Sequence[float], stiffness: float = 1, damping: float = 0) -> list[Map]:
         """Of a step that was not made nothing is known."""
         name = self.traits.name
         asked = [f"oscillator {name} {stiffness!r} {damping!r} {float(y).hex()}" for y in ys]

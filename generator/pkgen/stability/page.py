@@ -7,7 +7,6 @@ from pathlib import Path
 
 from . import text
 from .map import StabilityMap
-from .misses import misses
 
 STYLE = """body { font: 15px/1.45 system-ui, sans-serif; max-width: 75em; margin: 2em auto;
   padding: 0 1em }
@@ -34,7 +33,7 @@ def html(made: StabilityMap, svg: Path) -> str:
         _inline(svg),
         CLASSES,
         "<h2>Misses</h2><ul>",
-        *(f"<li>{escape(line)}</li>" for line in text.sentences(misses(made))),
+        *(f"<li>{escape(line)}</li>" for line in text.sentences(made)),
         "</ul>",
     ]
     for title, table in (
