@@ -74,6 +74,12 @@ def known_methods() -> list[Traits]:
 
 def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None) -> StabilityMap:
     """Raises NumericsFailed, BuildError, UsageError."""
+    structure = compilation.structure
+    if all(structure.cyclic) and structure.conservative:
+        raise UsageError(
+            f"every coordinate of {compilation.model.name} is cyclic: their momenta are constant, "
+            "the motion goes on evenly by any method and step, and there is nothing to map"
+        )
     show = on_progress or _silent
     show(0.0, "compiling")
     program = build_program(compilation.files, compilation.model.name)
@@ -83,7 +89,7 @@ def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None
     if asked.axis.kind == "parameter":
         for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
             asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).ask([])
-    cyclic = frozenset(i for i, c in enumerate(compilation.structure.cyclic) if c)
+    cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
     if primary is None and asked.axis.kind == "amplitude":
         raise UsageError(
@@ -223,7 +229,10 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
     elif fastest > 0:
         high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
     else:
-        raise UsageError("no mode oscillates or grows, so no step stands out: give --steps LO..HI")
+        raise UsageError(
+            "no mode oscillates or grows by the linear terms, so no step stands out: give --steps "
+            "LO..HI"
+        )
     _refuse_too_many(high / count, until)
     return [high * (k + 1) / count for k in range(count)]
 

@@ -24,7 +24,6 @@ STEPS = 4000
 FAR = 1e3
 ROUNDS = 4
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
-SCAN_STEPS = 1500
 
 
 @dataclass(frozen=True)
@@ -33,11 +32,12 @@ class Effort:
 
     turns: int  # steps over which its angle is a mean
     scan: int  # steps h at which a response is sought
+    steps: int  # of each of these
     sizes: tuple[float, ...]  # of the start's displacement, at which it is
 
 
-FULL = Effort(1000, 17, (0.02, 0.1, 0.5))
-QUICK = Effort(500, 9, (0.1, 0.5))
+FULL = Effort(1000, 17, 1500, (0.02, 0.1, 0.5))
+QUICK = Effort(500, 9, 700, (0.1, 0.5))
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,7 @@ def _response(
         amplitude = part * size
         more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
         closes = asker.near(
-            f"{p.method} {h.hex()} {p.mode} {amplitude!r} {SCAN_STEPS}{more}" for h in hs
+            f"{p.method} {h.hex()} {p.mode} {amplitude!r} {effort.steps}{more}" for h in hs
         )
         # A motion that fails there, and not on either side, has responded.
         grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]

@@ -110,12 +110,10 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
             ),
             None,
         )
-        if limit is None:
+        if limit is None or not row.motion.judges:
             continue
         for point in row.points:
             if point.method != method:
-                continue
-            if point.kind == "not judged":
                 continue
             if limit.h is None or point.h < (1 - TOLERANCE) * limit.h:
                 many_below += 1
