@@ -50,6 +50,8 @@ void stability_end(struct pk_integrator *it)
 
 static int answer(struct stability *s, size_t line, char *const words[])
 {
+    if (strcmp(words[0], "start") == 0)
+        return stability_start(s);
     if (strcmp(words[0], "motion") == 0)
         return stability_motion(s);
     if (strcmp(words[0], "point") == 0)

@@ -5,6 +5,7 @@
  * JSON:
  *
  *     equilibria TRIES               where the system can rest, and its modes there
+ *     start                          where and with which parameters the motion begins
  *     motion                         the motion itself, by dop853 at rtol 1e-10
  *     point METHOD H                 what becomes of that motion (after `motion`)
  *     near METHOD H K AMPLITUDE STEPS [OTHER SEED]
@@ -69,6 +70,7 @@ void stability_end(struct pk_integrator *it);
 struct reference stability_reference(struct stability *s, double until);
 
 /* What is asked; words[0] is its name. 0, or 2 with a message. */
+int stability_start(struct stability *s);
 int stability_motion(struct stability *s);
 int stability_point(struct stability *s, size_t line, char *const words[]);
 int stability_oscillator(size_t line, char *const words[]);

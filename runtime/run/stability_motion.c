@@ -134,8 +134,34 @@ static void begin(struct stability *s)
     stability_end(s->exact);
     s->exact = stability_begin(&s->problem, pk_method_find("dop853"), &options, s->settings.q,
                                s->settings.v, &s->motion);
+    s->known = s->leaves = 0;
+    memset(s->far, 0, 3 * s->n * sizeof *s->far);
     s->n_records = 0;
     keep(s, 0, s->settings.q, s->settings.v);
+}
+
+static int print(const struct stability *s, double scale)
+{
+    const struct record *first = s->records, *last = first + s->n_records - 1;
+    printf("{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
+           s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
+           last->t);
+    output_real(stdout, first->energy);
+    fputs(", \"scale\": ", stdout);
+    output_real(stdout, scale);
+    fputs(", ", stdout);
+    output_numbers(stdout, "q", s->settings.q, s->n);
+    fputs(", ", stdout);
+    output_numbers(stdout, "v", s->settings.v, s->n);
+    print_parameters(s);
+    fputs("}\n", stdout);
+    return 0;
+}
+
+int stability_start(struct stability *s)
+{
+    begin(s);
+    return print(s, summary(s, 0).scale);
 }
 
 int stability_motion(struct stability *s)
@@ -144,7 +170,6 @@ int stability_motion(struct stability *s)
     const size_t n = s->n;
     double scales[3];
     begin(s);
-    memset(s->far, 0, 3 * n * sizeof *s->far);
     for (size_t k = 0; k < 3; k++) { /* half, three quarters, all of it */
         const double part = (double)(k + 2) / 4 * until;
         go_on(s, part, s->far + k * n);
@@ -154,17 +179,5 @@ int stability_motion(struct stability *s)
     }
     s->known = 1;
     s->leaves = s->motion >= 0 && leaves(s, until, scales);
-    printf("{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
-           s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
-           s->records[s->n_records - 1].t);
-    output_real(stdout, s->records->energy);
-    fputs(", \"scale\": ", stdout);
-    output_real(stdout, scales[2]);
-    fputs(", ", stdout);
-    output_numbers(stdout, "q", s->settings.q, n);
-    fputs(", ", stdout);
-    output_numbers(stdout, "v", s->settings.v, n);
-    print_parameters(s);
-    fputs("}\n", stdout);
-    return 0;
+    return print(s, scales[2]);
 }

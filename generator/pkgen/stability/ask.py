@@ -161,6 +161,10 @@ class Asker:
     def rest(self, tries: int = TRIES) -> Rest:
         return rest(self.ask([f"equilibria {tries}"])[0])
 
+    def start(self) -> Motion:
+        """None of it yet: where it begins."""
+        return motion(self.ask(["start"])[0])
+
     def motion(self) -> Motion:
         return motion(self.ask(["motion"])[0])
 

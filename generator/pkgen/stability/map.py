@@ -46,7 +46,7 @@ class StabilityMap:
     compilation: Compilation
     asked: Asked
     until: float
-    motion: Motion
+    motion: Motion  # its start alone
     rest: Rest  # at the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
@@ -85,7 +85,7 @@ def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None
     program = build_program(compilation.files, compilation.model.name)
     show(0.0, "equilibria")
     asker = Asker(program, asked.settings)
-    rest, motion = asker.rest(), asker.motion()
+    rest, motion = asker.rest(), asker.start()
     if asked.axis.kind == "parameter":
         for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
             asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).ask([])
