@@ -254,12 +254,12 @@ def test_a_mode_is_decided_beside_one_that_is_not(steps) -> None:
 def test_a_slow_growth_beside_a_fast_one_is_measured() -> None:
     saddle = asker(
         "model s\ncoord x, y\nkinetic (x'^2 + y'^2)/2\n"
-        "potential -(25*(3*x+y)^2 + (x-3*y)^2)/20 + (x^4+y^4)/4\nstart x = 0.1\n"
+        "potential -(400*(3*x+y)^2 + (x-3*y)^2)/20 + (x^4+y^4)/4\nstart x = 0.1\n"
     )
     rest = saddle.rest()
     top = next(e for e, at in enumerate(rest.equilibria) if at.energy == 0)
     found = [g.measured for g in measure.growths(saddle, rest, 1e-6) if g.equilibrium == top]
-    assert found == [pytest.approx(5, rel=1e-3), pytest.approx(1, rel=1e-3)]
+    assert found == [pytest.approx(20, rel=1e-3), pytest.approx(1, rel=1e-3)]
 
 
 def test_motions_near_an_equilibrium_seek_none(pendulum: Asker, steps, monkeypatch) -> None:
