@@ -22,7 +22,8 @@ SMALL = 1e-6  # of the size of the motion
 LEAST = 1e-8  # of the largest coordinate: clear of round-off
 STEPS = 4000
 FAR = 1e3
-ROUNDS = 4
+LOOKS = 16  # points of the first look for where something begins
+FINE = 1e-6  # relative: how well it is known then
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
 
 
@@ -174,14 +175,17 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
 
 
 def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: float) -> float | None:
-    """As method.first_change, to 1e-5 of the interval."""
-    count = 16
-    for round_ in range(ROUNDS + 1):
-        xs = [low + (high - low) * (k + 1) / count for k in range(count)]
-        where = next((k for k, bad in enumerate(test(xs)) if bad), None)
-        if where is None:
-            return None if round_ == 0 else high
-        low, high = (xs[where - 1] if where else low), xs[where]
+    """The first x in (low, high] at which `test` becomes true, to FINE of the way; a gap narrower
+    than the first look's spacing is missed."""
+    close = FINE * high
+    xs = [low + (high - low) * (k + 1) / LOOKS for k in range(LOOKS)]
+    where = next((k for k, bad in enumerate(test(xs)) if bad), None)
+    if where is None:
+        return None
+    low, high = (xs[where - 1] if where else low), xs[where]
+    while high - low > close:
+        middle = (low + high) / 2
+        low, high = (low, middle) if test([middle])[0] else (middle, high)
     return high
 
 
