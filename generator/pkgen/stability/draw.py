@@ -34,6 +34,7 @@ CLASSES = {
     "failed": ("#999999", "++"),
     "not judged": ("#FFFFFF", "////"),
 }
+SAID_OF = {"not judged": "not judged: the motion itself leaves"}  # in the legend
 NARROWEST = 7.4  # inches: titles and legend fit
 SAID = 12  # values in the title
 
@@ -195,7 +196,7 @@ def fastest(made: StabilityMap) -> float | None:
 
 def _legend(figure: plt.Figure, used: set[str], columns: int) -> None:
     handles: list = [
-        Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=kind)
+        Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=SAID_OF.get(kind, kind))
         for kind, (colour, hatch) in CLASSES.items()
         if kind in used
     ]
