@@ -2,14 +2,12 @@
  * derivatives, GSL's hybridsj, from Halton's points; then roots are told apart. Unknown i is q_i,
  * or v_i where coordinate i is cyclic; equation i is pdot_i = 0, or p_i = what it was.
  *
- * Nothing is compared with 1: lengths are those of the motion, each equation has its own size.
  * After Newton's method has come to round-off a root counts where the equations hold to 1e-10 of
  * their size and the correction is below 1e-4 of the way from the start. The second test rejects
  * points on the way to infinity, where forces vanish too; that it is no sharper admits roots at
  * which the linear terms vanish (a hoop at its critical rate). Reference: M. J. D. Powell, in
  * P. Rabinowitz (ed.), Numerical Methods for Nonlinear Algebraic Equations (1970) 87.
  */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,33 +16,10 @@
 
 #include <pk/gsl_equilibria.h>
 
-#include "../src/internal.h"
+#include "equilibria_search.h"
 #include "halton.h"
 
-static const double TWO_PI = 6.283185307179586476925;
-static const double RUNAWAY = 100;
-enum { ITERATIONS = 200, POLISH = 60, MOTION = 48, SETTLING = 100 };
-
-/* A search: the problem, a state to write to, and room for the kernels' results. */
-struct search {
-    const struct pk_problem *problem;
-    size_t n;
-    double *q, *v;               /* the state tried; what is not sought stays as in the start */
-    double *kept;                /* momenta of the start */
-    double *step;                /* Newton's, to be taken back */
-    double *box, *middle;        /* where to seek each unknown */
-    double *p, *pdot, *F;        /* n */
-    double *M, *p_q, *F_q, *F_v; /* n n */
-    double *J, *pivot;
-    double *scale;               /* of each equation in the box */
-    unsigned char *turns;        /* q_i + 2 pi is the same place */
-};
-
-static int is_cyclic(const struct search *s, size_t i)
-{
-    const unsigned char *cyclic = s->problem->system->cyclic;
-    return cyclic && cyclic[i];
-}
+enum { ITERATIONS = 200, POLISH = 60 };
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
@@ -52,11 +27,13 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     double *x = (double *)calloc(11 * n + 5 * n * n, sizeof *x);
     memset(s, 0, sizeof *s);
     s->turns = (unsigned char *)calloc(n, 1);
+    s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
     s->problem = problem;
     s->n = n;
     s->q = x;
-    if (!x || !s->turns)
+    if (!x || !s->turns || !s->primes)
         return 0;
+    primes(s->primes, n + 1);
     double **const vectors[] = {&s->q,   &s->v,    &s->kept, &s->box, &s->middle,
                                 &s->p,   &s->pdot, &s->F,    &s->pivot, &s->scale,
                                 &s->step};
@@ -72,22 +49,13 @@ static void close_search(struct search *s)
 {
     free(s->q);
     free(s->turns);
+    free(s->primes);
 }
 
 static void set_unknowns(struct search *s, const gsl_vector *z)
 {
     for (size_t i = 0; i < s->n; i++)
-        (is_cyclic(s, i) ? s->v : s->q)[i] = gsl_vector_get(z, i);
-}
-
-/* F at the state; 0 where it is not finite. */
-static int equations(struct search *s)
-{
-    const struct pk_problem *problem = s->problem;
-    problem->system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
-    for (size_t i = 0; i < s->n; i++)
-        s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i] : s->pdot[i];
-    return pk_all_finite(s->F, s->n);
+        *unknown(s, i) = gsl_vector_get(z, i);
 }
 
 static int derivatives(struct search *s)
@@ -135,156 +103,6 @@ static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix
     return failed ? failed : gsl_df(z, context, J);
 }
 
-/* The start itself for k = 0; then half of the points in the box, a quarter each in one four and one
- * 32 times as wide, except for angles. Not in base 2, whose digits go with those of k. */
-static void place(const struct search *s, size_t k, gsl_vector *z)
-{
-    static const double widths[] = {32, 1, 4, 1};
-    for (size_t i = 0; i < s->n; i++) {
-        const double wide = s->turns[i] && !is_cyclic(s, i) ? 1 : widths[k % 4];
-        const double x = k ? 2 * halton(k, prime(i + 1)) - 1 : 0;
-        gsl_vector_set(z, i, s->middle[i] + wide * s->box[i] * x);
-    }
-}
-
-/* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force beside
- * its own size, for one may be of a far smaller one than the others. */
-static int is_turn(struct search *s, size_t i)
-{
-    double *size = s->p_q, *change = s->F_q; /* of each p and pdot */
-    double *copy = s->M;
-    const size_t n = s->n;
-    int same = 1;
-    for (int part = 0; part < 2 && same; part++) {
-        const double *now = part ? s->pdot : s->p;
-        memset(size, 0, n * sizeof *size);
-        memset(change, 0, n * sizeof *change);
-        for (size_t k = 1; k <= 3; k++) {
-            for (size_t j = 0; j < n; j++) {
-                s->q[j] = s->middle[j] + 2 * halton(k + 7, prime(j)) - 1;
-                s->v[j] = 0.7 - halton(k + 3, prime(j));
-            }
-            if (!equations(s))
-                return 0;
-            memcpy(copy, now, n * sizeof *copy);
-            s->q[i] += TWO_PI;
-            if (!equations(s))
-                return 0;
-            for (size_t j = 0; j < n; j++) {
-                change[j] = fmax(change[j], fabs(now[j] - copy[j]));
-                size[j] = fmax(size[j], fabs(now[j]));
-            }
-        }
-        double most = 0;
-        for (size_t j = 0; j < n; j++)
-            most = fmax(most, size[j]);
-        for (size_t j = 0; j < n; j++) /* one that vanishes is round-off of the others */
-            same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
-    }
-    return same;
-}
-
-/* How far the motion from the start goes in some steps of dop853, which are of its own length, into
- * box: |q - q0|, or |v| of what is cyclic. Steps count once they no longer double; one after which
- * something is RUNAWAY times as far as at the first that counts ends it. */
-static void extent(struct search *s, const double *q0, const double *v0)
-{
-    const struct pk_method *method = pk_method_find("dop853");
-    struct pk_options options = pk_options_default();
-    struct pk_integrator it;
-    const size_t size = pk_integrator_size(s->problem, method);
-    void *block = malloc(size);
-    double before = HUGE_VAL, *begun = s->p;
-    int settled = 0, runs = 1;
-    options.rtol = 1e-6;
-    options.atol = 1e-300; /* no unit is small or large */
-    memset(s->box, 0, s->n * sizeof *s->box);
-    if (!block)
-        return;
-    runs = pk_integrator_init(&it, s->problem, method, &options, 0, q0, v0, block, size) >= 0;
-    for (int k = 0; runs && k < SETTLING && settled < MOTION; k++) {
-        const double t = it.t;
-        runs = pk_integrator_step(&it, 1e300) >= 0;
-        settled += settled || (k > 0 && it.t - t < 2 * before);
-        before = it.t - t;
-        for (size_t i = 0; i < s->n && runs && settled; i++) {
-            const double far = fabs(is_cyclic(s, i) ? it.v[i] : it.q[i] - q0[i]);
-            if (settled == 1 || !(begun[i] > 0))
-                begun[i] = far;
-            if (far > RUNAWAY * begun[i])
-                runs = 0;
-            else
-                s->box[i] = fmax(s->box[i], far);
-        }
-    }
-    pk_integrator_free(&it);
-    free(block);
-}
-
-/* A length for each unknown: twice the motion's, or |q0|; where both are 0 the others', or 1. */
-static void choose_box(struct search *s, const double *q0, const double *v0)
-{
-    double others = 0;
-    extent(s, q0, v0);
-    for (size_t i = 0; i < s->n; i++) {
-        const int c = is_cyclic(s, i);
-        s->box[i] = 2 * fmax(s->box[i], fabs(c ? v0[i] : q0[i]));
-        if (s->turns[i] && !c)
-            s->box[i] = TWO_PI / 2;
-        else if (!c)
-            others = fmax(others, s->box[i]);
-    }
-    for (size_t i = 0; i < s->n; i++)
-        if (!(s->box[i] > 0))
-            s->box[i] = is_cyclic(s, i) || !(others > 0) ? 1 : others;
-}
-
-static void prepare(struct search *s, const double *q0, const double *v0)
-{
-    const struct pk_problem *problem = s->problem;
-    const size_t n = s->n;
-    problem->system->canonical(problem->params, 0, q0, v0, NULL, s->kept, s->pdot);
-    memcpy(s->middle, q0, n * sizeof *q0);
-    for (size_t i = 0; i < n; i++)
-        s->turns[i] = (unsigned char)is_turn(s, i);
-    memcpy(s->q, q0, n * sizeof *q0);
-    for (size_t i = 0; i < n; i++) {
-        const int c = is_cyclic(s, i);
-        s->v[i] = c ? v0[i] : 0;
-        s->middle[i] = c ? v0[i] : s->turns[i] ? 0 : q0[i];
-    }
-    choose_box(s, q0, v0);
-}
-
-/* The size of each equation: the most of it in the box; of one that vanishes there all the same
- * round-off of the largest. */
-static void measure(struct search *s, gsl_vector *z)
-{
-    double most = 0;
-    for (size_t k = 1; k <= 32; k++) {
-        place(s, 2 * k + 1, z);
-        set_unknowns(s, z);
-        if (equations(s))
-            for (size_t i = 0; i < s->n; i++) {
-                s->scale[i] = fmax(s->scale[i], fabs(s->F[i]));
-                most = fmax(most, s->scale[i]);
-            }
-    }
-    for (size_t i = 0; i < s->n; i++)
-        s->scale[i] = fmax(s->scale[i], most > 0 ? 1e-14 * most : 1);
-}
-
-static double *unknown(struct search *s, size_t i)
-{
-    return (is_cyclic(s, i) ? s->v : s->q) + i;
-}
-
-/* The length that a difference of unknown i is small or large beside. */
-static double reach(struct search *s, size_t i)
-{
-    return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
-}
-
 /* Newton's correction into s->F, and its largest part beside the reach; 0 where the linear terms
  * vanish exactly, HUGE_VAL where the equations do not hold. */
 static double correction(struct search *s)
@@ -318,6 +136,7 @@ static int is_root(struct search *s, const gsl_vector *z)
 {
     set_unknowns(s, z);
     double size = correction(s);
+    memset(s->step, 0, s->n * sizeof *s->step);
     if (!(size <= 1e-4))
         return 0;
     for (int k = 0; k < POLISH && size > 0; k++) {
@@ -377,11 +196,14 @@ static void insert(struct search *s, struct pk_equilibria *found)
     while (at > 0 && h < energy(s, found->q + (at - 1) * n, found->v + (at - 1) * n) -
                              1e-9 * fabs(h))
         at--;
-    const size_t after = (found->count - at) * n;
-    memmove(found->q + (at + 1) * n, found->q + at * n, after * sizeof *found->q);
-    memmove(found->v + (at + 1) * n, found->v + at * n, after * sizeof *found->v);
-    memcpy(found->q + at * n, s->q, n * sizeof *s->q);
-    memcpy(found->v + at * n, s->v, n * sizeof *s->v);
+    double *const lists[] = {found->q, found->v, found->doubt};
+    const double *const one[] = {s->q, s->v, s->step};
+    for (size_t k = 0; k < 3; k++)
+        if (lists[k]) {
+            double *const place = lists[k] + at * n;
+            memmove(place + n, place, (found->count - at) * n * sizeof *place);
+            memcpy(place, one[k], n * sizeof *place);
+        }
     found->count++;
 }
 
@@ -424,12 +246,13 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     if (open_search(&s, problem) && solver && z) {
         gsl_multiroot_function_fdf function = {gsl_f, gsl_df, gsl_fdf, n, &s};
         status = PK_DONE;
-        prepare(&s, q0, v0);
-        measure(&s, z);
+        pk_equilibria_box(&s, q0, v0);
         if (found->turns)
             memcpy(found->turns, s.turns, n);
         for (size_t k = 0; k <= tries; k++) {
-            place(&s, k, z);
+            pk_equilibria_place(&s, k);
+            for (size_t i = 0; i < n; i++)
+                gsl_vector_set(z, i, *unknown(&s, i));
             try_from(&s, solver, z, &function, found);
         }
     }

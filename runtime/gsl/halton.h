@@ -1,5 +1,5 @@
 /* Points that fill a box evenly and are the same each time: coordinate i of point k is digit by digit
- * k mirrored at the point, in base prime(i). Reference: J. H. Halton, Numer. Math. 2 (1960) 84.
+ * k mirrored at the point, in a base of its own, a prime. Reference: J. H. Halton, Numer. Math. 2 (1960) 84.
  */
 #ifndef PK_GSL_HALTON_H
 #define PK_GSL_HALTON_H
@@ -17,15 +17,15 @@ static inline double halton(size_t k, size_t base)
     return x;
 }
 
-static inline size_t prime(size_t index)
+/* The first primes, in order. */
+static inline void primes(size_t *list, size_t count)
 {
-    size_t candidate = 2;
-    for (;; candidate++) {
-        size_t d = 2;
-        while (d * d <= candidate && candidate % d)
-            d++;
-        if (d * d > candidate && index-- == 0)
-            return candidate;
+    for (size_t found = 0, candidate = 2; found < count; candidate++) {
+        size_t k = 0;
+        while (k < found && list[k] * list[k] <= candidate && candidate % list[k])
+            k++;
+        if (k == found || list[k] * list[k] > candidate)
+            list[found++] = candidate;
     }
 }
 

@@ -48,13 +48,6 @@ static double processor_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void constant_input(void *context, pk_real t, pk_real *u)
-{
-    const struct chart *c = (const struct chart *)context;
-    (void)t;
-    memcpy(u, c->s.u, run_system->n_inputs * sizeof *u);
-}
-
 static enum pk_status begin(struct chart *c, const struct pk_method *method, pk_real setting,
                             pk_real span)
 {
@@ -268,10 +261,7 @@ int chart_run(const char *settings)
     int code = settings_read(&c.s, run_system, file);
     fclose(file);
     if (code == 0) {
-        c.problem.system = run_system;
-        c.problem.params = c.s.params;
-        c.problem.input = constant_input;
-        c.problem.context = &c;
+        c.problem = settings_problem(&c.s);
         c.monitor_block = words_allocate(pk_monitor_size(&c.problem), 1);
         c.work = (pk_real *)words_allocate(jacobians_size(&c.problem), sizeof *c.work);
     }

@@ -37,13 +37,6 @@ double run_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void constant_input(void *context, pk_real t, pk_real *u)
-{
-    const struct run *run = (const struct run *)context;
-    (void)t;
-    memcpy(u, run->settings.u, run->problem.system->n_inputs * sizeof *u);
-}
-
 void run_progress(const struct run *run, double part, int force)
 {
     static double last;
@@ -97,10 +90,7 @@ static int start(struct run *run)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = run_system;
-    run->problem.system = system;
-    run->problem.params = s->params;
-    run->problem.input = constant_input;
-    run->problem.context = run;
+    run->problem = settings_problem(s);
     const size_t size = pk_integrator_size(&run->problem, s->method);
     const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = malloc(size ? size : 1);

@@ -243,6 +243,18 @@ int settings_read(struct settings *s, const struct pk_system *system, FILE *file
     return code ? code : finish(s, system);
 }
 
+static void constant_input(void *context, pk_real t, pk_real *u)
+{
+    const struct settings *s = (const struct settings *)context;
+    (void)t;
+    memcpy(u, s->u, run_system->n_inputs * sizeof *u);
+}
+
+struct pk_problem settings_problem(struct settings *s)
+{
+    return (struct pk_problem){run_system, s->params, constant_input, s};
+}
+
 void settings_free(struct settings *s)
 {
     free(s->params);

@@ -65,6 +65,8 @@ struct settings {
 
 /* 0, or the process's exit code, with a message on standard error. */
 int settings_read(struct settings *settings, const struct pk_system *system, FILE *file);
+/* Of the model with these parameters, its inputs constant; the settings must stay where they are. */
+struct pk_problem settings_problem(struct settings *settings);
 /* Of parameters.c: memory and defaults once sizes are known; one size; one parameter; the defaults
  * that follow what was given. */
 void settings_begin(struct settings *settings, const struct pk_system *system);

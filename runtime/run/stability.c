@@ -48,15 +48,10 @@ void stability_end(struct pk_integrator *it)
     free(it);
 }
 
-static void constant_input(void *context, pk_real t, pk_real *u)
-{
-    const struct stability *s = (const struct stability *)context;
-    (void)t;
-    memcpy(u, s->settings.u, s->problem.system->n_inputs * sizeof *u);
-}
-
 static int answer(struct stability *s, size_t line, char *const words[])
 {
+    if (strcmp(words[0], "start") == 0)
+        return stability_start(s);
     if (strcmp(words[0], "motion") == 0)
         return stability_motion(s);
     if (strcmp(words[0], "point") == 0)
@@ -85,19 +80,14 @@ int stability_run(const char *path)
     }
     int code = settings_read(&s.settings, run_system, stdin);
     if (code == 0) {
-        const size_t n = s.n = s.settings.n, most = MOST_EQUILIBRIA;
-        s.problem.system = run_system;
-        s.problem.params = s.settings.params;
-        s.problem.input = constant_input;
-        s.problem.context = &s;
+        const size_t n = s.n = s.settings.n;
+        s.problem = settings_problem(&s.settings);
         s.work = (double *)words_allocate(4 * n + 1, sizeof *s.work);
-        s.q = (double *)words_allocate((most + 1) * n, sizeof *s.q);
-        s.v = (double *)words_allocate((most + 1) * n, sizeof *s.v);
-        s.counts = (size_t *)words_allocate(most, sizeof *s.counts);
+        s.far = (double *)words_allocate(3 * n, sizeof *s.far);
 #ifdef PK_WITH_GSL
-        s.modes = (struct pk_mode *)words_allocate(most * 2 * n, sizeof *s.modes);
+        s.modes = (struct pk_mode *)words_allocate(2 * n, sizeof *s.modes);
 #endif
-        s.shapes = (double *)words_allocate(most * 4 * n * n, sizeof *s.shapes);
+        s.shapes = (double *)words_allocate(4 * n * n, sizeof *s.shapes);
     }
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, file); line++) {
         char *words[11] = {NULL};
@@ -110,11 +100,11 @@ int stability_run(const char *path)
     fclose(file);
     if (fflush(stdout) || ferror(stdout))
         code = code ? code : EXIT_USAGE;
+    stability_end(s.exact);
     settings_free(&s.settings);
     free(s.work);
-    free(s.q);
-    free(s.v);
-    free(s.counts);
+    free(s.far);
+    free(s.records);
     free(s.modes);
     free(s.shapes);
     return code;

@@ -5,14 +5,16 @@
  * JSON:
  *
  *     equilibria TRIES               where the system can rest, and its modes there
+ *     start                          where and with which parameters the motion begins
  *     motion                         the motion itself, by dop853 at rtol 1e-10
  *     point METHOD H                 what becomes of that motion (after `motion`)
- *     near METHOD H E K AMPLITUDE STEPS [OTHER SEED]
- *                                    from close to equilibrium E, along mode K or `all`
- *     leave E K AMPLITUDE            how fast mode K leaves equilibrium E, by dop853 at rtol 1e-13
- *     oscillator METHOD K D Y        its step's map of (q, v) for q'' = -K q - D q', h = Y
+ *     near METHOD H K AMPLITUDE STEPS [OTHER SEED]
+ *                                    from close to the start along mode K or `all`
+ *     leave K AMPLITUDE              how fast mode K leaves the start, by dop853 at rtol 1e-13
+ *     oscillator METHOD K D Y        what its step makes of q'' = -K q - D q', h = Y
  *
- * E and K count from 0, as `equilibria` gave them.
+ * Of `near` and `leave` the start is an equilibrium; K counts its modes from 0, as `equilibria` gave
+ * them.
  */
 #ifndef RUN_STABILITY_H
 #define RUN_STABILITY_H
@@ -23,27 +25,35 @@
 #include <pk/gsl_equilibria.h>
 #endif
 
-enum { MOST_EQUILIBRIA = 32 };
-
 struct pk_mode;
+struct record;
 
 struct stability {
     struct settings settings;
     struct pk_problem problem;
     size_t n;
-    double *q, *v;          /* MOST_EQUILIBRIA n: equilibria, once they are asked for */
-    size_t equilibria;
-    size_t *counts;         /* of modes at each */
-    struct pk_mode *modes;  /* 2 n an equilibrium */
-    double *shapes;         /* 2 n 2 n an equilibrium: real parts, imaginary parts */
-    double *work;           /* 4 n + 1: a start, p, pdot */
+    double *work;          /* 4 n + 1: a start, p, pdot */
+    /* Of the start as an equilibrium, once they are asked for. */
+    int has_modes;
+    size_t n_modes;
+    struct pk_mode *modes; /* 2 n */
+    double *shapes;        /* 2 n 2 n: real parts, imaginary parts */
     /* Of the motion, once it is known. */
-    int known;
-    double first;        /* energy at the start */
-    double scale;        /* range of v.p over it: twice the kinetic energy that comes and goes */
-    double size;         /* largest |v.p| + |L|: what round-off of the energy is relative to */
-    double low, high;    /* energies in its last quarter; the first one where energy is constant */
-    double top;          /* largest energy */
+    int known, leaves;
+    struct pk_integrator *exact; /* follows it */
+    enum pk_status motion;       /* of that */
+    struct record *records;      /* of its steps */
+    size_t n_records, room;
+    double *far; /* 3 n: largest |q - q0| up to a half, three quarters and the end of `until` */
+};
+
+/* The motion over as long as a point's. */
+struct reference {
+    double scale;     /* range of v.p: twice the kinetic energy that comes and goes */
+    double size;      /* largest |v.p| + |L|: what round-off of the energy is relative to */
+    double low, high; /* energies in its last quarter; the first one where energy is constant */
+    double top;       /* largest energy; the same */
+    int judges;       /* it lasts, and does not leave */
 };
 
 /* Energy, v.p and |v.p| + |L| of a state. */
@@ -56,7 +66,11 @@ struct pk_integrator *stability_begin(const struct pk_problem *problem,
                                       const double *v, enum pk_status *status);
 void stability_end(struct pk_integrator *it);
 
+/* After the motion is known: follows it to `until`, if it has not been yet. */
+struct reference stability_reference(struct stability *s, double until);
+
 /* What is asked; words[0] is its name. 0, or 2 with a message. */
+int stability_start(struct stability *s);
 int stability_motion(struct stability *s);
 int stability_point(struct stability *s, size_t line, char *const words[]);
 int stability_oscillator(size_t line, char *const words[]);

@@ -1,31 +1,117 @@
-/* What a method makes of a motion, told from its energy. With E the method's energy, E0 the first,
- * S the range of v.p over the motion itself (twice the kinetic energy that comes and goes), [a, b]
- * the energies met in the last quarter of the run, and R the size |v.p| + |L| that round-off of the
- * energy is relative to:
+/* The motion itself, by dop853 at 1e-10: what a method's motion is compared with. It is followed for as
+ * long as a point of the map is, which at long steps is beyond `until`.
  *
- *     away      distance of E0 from [a, b]
- *     rise      max E - E0;   early: the same over the first eighth
- *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back (away > S/2 or
- *               away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
- *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
- *     bounded   neither: E comes back to where it was
- *
- * A drift that is smaller than 2.2 times the oscillation is not seen. Near a resonance of the step
- * the energy's own oscillation may take longer than the run, or the motion be locked to it beside
- * where it began: a symplectic or symmetric method is said to drift only if after four times as
- * long it is away by a fifth more. Where energy is not constant
- * by itself, in place of E0 stand the energies of the motion: in its last quarter, and the largest.
- * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All other
- * classes are statuses of the runtime.
+ * It leaves, and no method's is judged by it, where a coordinate that is not cyclic is still going
+ * away at `until`, by a fifth more in each of the last two quarters, and nothing comes back: v.p, twice
+ * the kinetic energy, turns no more in the last half, or, where energy is constant, its range
+ * still grows by half in each of these quarters. x'' = x, a fall, a free flight do; a resonance that
+ * is driven and a chain that drifts while it vibrates do not.
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "output.h"
 #include "stability.h"
 #include "words.h"
 
-enum { LEAST_STEPS = 200, MOST_STEPS = 4000000 };
+enum { MOST_RECORDS = 4000000 };
+static const double SLIGHT = 1e-3; /* of the largest v.p: a range below counts as that */
+
+/* What is kept of a state of the motion. */
+struct record {
+    double t, energy, vp, size;
+};
+
+static void keep(struct stability *s, double t, const double *q, const double *v)
+{
+    if (s->n_records == s->room) {
+        s->room = s->room ? 2 * s->room : 1024;
+        s->records = (struct record *)realloc(s->records, s->room * sizeof *s->records);
+        if (!s->records) {
+            fprintf(stderr, "run: out of memory\n");
+            exit(4);
+        }
+    }
+    struct record *r = &s->records[s->n_records++];
+    r->t = t;
+    stability_energies(s, t, q, v, &r->energy, &r->vp, &r->size);
+}
+
+/* Goes on to `until`, or to where it ends; far is the largest |q - q0| of each coordinate. */
+static void go_on(struct stability *s, double until, double *far)
+{
+    struct pk_integrator *it = s->exact;
+    while (s->motion >= 0 && it->t < until) {
+        s->motion = s->n_records < MOST_RECORDS ? pk_integrator_step(it, until) : PK_TOO_MANY_STEPS;
+        if (s->motion < 0)
+            break;
+        keep(s, it->t, it->q, it->v);
+        for (size_t i = 0; i < s->n; i++)
+            far[i] = fmax(far[i], fabs(it->q[i] - s->settings.q[i]));
+    }
+}
+
+static struct reference summary(const struct stability *s, double until)
+{
+    const int constant = (s->problem.system->facts & PK_CONSERVATIVE) != 0;
+    const struct record *r = s->records;
+    struct reference found = {.top = r->energy, .low = r->energy, .high = r->energy};
+    double least = r->vp, most = r->vp;
+    int late = 0;
+    for (size_t k = 0; k < s->n_records && r[k].t <= until; k++) {
+        const int last = k + 1 == s->n_records || r[k + 1].t > until;
+        least = fmin(least, r[k].vp);
+        most = fmax(most, r[k].vp);
+        found.size = fmax(found.size, r[k].size);
+        if (constant)
+            continue;
+        found.top = fmax(found.top, r[k].energy);
+        if (r[k].t >= 0.75 * until || (last && !late)) {
+            found.low = late ? fmin(found.low, r[k].energy) : r[k].energy;
+            found.high = late ? fmax(found.high, r[k].energy) : r[k].energy;
+            late = 1;
+        }
+    }
+    found.scale = fmax(most - least, SLIGHT * fmax(fabs(most), fabs(least)));
+    found.judges = !s->leaves && s->motion >= 0;
+    return found;
+}
+
+struct reference stability_reference(struct stability *s, double until)
+{
+    go_on(s, until, s->far + 2 * s->n);
+    return summary(s, until);
+}
+
+/* v.p has no extremum in the last half that is more than round-off. */
+static int turns_no_more(const struct stability *s, double until)
+{
+    double path = 0, least = HUGE_VAL, most = -HUGE_VAL, before = 0;
+    for (size_t k = 0; k < s->n_records; k++) {
+        const double vp = s->records[k].vp;
+        if (s->records[k].t < until / 2)
+            continue;
+        path += most < least ? 0 : fabs(vp - before);
+        least = fmin(least, vp);
+        most = fmax(most, vp);
+        before = vp;
+    }
+    return path <= 1.01 * (most - least) + 1e-6 * fmax(fabs(most), fabs(least));
+}
+
+static int leaves(const struct stability *s, double until, const double scales[3])
+{
+    const struct pk_system *system = s->problem.system;
+    int away = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (!(system->cyclic && system->cyclic[i]))
+            away |= s->far[s->n + i] > 1.2 * s->far[i] &&
+                    s->far[2 * s->n + i] > 1.2 * s->far[s->n + i];
+    const int faster = (system->facts & PK_CONSERVATIVE) != 0 && scales[1] > 1.5 * scales[0] &&
+                       scales[2] > 1.5 * scales[1];
+    return away && (faster || turns_no_more(s, until));
+}
 
 static void print_parameters(const struct stability *s)
 {
@@ -40,61 +126,41 @@ static void print_parameters(const struct stability *s)
     fputs("]", stdout);
 }
 
-int stability_motion(struct stability *s)
+static void begin(struct stability *s)
 {
     struct pk_options options = s->settings.options;
-    const double until = s->settings.until;
-    const int constant = (s->problem.system->facts & PK_CONSERVATIVE) != 0;
-    double e, vp, size, least, most;
-    enum pk_status status;
     options.rtol = options.atol = 1e-10;
     options.h = 0;
-    options.max_steps = MOST_STEPS;
-    struct pk_integrator *it = stability_begin(&s->problem, pk_method_find("dop853"), &options,
-                                               s->settings.q, s->settings.v, &status);
-    stability_energies(s, 0, s->settings.q, s->settings.v, &e, &vp, &size);
-    s->first = s->top = s->low = s->high = e;
-    s->size = size;
-    least = most = vp;
-    int late = 0;
-    double t = 0;
-    while (it && status >= 0 && it->t < until) {
-        status = pk_integrator_step(it, until);
-        if (status < 0)
-            break;
-        t = it->t;
-        stability_energies(s, t, it->q, it->v, &e, &vp, &size);
-        least = fmin(least, vp);
-        most = fmax(most, vp);
-        s->size = fmax(s->size, size);
-        if (constant)
-            continue;
-        s->top = fmax(s->top, e);
-        if (t >= 0.75 * until) {
-            s->low = late ? fmin(s->low, e) : e;
-            s->high = late ? fmax(s->high, e) : e;
-            late = 1;
-        }
-    }
-    s->scale = fmax(most - least, 1e-3 * fmax(fabs(most), fabs(least)));
-    s->known = 1;
-    printf("{\"motion\": \"%s\", \"t\": %.17g, \"energy\": ",
-           status < 0 ? pk_status_name(status) : "PK_DONE", t);
-    output_real(stdout, s->first);
+    stability_end(s->exact);
+    s->exact = stability_begin(&s->problem, pk_method_find("dop853"), &options, s->settings.q,
+                               s->settings.v, &s->motion);
+    s->known = s->leaves = 0;
+    memset(s->far, 0, 3 * s->n * sizeof *s->far);
+    s->n_records = 0;
+    keep(s, 0, s->settings.q, s->settings.v);
+}
+
+static int print(const struct stability *s, double scale)
+{
+    const struct record *first = s->records, *last = first + s->n_records - 1;
+    printf("{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
+           s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
+           last->t);
+    output_real(stdout, first->energy);
     fputs(", \"scale\": ", stdout);
-    output_real(stdout, s->scale);
+    output_real(stdout, scale);
     fputs(", ", stdout);
     output_numbers(stdout, "q", s->settings.q, s->n);
     fputs(", ", stdout);
     output_numbers(stdout, "v", s->settings.v, s->n);
     print_parameters(s);
     fputs("}\n", stdout);
-    stability_end(it);
     return 0;
 }
 
-static const char *failure(enum pk_status status)
+int stability_start(struct stability *s)
 {
+<<<<<<< HEAD
     switch (status) {
     case PK_REFUSED:
         return "refused";
@@ -111,99 +177,26 @@ static const char *failure(enum pk_status status)
         return "singular";
     default:
         return "failed";
-    }
+=======
+    begin(s);
+    return print(s, summary(s, 0).scale);
 }
 
-/* Energies of a run, as they come. */
-struct energies {
-    double rise, early; /* beyond the largest of the motion; in the first eighth */
-    double low, high;   /* in the last quarter */
-    double away;        /* of these from the motion's */
-    unsigned long steps;
-};
-
-/* Steps on until there are `steps` in all. */
-static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsigned long steps,
-                             struct energies *e)
+int stability_motion(struct stability *s)
 {
-    const unsigned long early = steps / 8, late = steps - steps / 4;
-    int begun = 0;
-    while (e->steps < steps) {
-        double energy, vp, size;
-        const enum pk_status status =
-            pk_integrator_step(it, (double)(steps + 1) * it->options.h);
-        if (status < 0)
-            return status;
-        stability_energies(s, it->t, it->q, it->v, &energy, &vp, &size);
-        if (!(fabs(energy) < HUGE_VAL))
-            return PK_NOT_FINITE;
-        e->rise = fmax(e->rise, energy - s->top);
-        if (++e->steps <= early)
-            e->early = e->rise;
-        if (e->steps > late) {
-            e->low = begun ? fmin(e->low, energy) : energy;
-            e->high = begun ? fmax(e->high, energy) : energy;
-            begun = 1;
-        }
+    const double until = s->settings.until;
+    const size_t n = s->n;
+    double scales[3];
+    begin(s);
+    for (size_t k = 0; k < 3; k++) { /* half, three quarters, all of it */
+        const double part = (double)(k + 2) / 4 * until;
+        go_on(s, part, s->far + k * n);
+        if (k < 2)
+            memcpy(s->far + (k + 1) * n, s->far + k * n, n * sizeof *s->far);
+        scales[k] = summary(s, part).scale;
+>>>>>>> stab
     }
-    e->away = fmax(fmax(e->low - s->high, s->low - e->high), 0);
-    return PK_DONE;
-}
-
-static int has_left(const struct energies *e) { return e->away > (e->high - e->low) / 4; }
-
-/* PK_DONE with the class, or what ended the run. */
-static enum pk_status classify(struct stability *s, struct pk_integrator *it,
-                               unsigned long steps, struct energies *e, const char **class)
-{
-    enum pk_status status = follow(s, it, steps, e);
-    if (status < 0)
-        return status;
-    *class = "bounded";
-    if (e->rise > s->scale &&
-        (e->rise > 2 * e->early || e->away > s->scale / 2 || has_left(e) ||
-         e->rise > 1e4 * s->scale)) {
-        *class = "growing";
-    } else if (has_left(e) && e->away > 1e-11 * s->size) {
-        const double before = e->away;
-        const int again = (it->method->traits & (PK_SYMPLECTIC | PK_SYMMETRIC)) != 0;
-        if (again)
-            status = follow(s, it, 4 * steps, e);
-        if (!again || (has_left(e) && e->away > 1.2 * before))
-            *class = "drifting";
-    }
-    return status;
-}
-
-int stability_point(struct stability *s, size_t line, char *const words[])
-{
-    const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
-    double h;
-    if (!method || method->traits & PK_ADAPTIVE)
-        return words_usage(line, "no method of a fixed step", words[1]);
-    if (!words_real(words[2], &h) || !(h > 0))
-        return words_usage(line, "not a step", words[2]);
-    if (!s->known)
-        return words_usage(line, "ask for the motion first", words[0]);
-    struct pk_options options = s->settings.options;
-    options.h = h;
-    const double wanted = ceil(s->settings.until / h);
-    const unsigned long steps =
-        (unsigned long)fmin(fmax(wanted, (double)LEAST_STEPS), (double)MOST_STEPS);
-    struct energies e = {0, 0, 0, 0, 0, 0};
-    const char *class = "";
-    enum pk_status status;
-    struct pk_integrator *it = stability_begin(&s->problem, method, &options, s->settings.q,
-                                               s->settings.v, &status);
-    if (it)
-        status = classify(s, it, steps, &e, &class);
-    printf("{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
-           "\"steps\": %lu, \"rise\": ",
-           method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
-    output_real(stdout, e.rise / s->scale);
-    fputs(", \"away\": ", stdout);
-    output_real(stdout, e.away / s->scale);
-    fputs("}\n", stdout);
-    stability_end(it);
-    return 0;
+    s->known = 1;
+    s->leaves = s->motion >= 0 && leaves(s, until, scales);
+    return print(s, scales[2]);
 }

@@ -6,6 +6,10 @@
 
 #include <pk/step/state.h>
 
+/* What a kernel is called with, of systems that are written here. */
+#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
+#define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
+
 /* it->where of PK_BAD_ARGUMENT. */
 enum {
     BAD_POINTER = 1,

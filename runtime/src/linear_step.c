@@ -8,85 +8,92 @@
 
 enum { MOST_WORK = 4096 };
 
-#define ARGS                                                                            \
-    const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
-#define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
+/* q'' = -stiffness q - damping q' */
+struct spring {
+    pk_real stiffness, damping;
+};
 
-/* q'' = -K q - C q'. */
-#define LINEAR_SYSTEM(NAME, K, C, FACTS)                                                     \
-    static int NAME##_acceleration(ARGS, pk_real *a)                                        \
-    {                                                                                       \
-        UNUSED;                                                                             \
-        a[0] = -(K)*q[0] - (C)*v[0];                                                        \
-        return 0;                                                                           \
-    }                                                                                       \
-    static void NAME##_force(ARGS, pk_real *f) { NAME##_acceleration(params, t, q, v, u, f); } \
-    static void NAME##_mass(ARGS, pk_real *M)                                               \
-    {                                                                                       \
-        UNUSED;                                                                             \
-        M[0] = 1;                                                                           \
-    }                                                                                       \
-    static void NAME##_canonical(ARGS, pk_real *p, pk_real *pdot)                           \
-    {                                                                                       \
-        p[0] = v[0];                                                                        \
-        NAME##_acceleration(params, t, q, v, u, pdot);                                      \
-    }                                                                                       \
-    static void NAME##_gradient(ARGS, pk_real *d)                                           \
-    {                                                                                       \
-        UNUSED;                                                                             \
-        d[0] = -(K)*q[0];                                                                   \
-    }                                                                                       \
-    static void NAME##_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)       \
-    {                                                                                       \
-        UNUSED;                                                                             \
-        p_q[0] = 0;                                                                         \
-        pdot_q[0] = -(K);                                                                   \
-        pdot_v[0] = -(C);                                                                   \
-    }                                                                                       \
-    static void NAME##_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v,           \
-                              pk_real *r_t)                                                 \
-    {                                                                                       \
-        UNUSED;                                                                             \
-        (void)a;                                                                            \
-        r_q[0] = -(K);                                                                      \
-        r_v[0] = -(C);                                                                      \
-        r_t[0] = 0;                                                                         \
-    }                                                                                       \
-    static pk_real NAME##_energy(ARGS)                                                      \
-    {                                                                                       \
-        UNUSED;                                                                             \
-        return (v[0] * v[0] + (K)*q[0] * q[0]) / 2;                                         \
-    }                                                                                       \
-    static const struct pk_system NAME = {.abi = PK_ABI,                                    \
-                                          .name = #NAME,                                    \
-                                          .source_hash = "",                                \
-                                          .facts = FACTS,                                   \
-                                          .n = 1,                                           \
-                                          .acceleration = NAME##_acceleration,              \
-                                          .mass = NAME##_mass,                              \
-                                          .force = NAME##_force,                            \
-                                          .canonical = NAME##_canonical,                    \
-                                          .gradient = NAME##_gradient,                      \
-                                          .jacobian = NAME##_jacobian,                      \
-                                          .energy = NAME##_energy,                          \
-                                          .linear = NAME##_linear}
+static const struct spring *spring(const void *params) { return (const struct spring *)params; }
 
-#define OF_DRAG                                                                       \
-    (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH)
-LINEAR_SYSTEM(spring, PK_C(1.0), PK_C(0.0),
-              OF_DRAG | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL);
-LINEAR_SYSTEM(drag, PK_C(0.0), PK_C(1.0), OF_DRAG);
+static int acceleration(ARGS, pk_real *a)
+{
+    UNUSED;
+    a[0] = -spring(params)->stiffness * q[0] - spring(params)->damping * v[0];
+    return 0;
+}
+
+static void force(ARGS, pk_real *f) { acceleration(params, t, q, v, u, f); }
+
+static void mass(ARGS, pk_real *M)
+{
+    UNUSED;
+    M[0] = 1;
+}
+
+static void canonical(ARGS, pk_real *p, pk_real *pdot)
+{
+    p[0] = v[0];
+    acceleration(params, t, q, v, u, pdot);
+}
+
+static void gradient(ARGS, pk_real *d)
+{
+    UNUSED;
+    d[0] = -spring(params)->stiffness * q[0];
+}
+
+static void jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
+{
+    UNUSED;
+    p_q[0] = 0;
+    pdot_q[0] = -spring(params)->stiffness;
+    pdot_v[0] = -spring(params)->damping;
+}
+
+static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    (void)a;
+    jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot, M = 1, and nothing depends on t */
+}
+
+static pk_real energy(ARGS)
+{
+    UNUSED;
+    return (v[0] * v[0] + spring(params)->stiffness * q[0] * q[0]) / 2;
+}
+
+enum {
+    DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH,
+    FREE = DAMPED | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL
+};
+
+static const struct pk_system linear_system = {.abi = PK_ABI,
+                                               .name = "linear",
+                                               .source_hash = "",
+                                               .facts = FREE,
+                                               .n = 1,
+                                               .acceleration = acceleration,
+                                               .mass = mass,
+                                               .force = force,
+                                               .canonical = canonical,
+                                               .gradient = gradient,
+                                               .jacobian = jacobian,
+                                               .energy = energy,
+                                               .linear = linear};
 
 /* One step of h from (q, v), by the integrator; q and v become its end. */
-static enum pk_status run(const struct pk_method *method, const struct pk_system *system, pk_real h,
+static enum pk_status run(const struct pk_method *method, struct spring params, pk_real h,
                           pk_real *q, pk_real *v)
 {
     pk_real block[MOST_WORK];
     struct pk_integrator it;
-    const struct pk_problem problem = {.system = system};
+    struct pk_system system = linear_system;
+    const struct pk_problem problem = {.system = &system, .params = &params};
     struct pk_options options = pk_options_default();
     if (pk_integrator_size(&problem, method) > sizeof block)
         return PK_BLOCK_TOO_SMALL;
+    if (params.damping > 0 || params.damping < 0)
+        system.facts = DAMPED;
     options.h = options.h_max = h; /* an adaptive method makes just this one */
     options.rtol = options.atol = PK_C(1e10);
     enum pk_status status =
@@ -139,6 +146,26 @@ static void turn(const struct pk_splitting *table, pk_real y, pk_real map[4])
         }
 }
 
+enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness,
+                                pk_real damping, pk_real h, pk_real map[4])
+{
+    const struct pk_method *f = formula(method);
+    const struct spring params = {stiffness, damping};
+    if (!(h > 0) || !pk_finite(h))
+        return PK_BAD_ARGUMENT;
+    if (f->release || f->order == 0)
+        return PK_REFUSED;
+    for (int column = 0; column < 2; column++) {
+        pk_real q = column == 0, v = column == 1;
+        const enum pk_status status = run(f, params, h, &q, &v);
+        if (status < 0)
+            return status;
+        map[column] = q;
+        map[2 + column] = v;
+    }
+    return PK_DONE;
+}
+
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4])
 {
     const struct pk_method *f = formula(method);
@@ -160,17 +187,7 @@ enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, p
         map[2] = -part[1];
         return PK_DONE;
     }
-    if (f->release || f->order == 0)
-        return PK_REFUSED;
-    for (int column = 0; column < 2; column++) {
-        pk_real q = column == 0, v = column == 1;
-        const enum pk_status status = run(f, &spring, y, &q, &v);
-        if (status < 0)
-            return status;
-        map[column] = q;
-        map[2 + column] = v;
-    }
-    return PK_DONE;
+    return pk_method_spring(f, 1, 0, y, map);
 }
 
 enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_real *factor)
@@ -189,7 +206,8 @@ enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_rea
     if (f->release || f->order == 0)
         return PK_REFUSED;
     pk_real q = 0, v = 1;
-    const enum pk_status status = run(f, &drag, z, &q, &v);
+    const struct spring drag = {0, 1};
+    const enum pk_status status = run(f, drag, z, &q, &v);
     *factor = v;
     return status;
 }

@@ -7,7 +7,6 @@
 
 #include "internal.h"
 
-#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define OF(x) (x)->of.params, t, q, v, u
 
 static const struct pk_variation *self(const void *params)

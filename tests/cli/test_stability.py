@@ -8,6 +8,7 @@ import io
 import json
 import math
 import time
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
 from pkgen.exits import NumericsFailed
-from pkgen.stability import measure
+from pkgen.stability import command, measure
 
 # matplotlib warns where labels have no room.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -145,10 +146,41 @@ def test_without_an_equilibrium_something_is_to_be_varied(stability, tmp_path: P
     )
     asked = ["--methods", "verlet", "-o", tmp_path, "--points", "3x2", "--until", "20"]
     done = stability(model, *asked)
-    assert done.code == 2 and "no equilibrium" in done.err and "--vary" in done.err
-    done = stability(model, *asked, "--vary", "y'=0.9..1.1", "--steps", "0.01..0.1")
+    assert done.code == 2 and "no equilibrium" in done.err and '--vary "x=1..2"' in done.err
+    done = stability(model, *asked, "--vary", "y'=0.9..1.6", "--steps", "0.01..0.1")
     assert done.code == 0, done.err
-    assert (tmp_path / "kepler_stability.svg").exists()
+    assert "nothing is predicted here: no equilibrium was found" in done.out
+    assert "none:" not in done.out
+    # At y' = 1.6 it flies away.
+    assert "not judged" in done.out and "leaves in 1 of 2 rows" in done.out
+    assert "nothing is predicted" in (tmp_path / "kepler_stability.svg").read_text()
+
+
+def test_what_may_be_varied_is_the_models_own(stability, tmp_path: Path) -> None:
+    model = tmp_path / "fall.lag"
+    model.write_text(
+        "model fall\nparam e = 1 in (0, 1]\nparam g = 9.81 in (0, inf)\ncoord x\n"
+        "kinetic x'^2/2\npotential e*g*x\nstart x = 1\n"
+    )
+    done = stability(model, "-o", tmp_path)  # e cannot be more
+    assert done.code == 2 and '--vary "g=9.81..19.62"' in done.err
+    done = stability(model, "-o", tmp_path, "--vary", "g=1..2", "--steps", "0.1..1")
+    assert done.code == 2 and "leaves" in done.err and "--until" in done.err
+    model.write_text("model even\ncoord x\nkinetic x'^2/2\npotential 0\nstart x' = 1\n")
+    done = stability(model, "-o", tmp_path, "--vary", "x'=1..2", "--steps", "0.1..1")
+    assert done.code == 2 and "cyclic" in done.err
+
+
+def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -> None:
+    said: list[tuple[float, str]] = []
+    monkeypatch.setattr(command, "progress", lambda _: nullcontext(lambda *now: said.append(now)))
+    model = tmp_path / "pendulum.lag"
+    model.write_text(PENDULUM)
+    asked = ["--methods", "rk4", "--points", "2x2", "--until", "9", "-o", tmp_path]
+    assert stability(model, *asked).code == 0
+    parts = [part for part, _ in said]
+    assert said[:2] == [(0.0, "compiling"), (0.0, "equilibria")]
+    assert parts == sorted(parts) and parts[-1] == 1 and len(set(parts)) > 3
 
 
 def test_a_parameter_moves_the_limit(stability, tmp_path: Path) -> None:

@@ -233,6 +233,52 @@ def test_what_the_linear_terms_do_not_decide() -> None:
     assert failed.verdict == "modes: PK_NO_CONVERGENCE" and not failed.stable
 
 
+@pytest.mark.parametrize("potential", ["x^4/4", "-x^4/4", "x^3/3", "x^10"])
+def test_what_is_degenerate_alone_is_not_decided(steps, potential: str) -> None:
+    found = asker(f"model d\ncoord x\nkinetic x'^2/2\npotential {potential}\nstart x = 1\n").rest()
+    assert [e.verdict for e in found.equilibria] == ["not decided by the linear terms"]
+    for method in ("verlet", "gauss1"):
+        assert predictions(steps[method], found, 0) == []
+
+
+def test_a_mode_is_decided_beside_one_that_is_not(steps) -> None:
+    # No step is long for y^4/4 at rest, but x has its limit.
+    text = "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential 2*x^2 + y^4/4\nstart y = 1\n"
+    found = asker(text).rest()
+    (at,) = found.equilibria
+    assert at.verdict == "not decided by the linear terms"
+    assert [m.rate for m in at.modes] == [pytest.approx(2, rel=1e-12), 0, 0]
+    assert limit(steps["verlet"], 0, at).h == pytest.approx(1, rel=1e-12)
+
+
+def test_a_slow_growth_beside_a_fast_one_is_measured() -> None:
+    saddle = asker(
+        "model s\ncoord x, y\nkinetic (x'^2 + y'^2)/2\n"
+        "potential -(400*(3*x+y)^2 + (x-3*y)^2)/20 + (x^4+y^4)/4\nstart x = 0.1\n"
+    )
+    rest = saddle.rest()
+    top = next(e for e, at in enumerate(rest.equilibria) if at.energy == 0)
+    found = [g.measured for g in measure.growths(saddle, rest, 1e-6) if g.equilibrium == top]
+    assert found == [pytest.approx(20, rel=1e-3), pytest.approx(1, rel=1e-3)]
+
+
+def test_motions_near_an_equilibrium_seek_none(pendulum: Asker, steps, monkeypatch) -> None:
+    rest = pendulum.rest()
+    asked, ask = [], Asker.ask
+
+    def listening(self: Asker, questions: Iterable[str]) -> list[dict]:
+        listed = list(questions)
+        asked.extend(listed)
+        return ask(self, listed)
+
+    monkeypatch.setattr(Asker, "ask", listening)
+    for p in predictions(steps["verlet"], rest, 0):
+        measure.measured(pendulum, rest, p, 0.5, 1e-6, measure.QUICK)
+    measure.growths(pendulum, rest, 1e-6)
+    words = {question.split()[0] for question in asked}
+    assert {"near", "leave"} <= words and "equilibria" not in words
+
+
 def test_angles_count_by_the_shorter_way(pendulum: Asker) -> None:
     rest = pendulum.rest()
     turned = (6 * math.pi + 0.001,)
@@ -252,7 +298,7 @@ def test_a_quick_map_measures_with_less(pendulum: Asker, steps, monkeypatch) -> 
 
     def counted(self: Asker, questions: Iterable[str]) -> list[Close]:
         listed = list(questions)
-        asked[0] += sum(int(q.split()[5]) for q in listed)
+        asked[0] += sum(int(q.split()[4]) for q in listed)
         return near(self, listed)
 
     monkeypatch.setattr(Asker, "near", counted)
@@ -308,6 +354,36 @@ def test_classes(pendulum: Asker) -> None:
     assert (failed["class"], failed["status"]) == ("not converged", "PK_NO_CONVERGENCE")
 
 
+# At resonance the energy rises as t^2/8.
+DRIVEN = "model driven\ncoord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)\nstart x = 0\n"
+
+
+def test_the_motion_is_known_for_as_long_as_a_point() -> None:
+    driven = asker(DRIVEN, until=10.0)
+    long = point(driven, "gauss4", 0.5)  # 200 steps, ten times `until`
+    assert long["steps"] * 0.5 >= 100 and long["class"] == "bounded"
+    assert point(driven, "euler", 0.5)["class"] != "bounded"
+
+
+def leaves(text: str, until: float = 10.0) -> bool:
+    return asker(text, until=until).motion().leaves
+
+
+def test_motions_that_leave(pendulum: Asker) -> None:
+    line = "model m\ncoord x\nkinetic x'^2/2\npotential {}\nstart x = {}, x' = {}\n"
+    assert leaves(line.format("-x^2/2", 1, 0))
+    assert leaves(line.format("9.81*x", 1, 3))
+    assert leaves(line.format("exp(-x^2)", 0.1, 0))  # a free flight in the end
+    assert not leaves(DRIVEN, 100.0)  # it is compared with
+    assert not leaves(line.format("x^2/2", 1, 0))
+    assert leaves(line.format("x^2/2", 1, 0), 0.5)  # not back yet
+    assert not pendulum.motion().leaves
+    assert not start(pendulum, 0.0, 2.1).motion().leaves  # over the top, round and round
+    hill = asker(line.format("-x^2/2", 1, 0), until=10.0)
+    assert point(hill, "rk4", 0.5)["class"] == "not judged"
+    assert point(hill, "gauss1", 2.5)["class"] == "wrong branch"  # the method's own all the same
+
+
 def test_a_wrong_branch_upright(pendulum: Asker) -> None:
     # L14: the midpoint rule from rest upright has one solution for h omega <= 2 and three above.
     upright = start(pendulum, math.pi - 1e-9)
@@ -326,8 +402,9 @@ def test_what_grows_without_bound_is_not_finite() -> None:
 
 
 def test_stable_at_999_growing_at_1001(pendulum: Asker) -> None:
+    hanging = pendulum.at(pendulum.rest().equilibria[0])
     for method, y in (("verlet", 2.0), ("yoshida4", 1.5734019474), ("rk4", math.sqrt(8))):
-        below, above = pendulum.near(f"{method} {y * x!r} 0 all 1e-6 4000" for x in (0.999, 1.001))
+        below, above = hanging.near(f"{method} {y * x!r} all 1e-6 4000" for x in (0.999, 1.001))
         assert below.growth < 300 and below.status == "PK_DONE", method
         assert not above.growth < 1000, method
 

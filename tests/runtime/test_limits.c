@@ -151,6 +151,26 @@ static void maps(void)
     CU_ASSERT(pk_method_decay(pk_method_find("verlet"), 1, map) == PK_REFUSED);
 }
 
+/* A spring of any stiffness with damping: the midpoint rule is (1 - hA/2)^-1 (1 + hA/2) of
+ * A = (0 1; -K -C). Splitting methods take no damping, a pole no step. */
+static void springs(void)
+{
+    static const double K[] = {2, -1.5, 0}, C[] = {0.3, -0.2, 1};
+    const struct pk_method *midpoint = pk_method_find("gauss1");
+    double map[4];
+    for (int i = 0; i < 3; i++) {
+        const double h = 0.4, k = h * K[i] / 2, c = h * C[i] / 2, d = 1 + c + k * h / 2;
+        CU_ASSERT_FATAL(pk_method_spring(midpoint, K[i], C[i], h, map) == PK_DONE);
+        CU_ASSERT(fabs(map[0] - (1 + c - k * h / 2) / d) < 1e-14);
+        CU_ASSERT(fabs(map[1] - h / d) < 1e-14);
+        CU_ASSERT(fabs(map[2] + 2 * k / d) < 1e-14);
+        CU_ASSERT(fabs(map[3] - (1 - c - k * h / 2) / d) < 1e-14);
+    }
+    CU_ASSERT(pk_method_spring(pk_method_find("verlet"), 1, 0.1, 0.4, map) == PK_REFUSED);
+    CU_ASSERT(pk_method_spring(midpoint, -1, 0, 2.1, map) == PK_AMBIGUOUS_STEP);
+    CU_ASSERT(pk_method_spring(midpoint, 1, 0, 0, map) == PK_BAD_ARGUMENT);
+}
+
 static void exact_invariants(void)
 {
     static struct fixture f;
@@ -209,6 +229,7 @@ void add_limits(void)
     CU_add_test(suite, "an oscillation: stable at .999, growing at 1.001", imaginary_axis);
     CU_add_test(suite, "a decay: stable at .999, growing at 1.001", real_axis);
     CU_add_test(suite, "maps", maps);
+    CU_add_test(suite, "springs", springs);
     CU_add_test(suite, "exact invariants", exact_invariants);
     CU_add_test(suite, "fixed-point iteration", fixed_point);
 }

@@ -8,13 +8,14 @@ import math
 import subprocess
 import tempfile
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..exits import USAGE, NumericsFailed, UsageError
 from ..simulate import Settings
 
 ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
+UNDECIDED = "not decided by the linear terms"
 TRIES = 100  # starts from which equilibria are sought
 
 
@@ -59,7 +60,7 @@ class Equilibrium:
         if self._grows:
             return "unstable"
         if any(mode.rate == 0 for mode in self.modes):
-            return "not decided by the linear terms"
+            return UNDECIDED
         return "stable"
 
     @property
@@ -96,6 +97,12 @@ class Motion:
     q: tuple[float, ...]
     v: tuple[float, ...]
     parameters: tuple[float, ...]
+    leaves: bool = False  # it is still going away at the end
+
+    @property
+    def judges(self) -> bool:
+        """A method's motion can be told by it."""
+        return self.status == "PK_DONE" and not self.leaves
 
 
 @dataclass(frozen=True)
@@ -154,16 +161,28 @@ class Asker:
     def rest(self, tries: int = TRIES) -> Rest:
         return rest(self.ask([f"equilibria {tries}"])[0])
 
+    def start(self) -> Motion:
+        """None of it yet: where it begins."""
+        return motion(self.ask(["start"])[0])
+
     def motion(self) -> Motion:
         return motion(self.ask(["motion"])[0])
 
-    def near(self, questions: Iterable[str], tries: int = TRIES) -> list[Close]:
-        """Answers to `near` questions, without the word."""
-        lines = [f"equilibria {tries}", *(f"near {q}" for q in questions)]
+    def at(self, place: Equilibrium) -> Asker:
+        """Asks from there."""
+        q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
+        return self.with_settings(replace(self.settings, start_q=q, start_v=v))
+
+    def near(self, questions: Iterable[str]) -> list[Close]:
+        """Answers to `near` questions, without the word, from at() an equilibrium."""
         return [
             Close(a["status"], a["steps"], _number(a["growth"]), a["turn"] or 0.0)
-            for a in self.ask(lines)[1:]
+            for a in self.ask(f"near {q}" for q in questions)
         ]
+
+
+def _floats(xs: list[float]) -> tuple[float, ...]:
+    return tuple(map(float, xs))  # JSON has 0 as an integer
 
 
 def _number(x: float | None) -> float:
@@ -185,8 +204,8 @@ def rest(answer: dict) -> Rest:
         answer["status"],
         tuple(
             Equilibrium(
-                tuple(e["q"]),
-                tuple(e["v"]),
+                _floats(e["q"]),
+                _floats(e["v"]),
                 e["energy"],
                 tuple(
                     Mode(m["growth"], m["frequency"], tuple(m["re"]), tuple(m["im"]))
@@ -209,9 +228,10 @@ def motion(answer: dict) -> Motion:
         answer["t"],
         answer["energy"],
         answer["scale"],
-        tuple(answer["q"]),
-        tuple(answer["v"]),
-        tuple(answer["parameters"]),
+        _floats(answer["q"]),
+        _floats(answer["v"]),
+        _floats(answer["parameters"]),
+        answer["leaves"],
     )
 
 

@@ -18,7 +18,7 @@ from ..run_command import use_scene
 from . import map as maps
 from . import plan, text
 from .map import Asked, StabilityMap
-from .misses import misses
+from .misses import misses, unpredicted
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -126,6 +126,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         ],
         "growths": [asdict(g) for g in made.growths],
         "misses": [asdict(m) for m in misses(made)],
+        "unpredicted": unpredicted(made),
         "remarks": text.remarks(made),
         "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
         "files": [str(file) for file in files],

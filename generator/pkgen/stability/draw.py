@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from .. import named
 from . import overlay
 from .map import StabilityMap
+from .misses import unpredicted
 
 SLIGHT = 0.01  # of the motion's energy: a drift below is drawn paler
 # Class -> colour, hatch (of lines: dots would make files large). In the order of the legend.
@@ -31,7 +32,9 @@ CLASSES = {
     "not finite": ("#333333", ""),
     "singular": ("#009E73", "||||"),
     "failed": ("#999999", "++"),
+    "not judged": ("#FFFFFF", "////"),
 }
+SAID_OF = {"not judged": "not judged: the motion itself leaves"}  # in the legend
 NARROWEST = 7.4  # inches: titles and legend fit
 SAID = 12  # values in the title
 
@@ -96,10 +99,12 @@ def titles(made: StabilityMap) -> list[str]:
         if (k < count or x != 0) and quantity.name != made.asked.axis.name
     ]
     more = ", ..." if len(said) > SAID else ""
+    why = unpredicted(made)
     return [
         f"{made.compilation.model.name}: where each method fails; "
         f"each point {made.until:.4g}{unit} of motion, told from its energy",
         ", ".join(said[:SAID]) + more,
+        *([f"nothing is predicted here: {why}"] if why else []),
     ]
 
 
@@ -191,7 +196,7 @@ def fastest(made: StabilityMap) -> float | None:
 
 def _legend(figure: plt.Figure, used: set[str], columns: int) -> None:
     handles: list = [
-        Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=kind)
+        Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=SAID_OF.get(kind, kind))
         for kind, (colour, hatch) in CLASSES.items()
         if kind in used
     ]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Iterable
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
 from ..build import build_program, driver_methods
 from ..compiler import Compilation
 from ..exits import UsageError
+from ..progress import Show
 from ..simulate import Settings
 from . import measure, plan
 from .ask import Asker, Equilibrium, Motion, Rest
@@ -45,7 +46,7 @@ class StabilityMap:
     compilation: Compilation
     asked: Asked
     until: float
-    motion: Motion
+    motion: Motion  # its start alone
     rest: Rest  # at the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
@@ -53,6 +54,10 @@ class StabilityMap:
     predictions: tuple[Prediction, ...]  # at the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
+
+
+def _silent(part: float, text: str = "") -> None:
+    pass
 
 
 def known_methods() -> list[Traits]:
@@ -67,26 +72,39 @@ def known_methods() -> list[Traits]:
     ]
 
 
-def make(
-    compilation: Compilation, asked: Asked, on_progress: Callable[[float], None] | None = None
-) -> StabilityMap:
+def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None) -> StabilityMap:
     """Raises NumericsFailed, BuildError, UsageError."""
+    structure = compilation.structure
+    if all(structure.cyclic) and structure.conservative:
+        raise UsageError(
+            f"every coordinate of {compilation.model.name} is cyclic: their momenta are constant, "
+            "the motion goes on evenly by any method and step, and there is nothing to map"
+        )
+    show = on_progress or _silent
+    show(0.0, "compiling")
     program = build_program(compilation.files, compilation.model.name)
+    show(0.0, "equilibria")
     asker = Asker(program, asked.settings)
-    rest, motion = asker.rest(), asker.motion()
+    rest, motion = asker.rest(), asker.start()
     if asked.axis.kind == "parameter":
         for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
             asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).ask([])
-    cyclic = frozenset(i for i, c in enumerate(compilation.structure.cyclic) if c)
+    cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
     if primary is None and asked.axis.kind == "amplitude":
         raise UsageError(
             f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
-            'scale; say what to vary, e.g. --vary "m=1..2", and by --steps the steps'
+            f'scale; say what to vary, e.g. --vary "{_suggested(compilation, asker, motion)}", and '
+            "by --steps the steps"
         )
     at = plan.beside(rest, primary, motion.q, cyclic)
     until = plan.duration(at, asked.until)
     asker = asker.with_settings(replace(asked.settings, until=until))
+
+    def started(x: float) -> Asker:
+        return asker.with_settings(asked.axis.settings(asker.settings, x, at, motion))
+
+    show(0.0, "methods")
     maps = {m.name: StepMap(m, asker) for m in asked.methods}
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
@@ -97,10 +115,10 @@ def make(
     fastest = max((m.rate for m in at.modes), default=0.0) if at else 0.0
     steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
 
+    _refuse_unjudged(started(x).motion() for x in asked.axis.values)
+
     def one(x: float) -> Row:
-        settings = asked.axis.settings(asker.settings, x, at, motion)
-        here = asker.with_settings(settings)
-        found, moved, points = measure.row(here, steps, None if moves else rest, tries)
+        found, moved, points = measure.row(started(x), steps, None if moves else rest, tries)
         # An amplitude is one about the same equilibrium, however far.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic)
@@ -117,11 +135,11 @@ def make(
     effort = measure.QUICK if asked.quick else measure.FULL
     jobs = len(asked.axis.values) + len(flat) + 1
     done = [0]
+    show(0.0, f"0 of {jobs}")
 
     def counted(result: object) -> object:
         done[0] += 1
-        if on_progress:
-            on_progress(done[0] / jobs)
+        show(done[0] / jobs, f"{done[0]} of {jobs}")
         return result
 
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
@@ -156,6 +174,39 @@ def make(
         )
 
 
+def _suggested(compilation: Compilation, asker: Asker, motion: Motion) -> str:
+    """What may be varied: a parameter about its value, within its bounds; else a start."""
+    for text in plan.suggestions(compilation, motion):
+        axis = plan.axis(text, compilation, 2)
+        try:
+            for x in axis.values:
+                asker.with_settings(axis.settings(asker.settings, x, None, motion)).ask([])
+        except UsageError:
+            continue
+        return text
+    return "NAME=LO..HI"
+
+
+def _refuse_unjudged(motions: Iterable[Motion]) -> None:
+    """A map needs a motion that stays, in a row at least."""
+    first = None
+    for motion in motions:
+        if motion.judges:
+            return
+        first = first or motion
+    if first and first.leaves:
+        raise UsageError(
+            f"the motion itself leaves: at t = {first.t:.6g} it is still going away and nothing of "
+            "it comes back, so no method can be told by whether it stays. Give a start that "
+            "stays by --start, or a longer --until if it comes back later"
+        )
+    if first:
+        raise UsageError(
+            f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
+            "or another start by --start"
+        )
+
+
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
     """The largest displacement of the start from its equilibrium."""
     return max(
@@ -178,7 +229,10 @@ def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: flo
     elif fastest > 0:
         high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
     else:
-        raise UsageError("no mode oscillates or grows, so no step stands out: give --steps LO..HI")
+        raise UsageError(
+            "no mode oscillates or grows by the linear terms, so no step stands out: give --steps "
+            "LO..HI"
+        )
     _refuse_too_many(high / count, until)
     return [high * (k + 1) / count for k in range(count)]
 

@@ -22,9 +22,9 @@ SMALL = 1e-6  # of the size of the motion
 LEAST = 1e-8  # of the largest coordinate: clear of round-off
 STEPS = 4000
 FAR = 1e3
-ROUNDS = 4
+LOOKS = 16  # points of the first look for where something begins
+FINE = 1e-6  # relative: how well it is known then
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
-SCAN_STEPS = 1500
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,12 @@ class Effort:
 
     turns: int  # steps over which its angle is a mean
     scan: int  # steps h at which a response is sought
+    steps: int  # of each of these
     sizes: tuple[float, ...]  # of the start's displacement, at which it is
 
 
-FULL = Effort(8000, 17, (0.02, 0.1, 0.5))
-QUICK = Effort(2000, 9, (0.1, 0.5))
+FULL = Effort(1000, 17, 1500, (0.02, 0.1, 0.5))
+QUICK = Effort(500, 9, 700, (0.1, 0.5))
 
 
 @dataclass(frozen=True)
@@ -104,27 +105,25 @@ def measured(
 ) -> Measured:
     """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
     that of small motions."""
+    asker = asker.at(at.equilibria[prediction.equilibrium])
     if prediction.kind == "limit":
         return _limit(asker, at, prediction, amplitude)
     if prediction.kind == "branch":
         return _branch(asker, prediction, amplitude)
-    return _resonance(asker, at, prediction, size, amplitude, effort)
+    return _resonance(asker, prediction, size, amplitude, effort)
 
 
 def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
     """Each mode that grows, left by a reference motion from a tenth of `amplitude`."""
-    wanted = [
-        (e, k)
-        for e, equilibrium in enumerate(at.equilibria)
-        for k, mode in enumerate(equilibrium.modes)
-        if mode.growth > 0
-    ]
-    lines = ["equilibria 100", *(f"leave {e} {k} {amplitude / 10!r}" for e, k in wanted)]
-    answers = asker.ask(lines)[1:]
-    return [
-        Growth(e, k, at.equilibria[e].modes[k].growth, answer["rate"] or 0.0)
-        for (e, k), answer in zip(wanted, answers, strict=True)
-    ]
+    found = []
+    for e, place in enumerate(at.equilibria):
+        growing = [k for k, mode in enumerate(place.modes) if mode.growth > 0]
+        answers = asker.at(place).ask(f"leave {k} {amplitude / 10!r}" for k in growing)
+        found += [
+            Growth(e, k, place.modes[k].growth, answer["rate"] or 0.0)
+            for k, answer in zip(growing, answers, strict=True)
+        ]
+    return found
 
 
 def _grows(close: Close) -> bool:
@@ -137,9 +136,7 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     seen: list[Close] = []
 
     def grows(hs: Sequence[float]) -> list[bool]:
-        closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} all {amplitude!r} {steps}" for h in hs
-        )
+        closes = asker.near(f"{p.method} {float(h).hex()} all {amplitude!r} {steps}" for h in hs)
         found = [_grows(c) for c in closes]
         seen[:] = [c for c, bad in zip(closes, found, strict=True) if bad][:1] or seen
         return found
@@ -167,8 +164,7 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
 
     def fails(hs: Sequence[float]) -> list[bool]:
         closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.equilibrium} {p.mode} {amplitude / 1e6!r} 1"
-            for h in hs
+            f"{p.method} {float(h).hex()} {p.mode} {amplitude / 1e6!r} 1" for h in hs
         )
         seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
         return [c.status != "PK_DONE" for c in closes]
@@ -179,27 +175,28 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
 
 
 def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: float) -> float | None:
-    """As method.first_change, to 1e-5 of the interval."""
-    count = 16
-    for round_ in range(ROUNDS + 1):
-        xs = [low + (high - low) * (k + 1) / count for k in range(count)]
-        where = next((k for k, bad in enumerate(test(xs)) if bad), None)
-        if where is None:
-            return None if round_ == 0 else high
-        low, high = (xs[where - 1] if where else low), xs[where]
+    """The first x in (low, high] at which `test` becomes true, to FINE of the way; a gap narrower
+    than the first look's spacing is missed."""
+    close = FINE * high
+    xs = [low + (high - low) * (k + 1) / LOOKS for k in range(LOOKS)]
+    where = next((k for k, bad in enumerate(test(xs)) if bad), None)
+    if where is None:
+        return None
+    low, high = (xs[where - 1] if where else low), xs[where]
+    while high - low > close:
+        middle = (low + high) / 2
+        low, high = (low, middle) if test([middle])[0] else (middle, high)
     return high
 
 
 def _resonance(
-    asker: Asker, at: Rest, p: Prediction, size: float, amplitude: float, effort: Effort
+    asker: Asker, p: Prediction, size: float, amplitude: float, effort: Effort
 ) -> Measured:
     assert p.h is not None
 
     def excess(h: float) -> float | None:
         modes = [p.mode] if p.other is None else [p.mode, p.other]
-        closes = asker.near(
-            f"{p.method} {h.hex()} {p.equilibrium} {k} {amplitude!r} {effort.turns}" for k in modes
-        )
+        closes = asker.near(f"{p.method} {h.hex()} {k} {amplitude!r} {effort.turns}" for k in modes)
         if any(c.status != "PK_DONE" or c.steps < effort.turns for c in closes):
             return None
         if p.other is None:
@@ -219,7 +216,7 @@ def secant(f: Callable[[float], float | None], a: float, b: float) -> float | No
     for _ in range(4):
         if fa is None or fb is None:
             return None
-        if fb == fa or abs(b - a) <= 1e-7 * abs(b):
+        if fb == fa or abs(b - a) <= 1e-6 * abs(b):
             break
         c = b - fb * (b - a) / (fb - fa)
         if not (math.isfinite(c) and 0 < c < 2 * max(a, b)):
@@ -243,8 +240,7 @@ def _response(
         amplitude = part * size
         more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
         closes = asker.near(
-            f"{p.method} {h.hex()} {p.equilibrium} {p.mode} {amplitude!r} {SCAN_STEPS}{more}"
-            for h in hs
+            f"{p.method} {h.hex()} {p.mode} {amplitude!r} {effort.steps}{more}" for h in hs
         )
         # A motion that fails there, and not on either side, has responded.
         grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]

@@ -1,4 +1,5 @@
 """A method seen through one step on the linear oscillator, (q, v) -> A(y) (q, v), y = h omega.
+The driver takes the step and says of A what counts.
 
 limit    the first y at which an eigenvalue of A leaves the unit circle: from the method's table
          (pk/limits.h); of a damped mode, from steps on the oscillator with its damping
@@ -13,7 +14,6 @@ pole     the first y at which a step on q'' = +q has no solution: an implicit me
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -30,7 +30,19 @@ TWO_PI = 2 * math.pi
 # and in a sum both modes may grow at once.
 PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
-Map = tuple[float, float, float, float]
+
+@dataclass(frozen=True)
+class Map:
+    """Of A; numbers that are not finite are None."""
+
+    growth: float | None  # the larger modulus of the two eigenvalues
+    turn: float | None  # the angle in (0, 2 pi); None where it grows, damps or flips
+    trace: float | None
+
+    @property
+    def outside(self) -> bool:
+        """An eigenvalue has left the unit circle."""
+        return self.growth is None or self.growth > 1 + OUTSIDE
 
 
 @dataclass(frozen=True)
@@ -60,12 +72,14 @@ class StepMap:
     _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
     _angles: tuple[list[float], list[float]] | None = None
 
-    def maps(
-        self, ys: Sequence[float], stiffness: float = 1, damping: float = 0
-    ) -> list[Map | None]:
+    def maps(self, ys: Sequence[float], stiffness: float = 1, damping: float = 0) -> list[Map]:
+        """Of a step that was not made nothing is known."""
         name = self.traits.name
         asked = [f"oscillator {name} {stiffness!r} {damping!r} {float(y).hex()}" for y in ys]
-        return [a["map"] and tuple(a["map"]) for a in self.asker.ask(asked)]
+        return [Map(a["growth"], a["turn"], a["trace"]) for a in self.asker.ask(asked)]
+
+    def turns(self, ys: Sequence[float]) -> list[float | None]:
+        return [a.turn for a in self.maps(ys)]
 
     def _once(self, what: str, x: float, find: Callable[[float], float | None]) -> float | None:
         """find(x), remembered: many equilibria and rows ask for the same."""
@@ -83,7 +97,7 @@ class StepMap:
             return None if math.isinf(self.traits.limit) else self.traits.limit
 
         def outside(ys: Sequence[float]) -> list[bool]:
-            return [a is None or radius(a) > 1 + OUTSIDE for a in self.maps(ys, 1.0, 2 * ratio)]
+            return [a.outside for a in self.maps(ys, 1.0, 2 * ratio)]
 
         found = first_change(outside, 0.0, FURTHEST)
         return 0.0 if found is not None and found < FIRST_GROWTH else found
@@ -96,16 +110,15 @@ class StepMap:
         """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""
 
         def beyond(ys: Sequence[float]) -> list[bool]:
-            return [a is None or a[0] + a[3] < 0 for a in self.maps(ys, -1.0)]
+            return [a.trace is None or a.trace < 0 for a in self.maps(ys, -1.0)]
 
         edge = first_change(beyond, 0.0, FURTHEST)
         if edge is None:
             return None
         ys = [edge * (1 - x) for x in (4e-3, 2e-3, 1e-3)]
-        maps = self.maps(ys, -1.0)
-        if any(a is None for a in maps):
+        g = [1 / a.trace for a in self.maps(ys, -1.0) if a.trace]
+        if len(g) < len(ys):
             return None
-        g = [1 / (a[0] + a[3]) for a in maps if a]
         pole = sum(
             y * math.prod(g[k] / (g[k] - g[i]) for k in range(3) if k != i)
             for i, y in enumerate(ys)
@@ -115,16 +128,12 @@ class StepMap:
     def angles(self) -> tuple[list[float], list[float]]:
         """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""
         if self._angles is None:
-            end = self.limit()
-            end = FURTHEST if end is None else end
-            ys = [end * (k + 1) / COARSE for k in range(COARSE)] if end else []
-            turns: list[float] = []
-            for a in self.maps(ys):
-                turn = None if a is None else rotation(a)
-                if turn is None:
-                    break
-                turns.append(turn)
-            self._angles = ys[: len(turns)], turns
+            limit = self.limit()
+            far = FURTHEST if limit is None else limit
+            ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
+            turns = self.turns(ys)
+            end = turns.index(None) if None in turns else len(ys)
+            self._angles = ys[:end], [turn for turn in turns[:end] if turn is not None]
         return self._angles
 
     def resonance(self, angle: float) -> float | None:
@@ -133,8 +142,7 @@ class StepMap:
 
     def _resonance(self, angle: float) -> float | None:
         def past(ys: Sequence[float]) -> list[bool]:
-            turns = [None if a is None else rotation(a) for a in self.maps(ys)]
-            return [turn is None or turn >= angle for turn in turns]
+            return [turn is None or turn >= angle for turn in self.turns(ys)]
 
         ys, turns = self.angles()
         for low, high, turn in zip([0.0, *ys], ys, turns, strict=False):
@@ -151,8 +159,7 @@ class StepMap:
 
     def _pair(self, kind: str, ratio: float) -> float | None:
         def excess(ys: Sequence[float]) -> list[float | None]:
-            maps = self.maps([each for y in ys for each in (y / ratio, y)])
-            turns = [None if a is None else rotation(a) for a in maps]
+            turns = self.turns([each for y in ys for each in (y / ratio, y)])
             return [
                 None if slow is None or fast is None else combined(kind, fast, slow)
                 for slow, fast in zip(turns[::2], turns[1::2], strict=True)
@@ -173,24 +180,6 @@ def combined(kind: str, fast: float, slow: float) -> float:
     """How far the angles of two modes are from the resonance."""
     a, b, turns = PAIRS[kind]
     return a * fast + b * slow - turns * TWO_PI
-
-
-def radius(a: Map) -> float:
-    """The larger modulus of the two eigenvalues."""
-    half, det = (a[0] + a[3]) / 2, a[0] * a[3] - a[1] * a[2]
-    if not all(map(math.isfinite, a)):
-        return math.inf
-    under = half * half - det
-    return math.sqrt(det) if under < 0 else abs(half) + math.sqrt(under)
-
-
-def rotation(a: Map) -> float | None:
-    """The angle in (0, 2 pi) by which the map turns; None where it grows, damps or flips."""
-    half, det = (a[0] + a[3]) / 2, a[0] * a[3] - a[1] * a[2]
-    if not abs(det - 1) < 1e-9 or not abs(half) < 1:
-        return None
-    angle = cmath.phase(complex(half, math.copysign(math.sqrt(1 - half * half), a[1])))
-    return angle % TWO_PI
 
 
 def first_change(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .ask import UNDECIDED
 from .map import StabilityMap
 from .measure import Growth, Measured, Row
 from .predict import Prediction
@@ -109,7 +110,7 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
             ),
             None,
         )
-        if limit is None:
+        if limit is None or not row.motion.judges:
             continue
         for point in row.points:
             if point.method != method:
@@ -154,6 +155,20 @@ def _close(row: Row, method: str, h: float) -> str:
         return ""
     p = min(near, key=lambda p: abs(h / (p.h or 1.0) - 1))
     return f", next to {p.kind} of {name_mode(p)} at h = {p.h:.4g}"
+
+
+def unpredicted(made: StabilityMap) -> str | None:
+    """Why nothing is predicted at all; None where something is."""
+    if made.predictions or made.growths or any(row.predictions for row in made.rows):
+        return None
+    found = made.rest
+    if found.status == "PK_REFUSED":
+        return "the equations depend on time or on inputs, so no equilibria are sought"
+    if not found.equilibria:
+        return "no equilibrium was found"
+    if any(e.verdict == UNDECIDED for e in found.equilibria):
+        return "the linear terms at the equilibria decide nothing"
+    return "no mode oscillates, decays or grows"
 
 
 def misses(made: StabilityMap) -> list[Miss]:

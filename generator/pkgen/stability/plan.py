@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from .. import named, scene
@@ -72,10 +72,8 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
         return Axis("amplitude", "amplitude", "", _spread(*AMPLITUDES, count, open_low=True))
     left, equal, right = text.partition("=")
     if not (equal and left.strip() and ".." in right):
-        raise UsageError(
-            f'--vary {text}: give a name and a range, e.g. --vary "theta=0..3.1" or '
-            '--vary "k=1..100"'
-        )
+        some = next(iter([*named.parameters(compilation), *named.coordinates(compilation)]))
+        raise UsageError(f'--vary {text}: give a name and a range, e.g. --vary "{some}=LO..HI"')
     values = parsing.Values(compilation)
     name = values.flat_name("--vary", left.strip())
     for kind, known in (
@@ -89,6 +87,17 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
             return Axis(kind, name, quantity.unit, _spread(low, high, count), index)
     listed = [*named.coordinates(compilation), *named.parameters(compilation)]
     raise UsageError(parsing.unknown("--vary", name, listed, "coordinate, rate or parameter"))
+
+
+def suggestions(compilation: Compilation, motion: Motion) -> Iterator[str]:
+    """Of `--vary`: parameters, then coordinates, from what they are to twice that."""
+    known = [
+        *zip(named.parameters(compilation).columns(64), motion.parameters, strict=False),
+        *zip(named.coordinates(compilation).columns(64), motion.q, strict=False),
+    ]
+    for quantity, x in known:
+        low, high = sorted((x, 2 * x or 1.0))
+        yield f"{quantity.name}={low:.6g}..{high:.6g}"
 
 
 def span(

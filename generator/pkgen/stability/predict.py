@@ -34,10 +34,6 @@ class Prediction:
     h: float | None
     y: float | None
 
-    @property
-    def key(self) -> tuple[object, ...]:
-        return (self.kind, self.method, self.equilibrium, self.mode, self.other)
-
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
     """The smallest of the limits of the modes; None where none oscillates or decays."""

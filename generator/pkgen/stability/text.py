@@ -8,7 +8,7 @@ import io
 from .. import named
 from .ask import Equilibrium, Mode
 from .map import StabilityMap
-from .misses import RESPONDS, Miss, difference, misses, name_mode
+from .misses import RESPONDS, difference, misses, name_mode, unpredicted
 
 Table = tuple[list[str], list[list[str]]]
 
@@ -125,10 +125,7 @@ def remarks(made: StabilityMap) -> list[str]:
     found = list(made.asked.left)
     rest = made.rest
     if rest.status == "PK_REFUSED":
-        found.append(
-            "equilibria are not sought: the equations depend on time or on inputs, so nothing is "
-            "predicted"
-        )
+        found.append("equilibria are not sought: the equations depend on time or on inputs")
     if any(made.compilation.structure.cyclic):
         found.append(
             "cyclic coordinates do not rest: equilibria are relative, at the momenta of the start"
@@ -147,6 +144,13 @@ def remarks(made: StabilityMap) -> list[str]:
             f"the motion itself ends in {len(ended)} of {len(made.rows)} rows, first at "
             f"{made.asked.axis.name} = {row.x:.4g}: {row.motion.status} at t = {row.motion.t:.6g}"
         )
+    leaving = [row for row in made.rows if row.motion.leaves]
+    if leaving:
+        found.append(
+            f"the motion itself leaves in {len(leaving)} of {len(made.rows)} rows, first at "
+            f"{made.asked.axis.name} = {leaving[0].x:.4g}: at t = {leaving[0].motion.t:.6g} it is "
+            "still going away, so no method is judged there by whether it stays"
+        )
     return found
 
 
@@ -159,8 +163,12 @@ def _columns(table: Table) -> list[str]:
     ]
 
 
-def sentences(found: list[Miss]) -> list[str]:
-    return [m.text for m in found] or ["none: measured is what was predicted"]
+def sentences(made: StabilityMap) -> list[str]:
+    """The misses; that there are none means something only where something is predicted."""
+    why = unpredicted(made)
+    if why:
+        return [f"nothing is predicted here: {why}"]
+    return [m.text for m in misses(made)] or ["none: measured is what was predicted"]
 
 
 def report(made: StabilityMap) -> str:
@@ -179,7 +187,7 @@ def report(made: StabilityMap) -> str:
     ):
         if table[1]:
             out += ["", title, *(f"  {line}" for line in _columns(table))]
-    out += ["", "Misses", *(f"  - {line}" for line in sentences(misses(made)))]
+    out += ["", "Misses", *(f"  - {line}" for line in sentences(made))]
     if remarks(made):
         out += ["", "Remarks", *(f"  - {line}" for line in remarks(made))]
     return "\n".join(out) + "\n"

@@ -34,6 +34,8 @@ struct pk_equilibria {
     size_t singular; /* that led to where M is singular or indefinite: the pole of a chart */
     int more;        /* there are more than `most`, perhaps a continuum */
     unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same place as q_i */
+    double *doubt; /* room as q has, or NULL: out, Newton's last correction of q_i, or of v_i where
+                      cyclic. Where the linear terms vanish it is some of the way to the root. */
 };
 
 /* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half

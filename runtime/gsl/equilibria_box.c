@@ -1,0 +1,150 @@
+/* Where equilibria are sought, and what is large or small there: nothing is compared with 1, lengths
+ * are those of the motion, each equation has its own size.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "equilibria_search.h"
+#include "halton.h"
+
+static const double RUNAWAY = 100;
+enum { MOTION = 48, SETTLING = 100 };
+
+/* The start itself for k = 0; then half of the points in the box, a quarter each in one four and one
+ * 32 times as wide, except for angles. Not in base 2, whose digits go with those of k. */
+void pk_equilibria_place(struct search *s, size_t k)
+{
+    static const double widths[] = {32, 1, 4, 1};
+    for (size_t i = 0; i < s->n; i++) {
+        const double wide = s->turns[i] && !is_cyclic(s, i) ? 1 : widths[k % 4];
+        const double x = k ? 2 * halton(k, s->primes[i + 1]) - 1 : 0;
+        *unknown(s, i) = s->middle[i] + wide * s->box[i] * x;
+    }
+}
+
+/* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force beside
+ * its own size, for one may be of a far smaller one than the others. */
+static int is_turn(struct search *s, size_t i)
+{
+    double *size = s->p_q, *change = s->F_q; /* of each p and pdot */
+    double *copy = s->M;
+    const size_t n = s->n;
+    int same = 1;
+    for (int part = 0; part < 2 && same; part++) {
+        const double *now = part ? s->pdot : s->p;
+        memset(size, 0, n * sizeof *size);
+        memset(change, 0, n * sizeof *change);
+        for (size_t k = 1; k <= 3; k++) {
+            for (size_t j = 0; j < n; j++) {
+                s->q[j] = s->middle[j] + 2 * halton(k + 7, s->primes[j]) - 1;
+                s->v[j] = 0.7 - halton(k + 3, s->primes[j]);
+            }
+            if (!equations(s))
+                return 0;
+            memcpy(copy, now, n * sizeof *copy);
+            s->q[i] += TWO_PI;
+            if (!equations(s))
+                return 0;
+            for (size_t j = 0; j < n; j++) {
+                change[j] = fmax(change[j], fabs(now[j] - copy[j]));
+                size[j] = fmax(size[j], fabs(now[j]));
+            }
+        }
+        double most = 0;
+        for (size_t j = 0; j < n; j++)
+            most = fmax(most, size[j]);
+        for (size_t j = 0; j < n; j++) /* one that vanishes is round-off of the others */
+            same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
+    }
+    return same;
+}
+
+/* How far the motion from the start goes in some steps of dop853, which are of its own length, into
+ * box: |q - q0|, or |v| of what is cyclic. Steps count once they no longer double; one after which
+ * something is RUNAWAY times as far as at the first that counts ends it. */
+static void extent(struct search *s, const double *q0, const double *v0)
+{
+    const struct pk_method *method = pk_method_find("dop853");
+    struct pk_options options = pk_options_default();
+    struct pk_integrator it;
+    const size_t size = pk_integrator_size(s->problem, method);
+    void *block = malloc(size);
+    double before = HUGE_VAL, *begun = s->p;
+    int settled = 0, runs = 1;
+    options.rtol = 1e-6;
+    options.atol = 1e-300; /* no unit is small or large */
+    memset(s->box, 0, s->n * sizeof *s->box);
+    if (!block)
+        return;
+    runs = pk_integrator_init(&it, s->problem, method, &options, 0, q0, v0, block, size) >= 0;
+    for (int k = 0; runs && k < SETTLING && settled < MOTION; k++) {
+        const double t = it.t;
+        runs = pk_integrator_step(&it, 1e300) >= 0;
+        settled += settled || (k > 0 && it.t - t < 2 * before);
+        before = it.t - t;
+        for (size_t i = 0; i < s->n && runs && settled; i++) {
+            const double far = fabs(is_cyclic(s, i) ? it.v[i] : it.q[i] - q0[i]);
+            if (settled == 1 || !(begun[i] > 0))
+                begun[i] = far;
+            if (far > RUNAWAY * begun[i])
+                runs = 0;
+            else
+                s->box[i] = fmax(s->box[i], far);
+        }
+    }
+    pk_integrator_free(&it);
+    free(block);
+}
+
+/* A length for each unknown: twice the motion's, or |q0|; where both are 0 the others', or 1. */
+static void choose_box(struct search *s, const double *q0, const double *v0)
+{
+    double others = 0;
+    extent(s, q0, v0);
+    for (size_t i = 0; i < s->n; i++) {
+        const int c = is_cyclic(s, i);
+        s->box[i] = 2 * fmax(s->box[i], fabs(c ? v0[i] : q0[i]));
+        if (s->turns[i] && !c)
+            s->box[i] = TWO_PI / 2;
+        else if (!c)
+            others = fmax(others, s->box[i]);
+    }
+    for (size_t i = 0; i < s->n; i++)
+        if (!(s->box[i] > 0))
+            s->box[i] = is_cyclic(s, i) || !(others > 0) ? 1 : others;
+}
+
+/* The size of each equation: the most of it in the box; of one that vanishes there all the same
+ * round-off of the largest. */
+static void measure(struct search *s)
+{
+    double most = 0;
+    for (size_t k = 1; k <= 32; k++) {
+        pk_equilibria_place(s, 2 * k + 1);
+        if (equations(s))
+            for (size_t i = 0; i < s->n; i++) {
+                s->scale[i] = fmax(s->scale[i], fabs(s->F[i]));
+                most = fmax(most, s->scale[i]);
+            }
+    }
+    for (size_t i = 0; i < s->n; i++)
+        s->scale[i] = fmax(s->scale[i], most > 0 ? 1e-14 * most : 1);
+}
+
+void pk_equilibria_box(struct search *s, const double *q0, const double *v0)
+{
+    const struct pk_problem *problem = s->problem;
+    const size_t n = s->n;
+    problem->system->canonical(problem->params, 0, q0, v0, NULL, s->kept, s->pdot);
+    memcpy(s->middle, q0, n * sizeof *q0);
+    for (size_t i = 0; i < n; i++)
+        s->turns[i] = (unsigned char)is_turn(s, i);
+    memcpy(s->q, q0, n * sizeof *q0);
+    for (size_t i = 0; i < n; i++) {
+        const int c = is_cyclic(s, i);
+        s->v[i] = c ? v0[i] : 0;
+        s->middle[i] = c ? v0[i] : s->turns[i] ? 0 : q0[i];
+    }
+    choose_box(s, q0, v0);
+    measure(s);
+}

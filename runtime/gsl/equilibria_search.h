@@ -1,0 +1,65 @@
+/* A search for equilibria: shared by where to seek them (equilibria_box.c) and how they are found
+ * (equilibria.c). Not installed.
+ */
+#ifndef PK_GSL_EQUILIBRIA_SEARCH_H
+#define PK_GSL_EQUILIBRIA_SEARCH_H
+
+#include <math.h>
+
+#include <pk/integrator.h>
+
+#include "../src/internal.h"
+
+static const double TWO_PI = 6.283185307179586476925;
+
+/* The problem, a state to write to, and room for the kernels' results. */
+struct search {
+    const struct pk_problem *problem;
+    size_t n;
+    double *q, *v;               /* the state tried; what is not sought stays as in the start */
+    double *kept;                /* momenta of the start */
+    double *step;                /* Newton's, to be taken back */
+    double *box, *middle;        /* where to seek each unknown */
+    double *p, *pdot, *F;        /* n */
+    double *M, *p_q, *F_q, *F_v; /* n n */
+    double *J, *pivot;
+    double *scale;               /* of each equation in the box */
+    unsigned char *turns;        /* q_i + 2 pi is the same place */
+    size_t *primes;              /* n + 1, the bases of Halton's points */
+};
+
+static inline int is_cyclic(const struct search *s, size_t i)
+{
+    const unsigned char *cyclic = s->problem->system->cyclic;
+    return cyclic && cyclic[i];
+}
+
+/* Unknown i of the state: q_i, or v_i where coordinate i is cyclic. */
+static inline double *unknown(struct search *s, size_t i)
+{
+    return (is_cyclic(s, i) ? s->v : s->q) + i;
+}
+
+/* The length that a difference of unknown i is small or large beside. */
+static inline double reach(struct search *s, size_t i)
+{
+    return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
+}
+
+/* F at the state; 0 where it is not finite. */
+static inline int equations(struct search *s)
+{
+    const struct pk_problem *problem = s->problem;
+    problem->system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
+    for (size_t i = 0; i < s->n; i++)
+        s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i] : s->pdot[i];
+    return pk_all_finite(s->F, s->n);
+}
+
+/* A box about the start, which coordinates are angles in it, the momenta to keep and the size of
+ * each equation. The state is then at rest but for what is cyclic. */
+void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
+/* Point k of the search as unknowns of the state; 0 is the start. */
+void pk_equilibria_place(struct search *s, size_t k);
+
+#endif

@@ -1,0 +1,117 @@
+/* Where the system can rest, and its modes there. Built with GSL alone. */
+#include "stability.h"
+
+#ifdef PK_WITH_GSL
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "output.h"
+#include "words.h"
+
+enum { MOST = 32 };
+static const double SAME = 1e-2; /* relative difference of lambda here and beside */
+
+/* Up to 2 n modes, as pk_gsl_modes() gives them. */
+struct modes {
+    struct pk_mode *list;
+    double *shapes;
+    size_t count;
+};
+
+/* Where the linear terms vanish, what is left of them grows with the distance from the root, which is
+ * about as large as Newton's last correction. A mode that is no longer there that far beside is
+ * none: its lambda becomes 0. */
+static void clear_doubtful(struct stability *s, const double *q, const double *v,
+                           const double *doubt, struct modes *modes, struct modes *beside)
+{
+    const unsigned char *cyclic = s->problem.system->cyclic;
+    double *const place = s->work, *const rate = place + s->n;
+    for (size_t i = 0; i < s->n; i++) {
+        const int c = cyclic && cyclic[i];
+        place[i] = q[i] + (c ? 0 : doubt[i]);
+        rate[i] = v[i] + (c ? doubt[i] : 0);
+    }
+    if (pk_gsl_modes(&s->problem, place, rate, beside->list, beside->shapes, &beside->count))
+        return;
+    for (size_t k = 0; k < modes->count; k++) {
+        struct pk_mode *one = &modes->list[k];
+        int stays = 0;
+        for (size_t i = 0; i < beside->count && !stays; i++)
+            stays = hypot(one->growth - beside->list[i].growth,
+                          one->frequency - beside->list[i].frequency) <=
+                    SAME * hypot(one->growth, one->frequency);
+        if (!stays)
+            one->growth = one->frequency = 0;
+    }
+}
+
+static void print_modes(const struct modes *modes, size_t n)
+{
+    for (size_t m = 0; m < modes->count; m++) {
+        printf("%s{\"growth\": %.17g, \"frequency\": %.17g, ", m ? ", " : "",
+               modes->list[m].growth, modes->list[m].frequency);
+        output_numbers(stdout, "re", modes->shapes + m * 2 * n, n);
+        fputs(", ", stdout);
+        output_numbers(stdout, "im", modes->shapes + m * 2 * n + n, n);
+        fputs("}", stdout);
+    }
+}
+
+static void print(struct stability *s, const struct pk_equilibria *found, struct modes *modes,
+                  struct modes *beside)
+{
+    const size_t n = s->n;
+    for (size_t k = 0; k < found->count; k++) {
+        double energy, vp, size;
+        const double *q = found->q + k * n, *v = found->v + k * n;
+        const enum pk_status solved =
+            pk_gsl_modes(&s->problem, q, v, modes->list, modes->shapes, &modes->count);
+        clear_doubtful(s, q, v, found->doubt + k * n, modes, beside);
+        stability_energies(s, 0, q, v, &energy, &vp, &size);
+        fputs(k ? ", {" : "{", stdout);
+        output_numbers(stdout, "q", q, n);
+        fputs(", ", stdout);
+        output_numbers(stdout, "v", v, n);
+        fputs(", \"energy\": ", stdout);
+        output_real(stdout, energy);
+        printf(", \"status\": \"%s\", \"modes\": [", pk_status_name(solved));
+        print_modes(modes, n);
+        fputs("]}", stdout);
+    }
+}
+
+int stability_equilibria(struct stability *s, size_t line, char *const words[])
+{
+    const size_t n = s->n;
+    size_t tries;
+    if (!words_index(words[1], 100000, &tries))
+        return words_usage(line, "not a number of tries", words[1]);
+    double *const room = (double *)words_allocate(3 * MOST * n + 8 * n * n, sizeof *room);
+    double *const shapes = room + 3 * MOST * n;
+    struct pk_mode *const list = (struct pk_mode *)words_allocate(4 * n, sizeof *list);
+    struct modes modes = {list, shapes, 0}, beside = {list + 2 * n, shapes + 4 * n * n, 0};
+    struct pk_equilibria found = {.most = MOST,
+                                  .q = room,
+                                  .v = room + MOST * n,
+                                  .doubt = room + 2 * MOST * n,
+                                  .turns = (unsigned char *)words_allocate(n, 1)};
+    const enum pk_status status =
+        pk_gsl_equilibria(&s->problem, s->settings.q, s->settings.v, tries, &found);
+    for (size_t i = 0; i < n; i++)
+        s->work[i] = found.turns[i];
+    printf("{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, ",
+           pk_status_name(status), found.failed, found.singular, found.more ? "true" : "false");
+    output_numbers(stdout, "turns", s->work, n);
+    fputs(", \"equilibria\": [", stdout);
+    print(s, &found, &modes, &beside);
+    fputs("]}\n", stdout);
+    free(found.turns);
+    free(list);
+    free(room);
+    return 0;
+}
+
+#else
+extern int stability_equilibria_need_gsl; /* a file is not to be empty */
+#endif

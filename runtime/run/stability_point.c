@@ -1,0 +1,150 @@
+/* What a method makes of a motion, told from its energy. With E the method's energy, E0 the first,
+ * S the range of v.p over the motion itself (twice the kinetic energy that comes and goes), [a, b]
+ * the energies met in the last quarter of the run, and R the size |v.p| + |L| that round-off of the
+ * energy is relative to:
+ *
+ *     away      distance of E0 from [a, b]
+ *     rise      max E - E0;   early: the same over the first eighth
+ *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back (away > S/2 or
+ *               away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
+ *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
+ *     bounded   neither: E comes back to where it was
+ *
+ * A drift that is smaller than 2.2 times the oscillation is not seen. Near a resonance of the step
+ * the energy's own oscillation may take longer than the run, or the motion be locked to it beside
+ * where it began: a symplectic or symmetric method is said to drift only if after four times as
+ * long it is away by a fifth more. Where energy is not constant by itself, in place of E0 stand the
+ * energies of the motion: in its last quarter, and the largest. A run has LEAST_STEPS at least; the
+ * motion is followed for as long. Where it leaves or ends, steps that are made are `not judged`.
+ * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All other
+ * classes are statuses of the runtime.
+ */
+#include <math.h>
+
+#include "output.h"
+#include "stability.h"
+#include "words.h"
+
+enum { LEAST_STEPS = 200, MOST_STEPS = 4000000 };
+
+static const char *failure(enum pk_status status)
+{
+    switch (status) {
+    case PK_REFUSED:
+        return "refused";
+    case PK_NO_CONVERGENCE:
+        return "not converged";
+    case PK_AMBIGUOUS_STEP:
+        return "wrong branch";
+    case PK_NOT_FINITE:
+        return "not finite";
+    case PK_SINGULAR_MASS:
+    case PK_SINGULAR_TIME:
+    case PK_SINGULAR_COORDINATES:
+        return "singular";
+    default:
+        return "failed";
+    }
+}
+
+/* Energies of a run, as they come. */
+struct energies {
+    double most, early_most; /* the largest; in the first eighth */
+    double low, high;        /* in the last quarter */
+    double rise, early;      /* of the largest above the motion's */
+    double away;             /* of the last quarter's from the motion's */
+    unsigned long steps;
+};
+
+/* Steps on until there are `steps` in all, and compares with as much of the motion. */
+static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsigned long steps,
+                             struct energies *e, struct reference *motion)
+{
+    const unsigned long early = steps / 8, late = steps - steps / 4;
+    int begun = 0;
+    while (e->steps < steps) {
+        double energy, vp, size;
+        const enum pk_status status =
+            pk_integrator_step(it, (double)(steps + 1) * it->options.h);
+        if (status < 0)
+            return status;
+        stability_energies(s, it->t, it->q, it->v, &energy, &vp, &size);
+        if (!(fabs(energy) < HUGE_VAL))
+            return PK_NOT_FINITE;
+        e->most = fmax(e->most, energy);
+        if (++e->steps <= early)
+            e->early_most = e->most;
+        if (e->steps > late) {
+            e->low = begun ? fmin(e->low, energy) : energy;
+            e->high = begun ? fmax(e->high, energy) : energy;
+            begun = 1;
+        }
+    }
+    *motion = stability_reference(s, it->t);
+    e->rise = fmax(e->most - motion->top, 0);
+    e->early = fmax(e->early_most - motion->top, 0);
+    e->away = fmax(fmax(e->low - motion->high, motion->low - e->high), 0);
+    return PK_DONE;
+}
+
+static int has_left(const struct energies *e) { return e->away > (e->high - e->low) / 4; }
+
+/* PK_DONE with the class, or what ended the run. */
+static enum pk_status classify(struct stability *s, struct pk_integrator *it,
+                               unsigned long steps, struct energies *e, struct reference *motion,
+                               const char **class)
+{
+    enum pk_status status = follow(s, it, steps, e, motion);
+    if (status < 0)
+        return status;
+    const double scale = motion->scale;
+    *class = "bounded";
+    if (!motion->judges) {
+        *class = "not judged";
+    } else if (e->rise > scale && (e->rise > 2 * e->early || e->away > scale / 2 || has_left(e) ||
+                                   e->rise > 1e4 * scale)) {
+        *class = "growing";
+    } else if (has_left(e) && e->away > 1e-11 * motion->size) {
+        const double before = e->away;
+        const int again = (it->method->traits & (PK_SYMPLECTIC | PK_SYMMETRIC)) != 0;
+        if (again)
+            status = follow(s, it, 4 * steps, e, motion);
+        if (!again || (has_left(e) && e->away > 1.2 * before))
+            *class = "drifting";
+    }
+    return status;
+}
+
+int stability_point(struct stability *s, size_t line, char *const words[])
+{
+    const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
+    double h;
+    if (!method || method->traits & PK_ADAPTIVE)
+        return words_usage(line, "no method of a fixed step", words[1]);
+    if (!words_real(words[2], &h) || !(h > 0))
+        return words_usage(line, "not a step", words[2]);
+    if (!s->known)
+        return words_usage(line, "ask for the motion first", words[0]);
+    struct pk_options options = s->settings.options;
+    options.h = h;
+    const double wanted = ceil(s->settings.until / h);
+    const unsigned long steps =
+        (unsigned long)fmin(fmax(wanted, (double)LEAST_STEPS), (double)MOST_STEPS);
+    struct energies e = {.most = -HUGE_VAL, .early_most = -HUGE_VAL};
+    struct reference motion = {.scale = 1};
+    const char *class = "";
+    enum pk_status status;
+    struct pk_integrator *it = stability_begin(&s->problem, method, &options, s->settings.q,
+                                               s->settings.v, &status);
+    if (it)
+        status = classify(s, it, steps, &e, &motion, &class);
+    printf("{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
+           "\"steps\": %lu, \"rise\": ",
+           method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
+    output_real(stdout, e.rise / motion.scale);
+    fputs(", \"away\": ", stdout);
+    output_real(stdout, e.away / motion.scale);
+    fputs("}\n", stdout);
+    stability_end(it);
+    return 0;
+}
