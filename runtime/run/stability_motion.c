@@ -160,24 +160,6 @@ static int print(const struct stability *s, double scale)
 
 int stability_start(struct stability *s)
 {
-<<<<<<< HEAD
-    switch (status) {
-    case PK_REFUSED:
-        return "refused";
-    case PK_NO_CONVERGENCE:
-        return "not converged";
-    case PK_AMBIGUOUS_STEP:
-        return "wrong branch";
-    case PK_NOT_FINITE:
-        return "not finite";
-    case PK_SINGULAR_MASS:
-    case PK_SINGULAR_TIME:
-    case PK_SINGULAR_COORDINATES:
-    case PK_STEP_TOO_LONG:
-        return "singular";
-    default:
-        return "failed";
-=======
     begin(s);
     return print(s, summary(s, 0).scale);
 }
@@ -194,7 +176,6 @@ int stability_motion(struct stability *s)
         if (k < 2)
             memcpy(s->far + (k + 1) * n, s->far + k * n, n * sizeof *s->far);
         scales[k] = summary(s, part).scale;
->>>>>>> stab
     }
     s->known = 1;
     s->leaves = s->motion >= 0 && leaves(s, until, scales);

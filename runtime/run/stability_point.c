@@ -41,6 +41,7 @@ static const char *failure(enum pk_status status)
     case PK_SINGULAR_MASS:
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
+    case PK_STEP_TOO_LONG:
         return "singular";
     default:
         return "failed";
