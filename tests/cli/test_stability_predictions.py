@@ -8,24 +8,13 @@ from dataclasses import replace
 
 import pytest
 from conftest import ROOT
-from pkgen.build import build_program
-from pkgen.compiler import compile_model
-from pkgen.front.read import from_text
-from pkgen.simulate import Settings
 from pkgen.stability import measure, misses, plan
 from pkgen.stability.ask import Asker, Close
 from pkgen.stability.map import known_methods
 from pkgen.stability.method import StepMap
 from pkgen.stability.predict import Prediction, limit, predictions
+from stability_asker import PENDULUM, asker, start
 
-PENDULUM = """model pendulum
-coord theta
-kinetic theta'^2/2
-potential -cos(theta)
-start theta = 0.001
-"""
-
-# A charge in a magnetic field and an isotropic spring: omega = sqrt(w^2 + B^2/4) +- B/2.
 MAGNETIC = """model magnetic
 param w = 1.3
 param B = 0.7
@@ -56,30 +45,6 @@ kinetic (x'^2 + y'^2)/2
 potential y + k/2*(r - 1 + 1/k)^2
 start x = 0.01, y = -1.05
 """
-
-
-def asker(text: str, *, until: float = 100.0) -> Asker:
-    compilation = compile_model(from_text("model.lag", text), unroll=None)
-    program = build_program(compilation.files, compilation.model.name)
-    settings = Settings(
-        method="rk4",
-        until=until,
-        every=None,
-        step=None,
-        rtol=1e-10,
-        atol=1e-10,
-        iteration="newton",
-        max_steps=10**9,
-        max_step=None,
-        parameters=(),
-        members=(),
-        inputs=(),
-        start_q=(),
-        start_v=(),
-        show=(),
-        at=None,
-    )
-    return Asker(program, settings)
 
 
 @pytest.fixture(scope="module")
@@ -328,85 +293,6 @@ def test_relative_equilibria_of_a_top() -> None:
     second = (potential(x + d) - 2 * potential(x) + potential(x - d)) / d**2
     assert at.modes[0].frequency == pytest.approx(math.sqrt(second / i1), rel=1e-5)
     assert len(at.modes) == 1 and at.v[1] == 0
-
-
-def point(asked: Asker, method: str, h: float) -> dict:
-    return asked.ask(["motion", f"point {method} {h!r}"])[1]
-
-
-def start(asked: Asker, q: float, v: float = 0.0) -> Asker:
-    return asked.with_settings(replace(asked.settings, start_q=((0, q),), start_v=((0, v),)))
-
-
-def test_classes(pendulum: Asker) -> None:
-    swing = start(pendulum, 1.0)
-    assert point(swing, "verlet", 0.5)["class"] == "bounded"
-    assert point(swing, "gauss2", 0.5)["class"] == "bounded"
-    assert point(swing, "rk4", 0.5)["class"] == "drifting"
-    assert point(swing, "euler", 0.1)["class"] == "growing"
-    assert point(swing, "verlet", 2.3)["class"] == "growing"
-    assert point(swing, "verlet", 2.5)["class"] == "growing"  # wanders up and down, high above
-    # At y = 1.9 the energy of a start with a rate rises up to tenfold, and comes back.
-    beat = point(start(pendulum, 0.0, 1e-3), "verlet", 1.9)
-    assert beat["class"] == "bounded" and 2 < beat["rise"] < 5
-    fixed = replace(swing.settings, iteration="fixed")
-    failed = point(swing.with_settings(fixed), "gauss1", 4.0)
-    assert (failed["class"], failed["status"]) == ("not converged", "PK_NO_CONVERGENCE")
-
-
-# At resonance the energy rises as t^2/8.
-DRIVEN = "model driven\ncoord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)\nstart x = 0\n"
-
-
-def test_the_motion_is_known_for_as_long_as_a_point() -> None:
-    driven = asker(DRIVEN, until=10.0)
-    long = point(driven, "gauss4", 0.5)  # 200 steps, ten times `until`
-    assert long["steps"] * 0.5 >= 100 and long["class"] == "bounded"
-    assert point(driven, "euler", 0.5)["class"] != "bounded"
-
-
-def leaves(text: str, until: float = 10.0) -> bool:
-    return asker(text, until=until).motion().leaves
-
-
-def test_motions_that_leave(pendulum: Asker) -> None:
-    line = "model m\ncoord x\nkinetic x'^2/2\npotential {}\nstart x = {}, x' = {}\n"
-    assert leaves(line.format("-x^2/2", 1, 0))
-    assert leaves(line.format("9.81*x", 1, 3))
-    assert leaves(line.format("exp(-x^2)", 0.1, 0))  # a free flight in the end
-    assert not leaves(DRIVEN, 100.0)  # it is compared with
-    assert not leaves(line.format("x^2/2", 1, 0))
-    assert leaves(line.format("x^2/2", 1, 0), 0.5)  # not back yet
-    assert not pendulum.motion().leaves
-    assert not start(pendulum, 0.0, 2.1).motion().leaves  # over the top, round and round
-    hill = asker(line.format("-x^2/2", 1, 0), until=10.0)
-    assert point(hill, "rk4", 0.5)["class"] == "not judged"
-    assert point(hill, "gauss1", 2.5)["class"] == "wrong branch"  # the method's own all the same
-
-
-def test_a_wrong_branch_upright(pendulum: Asker) -> None:
-    # L14: the midpoint rule from rest upright has one solution for h omega <= 2 and three above.
-    upright = start(pendulum, math.pi - 1e-9)
-    assert point(upright, "gauss1", 1.99)["class"] == "bounded"
-    for h in (2.01, 6.0):
-        lost = point(upright, "gauss1", h)
-        assert (lost["class"], lost["status"]) == ("wrong branch", "PK_AMBIGUOUS_STEP")
-    assert point(upright, "gauss2", 2.01)["class"] != "wrong branch"
-
-
-def test_what_grows_without_bound_is_not_finite() -> None:
-    linear = asker("model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
-    grown = linear.with_settings(replace(linear.settings, until=5000.0))
-    assert point(grown, "verlet", 2.2)["class"] == "not finite"
-    assert point(grown, "verlet", 1.8)["class"] == "bounded"
-
-
-def test_stable_at_999_growing_at_1001(pendulum: Asker) -> None:
-    hanging = pendulum.at(pendulum.rest().equilibria[0])
-    for method, y in (("verlet", 2.0), ("yoshida4", 1.5734019474), ("rk4", math.sqrt(8))):
-        below, above = hanging.near(f"{method} {y * x!r} all 1e-6 4000" for x in (0.999, 1.001))
-        assert below.growth < 300 and below.status == "PK_DONE", method
-        assert not above.growth < 1000, method
 
 
 def test_predictions_are_measured_and_a_wrong_one_is_a_miss(pendulum: Asker, steps) -> None:

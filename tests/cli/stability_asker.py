@@ -1,0 +1,46 @@
+"""What the tests of `pkgen stability` share: a compiled model's driver, asked by lines of text."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pkgen.build import build_program
+from pkgen.compiler import compile_model
+from pkgen.front.read import from_text
+from pkgen.simulate import Settings
+from pkgen.stability.ask import Asker
+
+PENDULUM = """model pendulum
+coord theta
+kinetic theta'^2/2
+potential -cos(theta)
+start theta = 0.001
+"""
+
+
+def asker(text: str, *, until: float = 100.0) -> Asker:
+    compilation = compile_model(from_text("model.lag", text), unroll=None)
+    program = build_program(compilation.files, compilation.model.name)
+    settings = Settings(
+        method="rk4",
+        until=until,
+        every=None,
+        step=None,
+        rtol=1e-10,
+        atol=1e-10,
+        iteration="newton",
+        max_steps=10**9,
+        max_step=None,
+        parameters=(),
+        members=(),
+        inputs=(),
+        start_q=(),
+        start_v=(),
+        show=(),
+        at=None,
+    )
+    return Asker(program, settings)
+
+
+def start(asked: Asker, q: float, v: float = 0.0) -> Asker:
+    return asked.with_settings(replace(asked.settings, start_q=((0, q),), start_v=((0, v),)))
