@@ -267,7 +267,7 @@ def test_a_collision_is_the_same_unrolled_and_as_loops(pkgen, tmp_path: Path, me
         report = json.loads(done.stdout)["report"]
         assert done.returncode == 4 and report["status"] == "PK_SINGULAR_TIME"
         last.append(report["t"])
-        ends.append(float(re.search(r"x\[\d+\] vanishes at t = (\S+);", done.stderr)[1]))
+        ends.append(float(re.search(r"x\[\d+\] vanishes at t = (\S+),", done.stderr)[1]))
     done = pkgen(*common, "--size", "N=17", "--ensemble", members)
     failed = json.loads(done.stdout)["report"]["first_failed"]
     assert done.returncode == 4 and failed["status"] == "PK_SINGULAR_TIME"
