@@ -14,7 +14,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from mpmath import cos, lu_solve, matrix, mp, mpf, nstr, pi, polyval, sin, sqrt
+from mpmath import cos, lu_solve, matrix, mp, mpf, nstr, pi, polyval, sin, sqrt, workprec
+
+PRECISION = 250  # bits
 
 # A little beyond pi/4, since k is rounded from a product that is.
 END = (pi / 4 * (1 + mpf(2) ** -9)) ** 2
@@ -102,6 +104,7 @@ def rounded(value: mpf, bits: int) -> mpf:
     return mp.ldexp(mp.nint(mp.ldexp(mantissa, bits)), exponent - bits)
 
 
+@workprec(PRECISION)
 def polynomial(target: Target, bits: int, degree: int) -> tuple[list[float], mpf, mpf]:
     """Coefficients as the type has them, and the error before and after rounding them."""
     exact, before = remez(target, degree)
@@ -126,7 +129,7 @@ def main() -> None:
                 print(f"    {c.hex()}")
 
 
-mp.prec = 250
+mp.prec = PRECISION
 
 if __name__ == "__main__":
     main()

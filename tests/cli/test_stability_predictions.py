@@ -159,6 +159,17 @@ def test_equilibria_of_what_is_small(begin: tuple[float, float]) -> None:
 
 
 # An angle of great inertia beside a coordinate that is none, whose equation is a small one.
+@pytest.mark.parametrize("begin", [1.0, 1.13, 1.5, 3.0])
+def test_equilibria_beside_a_pole(begin: float) -> None:
+    """In a box that reaches to where forces are of 1e20 all others are small beside them."""
+    lennard_jones = "model lj\ncoord x\nkinetic x'^2/2\npotential 4*(1/x^12 - 1/x^6)\nstart x = 1\n"
+    found = start(asker(lennard_jones), begin).rest().equilibria
+    assert sorted(e.q[0] for e in found) == pytest.approx(
+        [-(2 ** (1 / 6)), 2 ** (1 / 6)], rel=1e-12
+    )
+    assert found[0].modes[0].frequency == pytest.approx(math.sqrt(72) / minimum, rel=1e-9)
+
+
 TURN = """model turn
 param m1 = 1e6
 param k = 1e-4
