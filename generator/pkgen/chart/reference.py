@@ -127,7 +127,9 @@ def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
 def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[float, Exact]], int]:
     found = program.ask("path", method, tolerance, TIMES, SLOWEST)
     if found["status"] != "PK_DONE":
-        raise NumericsFailed(f"the reference ends early: {found['reason']}")
+        raise NumericsFailed(
+            f"the reference ends early: {found['reason']}; give an --until before that"
+        )
     if found["slow"]:
         raise NumericsFailed(
             f"the reference came to t = {found['t']:.3g} in {SLOWEST:g} s; take a shorter --until"
