@@ -123,7 +123,7 @@ static int finish(struct run *run, int code)
                 run->besides ? run->besides : "");
         code = run->it.status == PK_BAD_ARGUMENT ? 2 : 4;
     }
-    if (run->it.status == PK_STOPPED_EVENT) {
+    if (run->it.status == PK_STOPPED_EVENT && !beyond) {
         pk_integrator_reason(&run->it, reason, sizeof reason);
         fprintf(stderr, "run: %s\n", reason);
     }

@@ -74,7 +74,7 @@ static int judge(struct run *run, pk_real t, FILE *file)
 int trust_judge(struct run *run)
 {
     const struct settings *s = &run->settings;
-    const int fixed = !(s->method->traits & PK_ADAPTIVE), done = run->it.status == PK_DONE;
+    const int fixed = !(s->method->traits & PK_ADAPTIVE), done = run->it.status >= 0;
     int before = 0;
     size_t size;
     /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */

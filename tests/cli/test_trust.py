@@ -1,0 +1,36 @@
+"""Runs that end well by their steps, and not by the energy that the motion keeps."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from pkgen.__main__ import main
+
+FALL = """model fall
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential -1/(x^2 + y^2)
+start x = 1, y' = 1.2
+"""
+STOP = FALL + "event out: x^2 + y^2 - 100 rising stop\n"
+END = 1.3363  # of the motion: it spirals into the centre
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    def call(model: str, options: str) -> tuple[int, dict, str]:
+        path = tmp_path / "model.lag"
+        path.write_text(model)
+        code = main(["run", str(path), *options.split(), "--json"])
+        shown = capsys.readouterr()
+        return code, json.loads(shown.out)["report"], shown.err
+
+    return call
+
+
+def test_an_event_that_stops_is_no_proof_of_the_way_there(run) -> None:
+    code, report, said = run(STOP, "--method euler --step 0.01 --until 50")
+    assert code == 4 and report["t"] > END
+    assert said.count("stopped at event out") == 1 and f"ends at t = {END}" in said
