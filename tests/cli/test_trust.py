@@ -34,3 +34,13 @@ def test_an_event_that_stops_is_no_proof_of_the_way_there(run) -> None:
     code, report, said = run(STOP, "--method euler --step 0.01 --until 50")
     assert code == 4 and report["t"] > END
     assert said.count("stopped at event out") == 1 and f"ends at t = {END}" in said
+
+
+def test_the_report_of_steps_behind_the_end_is_of_a_failure(run) -> None:
+    code, report, said = run(FALL, "--method euler --step 0.05 --until 20")
+    assert code == 4 and report["status"] == "RUN_BEYOND_END" and report["code"] < 0
+    assert report["text"] == "the motion ends before these steps do"
+    assert report["t"] == 20 and report["last_valid"] < END
+    assert report["reason"].startswith("arrived at t = 20, but the motion ends at t = 1.3363")
+    assert "rows after that are of the steps alone: make the step shorter (--step)" in said
+    assert f"last valid time {report['last_valid']}" in said
