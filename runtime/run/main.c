@@ -127,6 +127,8 @@ static int finish(struct run *run, int code)
         trust_reason(run, reason, sizeof reason);
         fprintf(stderr, "run: %s\n", reason);
     }
+    if (trust_warning(run, reason, sizeof reason))
+        fprintf(stderr, "run: warning: %s\n", reason);
     if (run->not_finite) {
         fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);

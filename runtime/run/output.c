@@ -8,6 +8,8 @@
 #include <errno.h>
 #include <string.h>
 
+#define LARGE PK_C(0.1) /* a drift, of its scale */
+
 enum { MOST_LISTED = 10000 };
 
 static void csv_name(FILE *file, const char *name)
@@ -174,7 +176,9 @@ static void json_drift(FILE *file, const char *name, const struct pk_drift *drif
     fputs(", \"spread\": ", file);
     output_real(file, spread);
     fputs(", \"growth\": ", file);
-    output_text(file, pk_growth_text(growth));
+    /* That a drift grows no more does not make it small. */
+    const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
+    output_text(file, far ? "off by more than a tenth" : pk_growth_text(growth));
     fputs("}", file);
 }
 
@@ -225,6 +229,9 @@ static void json_run(struct run *run, FILE *file)
     output_text(file, reason);
     fputs(",\n  \"besides\": ", file); /* "; the energy ..." */
     output_text(file, run->besides && *run->besides ? run->besides + 2 : "");
+    trust_warning(run, reason, sizeof reason);
+    fputs(",\n  \"warning\": ", file);
+    output_text(file, reason);
     fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
     output_real(file, it->t);
     fputs(",\n  \"last_valid\": ", file);

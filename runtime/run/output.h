@@ -34,6 +34,7 @@ struct run {
     int distrusted;
     pk_real ends; /* where dop853 says that the motion does, */
     int beyond;   /* and the steps have gone on behind it */
+    int goes_on;  /* by dop853 the motion does, where the steps ended */
     char *besides; /* behind the reason of a failure, or NULL */
     int interrupted;
     int write_failed;

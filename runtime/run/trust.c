@@ -8,6 +8,7 @@
 
 #include "words.h"
 
+#define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
 #define LOOSE PK_C(1e-8)
 #define JUDGE "dop853"
 #define JUDGE_TOL PK_C(1e-9)
@@ -58,9 +59,14 @@ static void judge(struct run *run, pk_real t, FILE *file)
                                                block, size);
     if (status >= 0)
         status = pk_integrator_to(&it, t);
-    if (status == PK_DONE && run->it.status < 0)
-        fprintf(file, "; by %s at %.0e the motion goes on past that: only these steps end", JUDGE,
-                (double)JUDGE_TOL);
+    if (status == PK_DONE && run->it.status < 0) {
+        run->goes_on = 1;
+        fprintf(file,
+                "; by %s at %.0e the motion goes on to t = %.9g at least: only these steps end",
+                JUDGE, (double)JUDGE_TOL, (double)t);
+        if (run->it.status != PK_STEP_TOO_LONG) /* whose reason has the advice */
+            fprintf(file, ": make the step%s shorter", fixed_step(run) ? "" : "s");
+    }
     if (status <= PK_SINGULAR_MASS && status != PK_TOO_MANY_STEPS && status != PK_NO_MEMORY) {
         const int singular = status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES;
         run->ends = singular ? it.detail : it.t;
@@ -84,8 +90,7 @@ void trust_judge(struct run *run)
     if (!file)
         return;
     if (run->distrusted)
-        fprintf(file, "; the energy, which the motion keeps, is off by more than %g of its scale "
-                "after t = %.9g", (double)TRUST_WRONG, (double)run->trusted);
+        fprintf(file, "; " OFF, (double)TRUST_WRONG, (double)run->trusted);
     if (fixed || run->settings.options.rtol > LOOSE)
         judge(run, run->it.t + (arrived ? 0 : 2 * (fixed ? run->settings.options.h : run->h_max)),
               file);
@@ -95,6 +100,15 @@ void trust_judge(struct run *run)
         run->besides[0] = '\0';
 }
 
+int trust_warning(const struct run *run, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (!run->distrusted || run->it.status < 0 || run->beyond)
+        return 0;
+    return snprintf(text, size,
+                    OFF ": make the steps shorter", (double)TRUST_WRONG, (double)run->trusted) > 0;
+}
+
 pk_real trust_last_valid(const struct run *run)
 {
     return !run->beyond ? run->it.t : run->trusted < run->ends ? run->trusted : run->ends;
@@ -102,14 +116,22 @@ pk_real trust_last_valid(const struct run *run)
 
 void trust_reason(const struct run *run, char *text, size_t size)
 {
-    char arrived[256];
-    pk_integrator_reason(&run->it, text, size);
+    const struct pk_integrator *it = &run->it;
+    char arrived[256], name[128];
+    pk_integrator_reason(it, text, size);
+    /* What is singular ends these steps, and not the motion. */
+    if (run->goes_on &&
+        (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
+        pk_system_guard_name(it->problem.system, it->problem.params, it->where, name, sizeof name);
+        snprintf(text, size, "the steps come to %s = 0 at t = %.17g; last valid time %.17g", name,
+                 (double)it->detail, (double)it->t);
+    }
     if (!run->beyond)
         return;
-    if (run->it.status == PK_DONE)
-        snprintf(arrived, sizeof arrived, "arrived at t = %.17g", (double)run->it.t);
+    if (it->status == PK_DONE)
+        snprintf(arrived, sizeof arrived, "arrived at t = %.17g", (double)it->t);
     else
-        pk_integrator_reason(&run->it, arrived, sizeof arrived);
+        pk_integrator_reason(it, arrived, sizeof arrived);
     snprintf(text, size,
              "%s, but the motion ends at t = %.9g (by %s at %.0e): rows after that are of the steps "
              "alone: make the step shorter; last valid time %.17g",

@@ -23,6 +23,8 @@ void trust_step(struct run *run);
 void trust_judge(struct run *run);
 /* Of a run that was judged. The time until which it is right, as far as is known; its reason. */
 pk_real trust_last_valid(const struct run *run);
+/* What there is to say of one that arrived with a wrong energy all the same; 0 if nothing. */
+int trust_warning(const struct run *run, char *text, size_t size);
 void trust_reason(const struct run *run, char *text, size_t size);
 
 #endif

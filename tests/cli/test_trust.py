@@ -15,6 +15,24 @@ potential -1/(x^2 + y^2)
 start x = 1, y' = 1.2
 """
 STOP = FALL + "event out: x^2 + y^2 - 100 rising stop\n"
+CLOSE = """model close
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential -1/sqrt(x^2 + y^2)
+start x = 1, y' = 0.01
+"""
+SWING = """model swing
+coord x
+kinetic x'^2/2
+potential x^2/2
+start x = 1
+"""
+HUMP = """model hump
+coord x
+kinetic x'^2/2
+potential sin(x)/x
+start x = 1.5, x' = -0.81
+"""
 END = 1.3363  # of the motion: it spirals into the centre
 
 
@@ -44,3 +62,45 @@ def test_the_report_of_steps_behind_the_end_is_of_a_failure(run) -> None:
     assert report["reason"].startswith("arrived at t = 20, but the motion ends at t = 1.3363")
     assert "rows after that are of the steps alone: make the step shorter (--step)" in said
     assert f"last valid time {report['last_valid']}" in said
+
+
+def test_a_wrong_energy_at_arrival_is_a_warning(run) -> None:
+    code, report, said = run(CLOSE, "--method verlet --step 0.01 --until 5")
+    assert code == 0 and report["status"] == "PK_DONE"
+    warning = "the energy, which the motion keeps, is off by more than 0.01 of its scale after t ="
+    assert report["warning"].startswith(warning)
+    assert f"run: warning: {warning} 1." in said
+    assert said.rstrip().endswith("make the steps shorter (--step, --rtol)")
+    code, report, said = run(CLOSE, "--until 5")
+    assert code == 0 and report["warning"] == "" and "warning" not in said
+
+
+def test_a_large_drift_is_not_called_bounded(run) -> None:
+    """Verlet's energy of an oscillator comes back, and is off by (h omega)^2/8 of it in between."""
+    words = [
+        run(SWING, f"--method verlet --step {h} --until 900")[1]["drifts"][0]["growth"]
+        for h in (1.5, 0.1)
+    ]
+    assert words == ["off by more than a tenth", "bounded"]
+
+
+def test_steps_that_end_alone_blame_neither_model_nor_equations(run) -> None:
+    """The motion turns back on the slope of the hump, where Euler's steps come over it."""
+    code, report, said = run(HUMP, "--method euler --step 0.5 --until 9")
+    assert code == 4 and report["reason"].startswith("the steps come to x = 0 at t =")
+    assert "end here" not in said and "without the division" not in said
+    assert "the motion goes on to t = " in said
+    assert said.rstrip().endswith("only these steps end: make the step shorter (--step)")
+
+
+def test_members_with_a_wrong_energy_are_counted(run, tmp_path: Path) -> None:
+    members = tmp_path / "members.csv"
+    members.write_text("y'\n1\n0.1\n0.01\n")
+    options = f"--ensemble {members} --method rk4 --step 0.01 --until 2"
+    code, report, said = run(CLOSE, options)
+    assert code == 0 and (report["astray"], report["first_astray"]) == (2, 2)
+    warning = "run: warning: energy off by more than 0.01 of its scale at the end in 2 of 3 members"
+    assert f"{warning}, first member 2: make the step shorter (--step)" in said
+    code, report, said = run(CLOSE, options.replace("rk4 --step 0.01", "dop853"))
+    assert code == 0 and (report["astray"], report["first_astray"]) == (0, None)
+    assert "warning" not in said
