@@ -133,7 +133,7 @@ void trust_reason(const struct run *run, char *text, size_t size)
     else
         pk_integrator_reason(it, arrived, sizeof arrived);
     snprintf(text, size,
-             "%s, but the motion ends at t = %.9g (by %s at %.0e): rows after that are of the steps "
-             "alone: make the step shorter; last valid time %.17g",
+             "%s, but the motion ends at t = %.9g (by %s at %.0e): rows after that are of the "
+             "steps alone: make the step shorter; last valid time %.17g",
              arrived, (double)run->ends, JUDGE, (double)JUDGE_TOL, (double)trust_last_valid(run));
 }

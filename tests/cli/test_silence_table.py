@@ -46,8 +46,8 @@ so in a warning (`warning` in the report), and its exit code is 0.
 
 Of an ensemble with fixed steps, members of a conservative system whose energy at their last row is
 off by more than .01 of its scale are counted in a warning (`astray`, `first_astray`). They are not
-followed further: the exit code stays, no member is run by dop853, and an energy that is wrong on the
-way and right again at the end is not seen.
+followed further: the exit code stays, no member is run by dop853, and an energy that is wrong on
+the way and right again at the end is not seen.
 
 What fixed steps cannot tell: that a motion without a constant energy (forces, inputs, explicit
 time) has run away in finite time. A large change in one step is no sign: a kick by an input and a
