@@ -8,6 +8,7 @@
 
 #include "ensemble.h"
 #include "members.h"
+#include "trust.h"
 #include "words.h"
 
 int ensemble_setting(struct settings *s, const struct pk_system *system, size_t line,
@@ -60,6 +61,7 @@ int ensemble_fixed(const struct settings *s)
 
 struct tally {
     size_t done, failed, stopped, first_failed;
+    size_t astray, first_astray; /* whose energy at the end is wrong */
     enum pk_status status;
     pk_real t;
 };
@@ -84,6 +86,25 @@ static void write_row(struct batch *b, struct run *run, size_t i, size_t member,
     run->settings.u = u;
 }
 
+/* Whether fixed steps have left a member with another energy than it began with. Its rows alone are
+ * looked at, and only those of a conservative system. */
+static int is_astray(const struct batch *b, struct run *run, size_t i)
+{
+    const struct pk_ensemble *e = &b->e;
+    struct pk_monitor *monitor = &run->monitor;
+    const struct pk_problem problem = {.system = b->system,
+                                       .params = b->params + i * b->system->params_size};
+    if (!run->monitor_block || e->done[i] == 0 ||
+        pk_monitor_init(monitor, &problem, run->monitor_block, pk_monitor_size(&problem)) < 0)
+        return 0;
+    pk_monitor_update(monitor, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+    for (size_t row = 0; row < e->done[i]; row++) {
+        const size_t at = (i * e->rows + row) * b->n;
+        pk_monitor_update(monitor, b->t[row], e->q + at, e->v + at);
+    }
+    return !(PK_F(fabs)(pk_drift_final(&monitor->energy)) <= TRUST_WRONG); /* true of a NaN */
+}
+
 static void write_batch(struct batch *b, struct run *run, size_t first, size_t count,
                         struct tally *tally)
 {
@@ -96,6 +117,8 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
             const size_t at = (i * e->rows + row) * b->n;
             write_row(b, run, i, first + i, b->t[row], e->q + at, e->v + at);
         }
+        if (is_astray(b, run, i) && tally->astray++ == 0)
+            tally->first_astray = first + i;
         tally->done += e->status[i] == PK_DONE;
         tally->stopped += e->status[i] > 0;
         if (e->status[i] < 0 && tally->failed++ == 0) {
@@ -136,6 +159,11 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     } else {
         fputs("null", file);
     }
+    fprintf(file, ",\n  \"astray\": %zu,\n  \"first_astray\": ", tally->astray);
+    if (tally->astray)
+        fprintf(file, "%zu", tally->first_astray + 1);
+    else
+        fputs("null", file);
     fprintf(file,
             ",\n  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
             "  \"seconds\": %.6g\n}\n",
@@ -159,6 +187,12 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
                 tally->first_failed + 1, pk_status_text(tally->status), (double)tally->t);
         code = 4;
     }
+    if (tally->astray)
+        fprintf(stderr,
+                "run: warning: energy off by more than %g of its scale at the end in %zu of %zu "
+                "members, first member %zu: make the step shorter\n",
+                (double)TRUST_WRONG, tally->astray, run->settings.members,
+                tally->first_astray + 1);
     if (run->not_finite) {
         fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);
@@ -195,6 +229,9 @@ int ensemble_run(struct run *run, pk_real count)
         return 2;
     }
     members_allocate(&b, run, rows, stop);
+    if (ensemble_fixed(s) && (run_system->facts & PK_CONSERVATIVE))
+        run->monitor_block = words_allocate(
+            pk_monitor_size(&(struct pk_problem){.system = run_system, .params = b.params}), 1);
     for (size_t k = 0; k < rows; k++)
         b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
     if (rows > 1 && ensemble_fixed(s)) {
@@ -224,5 +261,6 @@ int ensemble_run(struct run *run, pk_real count)
     if (code == 0)
         code = finish(run, &b, &tally);
     members_release(&b, run);
+    free(run->monitor_block);
     return code;
 }

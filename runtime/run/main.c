@@ -109,24 +109,26 @@ static int start(struct run *run)
 
 static int finish(struct run *run, int code)
 {
-    char reason[512];
+    char reason[640];
     errno = 0;
     if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
         run->write_failed = errno ? errno : EIO;
-    const int beyond = trust_judge(run);
+    trust_judge(run);
     watch_warn(run);
-    if (run->it.status < 0 || beyond) {
-        pk_integrator_reason(&run->it, reason, sizeof reason);
+    if (run->it.status < 0 || run->beyond) {
+        trust_reason(run, reason, sizeof reason);
         const char *name = run->settings.method->name;
         const int named = strncmp(reason, name, strlen(name)) == 0; /* in the reason itself */
         fprintf(stderr, "run: %s%s%s%s\n", named ? "" : name, named ? "" : ": ", reason,
                 run->besides ? run->besides : "");
         code = run->it.status == PK_BAD_ARGUMENT ? 2 : 4;
     }
-    if (run->it.status == PK_STOPPED_EVENT) {
-        pk_integrator_reason(&run->it, reason, sizeof reason);
+    if (run->it.status == PK_STOPPED_EVENT && !run->beyond) {
+        trust_reason(run, reason, sizeof reason);
         fprintf(stderr, "run: %s\n", reason);
     }
+    if (trust_warning(run, reason, sizeof reason))
+        fprintf(stderr, "run: warning: %s\n", reason);
     if (run->not_finite) {
         fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);

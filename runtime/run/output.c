@@ -2,10 +2,13 @@
  * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
  */
 #include "diagnose.h"
+#include "trust.h"
 #include "watch.h"
 
 #include <errno.h>
 #include <string.h>
+
+#define LARGE PK_C(0.1) /* a drift, of its scale */
 
 enum { MOST_LISTED = 10000 };
 
@@ -173,7 +176,9 @@ static void json_drift(FILE *file, const char *name, const struct pk_drift *drif
     fputs(", \"spread\": ", file);
     output_real(file, spread);
     fputs(", \"growth\": ", file);
-    output_text(file, pk_growth_text(growth));
+    /* That a drift grows no more does not make it small. */
+    const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
+    output_text(file, far ? "off by more than a tenth" : pk_growth_text(growth));
     fputs("}", file);
 }
 
@@ -209,22 +214,28 @@ static void json_run(struct run *run, FILE *file)
     const struct pk_integrator *it = &run->it;
     const struct pk_method *method = run->settings.method;
     const struct pk_counters *c = &it->count;
-    char reason[512];
+    char reason[640];
 
     fputs("{\n  \"model\": ", file);
     output_text(file, run->problem.system->name);
     fputs(",\n  \"source_hash\": ", file);
     output_text(file, run->problem.system->source_hash);
-    pk_integrator_reason(it, reason, sizeof reason);
+    trust_reason(run, reason, sizeof reason);
     fprintf(file, ",\n  \"status\": \"%s\",\n  \"code\": %d,\n  \"text\": ",
-            pk_status_name(it->status), (int)it->status);
-    output_text(file, pk_status_text(it->status));
+            run->beyond ? TRUST_BEYOND_NAME : pk_status_name(it->status),
+            run->beyond ? TRUST_BEYOND_CODE : (int)it->status);
+    output_text(file, run->beyond ? TRUST_BEYOND_TEXT : pk_status_text(it->status));
     fputs(",\n  \"reason\": ", file);
     output_text(file, reason);
     fputs(",\n  \"besides\": ", file); /* "; the energy ..." */
     output_text(file, run->besides && *run->besides ? run->besides + 2 : "");
+    trust_warning(run, reason, sizeof reason);
+    fputs(",\n  \"warning\": ", file);
+    output_text(file, reason);
     fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
     output_real(file, it->t);
+    fputs(",\n  \"last_valid\": ", file);
+    output_real(file, trust_last_valid(run));
     fputs(",\n  ", file);
     /* Of a large system the last row has them. */
     output_numbers(file, "q", it->q, it->n <= MOST_LISTED ? it->n : 0);

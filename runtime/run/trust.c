@@ -3,11 +3,12 @@
 
 #include "trust.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "words.h"
 
-#define WRONG PK_C(1e-2) /* of the energy's scale */
+#define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
 #define LOOSE PK_C(1e-8)
 #define JUDGE "dop853"
 #define JUDGE_TOL PK_C(1e-9)
@@ -18,7 +19,7 @@ void trust_step(struct run *run)
 {
     if (!run->monitor.has_energy || run->distrusted)
         return;
-    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= WRONG); /* true of a NaN */
+    run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* true of a NaN */
     if (!run->distrusted)
         run->trusted = run->it.t;
 }
@@ -38,11 +39,14 @@ static int doubtful(const struct run *run)
     }
 }
 
-/* The same motion by another method up to t: where it ends, or that it goes on. 1 where it ends
- * before the run does. */
-static int judge(struct run *run, pk_real t, FILE *file)
+static int fixed_step(const struct run *run)
 {
-    int before = 0;
+    return !(run->settings.method->traits & PK_ADAPTIVE);
+}
+
+/* The same motion by another method up to t: where it ends, or that it goes on. */
+static void judge(struct run *run, pk_real t, FILE *file)
+{
     const struct settings *s = &run->settings;
     const struct pk_method *method = pk_method_find(JUDGE);
     const size_t size = pk_integrator_size(&run->problem, method);
@@ -55,41 +59,81 @@ static int judge(struct run *run, pk_real t, FILE *file)
                                                block, size);
     if (status >= 0)
         status = pk_integrator_to(&it, t);
-    if (status == PK_DONE && run->it.status < 0)
-        fprintf(file, "; by %s at %.0e the motion goes on past that: only these steps end", JUDGE,
-                (double)JUDGE_TOL);
+    if (status == PK_DONE && run->it.status < 0) {
+        run->goes_on = 1;
+        fprintf(file,
+                "; by %s at %.0e the motion goes on to t = %.9g at least: only these steps end",
+                JUDGE, (double)JUDGE_TOL, (double)t);
+        if (run->it.status != PK_STEP_TOO_LONG) /* whose reason has the advice */
+            fprintf(file, ": make the step%s shorter", fixed_step(run) ? "" : "s");
+    }
     if (status <= PK_SINGULAR_MASS && status != PK_TOO_MANY_STEPS && status != PK_NO_MEMORY) {
         const int singular = status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES;
-        const pk_real end = singular ? it.detail : it.t;
-        fprintf(file, "; by %s at %.0e it ends at t = %.9g", JUDGE, (double)JUDGE_TOL, (double)end);
-        before = end < run->it.t;
-        if (before)
-            fputs(", so what follows is of the steps alone", file);
+        run->ends = singular ? it.detail : it.t;
+        run->beyond = run->ends < run->it.t;
+        fprintf(file, "; by %s at %.0e it ends at t = %.9g%s", JUDGE, (double)JUDGE_TOL,
+                (double)run->ends,
+                run->beyond ? ", so what follows is of the steps alone" : "");
     }
     pk_integrator_free(&it);
     free(block);
-    return before;
 }
 
-int trust_judge(struct run *run)
+void trust_judge(struct run *run)
 {
-    const struct settings *s = &run->settings;
-    const int fixed = !(s->method->traits & PK_ADAPTIVE), done = run->it.status == PK_DONE;
-    int before = 0;
+    const int fixed = fixed_step(run), arrived = run->it.status >= 0;
     size_t size;
     /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */
-    if (!(done ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
-        return 0;
+    if (!(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
+        return;
     FILE *file = open_memstream(&run->besides, &size);
     if (!file)
-        return 0;
+        return;
     if (run->distrusted)
-        fprintf(file, "; the energy, which the motion keeps, is off by more than %g of its scale "
-                "after t = %.9g", (double)WRONG, (double)run->trusted);
-    if (fixed || s->options.rtol > LOOSE)
-        before = judge(run, run->it.t + (done ? 0 : 2 * (fixed ? s->options.h : run->h_max)), file);
+        fprintf(file, "; " OFF, (double)TRUST_WRONG, (double)run->trusted);
+    if (fixed || run->settings.options.rtol > LOOSE)
+        judge(run, run->it.t + (arrived ? 0 : 2 * (fixed ? run->settings.options.h : run->h_max)),
+              file);
     fclose(file);
-    if (done && !before)
+    run->beyond = run->beyond && arrived;
+    if (arrived)
         run->besides[0] = '\0';
-    return before;
+}
+
+int trust_warning(const struct run *run, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (!run->distrusted || run->it.status < 0 || run->beyond)
+        return 0;
+    return snprintf(text, size,
+                    OFF ": make the steps shorter", (double)TRUST_WRONG, (double)run->trusted) > 0;
+}
+
+pk_real trust_last_valid(const struct run *run)
+{
+    return !run->beyond ? run->it.t : run->trusted < run->ends ? run->trusted : run->ends;
+}
+
+void trust_reason(const struct run *run, char *text, size_t size)
+{
+    const struct pk_integrator *it = &run->it;
+    char arrived[256], name[128];
+    pk_integrator_reason(it, text, size);
+    /* What is singular ends these steps, and not the motion. */
+    if (run->goes_on &&
+        (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
+        pk_system_guard_name(it->problem.system, it->problem.params, it->where, name, sizeof name);
+        snprintf(text, size, "the steps come to %s = 0 at t = %.17g; last valid time %.17g", name,
+                 (double)it->detail, (double)it->t);
+    }
+    if (!run->beyond)
+        return;
+    if (it->status == PK_DONE)
+        snprintf(arrived, sizeof arrived, "arrived at t = %.17g", (double)it->t);
+    else
+        pk_integrator_reason(it, arrived, sizeof arrived);
+    snprintf(text, size,
+             "%s, but the motion ends at t = %.9g (by %s at %.0e): rows after that are of the "
+             "steps alone: make the step shorter; last valid time %.17g",
+             arrived, (double)run->ends, JUDGE, (double)JUDGE_TOL, (double)trust_last_valid(run));
 }

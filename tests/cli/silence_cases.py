@@ -223,7 +223,7 @@ CASES: dict[str, Case] = {
         "the same by fixed steps that arrive behind its end",
         BLOW_UP,
         "--until 2.2 --method rk4 --step 0.2",
-        "PK_DONE",
+        "RUN_BEYOND_END",
     ),
     "observed": Case(
         "an observed value that is no number, of a motion that is",

@@ -27,8 +27,10 @@ UPDATE = bool(os.environ.get("PKGEN_UPDATE"))
 HEAD = """# Never silent
 
 No run passes over any of this: it ends with the status, exit code 4, the last valid time, and rows
-up to that time alone. Each line is provoked by `tests/cli/test_silence_table.py`, which also writes
-this page (numbers rounded to four digits); the models are in `tests/cli/silence_cases.py`.
+up to that time alone (`beyond` is known only at the end of the run: there rows behind the last
+valid time, in JSON `last_valid`, are written too, and are void). Each line is provoked by
+`tests/cli/test_silence_table.py`, which also writes this page (numbers rounded to four digits); the
+models are in `tests/cli/silence_cases.py`.
 
 | case | what | run | status | says |
 |---|---|---|---|---|
@@ -38,7 +40,14 @@ A step that is too long for its method may leave the motion without a sign of it
 reason stands, after "last valid time", since when the energy of a conservative system is off by
 more than .01 of its scale, and for fixed steps and loose tolerances what dop853 at 1e-9 makes of
 the same motion. Fixed steps that *arrive* with such an energy are judged by dop853 too: where the
-motion ends on the way (it runs away in finite time) the exit code is 4.
+motion ends on the way (it runs away in finite time) the exit code is 4; likewise where they stop at
+an event. Where it does not end, a run that arrives with such an energy, by whatever method, says
+so in a warning (`warning` in the report), and its exit code is 0.
+
+Of an ensemble with fixed steps, members of a conservative system whose energy at their last row is
+off by more than .01 of its scale are counted in a warning (`astray`, `first_astray`). They are not
+followed further: the exit code stays, no member is run by dop853, and an energy that is wrong on
+the way and right again at the end is not seen.
 
 What fixed steps cannot tell: that a motion without a constant energy (forces, inputs, explicit
 time) has run away in finite time. A large change in one step is no sign: a kick by an input and a
