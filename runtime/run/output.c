@@ -6,6 +6,7 @@
 #include "watch.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 #define LARGE PK_C(0.1) /* a drift, of its scale */
@@ -59,6 +60,15 @@ void output_header(struct run *run, FILE *file)
 
 static int is_finite(pk_real x) { return x - x == PK_C(0.0); }
 
+/* A number that is none has no sign. */
+static void cell(FILE *file, pk_real x)
+{
+    if (isnan((double)x))
+        fputs(",nan", file);
+    else
+        fprintf(file, ",%.17g", (double)x);
+}
+
 /* The columns that were asked for; the name of the first that is not finite, or NULL. */
 static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *out)
@@ -74,7 +84,7 @@ static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_re
                           : show->kind == 'v' ? v[show->index]
                           : show->kind == 'o' ? out[show->index]
                                               : system->energy(s->params, t, q, v, s->u);
-        fprintf(file, ",%.17g", (double)x);
+        cell(file, x);
         if (!is_finite(x) && !bad)
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
@@ -88,18 +98,18 @@ static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_re
     const struct settings *s = &run->settings;
     const char *bad = NULL;
     for (size_t i = 0; i < s->n; i++)
-        fprintf(file, ",%.17g", (double)q[i]);
+        cell(file, q[i]);
     for (size_t i = 0; i < s->n; i++)
-        fprintf(file, ",%.17g", (double)v[i]);
+        cell(file, v[i]);
     if (system->n_observed)
         system->observe(s->params, t, q, v, s->u, out);
     for (size_t i = 0; i < system->n_observed; i++) {
-        fprintf(file, ",%.17g", (double)out[i]);
+        cell(file, out[i]);
         if (!is_finite(out[i]) && !bad)
             bad = system->observed[i].name;
     }
     const pk_real energy = system->energy(s->params, t, q, v, s->u);
-    fprintf(file, ",%.17g", (double)energy);
+    cell(file, energy);
     return is_finite(energy) || bad ? bad : "energy";
 }
 

@@ -83,3 +83,13 @@ def test_interrupt(tmp_path: Path) -> None:
     assert "Traceback" not in child.stderr.read()
     names, *table = csv.reader(out.read_text().splitlines())
     assert len(table) >= 1 and all(len(row) == len(names) for row in table)
+
+
+def test_what_is_no_number_has_no_sign(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "root.lag"
+    model = "model root\ncoord x\nkinetic x'^2/2\npotential x^2/2\n"
+    path.write_text(model + "observe root = sqrt(x)\nstart x = 1\n")
+    done = pkgen("run", path, "--until", "3", "--every", "0.5")
+    assert done.returncode == 4 and "root is not finite" in done.stderr
+    cells = [row.split(",")[3] for row in done.stdout.splitlines()]
+    assert cells[0] == "root" and cells[1] == "1" and cells[-1] == "nan"
