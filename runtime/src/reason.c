@@ -153,8 +153,10 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "a smaller tolerance, a largest step or a shorter first one; last valid "
                             "time %.17g",
                             it->method->name, t);
-        return snprintf(text, size, "%s: step %.3g; last valid time %.17g", what,
-                        (double)it->detail, t);
+        return snprintf(text, size,
+                        "%s: step %.3g: the motion may end there, at infinity or in a singularity; "
+                        "last valid time %.17g",
+                        what, (double)it->detail, t);
     case PK_TOO_MANY_STEPS:
         return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
     case PK_STOPPED_EVENT:
