@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 HEADER = (
@@ -37,11 +37,17 @@ def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def in_words(requires: Iterable[str]) -> list[str]:
+    """The facts that a method requires of a system."""
+    found = [fact.replace("_", " ") for fact in requires]
+    if "separable" in found:  # which says so
+        found = [fact for fact in found if fact != "mass constant"]
+    return found
+
+
 def _row(m: Mapping[str, Any]) -> tuple[str, ...]:
     flags = set(m["flags"])
-    requires = [str(fact).replace("_", " ") for fact in m["requires"]]
-    if "separable" in requires:  # which says so
-        requires.remove("mass constant")
+    requires = in_words(m["requires"])
     requires += ["da/dq, da/dv"] if "linear" in flags else []
     requires += ["no inputs"] if "no_inputs" in flags else []
     return (

@@ -14,6 +14,10 @@ class Show(Protocol):
     def __call__(self, part: float, text: str = "") -> None: ...
 
 
+def unseen(part: float, text: str = "") -> None:
+    """Progress where nobody looks."""
+
+
 @contextmanager
 def progress(title: str) -> Iterator[Show | None]:
     """Yields what to call, or None where standard error is no terminal."""

@@ -14,7 +14,7 @@ from .. import scene
 from ..build import driver_methods
 from ..commands import compile_within_limits
 from ..exits import DONE, NumericsFailed, UsageError
-from ..progress import progress
+from ..progress import progress, unseen
 from ..run_command import use_scene
 from . import chart as charts
 from . import table
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
             note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
             print(f"pkgen: {note}", file=sys.stderr)
     with progress(compilation.model.name) as show:
-        chart = charts.measure(compilation, settings, chosen, effort, show or _unseen)
+        chart = charts.measure(compilation, settings, chosen, effort, show or unseen)
     if not any(track.good for track in chart.tracks):
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(Path(options.directory), chart, options)
@@ -136,7 +136,3 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
         "points": table.rows(chart.tracks),
         "files": [str(file) for file in files],
     }
-
-
-def _unseen(part: float, text: str = "") -> None:
-    """Progress where nobody looks."""

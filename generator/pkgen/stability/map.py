@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from ..build import build_program, driver_methods
 from ..compiler import Compilation
 from ..exits import UsageError
-from ..progress import Show
+from ..progress import Show, unseen
 from ..simulate import Settings
 from . import measure, plan
 from .ask import Asker, Equilibrium, Motion, Rest
@@ -56,10 +56,6 @@ class StabilityMap:
     growths: tuple[Growth, ...]
 
 
-def _silent(part: float, text: str = "") -> None:
-    pass
-
-
 def known_methods() -> list[Traits]:
     return [
         Traits(
@@ -80,7 +76,7 @@ def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None
             f"every coordinate of {compilation.model.name} is cyclic: their momenta are constant, "
             "the motion goes on evenly by any method and step, and there is nothing to map"
         )
-    show = on_progress or _silent
+    show = on_progress or unseen
     show(0.0, "compiling")
     program = build_program(compilation.files, compilation.model.name)
     show(0.0, "equilibria")

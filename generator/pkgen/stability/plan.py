@@ -10,6 +10,7 @@ from .. import named, scene
 from .. import options as parsing
 from ..compiler import Compilation
 from ..exits import UsageError
+from ..methods_table import in_words
 from ..simulate import Settings
 from .ask import Equilibrium, Motion, Rest
 from .method import Traits
@@ -121,16 +122,6 @@ def _spread(low: float, high: float, count: int, open_low: bool = False) -> tupl
     return tuple(low + (high - low) * k / max(count - 1, 1) for k in range(count))
 
 
-def _words(requires: list[str]) -> str:
-    """The facts that a method requires, in words."""
-    said = {
-        "mass_constant": "of constant M",
-        "mass_diagonal": "of diagonal M",
-        "quadratic": "quadratic in the rates",
-    }
-    return " and ".join(said.get(r, r) for r in requires)
-
-
 def methods(
     text: str | None, known: Sequence[Traits], facts: frozenset[str]
 ) -> tuple[list[Traits], list[str]]:
@@ -150,7 +141,9 @@ def methods(
         if traits.adaptive:
             left.append(f"{name} chooses its steps itself: there is no map of it over the step")
         elif missing:
-            left.append(f"{name} is refused: it needs a system that is {_words(missing)}")
+            left.append(
+                f"{name} is refused: it needs a system that is {', '.join(in_words(missing))}"
+            )
         elif text or len(taken) < PANELS:
             taken.append(traits)
     if not taken:
