@@ -31,6 +31,18 @@ enum pk_status fixture_run(struct fixture *f, const struct pk_system *system, co
 /* A reference: gauss8 at short steps, in (q, p), from a start to t. */
 void fixture_exact(struct fixture *f, const struct pk_system *system, const double *q,
                    const double *v, double t, int steps);
+typedef int acceleration_function(const void *, pk_real, const pk_real *, const pk_real *,
+                                  const pk_real *, pk_real *);
+/* The oscillator with another acceleration and one guard, all through function pointers. */
+struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_guard *what,
+                               void (*guard)(const void *, pk_real, const pk_real *,
+                                             const pk_real *, const pk_real *, pk_real *));
+/* r'' = J^2/r^3, the radial equation of a free point: limit is J. */
+int radial_acceleration(const void *p, double t, const double *q, const double *v, const double *u,
+                        double *a);
+/* The guard q[0]. */
+void first_coordinate(const void *p, double t, const double *q, const double *v, const double *u,
+                      double *out);
 /* Distance in (q, v), maximum norm. */
 double fixture_distance(const struct fixture *f, const double *q, const double *v);
 /* Least-squares slope of log y over log x. */

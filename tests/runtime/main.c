@@ -18,6 +18,38 @@ void fixture_set(struct fixture *f, const struct pk_system *system)
     f->options = pk_options_default();
 }
 
+struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_guard *what,
+                               void (*guard)(const void *, pk_real, const pk_real *,
+                                             const pk_real *, const pk_real *, pk_real *))
+{
+    struct pk_system system = oscillator_system;
+    system.acceleration = acceleration;
+    system.lanes = NULL;
+    system.steppers = NULL;
+    system.block_steppers = NULL;
+    system.members = NULL;
+    system.n_guards = 1;
+    system.guards = what;
+    system.guard = guard;
+    return system;
+}
+
+int radial_acceleration(const void *p, double t, const double *q, const double *v, const double *u,
+                        double *a)
+{
+    const double J = ((const struct test_params *)p)->limit;
+    (void)t, (void)v, (void)u;
+    a[0] = J * J / (q[0] * q[0] * q[0]);
+    return 0;
+}
+
+void first_coordinate(const void *p, double t, const double *q, const double *v, const double *u,
+                      double *out)
+{
+    (void)p, (void)t, (void)v, (void)u;
+    out[0] = q[0];
+}
+
 enum pk_status fixture_init(struct fixture *f, const char *name)
 {
     const struct pk_method *method = pk_method_find(name);

@@ -130,37 +130,11 @@ static void near_pass(void)
         }
 }
 
-/* The radial equation of a free point, r'' = J^2/r^3: limit is J. */
-static int radial_acceleration(const void *p, double t, const double *q, const double *v,
-                               const double *u, double *a)
-{
-    const double J = ((const struct test_params *)p)->limit;
-    (void)t, (void)v, (void)u;
-    a[0] = J * J / (q[0] * q[0] * q[0]);
-    return 0;
-}
-
-static void radius(const void *p, double t, const double *q, const double *v, const double *u,
-                   double *out)
-{
-    (void)p, (void)t, (void)v, (void)u;
-    out[0] = q[0];
-}
-
 static const struct pk_guard pole_guard[] = {{{"r", "", ""}, PK_GUARD_COORDINATES}};
 
 static struct pk_system polar(void)
 {
-    struct pk_system system = oscillator_system;
-    system.acceleration = radial_acceleration;
-    system.lanes = NULL;
-    system.steppers = NULL;
-    system.block_steppers = NULL;
-    system.members = NULL;
-    system.n_guards = 1;
-    system.guards = pole_guard;
-    system.guard = radius;
-    return system;
+    return guarded_point(radial_acceleration, pole_guard, first_coordinate);
 }
 
 static void pole(void)

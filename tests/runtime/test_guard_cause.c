@@ -1,19 +1,6 @@
 /* What is said where a guard vanishes: of the motion, of its expression alone, or of the step. */
 #include "fixture.h"
 
-typedef int acceleration_function(const void *, pk_real, const pk_real *, const pk_real *,
-                                  const pk_real *, pk_real *);
-
-/* r'' = J^2/r^3, the radial equation of a free point: limit is J. */
-static int radial(const void *p, double t, const double *q, const double *v, const double *u,
-                  double *a)
-{
-    const double J = ((const struct test_params *)p)->limit;
-    (void)t, (void)v, (void)u;
-    a[0] = J * J / (q[0] * q[0] * q[0]);
-    return 0;
-}
-
 /* The force of V = -sin(x)/x, written with its divisions. */
 static int removable(const void *p, double t, const double *q, const double *v, const double *u,
                      double *a)
@@ -41,13 +28,6 @@ static int to_the_arc_s_end(const void *p, double t, const double *q, const doub
     return 0;
 }
 
-static void of_x(const void *p, double t, const double *q, const double *v, const double *u,
-                 double *out)
-{
-    (void)p, (void)t, (void)v, (void)u;
-    out[0] = q[0];
-}
-
 static void of_arc(const void *p, double t, const double *q, const double *v, const double *u,
                    double *out)
 {
@@ -59,23 +39,16 @@ static struct pk_system guarded(acceleration_function *acceleration)
 {
     static const struct pk_guard x[] = {{{"x", "", ""}, PK_GUARD_DIVISOR}};
     static const struct pk_guard arc[] = {{{"1 - x^2", "", ""}, PK_GUARD_ARC}};
-    struct pk_system system = oscillator_system;
-    system.acceleration = acceleration;
-    system.lanes = NULL;
-    system.steppers = NULL;
-    system.block_steppers = NULL;
-    system.members = NULL;
-    system.n_guards = 1;
-    system.guards = acceleration == to_the_arc_s_end ? arc : x;
-    system.guard = acceleration == to_the_arc_s_end ? of_arc : of_x;
-    return system;
+    if (acceleration == to_the_arc_s_end)
+        return guarded_point(acceleration, arc, of_arc);
+    return guarded_point(acceleration, x, first_coordinate);
 }
 
 /* r^2 = 1 + t^2 never vanishes; a step of 4 that comes from r = 5.1 by r' = -.98 passes r = 0. */
 static void a_step_too_long(void)
 {
     static struct fixture f;
-    struct pk_system system = guarded(radial);
+    struct pk_system system = guarded(radial_acceleration);
     static const char *const names[] = {"euler", "rk2", "symplectic_euler"};
     char text[300];
     for (int i = 0; i < 3; i++) {
@@ -106,14 +79,14 @@ static void expression_or_motion(void)
 {
     static struct fixture f;
     static const char *const names[] = {"rk4", "verlet", "dop853", "gsl_rk8pd", "gauss"};
-    static acceleration_function *const forces[] = {removable, radial, by_a_root};
+    static acceleration_function *const forces[] = {removable, radial_acceleration, by_a_root};
     char text[400];
     for (int k = 0; k < 3; k++) {
         struct pk_system system = guarded(forces[k]);
         for (int i = 0; i < 5; i++)
             for (double v = 0.5; v < 3; v += 0.5) {
                 fixture_set(&f, &system);
-                f.params.limit = 1e-4; /* of `radial`: it comes as near as 1e-4 and turns back */
+                f.params.limit = 1e-4; /* of the radial one: it comes as near as 1e-4 and turns back */
                 f.q0[0] = 1;
                 f.v0[0] = -v;
                 f.options.h = 0.01;

@@ -64,23 +64,15 @@ struct line {
 /* Ready for init_line(), at rest, a distance of 1 apart. */
 static struct pk_system line(struct line *l, size_t n, double g)
 {
-    struct pk_system system = oscillator_system;
+    struct pk_system system = guarded_point(acceleration, line_guard, guard);
     masses = n;
     strength = g;
     absolute = 0;
     calls = 0;
     least = 1;
     system.count = count;
-    system.acceleration = acceleration;
-    system.lanes = NULL;
-    system.members = NULL;
-    system.steppers = NULL;
-    system.block_steppers = NULL;
     system.linear = NULL;
     system.jacobian = NULL;
-    system.n_guards = 1;
-    system.guards = line_guard;
-    system.guard = guard;
     system.guard_count = gaps;
     system.guard_place = place;
     fixture_set(&l->f, &oscillator_system);
