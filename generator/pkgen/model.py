@@ -166,6 +166,30 @@ class Record:
 
 
 @dataclass(frozen=True)
+class Hold:
+    """`hold NAME = EXPR`: a prescribed motion, of parameters and t; None: its start."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    value: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Expect:
+    """`expect A = B within TOL at T`: a time or an event; with neither, at every recorded time."""
+
+    a: Expr
+    relation: str  # "=", "<" or ">"
+    b: Expr
+    within: Expr | None
+    at: Expr | None  # a time
+    event: str  # "" without
+    span: Span
+
+
+@dataclass(frozen=True)
 class Scene:
     """One use of the model. `refused` are the clauses that cannot be run yet, and why."""
 
@@ -180,6 +204,10 @@ class Scene:
     record: Record | None
     refused: tuple[tuple[str, Span], ...]
     span: Span
+    holds: tuple[Hold, ...] = ()
+    accuracy: Expr | None = None
+    swarm: Range | None = None
+    expects: tuple[Expect, ...] = ()
 
 
 @dataclass(frozen=True)
