@@ -87,6 +87,14 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     arguments.of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help="lyapunov,reversal,spectrum,symplectic, or all")
     _libm_argument(parser)
+    add(
+        "--no-reduce",
+        nargs="?",
+        const="all",
+        metavar="LIST",
+        help="keep all that a scene does not need, or make all reductions but these: "
+        "fold,outputs,unconnected,cyclic",
+    )
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
 

@@ -4,7 +4,7 @@
     check    File                 -> Model       names, units, bounds; every error of the author's
     derive   Model                -> Equations   M, f, p, h, Jacobians on one expression graph
     analyze  Equations            -> Structure   facts, each proved
-    reduce   Equations, Structure -> the same    no more than is needed, with a report of what went
+    reduce   Equations, Structure -> the same    no more than a scene needs, and what went
     lower    Equations, Structure -> Program     straight-line code, shared and hoisted
     render   Program              -> {name: text}
 
@@ -30,6 +30,8 @@ from .front import check, parse
 from .middle import analyze, derive, loops_derive, reduce
 from .middle.loops import Facts, LoopEquations, Unrolled
 from .middle.quantities import families
+from .middle.reduce import Needs
+from .middle.report import Line, Report
 from .model import Model
 from .source import Diagnostic, Source
 
@@ -37,14 +39,23 @@ STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
 
 @dataclass(frozen=True)
-class Compilation:
-    """What each stage made of one model."""
+class Use:
+    """What a scene makes of a model: what it fixes and holds in it, and what it needs of it."""
 
+    model: Callable[[Model], tuple[Model, tuple[Line, ...]]]
+    needs: Callable[[Model], Needs | None]  # None: everything
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """What each stage made of one model; `declared` is the model before a scene's use of it."""
+
+    declared: Model
     model: Model
     warnings: tuple[Diagnostic, ...]
     equations: Equations | LoopEquations
     structure: Structure | Facts
-    report: reduce.Report
+    report: Report
     program: Program | LoopProgram
     files: dict[str, str]
 
@@ -61,32 +72,37 @@ def stages(
     self_test: bool = False,
     libm: bool = False,
     unroll: int | None = 0,
-    use: Callable[[Model], Model] | None = None,
+    use: Use | None = None,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
-    `check` and `reduce` give pairs: with the warnings, and with the report.
+    `check` and `reduce` give triples: with the model as it is used and the warnings, and with the
+    structure of what is left and the report.
     """
     file = parse.parse_all(source)
     yield file
-    model, warnings = check.check(file, sizes)
-    if use is not None:
-        model = use(model)
-    yield model, warnings
+    declared, warnings = check.check(file, sizes)
+    model, lines = use.model(declared) if use else (declared, ())
+    yield declared, model, warnings
+    needs = use.needs(model) if use else None
     with _no_collection():
-        equations = _equations(model, kernels, self_test, unroll)
+        equations = _equations(model, kernels, self_test, unroll, needs)
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
-        yield equations, reduce.Report()
+        yield equations, equations.facts, Report(lines)
         loops = loops_lower.lower_loops(equations, libm)
         yield loops
         yield loops_render.render_loops(loops)
         return
     structure = analyze.analyze(equations)
     yield structure
-    equations, report = reduce.reduce(equations, structure)
-    yield equations, report
+    report = Report(lines)
+    if needs is not None:
+        with _no_collection():
+            equations, structure, report = reduce.reduce(equations, structure, needs, kernels)
+        report = replace(report, lines=(*lines, *report.lines))
+    yield equations, structure, report
     with _no_collection():
         program = lower.lower(equations, structure, kernels, libm=libm)
     yield program
@@ -116,12 +132,16 @@ def check_model(
     Raises ModelError as compile_model() does: what comes after `reduce` finds nothing more.
     """
     made = stages(source, sizes or {})
-    _, (_, warnings), _, _, _ = islice(made, STAGES.index("reduce") + 1)
+    _, (_, _, warnings), _, _, _ = islice(made, STAGES.index("reduce") + 1)
     return warnings
 
 
 def _equations(
-    model: Model, kernels: frozenset[str] | None, self_test: bool, unroll: int | None
+    model: Model,
+    kernels: frozenset[str] | None,
+    self_test: bool,
+    unroll: int | None,
+    needs: Needs | None,
 ) -> Equations | LoopEquations:
     """With families as loops, or unrolled with the reason."""
     count = sum(f.count for f in families(model, model.coordinates).values())
@@ -136,7 +156,9 @@ def _equations(
             return loops_derive.derive_loops(model)
         except Unrolled as cannot:
             reason = str(cannot)
-    return replace(derive.derive(model, kernels, reason), unrolled=reason)
+    # What is reduced is derived again, with all kernels that are asked for.
+    now = kernels if needs is None else reduce.ENOUGH
+    return replace(derive.derive(model, now, reason), unrolled=reason)
 
 
 def compile_model(
@@ -147,7 +169,7 @@ def compile_model(
     self_test: bool = False,
     libm: bool = False,
     unroll: int | None = 0,
-    use: Callable[[Model], Model] | None = None,
+    use: Use | None = None,
 ) -> Compilation:
     """Compile a model to C.
 
@@ -155,9 +177,9 @@ def compile_model(
     `self_test` adds a program that checks the kernels against each other; with `libm` sine and
     cosine are the library's, not the inline pair. Up to `unroll` coordinates (None: any number)
     families are unrolled though they could be loops; so they are for some kernels or a self-test.
-    `use` makes of the checked model what is compiled: what a scene needs.
+    With `use` no more is compiled than a scene needs.
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use)
-    _, (model, warnings), _, structure, (equations, report), program, files = made
-    return Compilation(model, warnings, equations, structure, report, program, files)
+    _, (declared, model, warnings), _, _, (equations, structure, report), program, files = made
+    return Compilation(declared, model, warnings, equations, structure, report, program, files)

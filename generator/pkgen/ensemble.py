@@ -13,7 +13,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TextIO
 
@@ -89,6 +89,9 @@ class _Reader:
             for kind, quantities in families.items()
             for index, quantity in enumerate(quantities)
         }
+        for (name, order), parameter in compilation.report.starts.items():
+            start = name + "'" * order  # now a parameter, of which momenta follow
+            self.known[start] = replace(self.known[parameter], name=start)
 
     def read(self, file: TextIO) -> Ensemble:
         rows = self._rows(file)

@@ -100,6 +100,10 @@ class Equations:
     start_q: Row
     start_v: Row
     unrolled: str = ""  # why the families of coordinates are not loops
+    # Angles that nothing depends on, z' = quadratures: cyclic coordinates that a scene records.
+    quadrature_names: tuple[Quantity, ...] = ()
+    quadratures: Row = ()
+    quadrature_start: Row = ()
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from .compiler import Compilation
 from .equations import Quantity
 from .middle.quantities import families, indexed, input_quantities
-from .model import Coordinate, Parameter
+from .model import Coordinate, Model, Parameter
 
 SUGGESTED = 12  # members of a family that a hint goes through
 _MEMBER = re.compile(r"(\w+)\[(-?\d+)\]('*)")
@@ -43,6 +43,8 @@ class Named:
 
     def find(self, name: str) -> tuple[Declared, int | None] | None:
         """What was declared, and the index of the member."""
+        if name in self._by_name and self._by_name[name].lo is None:
+            return self._by_name[name], None
         member = _MEMBER.fullmatch(name)
         index = int(member[2]) if member else None
         found = self._by_name.get(member[1] + member[3] if member else name)
@@ -88,8 +90,26 @@ class Named:
         return found
 
 
+def key(name: str) -> tuple[str, int | None]:
+    """The declared name and the index: ("k", 2) of k[2]."""
+    member = _MEMBER.fullmatch(name)
+    return (member[1], int(member[2])) if member else (name, None)
+
+
 def coordinates(compilation: Compilation, rates: bool = False) -> Named:
-    model = compilation.model
+    """Those of the equations: a scene may have reduced the model's."""
+    if compilation.looped:
+        return _coordinates(compilation.model, rates)
+    equations = compilation.equations
+    return Named(_each(equations.rates if rates else equations.coordinates))
+
+
+def declared(compilation: Compilation) -> Named:
+    """The coordinates that the model declares."""
+    return _coordinates(compilation.declared, False)
+
+
+def _coordinates(model: Model, rates: bool) -> Named:
     found = families(model, model.coordinates)
 
     def quantity(c: Coordinate) -> Quantity:
@@ -101,6 +121,8 @@ def coordinates(compilation: Compilation, rates: bool = False) -> Named:
 
 def parameters(compilation: Compilation) -> Named:
     """By flat index; see position() for what the loops of C count."""
+    if not compilation.looped:
+        return Named(_each(slot.quantity for slot in compilation.equations.parameters))
     model = compilation.model
     found = families(model, model.parameters)
 
@@ -108,6 +130,17 @@ def parameters(compilation: Compilation) -> Named:
         return Quantity(p.name, p.unit, p.description)
 
     return Named([_declared(quantity(p), found[p.name]) for p in model.parameters])
+
+
+def quadratures(compilation: Compilation) -> list[Quantity]:
+    return [] if compilation.looped else list(compilation.equations.quadrature_names)
+
+
+def events(compilation: Compilation) -> list[str]:
+    """Those that are looked for."""
+    if compilation.looped:
+        return [event.name for event in compilation.model.events]
+    return [q.name for q in compilation.equations.event_names]
 
 
 def inputs(compilation: Compilation) -> Named:
@@ -124,6 +157,11 @@ def observed(compilation: Compilation) -> list[Quantity]:
     if compilation.looped:
         return [Quantity(o.name, o.unit, o.description) for o in compilation.model.observed]
     return list(compilation.equations.observed_names)
+
+
+def _each(quantities: Iterable[Quantity]) -> list[Declared]:
+    """Each by itself, members of families too."""
+    return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
 
 
 def _declared(quantity: Quantity, family) -> Declared:

@@ -7,6 +7,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from . import named
 from .compiler import Compilation
@@ -15,6 +16,14 @@ from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
 from .simulate import Shown
+
+
+@dataclass(frozen=True)
+class _Start:
+    order: int  # 0 of a coordinate, 1 of a rate
+    index: int
+    value: float
+
 
 # What pkgen has, and no model.
 _OF_PKGEN = frozenset(("method", "kernel", "diagnostic"))
@@ -75,23 +84,34 @@ class Values:
                 raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
         return tuple(found)
 
-    def started(
-        self, assignments: list[tuple[str, str]], order: int
-    ) -> tuple[tuple[int, float], ...]:
-        """The starts of coordinates (order 0) or of their rates (order 1)."""
-        found = []
-        for left, text in assignments:
+    def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
+        """`--start`: those of coordinates and rates, and those that have become parameters."""
+        report = self.compilation.report
+        parameters = named.parameters(self.compilation)
+        declared = named.declared(self.compilation)
+        found, of_parameters = [], {}
+        for text in given:
+            left, value = assignment("--start", text)
             side = self.left("--start", left)
             name = indexed(side.name, side.index)
-            if name not in self.coordinates:
-                raise UsageError(unknown("--start", name, list(self.coordinates), "coordinate"))
             if side.order > 1:
                 raise UsageError(f"--start {left}: a start is a coordinate or its rate")
-            if side.order == order:
-                known = self.rates if order else self.coordinates
-                index, quantity = known[name + "'" * order]
-                found.append((index, self.value("--start", text, quantity.unit, left)))
-        return tuple(found)
+            if (name, side.order) in report.starts:
+                index, quantity = parameters[report.starts[name, side.order]]
+                of_parameters[index] = self.value("--start", value, quantity.unit, left)
+            elif name in self.coordinates:
+                index, quantity = (self.rates if side.order else self.coordinates)[
+                    name + "'" * side.order
+                ]
+                number = self.value("--start", value, quantity.unit, left)
+                found.append(_Start(side.order, index, number))
+            elif name not in declared:
+                raise UsageError(unknown("--start", name, list(declared), "coordinate"))
+            elif name not in report.unused:
+                raise UsageError(
+                    f"--start {left}: the scene holds {name}; change what it is held at"
+                )
+        return found, of_parameters
 
     def by_key(
         self, parameters: named.Named, values: dict[int, float]
@@ -102,29 +122,32 @@ class Values:
             for flat, x in values.items():
                 if item.first <= flat < item.first + item.count:
                     index = None if item.lo is None else item.lo + flat - item.first
-                    found[item.quantity.name, index] = x
+                    found[named.key(item.member(index).name)] = x
         return found
 
-    def shown(self, kind: str, name: str) -> Shown:
-        """A column, by the index that the driver counts."""
-        observed = [q.name for q in named.observed(self.compilation)]
-        if kind == "energy":
-            return Shown(kind, 0, name)
-        if kind == "observed":
-            return Shown(kind, observed.index(name), name)
-        return Shown(kind, (self.rates if kind == "v" else self.coordinates)[name][0], name)
+    def shown(self, name: str, option: str = "--record") -> Shown:
+        """A column of the rows, by the index that the driver counts."""
+        kinds = self._kinds()
+        for kind, known in kinds.items():
+            if name in known:
+                index = known.index(name) if isinstance(known, list) else known[name][0]
+                return Shown(kind, index, name)
+        columns = [column for known in kinds.values() for column in known]
+        raise UsageError(unknown(option, name, columns, "column"))
+
+    def _kinds(self) -> dict[str, named.Named | list[str]]:
+        """The columns that rows have, by the driver's word for their kind."""
+        return {
+            "q": self.coordinates,
+            "v": self.rates,
+            "observed": [q.name for q in named.observed(self.compilation)],
+            "z": [q.name for q in named.quadratures(self.compilation)],
+            "energy": ["energy"],
+        }
 
     def shown_as(self, text: str) -> Shown:
         """`--record`: one of the columns that rows have without it."""
-        name = self.flat_name("--record", text.strip())
-        observed = [q.name for q in named.observed(self.compilation)]
-        for kind, known in (("q", self.coordinates), ("v", self.rates), ("observed", observed)):
-            if name in known:
-                return self.shown(kind, name)
-        if name == "energy":
-            return self.shown(name, name)
-        known = [*self.coordinates, *self.rates, *observed, "energy"]
-        raise UsageError(unknown("--record", name, known, "column"))
+        return self.shown(self.flat_name("--record", text.strip()))
 
     def left(self, option: str, text: str) -> options_text.LeftSide:
         try:

@@ -81,19 +81,23 @@ def settings(
     defaults. `members` are those of an ensemble."""
     values = Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
-    starts = [assignment("--start", text) for text in options.start]
+    starts, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in options.set]
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
     said = scene.Numbers({}, {})
     if chosen is not None:
-        said = scene.numbers(compilation.model, chosen, values.by_key(parameters, parameters_set))
+        given = values.by_key(parameters, parameters_set)
+        said = scene.numbers(compilation.declared, chosen, given)
         of_scene = {
-            parameters[indexed(name, index)][0]: x for (name, index), x in said.parameters.items()
+            parameters[indexed(name, index)][0]: x
+            for (name, index), x in said.parameters.items()
+            if indexed(name, index) in parameters  # others are folded
         }
         parameters_set = {**of_scene, **parameters_set}
         inputs_set = {**{inputs[n][0]: x for n, x in said.inputs.items()}, **inputs_set}
+    parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
     if rtol is not None and rtol < ROUND_OFF and options.atol is None:
         # No step is short enough: it would be halved for ever.
@@ -124,8 +128,8 @@ def settings(
         parameters=single,
         members=of_families,
         inputs=tuple(inputs_set.items()),
-        start_q=values.started(starts, 0),
-        start_v=values.started(starts, 1),
+        start_q=tuple((s.index, s.value) for s in starts if not s.order),
+        start_v=tuple((s.index, s.value) for s in starts if s.order),
         show=show,
         at=at,
         diagnose=diagnostics.asked(options.diagnose),
@@ -139,7 +143,7 @@ def _recorded(
     compilation = values.compilation
     show = at = None
     if chosen is not None and chosen.record is not None:
-        show = [values.shown(*c) for c in scene.columns(compilation.model, chosen)]
+        show = [values.shown(name) for name in scene.columns(chosen)]
         at = chosen.record.at or None
     if options.record is not None:
         show = [values.shown_as(text) for text in options.record.split(",")]
@@ -150,7 +154,7 @@ def _recorded(
             "--ensemble: rows of members are by time and have all columns; leave out --record, "
             "--at and a scene that records"
         )
-    events = [event.name for event in compilation.model.events]
+    events = named.events(compilation)
     if at is not None and at not in events:
         raise UsageError(unknown("--at", at, events, "event"))
     return tuple(show or ()), None if at is None else events.index(at)

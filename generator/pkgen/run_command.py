@@ -11,19 +11,17 @@ import csv
 import json
 import sys
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-from . import diagnostics, rows, scene
+from . import diagnostics, rows, scene, scene_use
 from . import ensemble as members
 from . import options as parsing
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .exits import DONE
-from .model import Model
 from .progress import progress
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
@@ -48,9 +46,9 @@ def run(options: argparse.Namespace) -> int:
     unroll = None if options.ensemble else parsing.UNROLL
     kernels = diagnostics.kernels(diagnostics.asked(options.diagnose, options.ensemble))
     compilation = compile_within_limits(
-        options, libm=options.libm, unroll=unroll, kernels=kernels, use=use_scene(options)
+        options, libm=options.libm, unroll=unroll, kernels=kernels, use=scene_use.of_run(options)
     )
-    chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
+    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     if options.ensemble:
         parsing.refuse_stops(compilation.model)
     threads = parsing.threads(options)
@@ -69,13 +67,6 @@ def run(options: argparse.Namespace) -> int:
         outcome = _to_file(options, asked, output)
     _tell(options, outcome, "" if compilation.model.dimensionless else "s")
     return outcome.code
-
-
-def use_scene(options: argparse.Namespace) -> Callable[[Model], Model] | None:
-    """What the scene of the command line makes of the model."""
-    if options.scene is None:
-        return None
-    return lambda model: scene.used(model, scene.chosen(model, options.scene))
 
 
 def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> Outcome:

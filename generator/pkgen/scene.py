@@ -56,10 +56,19 @@ def used(model: Model, scene: Scene) -> Model:
     )
 
 
-def columns(model: Model, scene: Scene) -> list[tuple[str, str]]:
-    """The kind (q, v, observed, energy) and the name of each column that it records."""
-    items = scene.record.columns if scene.record else ()
-    return [(_kind(model, item) or "observed", item.name) for item in items]
+def columns(scene: Scene) -> list[str]:
+    """The names of what it records."""
+    return [item.name for item in scene.record.columns] if scene.record else []
+
+
+def hidden(model: Model, scene: Scene) -> frozenset[str]:
+    """Outputs of the model as it is used that are not recorded, and yet needed."""
+    return frozenset()
+
+
+def events(scene: Scene) -> frozenset[str]:
+    """Events that it asks about, besides the one at which it records."""
+    return frozenset()
 
 
 def _kind(model: Model, item: Definition) -> str | None:

@@ -6,7 +6,6 @@ import pytest
 from building import links, model
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
-from pkgen.middle.reduce import reduce
 
 FREE = dict(params={"m": 1.3, "k": 2.1}, coords=("x", "y"), kinetic="m/2*(D(x)**2 + D(y)**2)")
 
@@ -88,9 +87,3 @@ def test_not_proved_is_false():
 
 def test_a_rotating_pair_is_not_smoothly_confused():
     assert analyze(derive(links(4))).smooth
-
-
-def test_reduce_hands_on_what_it_gets():
-    equations = derive(links(2))
-    same, report = reduce(equations, analyze(equations))
-    assert same is equations and report.lines == ()

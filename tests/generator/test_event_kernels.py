@@ -164,15 +164,7 @@ def test_what_is_compiled_for_it():
     used = scene.used(model, one)
     assert [o.name for o in used.observed] == ["reach", "T", "p_x", "Y"]
     assert [o.unit for o in used.observed] == ["m", "J", "kg*m/s", "m"]
-    assert scene.columns(used, one) == [
-        ("q", "theta"),
-        ("v", "x'"),
-        ("observed", "T"),
-        ("observed", "p_x"),
-        ("observed", "reach"),
-        ("observed", "Y"),
-        ("energy", "energy"),
-    ]
+    assert scene.columns(one) == ["theta", "x'", "T", "p_x", "reach", "Y", "energy"]
     assert [s.name for s in used.starts] == ["x", "theta"]
 
 

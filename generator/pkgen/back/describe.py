@@ -74,6 +74,11 @@ _VECTORS = {
     "r_t": lambda p, _: (),
     "q": lambda p, _: p.equations.coordinates,
     "v": lambda p, _: p.equations.rates,
+    "z": lambda p, _: p.equations.quadrature_names,
+    "zdot": lambda p, _: [
+        Quantity(q.name + "'", per_second(q.unit, p.equations.model.dimensionless), "")
+        for q in p.equations.quadrature_names
+    ],
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }
 

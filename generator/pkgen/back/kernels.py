@@ -13,6 +13,7 @@ from ..middle.graph import ZERO, Node, Op
 from .program import CHECK, FILL, RETURN, STORE, Output
 from .schedule import Target
 
+STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
 _FEW_ZEROS = 8  # of a matrix, each written out
 Hint = tuple[Node, str]
 
@@ -48,9 +49,11 @@ class KernelSpec:
 
 def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
     """Those of `wanted` that the model has, and those that these call."""
-    names = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
+    names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
     if wanted is not None:
         names &= wanted
+    if equations.quadratures:
+        names |= {"quadrature"}
     if "acceleration" in names and equations.acceleration is None:
         names |= {"mass", "force"}
     return frozenset(names)
@@ -242,6 +245,20 @@ def _specs() -> Iterator[KernelSpec]:
         "functions whose zeros are the events",
         *_vector("out", lambda e: e.events),
         exists=lambda e: bool(e.events),
+    )
+    yield KernelSpec(
+        "quadrature",
+        "void",
+        "z', the rates of the quadratures",
+        *_vector("zdot", lambda e: e.quadratures),
+        exists=lambda e: bool(e.quadratures),
+    )
+    yield KernelSpec(
+        "quadrature_start",
+        "void",
+        "what the quadratures are at the start",
+        *_vector("z", lambda e: e.quadrature_start),
+        exists=lambda e: bool(e.quadratures),
     )
     yield KernelSpec(
         "start",

@@ -91,7 +91,8 @@ class _Lowering:
             bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
             prepare=prepare,
             hoisted=len(self.hoisted),
-            start=self._start(),
+            start=self._of_parameters("start"),
+            quadrature_start=self._of_parameters("quadrature_start"),
             kernels=tuple(self._kernel(draft) for draft in drafts),
             helpers=tuple(sorted(self.helpers)),
         )
@@ -213,11 +214,11 @@ class _Lowering:
                     stack.append(a)
         return sorted(found)
 
-    def _start(self) -> Kernel:
-        spec = KERNELS["start"]
+    def _of_parameters(self, name: str) -> Kernel:
+        spec = KERNELS[name]
         targets = spec.targets(self.equations)
         return self._finished(
-            "start", spec.result, spec.outputs(self.equations), self._fixed_code(targets), {}
+            name, spec.result, spec.outputs(self.equations), self._fixed_code(targets), {}
         )
 
     def _fixed_code(self, targets: list[Target]) -> Schedule:

@@ -144,6 +144,7 @@ class Program:
     prepare: Kernel  # fills the hoisted constants
     hoisted: int  # their number
     start: Kernel
+    quadrature_start: Kernel
     kernels: tuple[Kernel, ...]
     helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
 

@@ -14,7 +14,7 @@ from .. import __version__
 from . import lanes, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, operations_rows
-from .kernels import KERNELS
+from .kernels import KERNELS, STARTS
 from .program import Block, Kernel, Program, operations_text
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ SYSTEM_KERNELS = [
     "linear",
     "guard",
     "event",
+    "quadrature",
 ]
 
 _TESTED = [
@@ -130,6 +131,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_inputs": len(equations.inputs),
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
+        "n_quadratures": len(equations.quadratures),
         "events": tables.events(program),
         "n_hoisted": program.hoisted,
         "indices": tables.indices(program),
@@ -138,18 +140,29 @@ def _context(program: Program) -> dict[str, Any]:
         "any_follows": any(p.follows for p in equations.parameters),
         "tables": tables.tables(program),
         "start": _kernel(program, program.start),
+        "quadrature_start": _kernel(program, program.quadrature_start),
         "prepare": _kernel(program, program.prepare),
         "kernels": kernels,
         "operations": operations_rows(program),
         "apart": int(
-            any(len(k.blocks) > 1 for k in (program.start, program.prepare, *program.kernels))
+            any(
+                len(k.blocks) > 1
+                for k in (
+                    program.start,
+                    program.quadrature_start,
+                    program.prepare,
+                    *program.kernels,
+                )
+            )
         ),
         "helpers": list(program.helpers),
         "guards": tables.guards(program),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],
         "system_kernels": [
-            {"name": kernel, "present": kernel in present} for kernel in SYSTEM_KERNELS
+            {"name": kernel, "present": kernel in present}
+            for kernel in SYSTEM_KERNELS
+            if kernel in present or kernel != "quadrature"
         ],
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
@@ -160,7 +173,11 @@ def _context(program: Program) -> dict[str, Any]:
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
     spec = KERNELS.get(kernel.name)
     given = spec.given if spec else ()
-    arguments = {"start": ["p"], "prepare": []}.get(kernel.name, ["p", "t", "q", "v", "u", *given])
+    arguments = ["p", "t", "q", "v", "u", *given]
+    if kernel.name in STARTS:
+        arguments = ["p"]
+    elif kernel.name == "prepare":
+        arguments = []
     unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
     return {
         "name": kernel.name,

@@ -28,6 +28,7 @@ def tables(program: Program) -> list[dict[str, Any]]:
         ("inputs", "INPUTS", e.inputs),
         ("observed", "OBSERVED", e.observed_names),
         ("conserved", "CONSERVED", e.conserved_names),
+        ("quadratures", "QUADRATURES", e.quadrature_names),
     ]
     return [
         {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}
@@ -62,6 +63,7 @@ def indices(program: Program) -> list[dict[str, Any]]:
         ("o", e.observed_names, "into the observed outputs"),
         ("c", e.conserved_names, "into the quantities claimed to be constant"),
         ("e", e.event_names, "into the events"),
+        ("z", e.quadrature_names, "into the quadratures"),
     ]
     return [
         {"stem": stem, "says": says, "rows": families(quantities)}

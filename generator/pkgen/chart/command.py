@@ -15,7 +15,7 @@ from ..build import driver_methods
 from ..commands import compile_within_limits
 from ..exits import DONE, NumericsFailed, UsageError
 from ..progress import progress, unseen
-from ..run_command import use_scene
+from ..scene_use import whole
 from . import chart as charts
 from . import table
 from .chart import Chart
@@ -38,8 +38,8 @@ def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
     chosen = _methods(options.methods)
     effort = _effort(options)
-    compilation = compile_within_limits(options, unroll=None, use=use_scene(options))
-    chosen_scene = scene.chosen(compilation.model, options.scene) if options.scene else None
+    compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
     for event in compilation.model.events:
         if event.stop:

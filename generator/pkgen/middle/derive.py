@@ -9,23 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import limits
-from ..equations import Equations, Guard, Matrix, ParameterSlot, Quantity, Row
+from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
-from .graph import VARIABLE, ZERO, Kind, Node, Symbol
-from .guards import guards_of
-from .motion import (
-    Energies,
-    Motion,
-    Wanted,
-    energy_of,
-    jacobians_of,
-    linear_of,
-    motion_of,
-    shorter,
-    shortest,
-)
+from .graph import VARIABLE, ZERO, Node
+from .lagrange import Derived, derived, guards
+from .motion import Energies, Motion, Wanted
 from .quantities import (
     error,
     families,
@@ -33,7 +23,7 @@ from .quantities import (
     input_quantities,
     quantities,
 )
-from .solve import SingularMass, Solution
+from .solve import SingularMass
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -57,62 +47,47 @@ def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = 
 def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...]) -> Equations:
     x = Expander(model, orders)
     energies = _energies(x)
+    wanted = Wanted(kernels)
     with x.statement(model.span):
-        wanted = Wanted(kernels)
-        raw = motion_of(x, energies)
-        _check_inertia(x, raw)
         try:
-            motion, solution = shortest(x, raw, wanted)
+            found = derived(
+                x.graph,
+                energies,
+                tuple(_generalized_forces(x)),
+                x.derivative,
+                wanted,
+                lambda motion: _check_inertia(x, motion),
+            )
         except SingularMass as singular:
             raise _singular(x, singular.coordinate) from None
-        _check_inertia(x, motion)
-        jacobians: tuple[Matrix | None, ...] = (None, None, None)
-        if wanted("jacobian"):
-            jacobians = jacobians_of(x.graph, motion)
-        linear = linear_of(x.graph, motion) if wanted.linear(x.count) else None
-        energy = energy_of(x.graph, energies, motion, wanted)
-        energies = shorter(x.graph, energies, wanted)
-    outputs = _outputs(x, energies, motion, energy)
+    outputs = _outputs(x, found)
     parameters = _parameters(x)
     start_q, start_v = _starts(x)
     names = x.coordinates
     declared = model.coordinates
-    guards: tuple[Guard, ...] = ()
+    coordinates = quantities(declared, names, "{}", "unit")
+    inputs = input_quantities(model, orders)
+    ends: tuple[Guard, ...] = ()
     if wanted("guard"):
-        guards = _guards(x, motion, solution, parameters, orders)
+        ends = guards(x.graph, found, parameters, coordinates, inputs)
     return Equations(
         model=model,
         graph=x.graph,
         parameters=parameters,
-        coordinates=quantities(declared, names, "{}", "unit"),
+        coordinates=coordinates,
         rates=quantities(declared, names, "{}'", "rate_unit"),
         momenta_names=quantities(declared, names, "p_{}", "momentum_unit"),
-        inputs=input_quantities(model, orders),
+        inputs=inputs,
         observed_names=outputs.observed_names,
         conserved_names=outputs.conserved_names,
         event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
-        lagrangian=energies.lagrangian,
-        kinetic=energies.kinetic,
-        potential=energies.potential,
-        energy=energy,
-        momenta=motion.momenta,
-        gradient=motion.gradient,
-        applied=motion.applied,
-        pdot=motion.pdot,
-        mass=motion.mass,
-        force=motion.force,
-        acceleration=solution[0] if solution else None,
-        pivots=solution[1] if solution else None,
-        p_q=jacobians[0],
-        pdot_q=jacobians[1],
-        pdot_v=jacobians[2],
-        linear=linear,
-        guards=guards,
+        guards=ends,
         observed=outputs.observed,
         conserved=outputs.conserved,
         events=_events(x),
         start_q=start_q,
         start_v=start_v,
+        **found.fields(),
     )
 
 
@@ -171,30 +146,6 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
                 )
             )
     return slots
-
-
-def _guards(
-    x: Expander,
-    motion: Motion,
-    solution: Solution | None,
-    parameters: tuple[ParameterSlot, ...],
-    orders: tuple[int, ...],
-) -> tuple[Guard, ...]:
-    coordinates = [indexed(f.name, index) for f in x.coordinates.values() for index in f.members]
-    names = {
-        Kind.PARAMETER: [slot.quantity.name for slot in parameters],
-        Kind.COORDINATE: coordinates,
-        Kind.RATE: [name + "'" for name in coordinates],
-        Kind.INPUT: [quantity.name for quantity in input_quantities(x.model, orders)],
-        Kind.TIME: ["t"],
-    }
-
-    def name(symbol: Symbol) -> str:
-        return names[symbol.kind][symbol.index]
-
-    acceleration, pivots = solution or (motion.force, None)
-    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
-    return guards_of(x.graph, parameters, motion.mass, outputs, pivots, name)
 
 
 def _starts(x: Expander) -> tuple[Row, Row]:
@@ -266,6 +217,19 @@ def _events(x: Expander) -> Row:
     return tuple(nodes)
 
 
+def _generalized_forces(x: Expander) -> list[Node]:
+    forces = [ZERO] * x.count
+    for item in x.model.forces:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                family = x.coordinates[item.name]
+                if not family.has(index):
+                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
+                i = family.flat(index)
+                forces[i] = x.graph.add(forces[i], x.scalar(item.value, loop))
+    return forces
+
+
 # -- outputs -------------------------------------------------------------------------------------
 
 
@@ -277,9 +241,10 @@ class _Outputs:
     conserved: Row
 
 
-def _outputs(x: Expander, energies: Energies, motion: Motion, energy: Node) -> _Outputs:
+def _outputs(x: Expander, derived: Derived) -> _Outputs:
+    energies, motion = derived.energies, derived.motion
     built_in = {"T": energies.kinetic, "V": energies.potential}
-    built_in |= {"L": energies.lagrangian, "energy": energy}
+    built_in |= {"L": energies.lagrangian, "energy": derived.energy}
     for name, node in built_in.items():
         if node is not None and name not in x.defined:
             x.define(name, None, node)

@@ -5,15 +5,15 @@ See `equations.py` for what they are and `collect.py` for how a form is found.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..equations import Linear, Matrix, Row
 from .collect import THOROUGH, fewest, forms, settled
 from .count import operations
 from .differentiate import Columns, Forward, gradient, reachable
-from .expand import Expander
 from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
-from .quantities import error, indexed, symbols
+from .quantities import symbols
 from .solve import Solution, solve
 
 COORDINATES = BIT[Kind.COORDINATE]
@@ -58,28 +58,23 @@ class Motion:
     force: Row
 
 
-def motion_of(x: Expander, energies: Energies) -> Motion:
-    g = x.graph
-    count = x.count
+def motion_of(g: Graph, energies: Energies, forces: Row, rate_of: Callable[[Node], Node]) -> Motion:
+    """`rate_of` gives the time derivative of a coordinate, t or an input."""
+    count = len(forces)
     q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
     by = gradient(g, energies.lagrangian, STATE)
     momenta = tuple(by.get(rate, ZERO) for rate in v)
     slope = tuple(by.get(coordinate, ZERO) for coordinate in q)
     drag = gradient(g, energies.dissipation, RATES)
-    forces = _generalized_forces(x, count)
     applied = tuple(g.subtract(f, drag.get(rate, ZERO)) for f, rate in zip(forces, v, strict=True))
     pdot = tuple(map(g.add, slope, applied))
     mass = _symmetric_matrix(g, momenta, v, RATES)
-    coasting = Forward(g, VARIABLE, lambda node: _coast(x, node))
+    # The time derivative where nothing accelerates.
+    coasting = Forward(
+        g, VARIABLE, lambda node: ZERO if g.data[node].kind is Kind.RATE else rate_of(node)
+    )
     force = tuple(g.subtract(there, coasting(p)) for there, p in zip(pdot, momenta, strict=True))
     return Motion(momenta, slope, applied, pdot, mass, force)
-
-
-def _coast(x: Expander, node: Node) -> Node:
-    """The time derivative of a symbol where nothing accelerates."""
-    if x.graph.data[node].kind is Kind.RATE:
-        return ZERO
-    return x.derivative(node)
 
 
 def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
@@ -94,9 +89,8 @@ def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
     return tuple(map(tuple, matrix))
 
 
-def shortest(x: Expander, motion: Motion, wanted: Wanted) -> tuple[Motion, Solution | None]:
+def shortest(g: Graph, motion: Motion, wanted: Wanted) -> tuple[Motion, Solution | None]:
     """The same in the form of fewest operations, with M a = f solved if that is wanted."""
-    g = x.graph
     n = len(motion.force)
     triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
     outputs = [*triangle, *motion.force]
@@ -255,16 +249,3 @@ def _degree_of(g: Graph, node: Node, below: list[int | None]) -> int | None:
         power = g.data[node] * below[0]
         return int(power) if power.denominator == 1 and power >= 0 else None
     return None
-
-
-def _generalized_forces(x: Expander, count: int) -> list[Node]:
-    forces = [ZERO] * count
-    for item in x.model.forces:
-        with x.statement(item.span):
-            for index, loop in x.unrolled(item.index, item.range):
-                family = x.coordinates[item.name]
-                if not family.has(index):
-                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
-                i = family.flat(index)
-                forces[i] = x.graph.add(forces[i], x.scalar(item.value, loop))
-    return forces

@@ -1,33 +1,277 @@
-"""Equations, Structure -> Equations, Report: leave out what is not needed, and say so.
+"""Equations, Structure, Needs -> the same with less, and a Report of what went and why.
 
-A reduction is a function from equations and structure to equations and the lines of the report
-that say what went and why. It stands in REDUCTIONS under the name by which it is switched off.
-There is none yet.
+A reduction is a function that finds what can go; it stands in REDUCTIONS under the name by which
+it is switched off. What a scene fixes or holds is not there when the equations are derived
+(specialise.py); what nobody calls is left out when they are written (back/kernels.py).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
 from ..equations import Equations, Structure
+from .analyze import analyze
+from .count import operations
+from .graph import ZERO, Graph, Kind
+from .lagrange import NoRate, derived_again
+from .motion import COORDINATES, STATE
+from .quantities import symbols
+from .report import Line, Report
+from .routh import NotReduced, routh
+from .smaller import smaller, symbols_in
+
+# What must be known of equations to reduce them.
+ENOUGH = frozenset({"acceleration"})
 
 
 @dataclass(frozen=True)
-class Report:
-    lines: tuple[str, ...] = ()
+class Needs:
+    """What is wanted of a motion. Columns are names as in the head of a CSV: "theta", "phi'"."""
+
+    columns: frozenset[str]
+    events: frozenset[str] = frozenset()
+    quadratures: bool = True  # the method makes them
+    off: frozenset[str] = frozenset()  # reductions that are not to be made
 
 
-Reduction = Callable[[Equations, Structure], tuple[Equations, tuple[str, ...]]]
-REDUCTIONS: dict[str, Reduction] = {}
+@dataclass(frozen=True)
+class State:
+    """What one reduction hands to the next."""
+
+    equations: Equations
+    structure: Structure
+    report: Report
+
+    def after(self, equations: Equations, *lines: Line, **more: object) -> State:
+        """With other equations, derived again if their coordinates are others."""
+        if equations.coordinates != self.equations.coordinates:
+            equations = derived_again(equations, ENOUGH)
+        report = replace(self.report, lines=(*self.report.lines, *lines), **more)
+        return State(equations, analyze(equations), report)
 
 
 def reduce(
-    equations: Equations, structure: Structure, off: frozenset[str] = frozenset()
-) -> tuple[Equations, Report]:
-    lines: list[str] = []
+    equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
+) -> tuple[Equations, Structure, Report]:
+    """No more equations than are needed, with the kernels asked for (None: all)."""
+    state = State(equations, structure, Report())
     for name, reduction in REDUCTIONS.items():
-        if name not in off:
-            equations, said = reduction(equations, structure)
-            lines.extend(said)
-    return equations, Report(tuple(lines))
+        if name not in needs.off:
+            state = reduction(state, needs)
+    g = equations.graph
+    reduced = derived_again(state.equations, kernels)
+    report = replace(
+        state.report,
+        coordinates=(len(equations.coordinates), len(reduced.coordinates)),
+        operations=(_cost(g, equations), _cost(g, reduced)),
+    )
+    return reduced, analyze(reduced), report
+
+
+def _cost(g: Graph, equations: Equations) -> int:
+    motion = equations.acceleration or (*equations.force, *sum(equations.mass, ()))
+    return operations(g, [*motion, *equations.quadratures])
+
+
+# -- outputs -------------------------------------------------------------------------------------
+
+
+def outputs(state: State, needs: Needs) -> State:
+    """Outputs that are not recorded are not computed, events that nobody asks for not looked for.
+    A claim has been proved, and need not be watched."""
+    e, lines = state.equations, []
+
+    def kept(names: Iterable, what: str, wanted: Callable[[int], bool], why: str) -> list[int]:
+        found = [wanted(i) for i, _ in enumerate(names)]
+        gone = [q.name for q, keep in zip(names, found, strict=True) if not keep]
+        if gone:
+            lines.append(Line("outputs", f"{what} {', '.join(gone)}", why))
+        return [i for i, keep in enumerate(found) if keep]
+
+    observed = kept(
+        e.observed_names,
+        "observed",
+        lambda i: e.observed_names[i].name in needs.columns,
+        "not recorded, so not computed",
+    )
+    conserved = kept(
+        e.conserved_names,
+        "conserved",
+        lambda i: e.conserved_names[i].name in needs.columns,
+        "proved, so not watched",
+    )
+    events = kept(
+        e.event_names,
+        "event",
+        lambda i: e.model.events[i].stop or e.event_names[i].name in needs.events,
+        "nothing is asked of it, and it stops nothing",
+    )
+    if not lines:
+        return state
+
+    def pick(row: tuple, which: list[int]) -> tuple:
+        return tuple(row[i] for i in which)
+
+    return state.after(
+        replace(
+            e,
+            model=replace(e.model, events=pick(e.model.events, events)),
+            observed_names=pick(e.observed_names, observed),
+            observed=pick(e.observed, observed),
+            conserved_names=pick(e.conserved_names, conserved),
+            conserved=pick(e.conserved, conserved),
+            event_names=pick(e.event_names, events),
+            events=pick(e.events, events),
+        ),
+        *lines,
+    )
+
+
+# -- coordinates without influence ---------------------------------------------------------------
+
+
+def unconnected(state: State, needs: Needs) -> State:
+    """A coordinate in whose absence all that is recorded moves the same is left at its start."""
+    e = state.equations
+    kept = set(_wanted(e, needs))
+    waiting = list(kept)
+    influences = _influences(e)
+    while waiting:
+        new = influences[waiting.pop()] - kept
+        kept |= new
+        waiting += new
+    gone = [i for i in range(len(e.coordinates)) if i not in kept]
+    if not gone or not kept:
+        return state
+    g, n = e.graph, len(e.coordinates)
+    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
+    swap = {q[i]: e.start_q[i] for i in gone} | {v[i]: ZERO for i in gone}
+    names = [e.coordinates[i].name for i in gone]
+    return state.after(
+        smaller(e, sorted(kept), swap, e.lagrangian, (e.kinetic, e.potential)),
+        Line("unconnected", ", ".join(names), "nothing recorded depends on it"),
+        unused=state.report.unused | frozenset(names),
+    )
+
+
+def _wanted(e: Equations, needs: Needs) -> set[int]:
+    """The coordinates of which something is recorded, or which an output or an event contains."""
+    if "energy" in needs.columns:
+        return set(range(len(e.coordinates)))
+    names = {**_named(e.coordinates), **_named(e.rates)}
+    nodes = [*e.observed, *e.conserved, *e.events]
+    found = {names[column] for column in needs.columns if column in names}
+    return found | {s.index for s in symbols_in(e.graph, nodes, STATE)}
+
+
+def _named(quantities: tuple) -> dict[str, int]:
+    return {q.name: i for i, q in enumerate(quantities)}
+
+
+def _influences(e: Equations) -> list[set[int]]:
+    """Of each coordinate, those in its equation of motion."""
+    g = e.graph
+    if e.acceleration is not None:
+        return [{s.index for s in symbols_in(g, [a], STATE)} for a in e.acceleration]
+    rows = [
+        {s.index for s in symbols_in(g, [f, *row], STATE)}
+        | {j for j, entry in enumerate(row) if entry != ZERO}
+        for f, row in zip(e.force, e.mass, strict=True)
+    ]
+    return rows
+
+
+# -- cyclic coordinates --------------------------------------------------------------------------
+
+
+def cyclic(state: State, needs: Needs) -> State:
+    """Cyclic coordinates replaced by their constant momenta (routh.py)."""
+    e, lines = state.equations, []
+    found = [i for i, is_cyclic in enumerate(state.structure.cyclic) if is_cyclic]
+    if not found:
+        return state
+    if not state.structure.quadratic:
+        return _not(state, e, found, "L is not of second degree in the rates")
+    used = _used(e)
+    chosen, angles = [], []
+    for i in found:
+        name = e.coordinates[i].name
+        if name in used:
+            lines.append(Line("cyclic", f"{name} kept", f"it is in {used[name]}"))
+        elif name in needs.columns and not needs.quadratures:
+            lines.append(Line("cyclic", f"{name} kept", "the method makes no quadratures"))
+        else:
+            chosen.append(i)
+            angles += [i] if name in needs.columns else []
+    if len(chosen) == len(e.coordinates):
+        lines.append(Line("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
+        angles = [i for i in angles if i != chosen[0]]
+        chosen = chosen[1:]
+    state = replace(state, report=replace(state.report, lines=(*state.report.lines, *lines)))
+    if not chosen:
+        return state
+    try:
+        reduced = routh(e, chosen, angles)
+        after = _recorded(state, needs, reduced, chosen, angles)
+    except (NotReduced, NoRate) as why:
+        return _not(state, e, chosen, str(why))
+    before, now = _cost(e.graph, e), _cost(e.graph, after.equations)
+    if now > before:
+        return _not(state, e, chosen, f"{now} operations instead of {before}")
+    return after
+
+
+def _not(state: State, e: Equations, which: list[int], why: str) -> State:
+    names = ", ".join(e.coordinates[i].name for i in which)
+    lines = (*state.report.lines, Line("cyclic", f"{names} kept", why))
+    return replace(state, report=replace(state.report, lines=lines))
+
+
+def _recorded(state: State, needs: Needs, reduced, chosen: list[int], angles: list[int]) -> State:
+    """With no more rates of the angles than are recorded, and a line for each."""
+    e, found = state.equations, reduced.equations
+    extra = len(e.observed)
+    keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]
+    found = replace(
+        found,
+        observed_names=tuple(found.observed_names[i] for i in keep),
+        observed=tuple(found.observed[i] for i in keep),
+    )
+    lines = [
+        Line(
+            "cyclic",
+            e.coordinates[i].name,
+            f"{e.momenta_names[i].name} is constant, of the start"
+            + ("; the angle is a quadrature" if i in angles else ""),
+        )
+        for i in chosen
+    ]
+    unused = {e.coordinates[i].name for i in chosen if i not in angles}
+    return state.after(
+        found,
+        *lines,
+        starts={**state.report.starts, **reduced.starts},
+        unused=state.report.unused | unused,
+    )
+
+
+def _used(e: Equations) -> dict[str, str]:
+    """Coordinates in what would have to know them: forces of others, outputs, events."""
+    found: dict[str, str] = {}
+    for what, nodes in (
+        ("a force", e.applied),
+        ("an output that is recorded", [*e.observed, *e.conserved]),
+        ("an event", e.events),
+    ):
+        for symbol in symbols_in(e.graph, nodes, COORDINATES):
+            found.setdefault(e.coordinates[symbol.index].name, what)
+    return found
+
+
+Reduction = Callable[[State, Needs], State]
+REDUCTIONS: dict[str, Reduction] = {
+    "outputs": outputs,
+    "unconnected": unconnected,
+    "cyclic": cyclic,
+}

@@ -9,6 +9,8 @@ Reference: G. Golub, C. Van Loan, Matrix Computations, 4th edition, sections 4.1
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
@@ -28,15 +30,56 @@ class SingularMass(Exception):
         self.coordinate = coordinate
 
 
+@dataclass(frozen=True)
+class Factors:
+    """M = L D L^T, in the order of elimination: l_ij below the diagonal, d_i and their inverses."""
+
+    order: list[int]
+    lower: list[list[Node]]
+    pivots: list[Node]
+    inverses: list[Node]
+
+    def forward(self, g: Graph, force: Row) -> list[Node]:
+        """z with L z = f, in the order of elimination."""
+        found: list[Node] = []
+        for i, row in enumerate(self.order):
+            entry = force[row]
+            for k in range(i):
+                entry = g.subtract(entry, g.multiply(self.lower[i][k], found[k]))
+            found.append(entry)
+        return found
+
+    def backward(self, g: Graph, z: list[Node]) -> Row:
+        """a with D L^T a = z, by coordinate."""
+        result: list[Node] = [ZERO] * len(z)
+        for i in reversed(range(len(z))):
+            entry = g.multiply(z[i], self.inverses[i])
+            for k in range(i + 1, len(z)):
+                entry = g.subtract(entry, g.multiply(self.lower[k][i], result[self.order[k]]))
+            result[self.order[i]] = entry
+        return tuple(result)
+
+
 def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
     """The accelerations and the pivots; None if too large to unroll."""
-    n = len(force)
     order, cost = elimination_order(g, mass)
     if cost > UNROLLED_OPERATIONS:
         _check_residues(g, mass)
         return None
+    found = factors(g, mass, order)
+    if found is None:
+        return None
+    pivots: list[Node] = [ZERO] * len(force)
+    for row, pivot in zip(order, found.pivots, strict=True):
+        pivots[row] = pivot
+    return found.backward(g, found.forward(g, force)), tuple(pivots)
+
+
+def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None:
+    """None where a pivot is zero at every state, and yet M is not singular."""
+    n = len(mass)
     inverses: list[Node] = []
-    pivots: list[Node] = [ZERO] * n
+    pivots: list[Node] = []
     # By position in the order: lower[i][j] = l_ij and scaled[i][j] = l_ij d_j.
     lower: list[list[Node]] = [[ZERO] * n for _ in range(n)]
     scaled: list[list[Node]] = [[ZERO] * n for _ in range(n)]
@@ -55,21 +98,9 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
                     raise SingularMass(order[i])
                 return None
             else:
-                pivots[order[i]] = entry
+                pivots.append(entry)
                 inverses.append(g.power(entry, -1))
-    forward: list[Node] = []
-    for i in range(n):
-        entry = force[order[i]]
-        for k in range(i):
-            entry = g.subtract(entry, g.multiply(lower[i][k], forward[k]))
-        forward.append(entry)
-    result: list[Node] = [ZERO] * n
-    for i in reversed(range(n)):
-        entry = g.multiply(forward[i], inverses[i])
-        for k in range(i + 1, n):
-            entry = g.subtract(entry, g.multiply(lower[k][i], result[order[k]]))
-        result[order[i]] = entry
-    return tuple(result), tuple(pivots)
+    return Factors(order, lower, pivots, inverses)
 
 
 def _below(

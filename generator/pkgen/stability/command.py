@@ -14,7 +14,7 @@ from ..commands import compile_within_limits
 from ..compiler import Compilation
 from ..exits import DONE, UsageError
 from ..progress import progress
-from ..run_command import use_scene
+from ..scene_use import whole
 from . import map as maps
 from . import plan, text
 from .map import Asked, StabilityMap
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
         raise BuildError(
             "pkgen stability finds equilibria and modes by GSL, which is not installed"
         )
-    compilation = compile_within_limits(options, unroll=None, use=use_scene(options))
+    compilation = compile_within_limits(options, unroll=None, use=whole(options))
     asked = _asked(options, compilation)
     with progress(compilation.model.name) as show:
         made = maps.make(compilation, asked, show)

@@ -153,7 +153,7 @@ def methods(
 
 def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
     """Those of a run, none of its rows."""
-    chosen = scene.chosen(compilation.model, options.scene) if options.scene else None
+    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     whole = parsing.settings(options, compilation, chosen=chosen)
     return replace(whole, every=None, method="rk4", step=None, show=(), at=None)
 

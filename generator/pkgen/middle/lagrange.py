@@ -1,0 +1,139 @@
+"""Lagrange's equations of what stands on the graph: L, the forces, and names.
+
+`derive` makes a model into a Frame, `reduce` makes a smaller Frame of one; what is derived from it
+is the same for both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
+from .graph import ZERO, Graph, Kind, Node, Symbol
+from .guards import guards_of
+from .motion import (
+    Energies,
+    Motion,
+    Wanted,
+    energy_of,
+    jacobians_of,
+    linear_of,
+    motion_of,
+    shorter,
+    shortest,
+)
+from .solve import Solution
+
+
+@dataclass(frozen=True)
+class Derived:
+    """What follows from L and the forces; fields() are those of Equations."""
+
+    motion: Motion
+    solution: Solution | None
+    energies: Energies
+    energy: Node
+    jacobians: tuple
+    linear: object
+
+    def fields(self) -> dict[str, object]:
+        motion, energies = self.motion, self.energies
+        return {
+            "lagrangian": energies.lagrangian,
+            "kinetic": energies.kinetic,
+            "potential": energies.potential,
+            "energy": self.energy,
+            "momenta": motion.momenta,
+            "gradient": motion.gradient,
+            "applied": motion.applied,
+            "pdot": motion.pdot,
+            "mass": motion.mass,
+            "force": motion.force,
+            "acceleration": self.solution[0] if self.solution else None,
+            "pivots": self.solution[1] if self.solution else None,
+            "p_q": self.jacobians[0],
+            "pdot_q": self.jacobians[1],
+            "pdot_v": self.jacobians[2],
+            "linear": self.linear,
+        }
+
+
+def derived(
+    g: Graph,
+    energies: Energies,
+    forces: Row,
+    rate_of: Callable[[Node], Node],
+    wanted: Wanted,
+    check: Callable[[Motion], None] = lambda _: None,
+) -> Derived:
+    """The motion in the form of fewest operations; `check` sees it as derived and as simplified.
+
+    Raises SingularMass, and what `check` does.
+    """
+    raw = motion_of(g, energies, forces, rate_of)
+    check(raw)
+    motion, solution = shortest(g, raw, wanted)
+    check(motion)
+    jacobians = jacobians_of(g, motion) if wanted("jacobian") else (None, None, None)
+    linear = linear_of(g, motion) if wanted.linear(len(forces)) else None
+    energy = energy_of(g, energies, motion, wanted)
+    return Derived(motion, solution, shorter(g, energies, wanted), energy, jacobians, linear)
+
+
+def guards(
+    g: Graph,
+    found: Derived,
+    parameters: tuple[ParameterSlot, ...],
+    coordinates: tuple[Quantity, ...],
+    inputs: tuple[Quantity, ...],
+) -> tuple[Guard, ...]:
+    """Where these equations end, in the names of their quantities."""
+    names = {
+        Kind.PARAMETER: [slot.quantity.name for slot in parameters],
+        Kind.COORDINATE: [q.name for q in coordinates],
+        Kind.RATE: [q.name + "'" for q in coordinates],
+        Kind.INPUT: [q.name for q in inputs],
+        Kind.TIME: ["t"],
+    }
+
+    def name(symbol: Symbol) -> str:
+        return names[symbol.kind][symbol.index]
+
+    motion = found.motion
+    acceleration, pivots = found.solution or (motion.force, None)
+    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
+    return guards_of(g, parameters, motion.mass, outputs, pivots, name)
+
+
+def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equations:
+    """The equations anew from their L and what is applied, for the coordinates that they name."""
+    g, wanted = equations.graph, Wanted(kernels)
+    energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
+    found = derived(g, energies, equations.applied, _rate_of(equations), wanted)
+    ends: tuple[Guard, ...] = ()
+    if wanted("guard"):
+        ends = guards(g, found, equations.parameters, equations.coordinates, equations.inputs)
+    return replace(equations, **found.fields(), guards=ends)
+
+
+def _rate_of(equations: Equations) -> Callable[[Node], Node]:
+    g = equations.graph
+    inputs = {q.name: i for i, q in enumerate(equations.inputs)}
+
+    def rate_of(node: Node) -> Node:
+        symbol = g.data[node]
+        if symbol.kind is Kind.COORDINATE:
+            return g.symbol(Symbol(Kind.RATE, symbol.index))
+        if symbol.kind is Kind.TIME:
+            return g.number(1)
+        following = equations.inputs[symbol.index].name + "'"
+        if following not in inputs:
+            raise NoRate(equations.inputs[symbol.index].name)
+        return g.symbol(Symbol(Kind.INPUT, inputs[following]))
+
+    return rate_of
+
+
+class NoRate(Exception):
+    """The equations need a derivative of an input that they did not need before."""

@@ -1,0 +1,142 @@
+"""Equations with fewer coordinates: what every reduction makes in the end.
+
+Coordinates are numbered anew; whatever is said of one that is gone says `swap`, in the old symbols.
+The motion is derived again by lagrange.derived_again().
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..equations import Equations, ParameterSlot, Quantity
+from ..model import Coordinate, Model
+from .differentiate import reachable
+from .graph import BIT, Graph, Kind, Node, Op, Symbol
+from .quantities import families, indexed, symbols
+from .substitute import substituted
+
+Start = tuple[str, int]  # a coordinate's name, and 0 for its value, 1 for its rate
+
+
+@dataclass(frozen=True)
+class Output:
+    """What was a coordinate or its rate, and is now computed from the others."""
+
+    quantity: Quantity
+    node: Node
+
+
+def smaller(
+    equations: Equations,
+    kept: Sequence[int],
+    swap: Mapping[Node, Node],
+    lagrangian: Node,
+    parts: tuple[Node | None, Node | None],
+    outputs: Iterable[Output] = (),
+    quadratures: Iterable[tuple[int, Node]] = (),
+    quadrature_start: Mapping[int, Node] | None = None,
+) -> Equations:
+    """Equations of the coordinates `kept`, whose motion is still that of all: derive it again.
+
+    `lagrangian` and `parts` (T and V, if they are known) are in the old symbols too; a quadrature
+    is the coordinate that it gives, and its rate, and starts where `quadrature_start` says.
+    """
+    g = equations.graph
+    count = len(equations.coordinates)
+    renumbered = {
+        old: new
+        for kind in (Kind.COORDINATE, Kind.RATE)
+        for old, new in zip(
+            (symbols(g, kind, count)[i] for i in kept), symbols(g, kind, len(kept)), strict=True
+        )
+    }
+
+    def there(nodes: Iterable[Node]) -> tuple[Node, ...]:
+        return tuple(substituted(g, substituted(g, nodes, swap), renumbered))
+
+    def pick(row: Sequence) -> tuple:
+        return tuple(row[i] for i in kept)
+
+    outputs, quadratures = list(outputs), list(quadratures)
+    kinetic, potential = (None if x is None else there([x])[0] for x in parts)
+    return replace(
+        equations,
+        model=_model(equations.model, {equations.coordinates[i].name for i in kept}),
+        coordinates=pick(equations.coordinates),
+        rates=pick(equations.rates),
+        momenta_names=pick(equations.momenta_names),
+        lagrangian=there([lagrangian])[0],
+        kinetic=kinetic,
+        potential=potential,
+        applied=there(pick(equations.applied)),
+        observed_names=(*equations.observed_names, *(o.quantity for o in outputs)),
+        observed=there([*equations.observed, *(o.node for o in outputs)]),
+        conserved=there(equations.conserved),
+        events=there(equations.events),
+        start_q=pick(equations.start_q),
+        start_v=pick(equations.start_v),
+        quadrature_names=tuple(equations.coordinates[i] for i, _ in quadratures),
+        quadratures=there(node for _, node in quadratures),
+        quadrature_start=tuple((quadrature_start or {})[i] for i, _ in quadratures),
+    )
+
+
+def _model(model: Model, kept: set[str]) -> Model:
+    """With the coordinates that are left; members of a family that has lost some are declared one
+    by one."""
+    found: list[Coordinate] = []
+    all_families = families(model, model.coordinates)
+    for item in model.coordinates:
+        names = [indexed(item.name, index) for index in all_families[item.name].members]
+        if all(name in kept for name in names):
+            found.append(item)
+        else:
+            found += [replace(item, name=name, range=None) for name in names if name in kept]
+    return replace(model, coordinates=tuple(found))
+
+
+class StartParameters:
+    """Starts made parameters, where something that a run keeps constant depends on them."""
+
+    def __init__(self, equations: Equations):
+        self.equations = equations
+        self.slots = list(equations.parameters)
+        self.starts: dict[Start, str] = {}
+        self.node: dict[Symbol, Node] = {}
+        self.taken = {slot.quantity.name for slot in self.slots}
+
+    def of(self, symbol: Symbol) -> Node:
+        """The parameter that is the start of a coordinate or of a rate."""
+        rate = symbol.kind is Kind.RATE
+        e, i = self.equations, symbol.index
+        named = e.rates[i] if rate else e.coordinates[i]
+        wish = re.sub(r"\W+", "_", f"start_{e.coordinates[i].name}").strip("_")
+        name = self._free(wish + ("_dot" if rate else ""))
+        self.starts[e.coordinates[i].name, int(rate)] = name
+        says = f"start of {named.name}"
+        default = (e.start_v if rate else e.start_q)[i]
+        self.node[symbol] = self.add(Quantity(name, named.unit, says), default)
+        return self.node[symbol]
+
+    def add(self, quantity: Quantity, default: Node) -> Node:
+        g = self.equations.graph
+        follows = bool(g.depends[default] & BIT[Kind.PARAMETER])
+        slot = ParameterSlot(
+            quantity, quantity.name, 0, 0, default, follows, None, None, True, True
+        )
+        self.slots.append(slot)
+        return g.symbol(Symbol(Kind.PARAMETER, len(self.slots) - 1))
+
+    def _free(self, name: str) -> str:
+        while name in self.taken:
+            name += "_"
+        self.taken.add(name)
+        return name
+
+
+def symbols_in(g: Graph, nodes: Iterable[Node], mask: int) -> list[Symbol]:
+    """The symbols of some kinds below the nodes, in their order."""
+    found = [g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL]
+    return sorted(s for s in found if BIT[s.kind] & mask)

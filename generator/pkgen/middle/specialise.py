@@ -1,0 +1,198 @@
+"""Model -> Model: what a scene fixes and holds, put in before anything is derived.
+
+A fixed parameter becomes a constant definition, so that it is folded into the C. A held coordinate
+becomes a definition of its motion, whose derivatives the expressions take by themselves; at an
+end of a family it becomes a fixed end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+
+from ..indices import integer
+from ..model import Coordinate, Definition, End, Hold, Model, Scene
+from ..tree import Add, Expr, Name, Number, children
+from .quantities import Family, error, families, indexed, sizes
+from .report import Line
+
+
+def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model, list[Line]]:
+    """With the parameters that the scene sets as constants, but not those of `run_time`, which are
+    set again when it is run."""
+    parameters = {p.name: p for p in model.parameters}
+    fixed: dict[str, Definition] = {}
+    for k, item in enumerate(scene.assignments):
+        parameter = parameters.get(item.name)
+        if parameter is None or item.name in run_time:
+            continue
+        if parameter.range is not None or item.index is not None:
+            continue  # members of a family stay in their array
+        if _names(item.value) & {later.name for later in scene.assignments[k:]}:
+            continue  # it takes the value from before that is set: a number of the run
+        fixed[item.name] = Definition(
+            item.name, None, None, item.value, parameter.unit, parameter.description, item.span
+        )
+    if not fixed:
+        return model, []
+    used = _with_constants(model, list(fixed.values()))
+    kept = tuple(p for p in model.parameters if p.name not in fixed)
+    lines = [Line("fold", ", ".join(fixed), "fixed by the scene, so a number in the C")]
+    return replace(used, parameters=kept), lines
+
+
+def held(model: Model, scene: Scene) -> tuple[Model, list[Line]]:
+    """Without the coordinates that the scene holds. Raises ModelError where one cannot be."""
+    lines = []
+    for item in scene.holds:
+        for index, value in _motions(model, item):
+            model = _without(model, item, index, value)
+            name = indexed(item.name, index)
+            lines.append(Line("hold", name, "its motion is given, so it has no equation"))
+    return model, lines
+
+
+def _motions(model: Model, item: Hold) -> Iterable[tuple[int | None, Expr]]:
+    """Each member that is held, and its motion."""
+    if item.range is not None:
+        raise error(
+            model,
+            f"the whole of '{item.name}' cannot be held",
+            item.span,
+            "hold its first or last members, one by one, or leave the family out of the model",
+        )
+    index = None if item.index is None else integer(item.index, sizes(model))
+    yield index, item.value if item.value is not None else _start(model, item, index)
+
+
+def _start(model: Model, item: Hold, index: int | None) -> Expr:
+    """The last start of that coordinate; without any it is 0."""
+    found: Expr = Number(Fraction(0), item.span)
+    for start in model.starts:
+        if start.name != item.name or start.order:
+            continue
+        if start.range is not None:
+            raise error(
+                model,
+                f"the start of '{indexed(item.name, index)}' is that of a family",
+                item.span,
+                "give its motion: hold NAME = EXPR",
+            )
+        at = None if start.index is None else integer(start.index, sizes(model))
+        found = start.value if at == index else found
+    return found
+
+
+def _without(model: Model, item: Hold, index: int | None, value: Expr) -> Model:
+    found = families(model, model.coordinates)
+    family = found.get(item.name)
+    if family is None or not family.has(index):
+        raise error(model, f"no coordinate '{indexed(item.name, index)}' is left", item.span)
+    declared = next(c for c in model.coordinates if c.name == item.name)
+    if family.lo is None:
+        gone = Definition(
+            item.name, None, None, value, declared.unit, declared.description, item.span
+        )
+        model = _with_constants(model, [gone])
+        coordinates = tuple(c for c in model.coordinates if c is not declared)
+    else:
+        model, shorter = _shorter(model, item, family, declared, index, value)
+        coordinates = tuple(shorter if c is declared else c for c in model.coordinates)
+    return replace(
+        model,
+        coordinates=coordinates,
+        starts=tuple(s for s in model.starts if not _is_of(model, s, item, index)),
+        forces=tuple(f for f in model.forces if not _is_of(model, f, item, index)),
+    )
+
+
+def _is_of(model: Model, of: object, item: Hold, index: int | None) -> bool:
+    if of.name != item.name or of.range is not None:
+        return False
+    return (None if of.index is None else integer(of.index, sizes(model))) == index
+
+
+def _shorter(
+    model: Model, item: Hold, family: Family, declared: Coordinate, index: int, value: Expr
+) -> tuple[Model, Coordinate]:
+    """A family without its first or last member, which becomes a fixed end."""
+    if index not in (family.lo, family.hi) or family.count == 1:
+        why = "it is neither the first nor the last" if family.count > 1 else "none would be left"
+        raise error(model, f"'{indexed(item.name, index)}' cannot be held: {why}", item.span)
+    if any(end.name == item.name and end.kind == "periodic" for end in model.ends):
+        raise error(model, f"'{item.name}' is periodic: it has no end to hold", item.span)
+    first = index == family.lo
+    at = Number(Fraction(index), item.span)
+    fixed = End("fixed", item.name, index, value, item.span, at)
+    ends = [end for old in model.ends for end in _ends(model, old, item, family, fixed)]
+    lo, hi = declared.range.lo, declared.range.hi
+    one = Number(Fraction(1 if first else -1), item.span)
+    moved = Add((lo if first else hi, one), item.span)
+    range_ = replace(declared.range, **{"lo" if first else "hi": moved})
+    model = replace(
+        model,
+        ends=(*ends, fixed),
+        starts=_shorter_too(model, model.starts, item, index),
+        forces=_shorter_too(model, model.forces, item, index),
+    )
+    return model, replace(declared, range=range_)
+
+
+def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> list[End]:
+    """An end with its index, for `free q` counts from a length that changes; beyond the member that
+    is held, a free end is where that member is."""
+    if old.name != item.name:
+        return [old]
+    places = [old.index] if old.index is not None else [family.lo - 1, family.hi + 1]
+    found = []
+    for place in places:
+        at = Number(Fraction(place), old.span)
+        beyond = abs(place - fixed.index) == 1
+        if old.kind == "free" and beyond:
+            found.append(replace(fixed, index=place, at=at))
+        else:
+            found.append(replace(old, index=place, at=at))
+    return found
+
+
+def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
+    """Starts or forces of a whole range, without the member that is held at an end of it."""
+    known = sizes(model)
+    found = []
+    for old in items:
+        if old.name == item.name and old.range is not None:
+            lo, hi = integer(old.range.lo, known), integer(old.range.hi, known)
+            lo, hi = lo + (index == lo), hi - (index == hi)
+            if lo > hi:
+                continue
+            ends = (Number(Fraction(end), old.span) for end in (lo, hi))
+            old = replace(
+                old, range=replace(old.range, **dict(zip(("lo", "hi"), ends, strict=True)))
+            )
+        found.append(old)
+    return tuple(found)
+
+
+def _with_constants(model: Model, new: list[Definition]) -> Model:
+    """With definitions of parameters and t alone, before those that may use them."""
+    names = {d.name for d in model.definitions}
+    moving = {c.name for c in model.coordinates} | {i.name for i in model.inputs}
+    moving |= {p.name for p in model.parameters} | {"t"}
+    constant: set[str] = set()
+    for item in model.definitions:
+        if all(n in constant or n not in names | moving for n in _names(item.value)):
+            constant.add(item.name)
+    first = [d for d in model.definitions if d.name in constant]
+    rest = [d for d in model.definitions if d.name not in constant]
+    return replace(model, definitions=(*first, *new, *rest))
+
+
+def _names(expr: Expr) -> set[str]:
+    found, waiting = set(), [expr]
+    while waiting:
+        part = waiting.pop()
+        waiting += children(part)
+        if isinstance(part, Name):
+            found.add(part.id)
+    return found

@@ -1,0 +1,96 @@
+"""What a scene makes of its model, from the options of the command line beside it."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+
+from . import scene as scenes
+from .compiler import Use
+from .exits import UsageError
+from .middle.reduce import REDUCTIONS, Needs
+from .middle.report import Line
+from .middle.specialise import folded, held
+from .model import Model
+from .option_values import unknown
+
+FOLD = "fold"
+EVERY = frozenset((*REDUCTIONS, FOLD))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What options say beside the scene: other columns, an event, parameters to be set in the run,
+    and reductions that are not to be made."""
+
+    columns: tuple[str, ...] | None
+    event: str | None
+    run_time: frozenset[str]
+    off: frozenset[str]
+    quadratures: bool
+
+
+def of_run(options: argparse.Namespace) -> Use | None:
+    """For a run: no more than its rows need."""
+    if options.scene is None:
+        return None
+    columns = None
+    if options.record is not None:
+        columns = tuple("".join(name.split()) for name in options.record.split(","))
+    off = switched_off(options.no_reduce)
+    if options.diagnose:
+        off |= frozenset(REDUCTIONS)  # diagnostics are of the whole motion
+    asked = Asked(
+        columns,
+        options.at,
+        frozenset(text.partition("=")[0].strip() for text in options.set),
+        off,
+        options.ensemble is None,
+    )
+    return _use(options.scene, asked)
+
+
+def whole(options: argparse.Namespace) -> Use | None:
+    """For charts and maps: all coordinates that the scene does not hold, all parameters."""
+    if options.scene is None:
+        return None
+    return _use(options.scene, Asked(None, None, frozenset(), EVERY, False))
+
+
+def switched_off(text: str | None) -> frozenset[str]:
+    """`--no-reduce`, or `--no-reduce=cyclic,fold`."""
+    if text is None:
+        return frozenset()
+    names = frozenset(name.strip() for name in text.split(","))
+    if names == {"all"}:
+        return EVERY
+    for name in sorted(names - EVERY):
+        raise UsageError(unknown("--no-reduce", name, sorted(EVERY), "reduction"))
+    return names
+
+
+def _use(name: str, asked: Asked) -> Use:
+    def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
+        scene = scenes.chosen(declared, name)
+        used, lines = scenes.used(declared, scene), []
+        if FOLD not in asked.off:
+            used, lines = folded(used, scene, asked.run_time)
+        used, of_holds = held(used, scene)
+        return used, (*lines, *of_holds)
+
+    def needs(used: Model) -> Needs | None:
+        scene = scenes.chosen(used, name)
+        columns = asked.columns
+        if columns is None and scene.record is not None:
+            columns = tuple(item.name for item in scene.record.columns)
+        if columns is None or frozenset(REDUCTIONS) <= asked.off:
+            return None
+        events = {asked.event or (scene.record.at if scene.record else ""), *scenes.events(scene)}
+        return Needs(
+            frozenset(columns) | scenes.hidden(used, scene),
+            frozenset(events),
+            asked.quadratures,
+            asked.off,
+        )
+
+    return Use(model, needs)
