@@ -63,6 +63,8 @@ $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 $(RT_TESTS)/run_%: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
 	    'const struct pk_system *const run_system = &$*_system;' >$@.c
+	printf '%s\n' 'const struct pk_part *const run_parts = NULL;' \
+	    'const size_t run_n_parts = 0;' >>$@.c
 	$(CC) $(RT_RUN_CFLAGS) $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
