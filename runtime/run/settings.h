@@ -46,7 +46,7 @@ struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
-    int has_rtol, has_atol, has_every;
+    int has_rtol, has_atol, has_every, has_step;
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;

@@ -59,6 +59,8 @@ struct pk_method {
     /* Stage k = 0, 1, ... of the step in it->next, with room for 2 n numbers; 0 behind the last.
      * Called before it becomes the state. NULL without PK_QUADRATURE. */
     int (*stage)(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
+    /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
+    pk_real (*resolved)(const struct pk_integrator *it);
     /* Only for methods of foreign libraries that allocate; else NULL. */
     void (*release)(struct pk_integrator *it);
 };
