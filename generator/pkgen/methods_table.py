@@ -52,8 +52,8 @@ def _row(m: Mapping[str, Any]) -> tuple[str, ...]:
     requires += ["no inputs"] if "no_inputs" in flags else []
     return (
         str(m["name"]),
-        str(m["order"]) if m["order"] else "varies",
-        str(m["stages"]) if m["stages"] else "varies",
+        str(m["order"]) if m["order"] else "exact" if "exact" in flags else "varies",
+        str(m["stages"]) if m["stages"] else "none" if "exact" in flags else "varies",
         "yes" if "symplectic" in flags else "",
         "yes" if "symmetric" in flags else "",
         "adaptive" if "adaptive" in flags else "fixed",

@@ -73,6 +73,9 @@ static int choose(struct run *run)
     }
     run->next = 1;
     run->count = s->every > 0 ? run_intervals(s->until, s->every) : 0;
+    s->has_step = s->options.h > 0;
+    if (!s->has_step && (s->method->traits & PK_EXACT))
+        s->options.h = interval;
     if (fixed && !(s->options.h > 0)) {
         fprintf(stderr, "run: method %s has a fixed step: give it by --step\n", s->method->name);
         return 2;
@@ -80,7 +83,7 @@ static int choose(struct run *run)
     if (fixed)
         s->options.h = interval / run_intervals(interval, s->options.h);
     if (s->land < 0)
-        s->land = s->method->dense_order < s->method->order;
+        s->land = fixed || s->method->dense_order < s->method->order;
     if (!(s->method->traits & PK_DENSE))
         s->land = 1;
     return 0;
@@ -104,6 +107,12 @@ static int start(struct run *run)
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0)
         return 4;
+    /* Steps as long as rows are apart may be too long to see events in. */
+    if (system->n_events && s->method->resolved && !s->has_step) {
+        const pk_real most = s->method->resolved(&run->it), h = s->options.h;
+        s->options.h = h > most ? h / run_intervals(h, most) : h;
+        pk_integrator_set_step(&run->it, s->options.h);
+    }
     return 0;
 }
 

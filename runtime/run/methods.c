@@ -52,10 +52,11 @@ static void limits(FILE *file, const struct pk_method *method)
 int output_methods(FILE *file)
 {
     static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
-                                         "dense",      "jacobians", "linear",   "no_inputs"};
+                                         "dense",      "jacobians", "linear",   "no_inputs",
+                                         "quadrature", "exact"};
     static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
                                         "separable",     "autonomous",    "conservative",
-                                        "variational",   "smooth"};
+                                        "variational",   "smooth",        "affine"};
     for (size_t i = 0; run_method_at(i); i++) {
         const struct pk_method *m = run_method_at(i);
         fprintf(file, "{\"name\": \"%s\", \"order\": %d, \"stages\": %d, \"dense_order\": %d, ",

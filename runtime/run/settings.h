@@ -4,7 +4,8 @@
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
- *     show q|v|observed INDEX | show energy | at INDEX
+ *     show q|v|z|observed INDEX | show energy | at INDEX
+ *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
  *     diagnose lyapunov|reversal|spectrum|symplectic|all
  *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
  *
@@ -23,8 +24,11 @@
 
 #include <pk/pk.h>
 
-/* The model that the program runs. */
+/* The model that the program runs; and the blocks of coordinates that it is integrated in, each by
+ * itself, or NULL. */
 extern const struct pk_system *const run_system;
+extern const struct pk_part *const run_parts;
+extern const size_t run_n_parts;
 
 /* A column of an ensemble's file. */
 struct column {
@@ -34,7 +38,7 @@ struct column {
 
 /* A column of the rows. */
 struct shown {
-    char kind; /* q, v, o of an observed value, e of the energy */
+    char kind; /* q, v, z, o of an observed value, e of the energy */
     size_t index;
 };
 
@@ -42,7 +46,7 @@ struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
-    int has_rtol, has_atol, has_every;
+    int has_rtol, has_atol, has_every, has_step;
     int progress;
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;

@@ -245,6 +245,10 @@ static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
 static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     it->event = 0;
+    if (it->method->resolved && it->options.h > it->method->resolved(it)) {
+        it->detail = it->method->resolved(it);
+        return it->status = PK_REFUSED;
+    }
     e->from = it->t;
     e->listed = 0;
     e->scout.options.h = it->options.h;

@@ -63,7 +63,8 @@ static pk_real energy(ARGS)
 }
 
 enum {
-    DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH,
+    DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH |
+             PK_AFFINE,
     FREE = DAMPED | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL
 };
 
@@ -112,6 +113,12 @@ static const struct pk_method *formula(const struct pk_method *method)
     return method->formula ? method->formula : method;
 }
 
+/* There is no one map of its step. */
+static int varies(const struct pk_method *f)
+{
+    return f->release || (f->order == 0 && !(f->traits & PK_EXACT));
+}
+
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient)
 {
     pk_real power[PK_MOST_STAGES], next[PK_MOST_STAGES]; /* A^k applied to ones */
@@ -153,7 +160,7 @@ enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffnes
     const struct spring params = {stiffness, damping};
     if (!(h > 0) || !pk_finite(h))
         return PK_BAD_ARGUMENT;
-    if (f->release || f->order == 0)
+    if (varies(f))
         return PK_REFUSED;
     for (int column = 0; column < 2; column++) {
         pk_real q = column == 0, v = column == 1;
@@ -203,7 +210,7 @@ enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_rea
         *factor = sum;
         return PK_DONE;
     }
-    if (f->release || f->order == 0)
+    if (varies(f))
         return PK_REFUSED;
     pk_real q = 0, v = 1;
     const struct spring drag = {0, 1};

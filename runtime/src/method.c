@@ -13,6 +13,7 @@ static const struct pk_method *const methods[] = {
     &pk_gauss5, &pk_gauss6, &pk_gauss7, &pk_gauss8,
     &pk_lobatto2, &pk_lobatto3, &pk_lobatto4, &pk_radau5, &pk_radau9,
     &pk_dopri5, &pk_dop853, &pk_gauss_adaptive, &pk_radau_adaptive,
+    &pk_exponential,
 };
 
 const struct pk_method *pk_method_at(size_t index)

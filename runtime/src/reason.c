@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "internal.h"
+#include "tableau.h"
 
 static const char *const bad_argument[] = {
     "",
@@ -22,6 +23,7 @@ static const struct {
     unsigned fact;
     const char *text;
 } fact_text[] = {
+    {PK_AFFINE, "linear: its acceleration affine in q and v, with constant coefficients"},
     {PK_SEPARABLE, "separable: M constant, forces independent of the rates"},
     {PK_MASS_CONSTANT, "of constant M"},
     {PK_QUADRATIC, "of second degree in the rates"},
@@ -109,6 +111,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs the derivative by time, and %s has inputs, whose is unknown",
                             it->method->name, system->name);
+        if (it->n > PK_EXPONENTIAL_MOST && (it->method->traits & PK_EXACT))
+            return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
+                            it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);
+        if (it->method->resolved)
+            return snprintf(text, size,
+                            "crossings of events could be missed in steps of %.6g: give at most "
+                            "%.6g; last valid time %.17g",
+                            (double)it->options.h, (double)it->detail, t);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_OUT_OF_BOUNDS:
         if (it->where < system->n_parameters)

@@ -23,6 +23,9 @@ extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
 extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
 extern const struct pk_method pk_lobatto2, pk_lobatto3, pk_lobatto4, pk_radau5, pk_radau9;
 extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive, pk_radau_adaptive;
+extern const struct pk_method pk_exponential;
+/* Coordinates that it is for: of so many, its matrix takes seconds to make. */
+enum { PK_EXPONENTIAL_MOST = 256 };
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);

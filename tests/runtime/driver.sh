@@ -1,5 +1,5 @@
 #!/bin/sh
-# Usage: driver.sh DIR. The driver's contract, on the programs run_pendulum and run_broken there.
+# Usage: driver.sh DIR. The driver's contract, on the programs run_* there.
 set -u
 dir=$1
 tmp=$dir/driver.tmp
@@ -37,6 +37,15 @@ done
 run run_pendulum "method dop853\nuntil 2\nevery 0.01\nrows dense\nrtol 1e-6\nreport $tmp/r.json\n"
 check "dense rows" [ "$(wc -l <"$tmp/out.csv")" -eq 202 ]
 check "dense rows take few steps" [ "$(sed -n 's/.*"steps": \([0-9]*\).*/\1/p' "$tmp/r.json")" -lt 20 ]
+
+run run_oscillator "method exponential\nuntil 1000\nevery 250\nreport $tmp/r.json\n"
+check "exact steps are as long as rows are apart" grep -q '"steps": 4,' "$tmp/r.json"
+check "and exact" python3 -c "
+from math import cos, sin
+t, q = map(float, open('$tmp/out.csv').read().split()[-1].split(',')[:2])
+assert t == 1000 and 0 < abs(q - (.7 * cos(t) + .2 * sin(t))) < 1e-15"
+run run_pendulum "method exponential\nuntil 1\n"
+check "and of linear systems alone" grep -q 'exponential needs a system that is linear' "$tmp/err"
 
 run run_broken "method dop853\nuntil 3\nevery 0.1\nreport $tmp/r.json\n"
 check "numerics fail: exit 4" [ $code -eq 4 ]

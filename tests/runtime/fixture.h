@@ -74,5 +74,6 @@ void add_chaos(void);
 void add_spectrum(void);
 void add_branch(void);
 void add_implicit(void);
+void add_exponential(void);
 
 #endif

@@ -116,11 +116,11 @@ static void right_instance(void)
     struct fixture f;
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *method = pk_method_at(i);
-        fixture_set(&f, &pendulum_system);
+        fixture_set(&f, &oscillator_system);
         f.options.h = 0.1;
         CU_ASSERT(fixture_init(&f, method->name) == PK_DONE);
-        const int calls = /* Newton's method and `linear` are called through pointers */
-            (method->traits & (PK_LINEAR | PK_JACOBIANS)) != 0;
+        const int calls = /* Newton's method, `linear` and coefficients through pointers */
+            (method->traits & (PK_LINEAR | PK_JACOBIANS | PK_EXACT)) != 0;
         CU_ASSERT((f.it.step != method->step) == (inlined && !calls));
     }
 }
@@ -158,6 +158,7 @@ int main(int argc, char **argv)
     add_spectrum();
     add_branch();
     add_implicit();
+    add_exponential();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

@@ -63,6 +63,8 @@ $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 $(RT_TESTS)/run_%: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
 	    'const struct pk_system *const run_system = &$*_system;' >$@.c
+	printf '%s\n' 'const struct pk_part *const run_parts = NULL;' \
+	    'const size_t run_n_parts = 0;' >>$@.c
 	$(CC) $(RT_RUN_CFLAGS) $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
@@ -99,7 +101,8 @@ $(RT_TESTS)/quad: $(RT_QUAD) $(RT_QUAD_SYSTEMS)
 $(RT_TESTS)/quad_inlined: $(RT_QUAD) $(RT_QUAD_INLINED)
 	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
 
-RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined run_pendulum run_broken)
+RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined run_pendulum run_broken \
+              run_oscillator)
 test-runtime-programs: $(RT_PROGRAMS)
 
 # Each on its own, so that `make -j 2 -O` runs two at a time and prints each one's lines together.
@@ -117,7 +120,7 @@ check-runtime-quad-inlined: $(RT_TESTS)/quad_inlined
 	$<
 check-runtime-example: $(RT_TESTS)/example
 	$< | grep -q '^t = 10: 1.018731427'
-check-runtime-driver: $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken
+check-runtime-driver: $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken $(RT_TESTS)/run_oscillator
 	sh tests/runtime/driver.sh $(RT_TESTS)
 
 asan-runtime:
@@ -126,7 +129,7 @@ asan-runtime:
 	    BUILD=$(BUILD) run-asan-runtime
 .PHONY: run-asan-runtime
 run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_TESTS)/run_pendulum \
-                  $(RT_TESTS)/run_broken
+                  $(RT_TESTS)/run_broken $(RT_TESTS)/run_oscillator
 	$(RT_TESTS)/runtime
 	$(RT_TESTS)/runtime_inlined inlined
 	sh tests/runtime/driver.sh $(RT_TESTS)

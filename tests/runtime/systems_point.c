@@ -19,7 +19,7 @@ SIZES(oscillator, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) oscillator_##x
 #include <pk/inlined.h>
-SYSTEM(oscillator, 1, NATURAL, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
+SYSTEM(oscillator, 1, NATURAL | PK_AFFINE, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
        .linear = oscillator_linear);
 
 POINT_MASS(stiffening, G(params) * q[0] * q[0] * (1 + q[0] * q[0] / 2) / 2,

@@ -122,8 +122,10 @@ static void reversible(void)
 {
     for (size_t i = 0; pk_method_at(i); i++) {
         const unsigned traits = pk_method_at(i)->traits;
+        const struct pk_system *system =
+            traits & PK_EXACT ? &oscillator_system : &pendulum_system;
         if ((traits & PK_SYMMETRIC) && !(traits & PK_ADAPTIVE))
-            CU_ASSERT(reversal(&pendulum_system, pk_method_at(i)->name) < 1e-13);
+            CU_ASSERT(reversal(system, pk_method_at(i)->name) < 1e-13);
     }
     CU_ASSERT(reversal(&double_pendulum_system, "gauss2") < 1e-12);
     CU_ASSERT(reversal(&pendulum_system, "symplectic_euler") > 1e-4);

@@ -8,8 +8,9 @@
  *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
  *
  * t, q, v, p are in SI units, or in the model's own if it has none; q0, v0, it.q, it.v, it.p
- * hold n numbers each, in the order of system->coordinates. it.q, it.v, it.p point into the block;
- * a step moves them elsewhere in it, so read them from `it` after each.
+ * hold n numbers each, in the order of system->coordinates, it.z the system's quadratures. it.q,
+ * it.v, it.p, it.z point into the block; a step moves them elsewhere in it, so read them from `it`
+ * after each.
  *
  * No function allocates, prints or exits (a method of pk/gsl.h allocates in init, and
  * pk_integrator_free() gives that back). A step that fails leaves t, q, v and p as they were.
@@ -65,9 +66,10 @@ struct pk_counters {
 };
 
 struct pk_integrator {
-    /* To be read by the caller. p is NULL unless the method carries momenta. */
+    /* To be read by the caller. p is NULL unless the method carries momenta, z unless the system
+     * has quadratures. */
     pk_real t;
-    const pk_real *q, *v, *p;
+    const pk_real *q, *v, *p, *z;
     struct pk_counters count;
     enum pk_status status; /* of the last call */
 
@@ -115,11 +117,15 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
                                   const struct pk_options *options, pk_real t0,
                                   const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
-/* A new state at t for the same integrator; counters go on. q and v may be it->q and it->v: so it
- * is to be called after a change of parameters or a jump of an input, of which methods keep
- * derivatives. Where it is refused, nothing steps until one is accepted. */
+/* A new state at t for the same integrator; counters go on, and quadratures from what they are.
+ * q and v may be it->q and it->v: so it is to be called after a change of parameters or a jump of
+ * an input, of which methods keep derivatives. Where it is refused, nothing steps until one is
+ * accepted. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
+/* Other values of the quadratures, which init takes from system->quadrature_start().
+ * PK_BAD_ARGUMENT where they are not finite or the system has none; z may be it->z. */
+enum pk_status pk_integrator_set_quadratures(struct pk_integrator *it, const pk_real *z);
 /* Another fixed step, or for an adaptive method another first step, from here on. */
 enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 /* One step towards `limit`, never past it; a step that would end within round-off of it ends
@@ -135,6 +141,8 @@ enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
 /* The motion at t inside the last step, by the method's own interpolant, into n numbers each.
  * PK_BAD_ARGUMENT for another t or method; a failure leaves the state as it is. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+/* The quadratures there: the motion between is the interpolant's, their sum by Gauss's formula. */
+enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z);
 /* The last status in words, with the last valid time and names. Returns its length as
  * snprintf() does. */
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size);

@@ -24,10 +24,18 @@ enum pk_trait {
     PK_DENSE = 1u << 4,    /* pk_integrator_dense() works */
     PK_JACOBIANS = 1u << 5, /* calls the system's mass and jacobian */
     PK_LINEAR = 1u << 6,    /* calls the system's mass and linear */
-    PK_NO_INPUTS = 1u << 7  /* needs d/dt of all, which inputs do not give */
+    PK_NO_INPUTS = 1u << 7, /* needs d/dt of all, which inputs do not give */
+    PK_QUADRATURE = 1u << 8, /* carries the system's quadratures, to its own order */
+    PK_EXACT = 1u << 9       /* a step of any length errs by rounding alone; its order is 0 */
 };
 
 struct pk_integrator;
+
+/* A stage of the step just made: of z' = g, the step adds weight g(t, q, v). */
+struct pk_stage {
+    pk_real t, weight;
+    const pk_real *q, *v;
+};
 
 struct pk_method {
     const char *name;
@@ -48,6 +56,11 @@ struct pk_method {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
     /* Between the ends of the last step; NULL without PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+    /* Stage k = 0, 1, ... of the step in it->next, with room for 2 n numbers; 0 behind the last.
+     * Called before it becomes the state. NULL without PK_QUADRATURE. */
+    int (*stage)(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
+    /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
+    pk_real (*resolved)(const struct pk_integrator *it);
     /* Only for methods of foreign libraries that allocate; else NULL. */
     void (*release)(struct pk_integrator *it);
 };

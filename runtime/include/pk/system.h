@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 3u
+#define PK_ABI 4u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -34,7 +34,8 @@ enum pk_fact {
     PK_AUTONOMOUS = 1u << 4,   /* nothing depends on t explicitly, and there are no inputs */
     PK_CONSERVATIVE = 1u << 5, /* h is constant: dL/dt = 0, no Q, no D, no inputs */
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
-    PK_SMOOTH = 1u << 7        /* no abs, min, max or step in the equations */
+    PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
+    PK_AFFINE = 1u << 8        /* a = A q + B v + c with constant A, B, c; no t and no inputs */
 };
 
 /* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
@@ -217,6 +218,14 @@ struct pk_system {
     /* How many numbers guard() writes, and which guard number k of them is. */
     size_t (*guard_count)(const void *params);
     void (*guard_place)(const void *params, size_t k, struct pk_guard_place *place);
+
+    /* Quadratures: n_quadratures numbers z with z' = zdot(t, q, v, u), on which nothing depends, as
+     * the angles that a reduction has left out; and what they are at the start. */
+    size_t n_quadratures;
+    const struct pk_quantity *quadratures;
+    void (*quadrature)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                       const pk_real *u, pk_real *zdot);
+    void (*quadrature_start)(const void *params, pk_real *z);
 };
 
 /* Degrees of freedom. */

@@ -1,0 +1,79 @@
+/* Numbers of twice the precision, as unevaluated sums hi + lo, and dense matrices of them, row by
+ * row. Not installed.
+ *
+ * References: T. J. Dekker, Numer. Math. 18 (1971) 224, for the product; D. E. Knuth, The Art of
+ * Computer Programming 2, 4.2.2, for the sum; T. Ogita, S. M. Rump, S. Oishi, SIAM J. Sci. Comput. 26
+ * (2005) 1955, for sums of products.
+ */
+#ifndef PK_PAIRS_H
+#define PK_PAIRS_H
+
+#include "internal.h"
+
+struct pk_pairs {
+    pk_real *hi, *lo;
+};
+
+/* a + b = the result + *rest, exactly. */
+static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
+{
+    const pk_real sum = a + b, back = sum - a;
+    *rest = (a - (sum - back)) + (b - back);
+    return sum;
+}
+
+#if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
+    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128
+#define PK_PAIR_REST(a, b, p) PK_F(fma)(a, b, -(p))
+#else
+/* 2^k + 1, where half the digits, rounded up, are k. */
+#if defined PK_FLOAT
+#define PK_PAIR_SPLIT PK_C(4097.0)
+#elif defined PK_FLOAT128 || (defined PK_LONG_DOUBLE && LDBL_MANT_DIG == 113)
+#define PK_PAIR_SPLIT PK_C(144115188075855873.0)
+#elif defined PK_LONG_DOUBLE
+#define PK_PAIR_SPLIT PK_C(4294967297.0)
+#else
+#define PK_PAIR_SPLIT PK_C(134217729.0)
+#endif
+static inline pk_real pk_pair_upper(pk_real a)
+{
+    const pk_real c = PK_PAIR_SPLIT * a;
+    return c - (c - a);
+}
+static inline pk_real pk_pair_rest(pk_real a, pk_real b, pk_real p)
+{
+    const pk_real a1 = pk_pair_upper(a), a2 = a - a1, b1 = pk_pair_upper(b), b2 = b - b1;
+    return ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2;
+}
+#define PK_PAIR_REST(a, b, p) pk_pair_rest(a, b, p)
+#endif
+
+/* (hi, lo) += (a, a_lo) (b, b_lo): lo takes what hi rounds off, and is not small beside it again
+ * until pk_pairs_settle(). */
+static inline void pk_pair_add(pk_real *hi, pk_real *lo, pk_real a, pk_real a_lo, pk_real b,
+                               pk_real b_lo)
+{
+    pk_real rest;
+    const pk_real product = a * b, of_product = PK_PAIR_REST(a, b, product);
+    *hi = pk_pair_sum(*hi, product, &rest);
+    *lo += rest + (of_product + (a * b_lo + a_lo * b));
+}
+
+void pk_pairs_settle(struct pk_pairs x, size_t count);
+/* y += c x */
+void pk_pairs_add(struct pk_pairs y, pk_real c, pk_real c_lo, struct pk_pairs x, size_t count);
+/* Y = X M: rows by m, m by m; Y is neither of them. */
+void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, size_t rows,
+                       size_t m);
+
+/* exp(h L) - 1 for an m by m matrix L of that norm (the largest sum of a row's absolute values, or
+ * more), into D. Room: pk_expm_room(m) numbers. PK_NOT_FINITE where it overflows. */
+size_t pk_expm_room(size_t m);
+enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
+                       pk_real *room);
+/* x exp(h L) in place of the row x; room for pk_expm_room(1) m numbers. */
+enum pk_status pk_expm_row(struct pk_pairs x, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
+                           pk_real *room);
+
+#endif
