@@ -102,9 +102,15 @@ class Equations:
     unrolled: str = ""  # why the families of coordinates are not loops
 
 
+Indices = tuple[tuple[int, ...], ...]
+
+
 @dataclass(frozen=True)
 class Structure:
-    """Facts, each proved (never a guess): false means not proved. See enum pk_fact."""
+    """Facts, each proved (never a guess): false means not proved. See enum pk_fact.
+
+    `influences` errs on the side of too many: what is not there is proved to have no influence.
+    """
 
     mass_constant: bool
     mass_diagonal: bool
@@ -115,3 +121,10 @@ class Structure:
     variational: bool
     smooth: bool
     cyclic: tuple[bool, ...]  # p_i is constant
+    affine: bool = False  # the acceleration is so in q and v, with constant coefficients
+    definite: bool = False  # M is positive definite wherever it has a value
+    singular: tuple[str, ...] = ()  # expressions; where one vanishes, M may be singular
+    mass_blocks: Indices = ()  # coordinates that M couples, the finest partition
+    mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
+    influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
+    blocks: Indices = ()  # coordinates that do not influence those of another block

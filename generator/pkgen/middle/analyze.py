@@ -11,6 +11,9 @@ from collections.abc import Iterable
 
 from ..equations import Equations, Structure
 from ..functions import FUNCTIONS
+from .analyze_affine import affine
+from .analyze_coupling import blocks_of, influences, mass_band, mass_blocks
+from .analyze_mass import definite, singular
 from .differentiate import reachable
 from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .normal import WORK, Normal
@@ -29,6 +32,8 @@ def analyze(equations: Equations) -> Structure:
     unforced = all(node == ZERO for node in equations.applied)
     steady = not seen.occurs([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
     jumping = _jumping(equations)
+    coupled = mass_blocks(equations)
+    influence = influences(equations, coupled)
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
@@ -39,6 +44,13 @@ def analyze(equations: Equations) -> Structure:
         variational=unforced,
         smooth=_smooth(equations),
         cyclic=_cyclic(equations, seen, jumping),
+        affine=constant and steady and affine(equations, seen.normal),
+        definite=definite(equations, seen.normal),
+        singular=singular(equations),
+        mass_blocks=coupled,
+        mass_band=mass_band(equations),
+        influences=influence,
+        blocks=blocks_of(influence),
     )
 
 

@@ -180,6 +180,7 @@ class Facts:
     conservative: bool
     variational: bool
     smooth: bool
+    affine: bool
 
 
 @dataclass(frozen=True)

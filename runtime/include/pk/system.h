@@ -34,7 +34,8 @@ enum pk_fact {
     PK_AUTONOMOUS = 1u << 4,   /* nothing depends on t explicitly, and there are no inputs */
     PK_CONSERVATIVE = 1u << 5, /* h is constant: dL/dt = 0, no Q, no D, no inputs */
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
-    PK_SMOOTH = 1u << 7        /* no abs, min, max or step in the equations */
+    PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
+    PK_AFFINE = 1u << 8        /* a = A q + B v + c with constant A, B, c; no t and no inputs */
 };
 
 /* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
