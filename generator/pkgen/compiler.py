@@ -25,10 +25,12 @@ from itertools import islice
 from .back import loops_lower, loops_render, lower, render
 from .back.loops_lower import LoopProgram
 from .back.program import Program
+from .claims import loop_claims, partly_proved
 from .equations import Equations, Structure
 from .front import check, parse
 from .middle import analyze, derive, loops_derive, reduce
 from .middle.loops import Facts, LoopEquations, Unrolled
+from .middle.proofs import check_claims
 from .middle.quantities import families
 from .model import Model
 from .source import Diagnostic, Source
@@ -75,9 +77,13 @@ def stages(
     yield model, warnings
     with _no_collection():
         equations = _equations(model, kernels, self_test, unroll)
+        if isinstance(equations, LoopEquations) and model.conserved:
+            found = loop_claims(file, model, use)
+            equations = replace(equations, facts=replace(equations.facts, claims=found))
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
+        check_claims(model, equations.facts.claims)
         yield equations, reduce.Report()
         loops = loops_lower.lower_loops(equations, libm)
         yield loops
@@ -85,6 +91,7 @@ def stages(
         return
     structure = analyze.analyze(equations)
     yield structure
+    check_claims(equations.model, structure.claims)
     equations, report = reduce.reduce(equations, structure)
     yield equations, report
     with _no_collection():
@@ -116,8 +123,8 @@ def check_model(
     Raises ModelError as compile_model() does: what comes after `reduce` finds nothing more.
     """
     made = stages(source, sizes or {})
-    _, (_, warnings), _, _, _ = islice(made, STAGES.index("reduce") + 1)
-    return warnings
+    _, (model, warnings), _, facts, _ = islice(made, STAGES.index("reduce") + 1)
+    return warnings + partly_proved(model, facts)
 
 
 def _equations(
@@ -160,4 +167,5 @@ def compile_model(
     """
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use)
     _, (model, warnings), _, structure, (equations, report), program, files = made
+    warnings += partly_proved(model, structure)
     return Compilation(model, warnings, equations, structure, report, program, files)

@@ -106,6 +106,15 @@ Indices = tuple[tuple[int, ...], ...]
 
 
 @dataclass(frozen=True)
+class Claim:
+    """What became of a `conserve`: proved, refuted, or not proved, and how or how far."""
+
+    name: str
+    outcome: str  # PROVED, REFUTED or OPEN of middle/proofs.py
+    says: str
+
+
+@dataclass(frozen=True)
 class Structure:
     """Facts, each proved (never a guess): false means not proved. See enum pk_fact.
 
@@ -128,3 +137,4 @@ class Structure:
     mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
     influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
     blocks: Indices = ()  # coordinates that do not influence those of another block
+    claims: tuple[Claim, ...] = ()

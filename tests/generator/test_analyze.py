@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 
 import pytest
 from building import links, model
 from pkgen.back.render import FACTS
+from pkgen.compiler import stages
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
 from pkgen.middle.reduce import reduce
+from pkgen.source import Source
 
 # Potentials and forces below are not quadratic, or not steady, so that nothing is affine.
 FREE = dict(params={"m": 1.3, "k": 2.1}, coords=("x", "y"), kinetic="m/2*(D(x)**2 + D(y)**2)")
@@ -171,3 +174,32 @@ def test_definite_is_proved_from_bounds():
 def test_where_the_mass_matrix_may_be_singular():
     found = facts(params={"m": 1}, coords=("r", "a"), kinetic="m/2*(D(r)**2 + r**2*D(a)**2)")
     assert found.singular == ("r",) and not found.definite
+
+
+CHAIN = """\
+model chain
+size N = 6
+param k[i = 0..N] = 1 + 0.1*i in (0, inf)
+coord q[1..N]
+fixed q[0] = 0.2, q[N+1] = 0
+kinetic sum(q[i]'^2/2 + (q[i+1]' - q[i]')^2/9, i = 1..N)
+potential sum(k[i]/2*(q[i+1] - q[i])^2, i = 0..N)
+dissipation sum(q[i]'^2/i, i = 1..N)
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "affine"),
+    [
+        ("", "", True),
+        ("/2*(q[i+1] - q[i])^2", "/4*(q[i+1] - q[i])^4", False),
+        ("= 0.2,", "= sin(t),", False),
+        ("q[i]'^2/i", "q[i]'^2*q[i]^2", False),
+        ("k[i]/2", "k[i]/2*cos(q[1] - q[1] + i)", True),
+        ("q[i]'^2/2", "q[i]'^2/2*(1 + q[i]^2)", False),
+        ("dissipation", "force q[i = 1..N] = q[i]*q[i]'\ndissipation", False),
+    ],
+)
+def test_affine_of_loops(old, new, affine):
+    (_, _, equations) = islice(stages(Source("chain.lag", CHAIN.replace(old, new)), {}), 3)
+    assert equations.facts.affine is affine

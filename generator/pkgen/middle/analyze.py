@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..equations import Equations, Structure
+from ..equations import Claim, Equations, Structure
 from ..functions import FUNCTIONS
 from .analyze_affine import affine
 from .analyze_coupling import blocks_of, influences, mass_band, mass_blocks
@@ -17,6 +17,7 @@ from .analyze_mass import definite, singular
 from .differentiate import reachable
 from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .normal import WORK, Normal
+from .proofs import claims_of
 from .residues import Varying
 
 RATES = BIT[Kind.RATE]
@@ -51,7 +52,13 @@ def analyze(equations: Equations) -> Structure:
         mass_band=mass_band(equations),
         influences=influence,
         blocks=blocks_of(influence),
+        claims=claims_of(equations, coupled, bool(jumping)),
     )
+
+
+def claims(equations: Equations) -> tuple[Claim, ...]:
+    """The outcome of each `conserve` alone."""
+    return claims_of(equations, mass_blocks(equations), bool(_jumping(equations)))
 
 
 class _Seen:

@@ -14,22 +14,26 @@ def affine(equations: Equations, normal: Normal) -> bool:
     """Of a system with constant M: whether f is affine in q and v, with nothing else that varies
     in it. As it is written, or in its normal form."""
     g = equations.graph
-    nodes = equations.force
-    state = {n for n in reachable(g, nodes, STATE) if g.op[n] is Op.SYMBOL}
-    return all(is_affine(g, [node], state) or _expanded(g, normal, node) for node in nodes)
+    varying = {
+        node: bool(g.depends[node] & STATE)
+        for node in reachable(g, equations.force, VARIABLE)
+        if g.op[node] is Op.SYMBOL
+    }
+    return all(
+        is_affine(g, [node], varying) or _expanded(g, normal, node) for node in equations.force
+    )
 
 
-def is_affine(g: Graph, nodes: list[Node], state: set[Node]) -> bool:
-    """Whether nodes are sums of symbols of the state, each times a constant, as they stand."""
-    affine: dict[Node, bool] = {}  # of what varies
+def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:
+    """Whether nodes are sums of symbols of the state, each times a constant, as they stand.
+
+    `symbols` are those that vary, true where they belong to the state.
+    """
+    affine = dict(symbols)  # of what varies
     for node in reachable(g, nodes):
-        op, args = g.op[node], g.args[node]
-        varying = [affine[a] for a in args if a in affine]
-        if node in state:
-            affine[node] = True
-        elif op is Op.SYMBOL and g.depends[node] & VARIABLE & ~STATE:
-            affine[node] = False
-        elif varying:
+        op = g.op[node]
+        varying = [affine[a] for a in g.args[node] if a in affine]
+        if varying:
             linear = op is Op.ADD or (op is Op.MULTIPLY and len(varying) == 1)
             affine[node] = linear and all(varying)
     return all(affine.get(node, True) for node in nodes)

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from ..equations import Claim
 from ..model import Coordinate, End, Model, Parameter
 from .affine import Affine
 from .graph import Graph, Node
@@ -181,6 +182,7 @@ class Facts:
     variational: bool
     smooth: bool
     affine: bool
+    claims: tuple[Claim, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -51,14 +51,13 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
 def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
     """Whether each is a sum of positions and rates, each times a constant, as it stands."""
     g = x.graph
-    kinds = {
-        node: slot.kind
-        for node in reachable(g, nodes)
-        if g.op[node] is Op.SYMBOL and (slot := x.slot_of(node)) is not None
+    slots = ((node, x.slot_of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
+    symbols = {
+        node: slot.kind in ("q", "v", "d")
+        for node, slot in slots
+        if slot is not None and slot.kind not in ("param", "size", "index")
     }
-    state = {node for node, kind in kinds.items() if kind in ("q", "v", "d")}
-    other = {node for node, kind in kinds.items() if kind in ("w", "sum")}
-    return not other and is_affine(g, nodes, state)
+    return is_affine(g, nodes, symbols)
 
 
 def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
