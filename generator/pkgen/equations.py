@@ -115,6 +115,27 @@ class Claim:
 
 
 @dataclass(frozen=True)
+class Invariant:
+    """A constant of the motion that was found: a sum of terms, each a coefficient of parameters
+    times names: "t", coordinates, momenta and "energy"."""
+
+    name: str  # "energy", "p_phi"; of any other its formula
+    reason: str  # what the motion does not notice
+    generator: str  # in derivatives: "x d/dy - y d/dx"
+    terms: tuple[tuple[Node, tuple[str, ...]], ...]
+    node: Node
+
+
+@dataclass(frozen=True)
+class Symmetries:
+    """What Noether's theorem gives, in a basis; nodes of a graph of their own."""
+
+    graph: Graph
+    searched: str  # among which generators
+    invariants: tuple[Invariant, ...]
+
+
+@dataclass(frozen=True)
 class Structure:
     """Facts, each proved (never a guess): false means not proved. See enum pk_fact.
 
@@ -138,3 +159,4 @@ class Structure:
     influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
     blocks: Indices = ()  # coordinates that do not influence those of another block
     claims: tuple[Claim, ...] = ()
+    symmetries: Symmetries | None = None  # None: not asked for

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from ..equations import Equations, Indices
 from .differentiate import gradient
-from .graph import ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
+from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
 
 CRAMER = 4  # coordinates of one block
 
@@ -33,6 +33,12 @@ class Along:
                 return None
             terms.append(g.multiply(slope, rate))
         return [term for term in terms if term != ZERO]
+
+    def explicit(self, node: Node) -> Node:
+        """Its derivative with the coordinates and rates held: by t, and by what inputs do."""
+        g = self.graph
+        slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT])
+        return g.sum(g.multiply(slope, self._rate(g.data[s])) for s, slope in slopes.items())
 
     def _rate(self, symbol: Symbol) -> Node | None:
         g = self.graph

@@ -19,13 +19,15 @@ from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .normal import WORK, Normal
 from .proofs import claims_of
 from .residues import Varying
+from .symmetries import symmetries
 
 RATES = BIT[Kind.RATE]
 TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 
-def analyze(equations: Equations) -> Structure:
-    """The facts of enum pk_fact, and which coordinates are cyclic."""
+def analyze(equations: Equations, symmetric: bool = False) -> Structure:
+    """The facts of enum pk_fact and others; with `symmetric` also what Noether's theorem gives,
+    which takes longer."""
     seen = _Seen(equations.graph)
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
@@ -53,6 +55,7 @@ def analyze(equations: Equations) -> Structure:
         influences=influence,
         blocks=blocks_of(influence),
         claims=claims_of(equations, coupled, bool(jumping)),
+        symmetries=symmetries(equations, coupled, influence) if symmetric and not jumping else None,
     )
 
 
