@@ -25,10 +25,12 @@ from itertools import islice
 from .back import loops_lower, loops_render, lower, render
 from .back.loops_lower import LoopProgram
 from .back.program import Program
+from .claims import loop_claims, partly_proved
 from .equations import Equations, Structure
 from .front import check, parse
 from .middle import analyze, derive, loops_derive, reduce
 from .middle.loops import Facts, LoopEquations, Unrolled
+from .middle.proofs import check_claims
 from .middle.quantities import families
 from .middle.reduce import Needs
 from .middle.report import Line, Report
@@ -87,9 +89,13 @@ def stages(
     needs = use.needs(model) if use else None
     with _no_collection():
         equations = _equations(model, kernels, self_test, unroll, needs)
+        if isinstance(equations, LoopEquations) and model.conserved:
+            found = loop_claims(file, model, use.model if use else None)
+            equations = replace(equations, facts=replace(equations.facts, claims=found))
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
+        check_claims(model, equations.facts.claims)
         yield equations, equations.facts, Report(lines)
         loops = loops_lower.lower_loops(equations, libm)
         yield loops
@@ -97,6 +103,7 @@ def stages(
         return
     structure = analyze.analyze(equations)
     yield structure
+    check_claims(equations.model, structure.claims)
     report = Report(lines)
     if needs is not None:
         with _no_collection():
@@ -132,8 +139,8 @@ def check_model(
     Raises ModelError as compile_model() does: what comes after `reduce` finds nothing more.
     """
     made = stages(source, sizes or {})
-    _, (_, _, warnings), _, _, _ = islice(made, STAGES.index("reduce") + 1)
-    return warnings
+    _, (_, model, warnings), _, facts, _ = islice(made, STAGES.index("reduce") + 1)
+    return warnings + partly_proved(model, facts)
 
 
 def _equations(
@@ -181,5 +188,6 @@ def compile_model(
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use)
-    _, (declared, model, warnings), _, _, (equations, structure, report), program, files = made
+    _, (declared, model, warnings), _, facts, (equations, structure, report), program, files = made
+    warnings += partly_proved(model, facts)
     return Compilation(declared, model, warnings, equations, structure, report, program, files)

@@ -106,9 +106,45 @@ class Equations:
     quadrature_start: Row = ()
 
 
+Indices = tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What became of a `conserve`: proved, refuted, or not proved, and how or how far."""
+
+    name: str
+    outcome: str  # PROVED, REFUTED or OPEN of middle/proofs.py
+    says: str
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """A constant of the motion that was found: a sum of terms, each a coefficient of parameters
+    times names: "t", coordinates, momenta and "energy"."""
+
+    name: str  # "energy", "p_phi"; of any other its formula
+    reason: str  # what the motion does not notice
+    generator: str  # in derivatives: "x d/dy - y d/dx"
+    terms: tuple[tuple[Node, tuple[str, ...]], ...]
+    node: Node
+
+
+@dataclass(frozen=True)
+class Symmetries:
+    """What Noether's theorem gives, in a basis; nodes of a graph of their own."""
+
+    graph: Graph
+    searched: str  # among which generators
+    invariants: tuple[Invariant, ...]
+
+
 @dataclass(frozen=True)
 class Structure:
-    """Facts, each proved (never a guess): false means not proved. See enum pk_fact."""
+    """Facts, each proved (never a guess): false means not proved. See enum pk_fact.
+
+    `influences` errs on the side of too many: what is not there is proved to have no influence.
+    """
 
     mass_constant: bool
     mass_diagonal: bool
@@ -119,3 +155,12 @@ class Structure:
     variational: bool
     smooth: bool
     cyclic: tuple[bool, ...]  # p_i is constant
+    affine: bool = False  # the acceleration is so in q and v, with constant coefficients
+    definite: bool = False  # M is positive definite wherever it has a value
+    singular: tuple[str, ...] = ()  # expressions; where one vanishes, M may be singular
+    mass_blocks: Indices = ()  # coordinates that M couples, the finest partition
+    mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
+    influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
+    blocks: Indices = ()  # coordinates that do not influence those of another block
+    claims: tuple[Claim, ...] = ()
+    symmetries: Symmetries | None = None  # None: not asked for

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import islice
+
 import pytest
 from building import links, model
+from pkgen.back.render import FACTS
+from pkgen.compiler import stages
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
+from pkgen.source import Source
 
+# Potentials and forces below are not quadratic, or not steady, so that nothing is affine.
 FREE = dict(params={"m": 1.3, "k": 2.1}, coords=("x", "y"), kinetic="m/2*(D(x)**2 + D(y)**2)")
 
 
@@ -28,12 +35,12 @@ def test_a_plain_system_has_every_fact():
     [
         (dict(potential="k*x*cos(3*t)"), {"autonomous", "conservative"}),
         (dict(potential="k*x*u", inputs={"u": 0}), {"autonomous", "conservative"}),
-        (dict(dissipation="k/2*D(x)**2"), {"separable", "conservative", "variational"}),
-        (dict(forces={"x": "-k*x"}), {"conservative", "variational"}),
+        (dict(dissipation="k/2*D(x)**4"), {"separable", "conservative", "variational"}),
+        (dict(forces={"x": "-k*x**3"}), {"conservative", "variational"}),
         (dict(forces={"x": "t"}), {"autonomous", "conservative", "variational"}),
         (dict(potential="k*abs(x)"), {"smooth"}),
         (dict(potential="k*max(x, 0)**3"), {"smooth"}),
-        (dict(lagrangian="k*D(x)*D(y)"), {"mass_diagonal"}),
+        (dict(lagrangian="k*D(x)*D(y) + k*x**3"), {"mass_diagonal"}),
         (dict(lagrangian="x*y*D(x)*k"), {"separable"}),  # gyroscopic: M constant, f not free of v
         (dict(lagrangian="k*D(x)**4"), {"mass_constant", "quadratic", "separable"}),
         (dict(lagrangian="k*x**2*D(x)**2"), {"mass_constant", "separable"}),
@@ -41,8 +48,7 @@ def test_a_plain_system_has_every_fact():
 )
 def test_one_thing_changed(change, gone):
     found = facts(**(FREE | change))
-    names = [f for f in found.__dataclass_fields__ if f != "cyclic"]
-    assert {name for name in names if not getattr(found, name)} == gone
+    assert {name for name, _ in FACTS if not getattr(found, name)} == gone | {"affine"}
 
 
 def test_cyclic_needs_no_force_along_it():
@@ -87,3 +93,106 @@ def test_not_proved_is_false():
 
 def test_a_rotating_pair_is_not_smoothly_confused():
     assert analyze(derive(links(4))).smooth
+
+
+@pytest.mark.parametrize(
+    ("change", "affine"),
+    [
+        (dict(), True),
+        (dict(potential="k/2*(x - 2*y)**2 + m*x"), True),
+        (dict(lagrangian="k*D(x)*D(y) + k*x*D(y)", dissipation="k/2*D(x)**2"), True),
+        (dict(potential="k/2*x**2*(sin(y)**2 + cos(y)**2)"), True),
+        (dict(potential="k*x**3"), False),
+        (dict(potential="k/2*x**2*(1 + cos(3*t))"), False),
+        (dict(forces={"x": "u"}, inputs={"u": 0}), False),
+        (dict(lagrangian="k*x**2*D(x)**2"), False),
+        (dict(forces={"x": "abs(D(x))"}), False),
+        (dict(forces={"x": "x*D(x)"}), False),
+    ],
+)
+def test_affine(change, affine):
+    assert facts(**(FREE | change)).affine is affine
+
+
+def test_mass_blocks_and_band():
+    """p and q share an inertia, and so do r and s; a third pair is one by identity only."""
+    found = facts(
+        coords=("p", "q", "r", "s"),
+        kinetic="(D(p)**2 + D(q)**2 + D(r)**2 + D(s)**2)/2 + D(p)*D(r)/3",
+        lagrangian="D(q)*D(s)*(sin(p)**2 + cos(p)**2 - 1)",
+    )
+    assert found.mass_blocks == ((0, 2), (1,), (3,)) and found.mass_band == 2
+    assert not found.mass_diagonal
+
+
+PAIR = dict(coords=("p", "q", "r"), kinetic="(D(p)**2 + D(q)**2 + D(r)**2)/2")
+
+
+@pytest.mark.parametrize(
+    ("change", "influences", "blocks"),
+    [
+        (dict(potential="cos(p) + cos(q)"), ((0,), (1,), ()), ((0,), (1,), (2,))),
+        (dict(potential="cos(p - r)"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
+        # A force goes one way; a block has both.
+        (dict(forces={"p": "-D(q)"}), ((1,), (), ()), ((0, 1), (2,))),
+        (dict(lagrangian="D(p)*D(q)/2 + cos(q)"), ((1,), (1,), ()), ((0, 1), (2,))),
+        # Through M, though not in any force.
+        (dict(lagrangian="r**2*D(p)**2"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
+        # q drops out by an identity.
+        (dict(forces={"p": "r*(sin(q)**2 + cos(q)**2)"}), ((2,), (), ()), ((0, 2), (1,))),
+    ],
+)
+@pytest.mark.parametrize("solved", [True, False])
+def test_influences(change, influences, blocks, solved):
+    equations = derive(model(**(PAIR | change)))
+    if not solved:
+        equations = replace(equations, acceleration=None)
+    found = analyze(equations)
+    assert all(set(a) <= set(b) for a, b in zip(influences, found.influences, strict=True))
+    assert found.blocks == blocks
+    if solved:
+        assert found.influences == influences
+
+
+def test_definite_is_proved_from_bounds():
+    def with_bounds(lo):
+        e = derive(model(**FREE))
+        zero = e.graph.number(lo)
+        slots = tuple(replace(slot, lo=zero, lo_open=True) for slot in e.parameters)
+        return analyze(replace(e, parameters=slots))
+
+    assert with_bounds(0).definite and not with_bounds(-1).definite
+
+
+def test_where_the_mass_matrix_may_be_singular():
+    found = facts(params={"m": 1}, coords=("r", "a"), kinetic="m/2*(D(r)**2 + r**2*D(a)**2)")
+    assert found.singular == ("r",) and not found.definite
+
+
+CHAIN = """\
+model chain
+size N = 6
+param k[i = 0..N] = 1 + 0.1*i in (0, inf)
+coord q[1..N]
+fixed q[0] = 0.2, q[N+1] = 0
+kinetic sum(q[i]'^2/2 + (q[i+1]' - q[i]')^2/9, i = 1..N)
+potential sum(k[i]/2*(q[i+1] - q[i])^2, i = 0..N)
+dissipation sum(q[i]'^2/i, i = 1..N)
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "affine"),
+    [
+        ("", "", True),
+        ("/2*(q[i+1] - q[i])^2", "/4*(q[i+1] - q[i])^4", False),
+        ("= 0.2,", "= sin(t),", False),
+        ("q[i]'^2/i", "q[i]'^2*q[i]^2", False),
+        ("k[i]/2", "k[i]/2*cos(q[1] - q[1] + i)", True),
+        ("q[i]'^2/2", "q[i]'^2/2*(1 + q[i]^2)", False),
+        ("dissipation", "force q[i = 1..N] = q[i]*q[i]'\ndissipation", False),
+    ],
+)
+def test_affine_of_loops(old, new, affine):
+    (_, _, equations) = islice(stages(Source("chain.lag", CHAIN.replace(old, new)), {}), 3)
+    assert equations.facts.affine is affine

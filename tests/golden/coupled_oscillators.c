@@ -603,7 +603,7 @@ const struct pk_system coupled_oscillators_system = {
     .name = "coupled_oscillators",
     .source_hash = coupled_oscillators_source_hash,
     .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS
-        | PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH,
+        | PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH | PK_AFFINE,
     .n = 3,
     .n_parameters = 3,
     .n_inputs = 0,

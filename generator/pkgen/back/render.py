@@ -30,6 +30,7 @@ FACTS = [
     ("conservative", "PK_CONSERVATIVE"),
     ("variational", "PK_VARIATIONAL"),
     ("smooth", "PK_SMOOTH"),
+    ("affine", "PK_AFFINE"),
 ]
 
 # Kernels of struct pk_system, in its order.

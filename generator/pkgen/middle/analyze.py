@@ -9,19 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..equations import Equations, Structure
+from ..equations import Claim, Equations, Structure
 from ..functions import FUNCTIONS
+from .analyze_affine import affine
+from .analyze_coupling import blocks_of, influences, mass_band, mass_blocks
+from .analyze_mass import definite, singular
 from .differentiate import reachable
 from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .normal import WORK, Normal
+from .proofs import claims_of
 from .residues import Varying
+from .symmetries import symmetries
 
 RATES = BIT[Kind.RATE]
 TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 
-def analyze(equations: Equations) -> Structure:
-    """The facts of enum pk_fact, and which coordinates are cyclic."""
+def analyze(equations: Equations, symmetric: bool = False) -> Structure:
+    """The facts of enum pk_fact and others; with `symmetric` also what Noether's theorem gives,
+    which takes longer."""
     seen = _Seen(equations.graph)
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
@@ -29,6 +35,8 @@ def analyze(equations: Equations) -> Structure:
     unforced = all(node == ZERO for node in equations.applied)
     steady = not seen.occurs([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
     jumping = _jumping(equations)
+    coupled = mass_blocks(equations)
+    influence = influences(equations, coupled)
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
@@ -39,7 +47,21 @@ def analyze(equations: Equations) -> Structure:
         variational=unforced,
         smooth=_smooth(equations),
         cyclic=_cyclic(equations, seen, jumping),
+        affine=constant and steady and affine(equations, seen.normal),
+        definite=definite(equations, seen.normal),
+        singular=singular(equations),
+        mass_blocks=coupled,
+        mass_band=mass_band(equations),
+        influences=influence,
+        blocks=blocks_of(influence),
+        claims=claims_of(equations, coupled, bool(jumping)),
+        symmetries=symmetries(equations, coupled, influence) if symmetric and not jumping else None,
     )
+
+
+def claims(equations: Equations) -> tuple[Claim, ...]:
+    """The outcome of each `conserve` alone."""
+    return claims_of(equations, mass_blocks(equations), bool(_jumping(equations)))
 
 
 class _Seen:

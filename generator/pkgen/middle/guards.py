@@ -41,7 +41,7 @@ def guards_of(
     name: Callable[[Symbol], str],
 ) -> tuple[Guard, ...]:
     """The guards of the equations that `outputs` are; those of the chart first."""
-    ranges = Ranges(g, [_bounds(g, slot) for slot in parameters])
+    ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
     of_mass = {i: p for i, p in enumerate(pivots or ()) if g.depends[p] & VARIABLE}
     charts: dict[Node, None] = {}
     motions: dict[Node, str] = {}
@@ -78,7 +78,7 @@ def guards_of(
     )
 
 
-def _bounds(g: Graph, slot: ParameterSlot) -> Range:
+def bounds_of(g: Graph, slot: ParameterSlot) -> Range:
     lo = -INF if slot.lo is None or g.value(slot.lo) is None else float(g.value(slot.lo))
     hi = INF if slot.hi is None or g.value(slot.hi) is None else float(g.value(slot.hi))
     return Range(lo, hi, slot.lo_open, slot.hi_open)
@@ -197,7 +197,7 @@ def _anywhere(
     WIDE times the default."""
     draw = random.Random(2385)
     moving, used = _moving(g, nodes)
-    bounds = {k: _bounds(g, parameters[k]) for k in used}
+    bounds = {k: bounds_of(g, parameters[k]) for k in used}
 
     def change(k: int, value: float) -> float:
         if k not in bounds:
@@ -221,7 +221,7 @@ def _least_definite(
     _, used = _moving(g, [x for row in mass for x in row])
     cases: list[tuple[int, float]] = [(-1, 0.0)]
     for k in used:
-        at = _bounds(g, parameters[k])
+        at = bounds_of(g, parameters[k])
         cases += [(k, at.lo)] if not at.above and at.lo > -INF else []
         cases += [(k, at.hi)] if not at.below and at.hi < INF else []
     for which, bound in cases:

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from ..equations import Claim
 from ..model import Coordinate, End, Model, Parameter
 from .affine import Affine
 from .graph import Graph, Node
@@ -180,6 +181,8 @@ class Facts:
     conservative: bool
     variational: bool
     smooth: bool
+    affine: bool
+    claims: tuple[Claim, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..functions import FUNCTIONS
+from .analyze_affine import is_affine
 from .differentiate import reachable
 from .graph import BIT, Kind, Node, Op
 from .loops import Facts, LoopEquations, Total, Vector
@@ -43,7 +44,20 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         conservative=not applied and steady and not jumps,
         variational=not applied,
         smooth=smooth,
+        affine=constant and steady and _affine(x, forces),
     )
+
+
+def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
+    """Whether each is a sum of positions and rates, each times a constant, as it stands."""
+    g = x.graph
+    slots = ((node, x.slot_of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
+    symbols = {
+        node: slot.kind in ("q", "v", "d")
+        for node, slot in slots
+        if slot is not None and slot.kind not in ("param", "size", "index")
+    }
+    return is_affine(g, nodes, symbols)
 
 
 def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:

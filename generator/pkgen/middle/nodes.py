@@ -5,9 +5,10 @@
 
 from __future__ import annotations
 
+from copy import copy
 from fractions import Fraction
 from sys import maxsize
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 Node = int
 Factors = tuple[tuple[Node, Fraction | int], ...]
@@ -106,6 +107,14 @@ class Nodes:
 
     def __len__(self) -> int:
         return len(self.op)
+
+    def copy(self) -> Self:
+        """The same nodes under the same numbers, to be added to without a trace here."""
+        result = copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, dict | list):
+                setattr(result, name, value.copy())
+        return result
 
     def tables(self) -> dict[str, dict[object, Node]]:
         """A copy of the nodes by op: a number by (numerator, denominator), what has data by

@@ -35,11 +35,13 @@ class Normal:
         closed: frozenset[Node] = frozenset(),
         canonical: bool = True,
         work: int = WORK,
+        terms: int = TERMS,
     ):
         self.graph = g
         self.closed = closed
         self.canonical = canonical  # whether sin^2 -> 1 - cos^2
         self.work = work
+        self.terms = terms
         self.known: dict[Node, Polynomial] = {}
 
     def __call__(self, output: Node) -> Polynomial | None:
@@ -135,7 +137,7 @@ class Normal:
                     del result[monomial]
         for part in again:
             result = self.added(result, part)
-        if len(result) > TERMS:
+        if len(result) > self.terms:
             raise TooMuch
         return result
 

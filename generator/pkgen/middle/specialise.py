@@ -45,6 +45,10 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
 def held(model: Model, scene: Scene) -> tuple[Model, list[Line]]:
     """Without the coordinates that the scene holds. Raises ModelError where one cannot be."""
     lines = []
+    if scene.holds and model.conserved:
+        names = ", ".join(item.name for item in model.conserved)
+        lines.append(Line("hold", names, "claimed of the free motion, not of this one"))
+        model = replace(model, conserved=())
     for item in scene.holds:
         for index, value in _motions(model, item):
             model = _without(model, item, index, value)

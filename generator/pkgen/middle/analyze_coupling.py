@@ -1,0 +1,105 @@
+"""Which coordinates have to do with which: through M, and through the equations of motion.
+
+Where the accelerations are not solved for, or have no normal form within the work allowed, what
+occurs in them counts as having an influence, though it may cancel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..equations import Equations, Indices
+from .differentiate import reachable
+from .graph import BIT, ZERO, Graph, Kind, Node, Op
+from .normal import Normal
+
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+WORK = 4_000  # products of two terms, for all rows
+
+
+def mass_blocks(equations: Equations) -> Indices:
+    """The finest partition of the coordinates such that M has no entry between two parts."""
+    n = len(equations.coordinates)
+    return partition(
+        n, ((i, j) for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO)
+    )
+
+
+def mass_band(equations: Equations) -> int:
+    """The largest distance from the diagonal of an entry that is not zero."""
+    n = len(equations.coordinates)
+    return max(
+        (i - j for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO), default=0
+    )
+
+
+def influences(equations: Equations, blocks: Indices) -> Indices:
+    """For each coordinate those whose position or rate is in its solved equation of motion.
+
+    `blocks` are those of M: within one, each acceleration has all forces and entries of M in it.
+    """
+    g = equations.graph
+    n = len(equations.coordinates)
+    if equations.acceleration is not None:
+        normal = Normal(g, work=WORK)
+        rows = [_without_identities(g, normal, node) for node in equations.acceleration]
+        return tuple(_occurring(g, rows))
+    found: list[tuple[int, ...]] = [()] * n
+    for block in blocks:
+        nodes = [equations.force[i] for i in block]
+        nodes += [equations.mass[i][j] for i in block for j in block if j <= i]
+        (together,) = _occurring(g, [nodes])
+        for i in block:
+            found[i] = together
+    return tuple(found)
+
+
+def blocks_of(influence: Indices) -> Indices:
+    """The finest partition such that no coordinate influences one of another part."""
+    return partition(len(influence), ((i, j) for i, row in enumerate(influence) for j in row))
+
+
+def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
+    """What is connected by the pairs, each part and the parts in order."""
+    of = list(range(n))
+
+    def root(i: int) -> int:
+        while of[i] != i:
+            of[i] = of[of[i]]
+            i = of[i]
+        return i
+
+    for i, j in pairs:
+        a, b = sorted((root(i), root(j)))
+        of[b] = a
+    parts: dict[int, list[int]] = {}
+    for i in range(n):
+        parts.setdefault(root(i), []).append(i)
+    return tuple(map(tuple, parts.values()))
+
+
+def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
+    """The atoms of the normal form; of a node that has none, itself."""
+    polynomial = normal(node) if g.depends[node] & STATE else {}
+    if polynomial is None:
+        return [node]
+    return [base for monomial in polynomial for base, _ in monomial]
+
+
+def _occurring(g: Graph, rows: list[list[Node]]) -> list[tuple[int, ...]]:
+    """Which coordinates, or their rates, occur in each row of nodes."""
+    bits: dict[Node, int] = {}
+    for node in reachable(g, [node for row in rows for node in row], STATE):
+        if g.op[node] is Op.SYMBOL:
+            bits[node] = 1 << g.data[node].index
+        else:
+            bits[node] = 0
+            for a in g.args[node]:
+                bits[node] |= bits.get(a, 0)
+    result = []
+    for row in rows:
+        mask = 0
+        for node in row:
+            mask |= bits.get(node, 0)
+        result.append(tuple(i for i in range(mask.bit_length()) if mask >> i & 1))
+    return result

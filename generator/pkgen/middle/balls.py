@@ -1,0 +1,168 @@
+"""Values of nodes with a bound of their rounding: each is a midpoint and a radius around it.
+
+The radius grows by what an operation rounds and by what it makes of the radii of its arguments, so
+that the true value is inside; where that cannot be said (a division by a ball around 0, a logarithm
+across 0, a step at its jump) there is no value. References: S. M. Rump, Fast and parallel interval
+arithmetic, BIT 39 (1999) 534-554; F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from .differentiate import reachable
+from .graph import Graph, Kind, Node, Op, Symbol
+
+BITS = 200
+LARGE = 10_000  # an exponential of more is given up
+
+
+class Ball(NamedTuple):
+    mid: Any  # numbers of mpmath
+    rad: Any
+
+    @property
+    def least(self) -> Any:
+        """A lower bound of the magnitude."""
+        return max(abs(self.mid) - self.rad, 0)
+
+    @property
+    def most(self) -> Any:
+        """An upper bound of the magnitude."""
+        return abs(self.mid) + self.rad
+
+
+class Balls:
+    """Arithmetic of a fixed precision; None is what has no value."""
+
+    def __init__(self, bits: int = BITS):
+        from mpmath import MPContext
+
+        self.mp = MPContext()
+        self.mp.prec = bits
+        self.tiny = self.mp.ldexp(1, 4 - bits)
+        self.calls: dict[str, Callable[..., Ball | None]] = {
+            "sin": lambda x: self._slope(self.mp.sin, x, 1),
+            "cos": lambda x: self._slope(self.mp.cos, x, 1),
+            "tan": lambda x: self._quotient(self.calls["sin"](x), self.calls["cos"](x)),
+            "atan": lambda x: self._slope(self.mp.atan, x, 1),
+            "tanh": lambda x: self._slope(self.mp.tanh, x, 1),
+            "asin": lambda x: self._arc(self.mp.asin, x),
+            "acos": lambda x: self._arc(self.mp.acos, x),
+            "atan2": self._atan2,
+            "sinh": lambda x: self._growing(self.mp.sinh, self.mp.cosh, x),
+            "cosh": lambda x: self._growing(self.mp.cosh, self.mp.cosh, x),
+            "exp": lambda x: self._growing(self.mp.exp, self.mp.exp, x),
+            "log": self._log,
+            "sqrt": self._sqrt,
+            "abs": lambda x: self._slope(abs, x, 1),
+            "min": lambda x, y: self._pick(min, x, y),
+            "max": lambda x, y: self._pick(max, x, y),
+            "step": lambda x: self._sign(x, (0, 1, 1)),
+            "sign": lambda x: self._sign(x, (-1, 0, 1)),
+            "pow": self._pow,
+            "reciprocal": lambda x: x if x == (0, 0) else self._inverse(x),
+        }
+
+    def number(self, value: Fraction | int) -> Ball:
+        value = Fraction(value)
+        return self._rounded(self.mp.mpf(value.numerator) / value.denominator, 0)
+
+    def values(
+        self, g: Graph, nodes: Iterable[Node], symbols: Mapping[Symbol, Ball]
+    ) -> list[Ball | None]:
+        """The nodes where the symbols have these values."""
+        nodes = list(nodes)
+        known: dict[Node, Ball | None] = {}
+        for node in reachable(g, nodes):
+            args = [known[a] for a in g.args[node]]
+            known[node] = None if None in args else self._value(g, node, args, symbols)
+        return [known[node] for node in nodes]
+
+    def _value(
+        self, g: Graph, node: Node, args: list[Ball], symbols: Mapping[Symbol, Ball]
+    ) -> Ball | None:
+        op, data = g.op[node], g.data[node]
+        if op is Op.NUMBER:
+            return self.number(data)
+        if op is Op.SYMBOL:
+            return self._rounded(self.mp.pi(), 0) if data.kind is Kind.PI else symbols[data]
+        if op is Op.ADD:
+            return self._rounded(args[0].mid + args[1].mid, args[0].rad + args[1].rad)
+        if op is Op.MULTIPLY:
+            return self._times(*args)
+        if op is Op.POWER:
+            if data.denominator == 1:
+                return self._whole(args[0], int(data))
+            return self._pow(args[0], self.number(data))
+        return self.calls[data](*args)
+
+    def _rounded(self, mid: Any, rad: Any) -> Ball | None:
+        if not self.mp.isfinite(mid):
+            return None
+        return Ball(mid, (rad + abs(mid) * self.tiny) * (1 + self.tiny))
+
+    def _times(self, a: Ball, b: Ball) -> Ball | None:
+        return self._rounded(a.mid * b.mid, a.most * b.rad + a.rad * abs(b.mid))
+
+    def _whole(self, base: Ball, exponent: int) -> Ball | None:
+        result: Ball | None = Ball(self.mp.mpf(1), self.mp.mpf(0))
+        for _ in range(min(abs(exponent), LARGE)):
+            result = result and self._times(result, base)
+        if abs(exponent) > LARGE:
+            return None
+        return self._inverse(result) if exponent < 0 else result
+
+    def _inverse(self, x: Ball | None) -> Ball | None:
+        if x is None or not x.least > 0:
+            return None
+        return self._rounded(1 / x.mid, x.rad / (x.least * abs(x.mid)))
+
+    def _quotient(self, a: Ball | None, b: Ball | None) -> Ball | None:
+        inverse = self._inverse(b)
+        return None if a is None or inverse is None else self._times(a, inverse)
+
+    def _slope(self, function: Callable, x: Ball, steepest: Any) -> Ball | None:
+        return self._rounded(function(x.mid), x.rad * steepest)
+
+    def _growing(self, function: Callable, slope: Callable, x: Ball) -> Ball | None:
+        if x.most > LARGE:
+            return None
+        end = x.mid + x.rad if function is self.mp.exp else x.most
+        return self._slope(function, x, slope(end) * (1 + self.tiny))
+
+    def _arc(self, function: Callable, x: Ball) -> Ball | None:
+        left = 1 - x.most
+        return self._slope(function, x, 1 / self.mp.sqrt(left)) if left > 0 else None
+
+    def _log(self, x: Ball) -> Ball | None:
+        return self._slope(self.mp.log, x, 1 / x.least) if x.mid > 0 and x.least > 0 else None
+
+    def _sqrt(self, x: Ball) -> Ball | None:
+        if x == (0, 0):
+            return x
+        if not (x.mid > 0 and x.least > 0):
+            return None
+        return self._slope(self.mp.sqrt, x, 1 / self.mp.sqrt(x.least))
+
+    def _atan2(self, y: Ball, x: Ball) -> Ball | None:
+        """Not across the cut."""
+        from_origin = self.mp.hypot(y.mid, x.mid) - y.rad - x.rad
+        if not from_origin > 0 or (x.mid <= x.rad and abs(y.mid) <= y.rad):
+            return None
+        return self._rounded(self.mp.atan2(y.mid, x.mid), (y.rad + x.rad) / from_origin)
+
+    def _pick(self, choose: Callable, x: Ball, y: Ball) -> Ball:
+        return Ball(choose(x.mid, y.mid), max(x.rad, y.rad))
+
+    def _sign(self, x: Ball, values: tuple[int, int, int]) -> Ball | None:
+        if x.rad >= abs(x.mid) and x != (0, 0):
+            return None
+        return self.number(values[(x.mid > 0) - (x.mid < 0) + 1])
+
+    def _pow(self, base: Ball, exponent: Ball) -> Ball | None:
+        log = self._log(base)
+        power = None if log is None else self._times(log, exponent)
+        return None if power is None else self.calls["exp"](power)

@@ -1,0 +1,245 @@
+"""Normal forms in which more is equal: angles, exponents and roots are taken apart.
+
+The atoms of `normal.py` are sines of whole arguments and inverses of whole sums. Here sin(x + y)
+is written in sin(x), cos(x), sin(y) and cos(y), tan as sin/cos, sinh and the like in exp,
+pow(x, n - 1) as pow(x, n)/x; and several expressions are brought over one denominator. What is left
+are polynomials in generators with the relations sin^2 = 1 - cos^2 and root^n = what is under it, so
+an expression is zero wherever it is defined if its numerator is. A reciprocal counts as a division:
+what is said here is said of places where nothing is divided by zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import lcm
+
+from .graph import Graph, Kind, Node, Op, Symbol
+from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
+
+WORK = 60_000  # products of two terms: some half a second
+TERMS = 3_000  # of one polynomial
+SUMMANDS = 4  # of an angle or an exponent that is taken apart
+_HYPERBOLIC = {"sinh": (1, -1), "cosh": (1, 1)}
+
+
+class _Finer(Exception):
+    """A smaller fraction of a base angle is needed than was used so far."""
+
+
+class Exact(Normal):
+    """Normal forms of nodes of one graph, which grows; see above."""
+
+    def __init__(self, g: Graph, work: int = WORK):
+        super().__init__(g, work=work, terms=TERMS)
+        self.parts: dict[Monomial, int] = {}  # an angle or exponent is used in such fractions
+        self.roots: dict[Node, tuple[int, Node]] = {}  # x^(1/n): n and x, n > 2
+        self.pi = g.symbol(Symbol(Kind.PI))
+
+    def __call__(self, output: Node) -> Polynomial | None:
+        while True:
+            try:
+                return super().__call__(output)
+            except _Finer:
+                self.known.clear()
+
+    def all(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
+        """Of several at once, so that they have the same atoms; None if it is too much work."""
+        while True:
+            if any(self(node) is None for node in nodes):
+                return None
+            if all(node in self.known for node in nodes):
+                return [self.known[node] for node in nodes]
+
+    def is_zero(self, node: Node) -> bool:
+        """True is a proof; false is none."""
+        numerators = self.numerators([node])
+        return numerators is not None and not numerators[0]
+
+    def numerators(self, nodes: Sequence[Node]) -> list[Polynomial] | None:
+        """The nodes, all times one factor that makes each a polynomial; None as above."""
+        try:
+            found = self.all(nodes)
+            return None if found is None else self.cleared(found)
+        except TooMuch:
+            return None
+
+    def cleared(self, polynomials: list[Polynomial]) -> list[Polynomial]:
+        """Times one product of powers, so that no exponent is negative."""
+        while True:
+            least: dict[Node, int] = {}
+            for polynomial in polynomials:
+                for monomial in polynomial:
+                    for base, e in monomial:
+                        if e < least.get(base, 0):
+                            least[base] = e
+            if not least:
+                return polynomials
+            base = max(least)  # what others are under first
+            polynomials = [self._times(p, base, -least[base]) for p in polynomials]
+
+    def _times(self, polynomial: Polynomial, base: Node, power: int) -> Polynomial:
+        """The polynomial times base^power, the base multiplied out."""
+        by_exponent: dict[int, Polynomial] = {}
+        for monomial, coefficient in polynomial.items():
+            exponents = dict(monomial)
+            e = exponents.pop(base, 0) + power
+            rest = tuple(sorted(exponents.items()))
+            by_exponent.setdefault(e, {})[rest] = coefficient
+        whole = self._opened(base)
+        result: Polynomial = {}
+        for e, part in by_exponent.items():
+            for _ in range(e):
+                part = self.multiplied(part, whole)
+            result = self.added(result, part)
+        return result
+
+    def _opened(self, base: Node) -> Polynomial:
+        """A sum under a division as a polynomial; any other base as itself."""
+        if self.graph.op[base] is not Op.ADD:
+            return {((base, 1),): 1}
+        found = self(base)
+        if found is None:
+            raise TooMuch
+        return found
+
+    # -- powers and functions -------------------------------------------------------------------
+
+    def _reduced(self, monomial: Monomial) -> Polynomial | None:
+        for base, exponent in monomial:
+            n, under = self.roots.get(base, (0, 0))
+            if n and exponent >= n:
+                rest = dict(monomial) | {base: exponent - n}
+                square = self(under)
+                if square is None:
+                    raise TooMuch
+                left = tuple(sorted((b, e) for b, e in rest.items() if e))
+                return self.multiplied(square, self._monomial(left))
+        return super()._reduced(monomial)
+
+    def _polynomial(self, node: Node) -> Polynomial:
+        g = self.graph
+        if g.op[node] is Op.CALL:
+            made = _CALLS.get(g.data[node])
+            found = made(self, *(self.known[a] for a in g.args[node])) if made else None
+            if found is not None:
+                return found
+        return super()._polynomial(node)
+
+    def _power(self, base: Polynomial, exponent: Fraction) -> Polynomial:
+        if exponent.denominator < 3:
+            return super()._power(base, exponent)
+        under = self.plain(base)
+        atom = self.graph._power_node(under, Fraction(1, exponent.denominator))
+        self.roots[atom] = exponent.denominator, under
+        return super()._power({((atom, 1),): 1}, Fraction(exponent.numerator))
+
+    def inverse(self, polynomial: Polynomial) -> Polynomial:
+        return self._power(polynomial, Fraction(-1))
+
+    def multiples(self, polynomial: Polynomial) -> list[tuple[Node, int]] | None:
+        """A sum as integer multiples of base angles; None if it is not worth it."""
+        if len(polynomial) > SUMMANDS:
+            return None
+        found = []
+        for monomial, coefficient in polynomial.items():
+            value = Fraction(coefficient)
+            parts = self.parts.get(monomial, 1)
+            if parts % value.denominator:
+                self.parts[monomial] = lcm(parts, value.denominator)
+                raise _Finer
+            times = int(value * parts)
+            if abs(times) > POWERS:
+                return None
+            found.append((self.term(monomial, Fraction(1, parts)), times))
+        return found
+
+    def circle(self, polynomial: Polynomial) -> tuple[Polynomial, Polynomial] | None:
+        """The cosine and the sine of a sum, by the addition theorems."""
+        quarter = Fraction(polynomial.get(((self.pi, 1),), 0)) * 2
+        turned = {m: c for m, c in polynomial.items() if m != ((self.pi, 1),)}
+        if quarter.denominator > 1:
+            quarter, turned = Fraction(0), polynomial
+        found = self.multiples(turned)
+        if found is None:
+            return None
+        real, imaginary = [({(): 1}, {}), ({}, {(): 1}), ({(): -1}, {}), ({}, {(): -1})][
+            int(quarter) % 4
+        ]
+        for base, times in found:
+            cos: Polynomial = {((self.graph.call("cos", base), 1),): 1}
+            sin: Polynomial = {((self.graph.call("sin", base), 1),): 1 if times > 0 else -1}
+            for _ in range(abs(times)):
+                real, imaginary = (
+                    self.added(self.multiplied(real, cos), self.minus(imaginary, sin)),
+                    self.added(self.multiplied(real, sin), self.multiplied(imaginary, cos)),
+                )
+        return real, imaginary
+
+    def minus(self, a: Polynomial, b: Polynomial) -> Polynomial:
+        """-a b"""
+        return {m: -c for m, c in self.multiplied(a, b).items()}
+
+
+def _cos(x: Exact, angle: Polynomial) -> Polynomial | None:
+    found = x.circle(angle)
+    return found and found[0]
+
+
+def _sin(x: Exact, angle: Polynomial) -> Polynomial | None:
+    found = x.circle(angle)
+    return found and found[1]
+
+
+def _tan(x: Exact, angle: Polynomial) -> Polynomial | None:
+    found = x.circle(angle)
+    return found and x.multiplied(found[1], x.inverse(found[0]))
+
+
+def _exp(x: Exact, exponent: Polynomial, sign: int = 1) -> Polynomial | None:
+    found = x.multiples(exponent)
+    if found is None:
+        return None
+    powers = {x.graph.call("exp", base): sign * times for base, times in found}
+    return {tuple(sorted(powers.items())): 1}
+
+
+def _hyperbolic(x: Exact, exponent: Polynomial, function: str) -> Polynomial | None:
+    up, down = _exp(x, exponent), _exp(x, exponent, -1)
+    if up is None or down is None:
+        return None
+    first, second = _HYPERBOLIC[function]
+    half = Fraction(1, 2)
+    return x.added(
+        {m: c * first * half for m, c in up.items()},
+        {m: c * second * half for m, c in down.items()},
+    )
+
+
+def _tanh(x: Exact, exponent: Polynomial) -> Polynomial | None:
+    sinh, cosh = _hyperbolic(x, exponent, "sinh"), _hyperbolic(x, exponent, "cosh")
+    if sinh is None or cosh is None:
+        return None
+    return x.multiplied(sinh, x.inverse(cosh))
+
+
+def _pow(x: Exact, base: Polynomial, exponent: Polynomial) -> Polynomial | None:
+    """The whole part of the exponent apart."""
+    whole = Fraction(exponent.get((), 0)) // 1
+    rest = x.added(exponent, {(): -whole}) if whole else exponent
+    atom = x.graph.call("pow", x.plain(base), x.plain(rest))
+    power: Polynomial = {((atom, 1),): 1}
+    return x.multiplied(power, x._power(base, Fraction(whole))) if whole else power
+
+
+_CALLS = {
+    "cos": _cos,
+    "sin": _sin,
+    "tan": _tan,
+    "exp": _exp,
+    "sinh": lambda x, a: _hyperbolic(x, a, "sinh"),
+    "cosh": lambda x, a: _hyperbolic(x, a, "cosh"),
+    "tanh": _tanh,
+    "reciprocal": lambda x, a: x.inverse(a),
+    "pow": _pow,
+}

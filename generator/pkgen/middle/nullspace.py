@@ -1,0 +1,154 @@
+"""The null space of a matrix whose entries are polynomials in parameters.
+
+Modulo a prime, with residues for the parameters, it costs little and says how many dimensions there
+are and in which columns and rows the answer lies. Only that part is solved exactly, over the
+field of fractions of the parameters. A vector is handed on if it solves every row exactly.
+Reference: J. von zur Gathen, J. Gerhard, Modern Computer Algebra, 3rd edition, chapter 5.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd, lcm
+
+from .nodes import Node
+from .normal import Polynomial
+from .residues import PRIME
+
+Row = dict[int, Polynomial]  # by column
+Vector = dict[int, Polynomial]
+Residues = dict[int, int]
+
+
+@dataclass
+class _Eliminated:
+    """Rows in echelon form modulo PRIME, the first columns preferred as pivots."""
+
+    rows: dict[int, Residues]  # by pivot
+    origin: list[int]  # which of the given rows have added one
+
+    def reduce(self, row: Residues) -> Residues:
+        for column in sorted(self.rows):
+            factor = row.get(column)
+            if factor:
+                row = _combined(row, self.rows[column], -factor)
+        return row
+
+    def add(self, row: Residues, number: int) -> None:
+        row = self.reduce(row)
+        if not row:
+            return
+        pivot = min(row)
+        inverse = pow(row[pivot], -1, PRIME)
+        row = {c: x * inverse % PRIME for c, x in row.items()}
+        for other, there in self.rows.items():
+            if pivot in there:
+                self.rows[other] = _combined(there, row, -there[pivot])
+        self.rows[pivot] = row
+        self.origin.append(number)
+
+
+def _combined(a: Residues, b: Residues, factor: int) -> Residues:
+    """a + factor b"""
+    result = dict(a)
+    for column, value in b.items():
+        total = (result.get(column, 0) + factor * value) % PRIME
+        if total:
+            result[column] = total
+        else:
+            result.pop(column, None)
+    return result
+
+
+def null_space(rows: list[Row], columns: int) -> list[Vector]:
+    """A basis, each vector without denominators or common factors, its last entry positive."""
+    done = _eliminated(rows)
+    free = {c for c in range(columns) if c not in done.rows}
+    if not free:
+        return []
+    # In any other column all solutions are zero.
+    support = sorted(free | {p for p, row in done.rows.items() if not free.isdisjoint(row)})
+    place = {column: k for k, column in enumerate(support)}
+    inside = [{place[c]: entry for c, entry in row.items() if c in place} for row in rows]
+    inside = [row for row in inside if row]
+    needed = [inside[number] for number in _eliminated(inside).origin]
+    found = _solved(needed, inside, len(support))
+    return [{support[k]: entry for k, entry in vector.items()} for vector in found]
+
+
+def _eliminated(rows: list[Row]) -> _Eliminated:
+    draw = random.Random(2385)
+    atoms = sorted({b for row in rows for p in row.values() for m in p for b, _ in m})
+    at = {base: draw.randrange(2, PRIME) for base in atoms}
+    done = _Eliminated({}, [])
+    for number, row in enumerate(rows):
+        values = {c: _residue(entry, at) for c, entry in row.items()}
+        done.add({c: x for c, x in values.items() if x}, number)
+    return done
+
+
+def _residue(polynomial: Polynomial, at: dict[Node, int]) -> int:
+    total = 0
+    for monomial, coefficient in polynomial.items():
+        value = coefficient.numerator * pow(coefficient.denominator, -1, PRIME)
+        for base, exponent in monomial:
+            value = value * pow(at[base], exponent, PRIME) % PRIME
+        total += value
+    return total % PRIME
+
+
+def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
+    from sympy import QQ, field
+    from sympy.polys.matrices import DomainMatrix
+
+    atoms = sorted({b for row in every for p in row.values() for m in p for b, _ in m})
+    position = {base: k for k, base in enumerate(atoms)}
+    fractions, *_ = field([f"a{k}" for k in range(len(atoms))] or ["unused"], QQ)
+    ring = fractions.ring
+
+    def element(polynomial: Polynomial):
+        terms = {}
+        for monomial, c in polynomial.items():
+            powers = [0] * ring.ngens
+            for base, exponent in monomial:
+                powers[position[base]] = exponent
+            terms[tuple(powers)] = QQ(c.numerator, c.denominator)
+        return ring.from_dict(terms)
+
+    def polynomial_of(x) -> Polynomial:
+        return {
+            tuple((atoms[k], e) for k, e in enumerate(powers) if e): Fraction(
+                int(c.numerator), int(c.denominator)
+            )
+            for powers, c in x.terms()
+        }
+
+    rows = [{c: element(entry) for c, entry in row.items()} for row in every]
+    table = [[fractions.new(element(row.get(c, {}))) for c in range(width)] for row in needed]
+    matrix = DomainMatrix(table, (len(table), width), fractions.to_domain())
+    found = []
+    for vector in matrix.nullspace().to_list():
+        whole = _without_denominators(ring, vector)
+        # Each of the rows, not only of those that were solved.
+        if all(sum((x * whole[c] for c, x in row.items()), ring.zero) == 0 for row in rows):
+            found.append({k: polynomial_of(x) for k, x in enumerate(whole) if x})
+    return found
+
+
+def _without_denominators(ring, vector: list) -> list:
+    common = ring.one
+    for x in vector:
+        common = common.lcm(x.denom)
+    whole = [x.numer * common.exquo(x.denom) for x in vector]
+    divisor = ring.zero
+    for x in whole:
+        divisor = divisor.gcd(x)
+    whole = [x.exquo(divisor) for x in whole]
+    sign = -1 if next(x for x in reversed(whole) if x).LC < 0 else 1
+    # Over the rationals a greatest common divisor leaves numbers alone.
+    numbers = [c for x in whole for c in x.coeffs()]
+    scale = lcm(*(int(c.denominator) for c in numbers))
+    scale = Fraction(scale, gcd(*(int(c.numerator * (scale // c.denominator)) for c in numbers)))
+    return [x * ring.domain(sign * scale.numerator, scale.denominator) for x in whole]

@@ -1,0 +1,97 @@
+"""States at which a claim is tried: short decimals, so that a person can check a counterexample."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ..equations import Equations
+from .balls import Ball, Balls
+from .differentiate import reachable
+from .evaluate import evaluate
+from .graph import Graph, Kind, Node, Op, Symbol
+from .guards import bounds_of
+
+TRIED = 24  # the first half with parameters at their defaults
+
+
+@dataclass(frozen=True)
+class Sample:
+    values: dict[Symbol, Ball]
+    chosen: dict[Symbol, Fraction]  # what was not left at its default
+    varied: bool  # a parameter too
+
+
+def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
+    """States for the symbols that occur in the nodes, near the start and anywhere."""
+    draw = random.Random(2385)
+    found = {g.data[n] for n in reachable(g, nodes) if g.op[n] is Op.SYMBOL}
+    symbols = sorted(s for s in found if s.kind not in (Kind.PI, Kind.PARAMETER))
+    used = {s.index for s in found if s.kind is Kind.PARAMETER}
+    start = _starts(equations)
+    for k in range(TRIED):
+        chosen = {s: _drawn(draw, start.get(s, Fraction(0)), k % 2 == 0) for s in symbols}
+        varied = {}
+        if k >= TRIED // 2:
+            varied = _varied(equations, draw, used)
+            chosen |= varied
+        elif not symbols and k:
+            continue
+        values = _parameters(equations, balls, varied)
+        if values is not None:
+            values |= {s: balls.number(x) for s, x in chosen.items()}
+            yield Sample(values, chosen, bool(varied))
+
+
+def _drawn(draw: random.Random, start: Fraction, near: bool) -> Fraction:
+    """Not 0, where things vanish that do not elsewhere."""
+    apart = Fraction(draw.choice((-1, 1)) * draw.randint(1, 16), 8)
+    return start * Fraction(draw.randint(12, 20), 16) + apart / 2 if near else apart
+
+
+def _starts(equations: Equations) -> dict[Symbol, Fraction]:
+    """Where the motion begins, to a few digits."""
+    g = equations.graph
+    fixed: dict[Symbol, float] = {}
+    for k, slot in enumerate(equations.parameters):
+        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
+    found = {}
+    for kind, row in ((Kind.COORDINATE, equations.start_q), (Kind.RATE, equations.start_v)):
+        for i, value in enumerate(evaluate(g, row, fixed)):
+            finite = abs(value) < float("inf")  # nor nan
+            found[Symbol(kind, i)] = Fraction(f"{value:.3g}") if finite else Fraction(0)
+    return found
+
+
+def _varied(equations: Equations, draw: random.Random, used: set[int]) -> dict[Symbol, Fraction]:
+    """Parameters that have a number as default, elsewhere within their bounds."""
+    g, found = equations.graph, {}
+    for k, slot in enumerate(equations.parameters):
+        value = g.value(slot.default)
+        factor, apart = Fraction(draw.randint(4, 16), 8), Fraction(draw.randint(1, 8), 8)
+        if k not in used or value is None:
+            continue
+        new = value * factor if value else apart
+        bounds = bounds_of(g, slot)
+        numeric = all(end is None or g.value(end) is not None for end in (slot.lo, slot.hi))
+        if numeric and bounds.lo < new < bounds.hi:
+            found[Symbol(Kind.PARAMETER, k)] = new
+    return found
+
+
+def _parameters(
+    equations: Equations, balls: Balls, varied: dict[Symbol, Fraction]
+) -> dict[Symbol, Ball] | None:
+    values: dict[Symbol, Ball] = {}
+    for k, slot in enumerate(equations.parameters):
+        symbol = Symbol(Kind.PARAMETER, k)
+        if symbol in varied:
+            ball = balls.number(varied[symbol])
+        else:
+            (ball,) = balls.values(equations.graph, [slot.default], values)
+        if ball is None:
+            return None
+        values[symbol] = ball
+    return values

@@ -1,0 +1,258 @@
+"""`conserve`: proved, refuted and not proved, each where it is so; SymPy has a second opinion."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from itertools import islice
+
+import pytest
+import sympy
+from conftest import ROOT
+from pkgen.compiler import check_model, stages
+from pkgen.middle.along import Along
+from pkgen.middle.sympy_bridge import to_sympy
+from pkgen.source import ModelError, Source
+
+KEPLER = """\
+model kepler
+param mu = 1 in (0, inf)
+param eps = 0.1
+coord x, y, z
+let r = sqrt(x^2 + y^2 + z^2)
+kinetic (x'^2 + y'^2 + z'^2)/2
+potential -mu/r
+let Lx = y*z' - z*y'
+let Ly = z*x' - x*z'
+let Lz = x*y' - y*x'
+start x = 1, y' = 0.8, z' = 0.3
+"""
+LENZ = """\
+conserve Ax = y'*Lz - z'*Ly - mu*x/r
+conserve Ay = z'*Lx - x'*Lz - mu*y/r
+conserve Az = x'*Ly - y'*Lx - mu*z/r
+"""
+POLAR = """\
+model polar
+param mu = 1 in (0, inf)
+coord r, phi
+kinetic (r'^2 + r^2*phi'^2)/2
+potential -mu/r
+let L = r^2*phi'
+start r = 1, phi' = 0.8
+"""
+PENDULUM = """\
+model pendulum
+param g = 9.81
+coord a
+input u
+kinetic a'^2/2
+potential -g*cos(a)
+start a = 1
+"""
+PAIR = "model pair\ncoord x, y\nkinetic (x'^2 + y'^2)/2\nstart x = 1, y = 1\n"
+# Two links without gravity: dense M, whose denominators must cancel.
+LINKS = """\
+model links
+param m = 1.3 in (0, inf)
+coord a, b
+let x = sin(a) + sin(b)
+let y = -cos(a) - cos(b)
+kinetic m/2*a'^2 + (x'^2 + y'^2)/2
+"""
+
+
+def claims(text, sizes=None):
+    *_, structure = islice(stages(Source("x.lag", text), sizes or {}), 4)
+    return structure.claims
+
+
+def outcomes(text, **sizes):
+    return [claim.outcome for claim in claims(text, sizes)]
+
+
+@pytest.mark.parametrize(
+    ("model", "claim"),
+    [
+        (KEPLER, "conserve J = Lx^2 + Ly^2 + Lz^2 + energy"),
+        (POLAR, "conserve Ax = L*(r'*sin(phi) + r*phi'*cos(phi)) - mu*cos(phi)"),
+        (POLAR, "conserve e2 = (L^2/r - mu)^2 + (L*r')^2"),
+        (PENDULUM, "conserve h = a'^2/2 + 2*g*sin(a/2)^2"),  # half angles
+        (PENDULUM, "conserve h = exp(energy)*sinh(energy)/cosh(energy)^3"),
+        (LINKS, "conserve P = p_a + p_b"),
+        (LINKS, "conserve J = m*a' + x*y' - y*x'"),
+        (LINKS, "conserve J = ((2 - m)*sin(a)^2 + p_a + p_b + (2 - m)*cos(a)^2)^3"),
+        (LINKS, "conserve h = (1 + m)/2*a'^2 + b'^2/2 + a'*b'*cos(a - b)"),
+        (PAIR, "conserve c = x*y' - y*x'"),
+        (PAIR, "conserve c = x - t*x'"),
+        (PAIR + "potential x*y\n", "conserve c = (x' + y')^2 + (x + y)^2"),
+        (PAIR + "potential (x^2)^(2/3)\n", "conserve c = x'^2/2 + x^2/(x^2)^(1/3)"),
+        (PAIR + "param n = 3\npotential x^(2*n)/n\n", "conserve c = (x'^2*n/2 + x*x^(2*n - 1))/n"),
+        (PAIR + "potential log(cosh(x))\n", "conserve c = x'^2/2 + log(exp(x) + exp(-x))"),
+        (PAIR + "force x = sin(t)\n", "conserve c = x' + cos(t)"),
+        (PAIR + "dissipation x'^2/2\n", "conserve c = x' + x"),
+        (PAIR + "dissipation x'^2/2\n", "conserve c = x'*exp(t)"),
+        (PAIR + "input u\npotential u*x\n", "conserve c = y'"),
+        (PAIR + "input u\nkinetic (x' + u)^2/2\n", "conserve c = 2*x' + u"),  # u' cancels
+    ],
+)
+def test_proved(model, claim):
+    assert outcomes(f"{model}{claim}\n") == ["proved"]
+
+
+def test_the_vector_of_laplace_runge_and_lenz():
+    assert outcomes(KEPLER + LENZ) == ["proved"] * 3
+    for perturbed in ("-mu/r + eps/r^3", "-mu/r^(1 + eps)"):
+        assert outcomes(KEPLER.replace("-mu/r", perturbed) + LENZ) == ["refuted"] * 3
+
+
+@pytest.mark.parametrize(
+    ("model", "claim"),
+    [
+        (KEPLER, "conserve c = Lx*x + Lz"),
+        (KEPLER, "conserve c = energy + 1e-30*x"),  # far below the rounding of a double
+        (PENDULUM, "conserve c = a'^2/2 + g*cos(a)"),
+        (PENDULUM, "conserve c = energy + u"),
+        (PENDULUM.replace("-g*cos(a)", "-g*cos(a)*(1 + u)"), "conserve c = energy"),
+        (PENDULUM.replace("-g*cos(a)", "-g*cos(a - t)"), "conserve c = energy"),
+        (PENDULUM + "dissipation a'^2/100\n", "conserve c = energy"),
+        (LINKS + "potential y\n", "conserve P = p_a + p_b"),
+        (PAIR + "potential x\n", "conserve c = x*y' - y*x'"),
+    ],
+)
+def test_refuted(model, claim):
+    assert outcomes(f"{model}{claim}\n") == ["refuted"]
+
+
+def test_a_counterexample_is_one():
+    """Its numbers, put into SymPy's derivative along x'' = -x^2 - 1/10, are those that it says."""
+    text = PAIR + "param b = 0.1\npotential x^3/3 + b*x\nconserve c = x*x'\n"
+    (claim,) = claims(text)
+    said = dict(pair.split(" = ") for pair in claim.says.split("at ")[1].split(", "))
+    rate = claim.says.split(" = ")[1].split(",")[0]
+    x, v = sympy.Rational(said["x"]), sympy.Rational(said["x'"])
+    assert float(v**2 + x * (-(x**2) - sympy.Rational(1, 10))) == pytest.approx(
+        float(rate), rel=1e-3
+    )
+
+
+def test_of_parameters_too():
+    """True for the default alone."""
+    text = PAIR + "param k = 1\npotential x^2/2 + k*y^2/2\nconserve c = x*y' - y*x'\n"
+    (claim,) = claims(text)
+    assert claim.outcome == "refuted" and "k = " in claim.says and "const" in claim.says
+    assert outcomes(text.replace("param", "const")) == ["proved"]
+
+
+@pytest.mark.parametrize(
+    ("model", "claim", "why"),
+    [
+        # True wherever the model is defined, but not everywhere where the claim is.
+        (PAIR + "potential sqrt(x)*sqrt(y)\n", "(x'^2 + y'^2)/2 + sqrt(x*y)", "at 15 states"),
+        (PAIR, "step(x)", "step jumps"),
+        (PAIR + "potential step(x)\n", "x'", "L jumps"),
+        # d/dt is 0, yet phi grows by what atan2 falls back each turn.
+        (
+            "model m\ncoord r, phi\nkinetic (r'^2 + r^2*phi'^2)/2\nstart r = 1\n",
+            "atan2(r*sin(phi), r*cos(phi)) - phi",
+            "atan2 jumps",
+        ),
+        (PAIR, "sqrt(-1 - x^2)", "no state"),
+    ],
+)
+def test_neither(model, claim, why):
+    (found,) = claims(f"{model}conserve c = {claim}\n")
+    assert found.outcome == "not proved" and why in found.says
+
+
+def test_too_large_is_not_proved_and_does_not_hang():
+    """The energy of seven links by other angles: true, and beyond the work that is allowed."""
+    n = range(1, 8)
+    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
+    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
+    energies = "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\npotential y{i}\n" for i in n)
+    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}{energies}"
+    total = " + ".join(f"(x{i}'^2 + y{i}'^2)/2 + 1 - 2*cos(a{i}/2)^2*{8 - i}" for i in n)
+    (found,) = claims(f"{text}conserve c = {total}\n")
+    assert found.outcome == "not proved" and "at 24 states" in found.says
+    assert float(found.says.split("below ")[1].split()[0]) < 1e-50
+
+
+CHAIN = """\
+model chain
+size N = 9
+param m[i = 1..N] = 1 + 0.1*i in (0, inf)
+coord q[1..N]
+free q
+kinetic sum(m[i]*q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 0..N)
+conserve P = sum(m[i]*q[i]', i = 1..N)
+"""
+
+
+def test_families_kept_as_loops():
+    (claim,) = claims(CHAIN)
+    assert claim.outcome == "proved" and claim.says.endswith("with N = 9")
+    assert check_model(Source("x.lag", CHAIN)) == ()
+    wrong = CHAIN.replace("m[i]*q[i]'", "q[i]'").replace(
+        "kinetic sum(q[i]'", "kinetic sum(m[i]*q[i]'"
+    )
+    assert outcomes(wrong) == outcomes(wrong, N=1000) == ["refuted"]
+
+
+def test_a_family_too_large_to_unroll_is_proved_for_few_and_says_so():
+    (claim,) = claims(CHAIN, {"N": 1000})
+    assert claim.outcome == "proved" and claim.says.endswith("with N = 5")
+    (warning,) = check_model(Source("x.lag", CHAIN), sizes={"N": 1000})
+    assert "with N = 5, but not with N = 1000" in warning.message
+    far = CHAIN.replace("i = 1..N)\n", "i = 1..N) + 0*q[7]\n")
+    assert [c.outcome for c in claims(far, {"N": 1000})] == ["not proved"]
+
+
+def test_what_is_not_proved_is_an_error():
+    text = POLAR + "conserve a = r\nconserve b = r^2*phi'\nconserve c = r + sqrt(-1 - r^2)\n"
+    with pytest.raises(ModelError) as raised:
+        check_model(Source("x.lag", text))
+    first, second = raised.value.diagnostics
+    assert first.message.startswith("'a' is not constant: da/dt = ")
+    assert second.message.startswith("that 'c' is constant is not proved: ")
+    assert "observe a" in first.help and text[first.span.start :].startswith("conserve a")
+
+
+def test_the_derivative_is_sympys():
+    """Along the equations of two links, at exact arguments, against M solved by SymPy."""
+    text = LINKS + "potential y\nobserve c = a'*x*sin(b) + t*b'^2*y\n"
+    _, _, e, structure = islice(stages(Source("x.lag", text), {}), 4)
+    along = Along(e, structure.mass_blocks)
+    ours = along.graph.sum(along.terms(e.observed[0]))
+    names = {}
+
+    def symbol(s):
+        return names.setdefault(s, sympy.Symbol(f"{s.kind}{s.index}"))
+
+    ours, claim, *rest = to_sympy(
+        along.graph, [ours, e.observed[0], *sum(e.mass, ()), *e.force], symbol
+    )
+    a = sympy.Matrix(2, 2, rest[:4]).LUsolve(sympy.Matrix(rest[4:]))
+    by = {s.kind + str(s.index): x for s, x in names.items()}
+    theirs = sum(
+        (
+            sympy.diff(claim, by[f"coordinate{i}"]) * by[f"rate{i}"]
+            + sympy.diff(claim, by[f"rate{i}"]) * a[i]
+            for i in range(2)
+        ),
+        sympy.diff(claim, by["time0"]),
+    )
+    at = {x: sympy.Float(0.1 + k * 0.37, 40) for k, x in enumerate(names.values())}
+    assert ours.subs(at).evalf(30) == pytest.approx(theirs.subs(at).evalf(30), rel=1e-25)
+    assert abs(theirs.subs(at).evalf(30)) > 0.01
+
+
+def test_sympy_is_not_imported_for_a_model_without_claims():
+    program = (
+        "import sys; from pkgen.__main__ import main; code = main(['check', sys.argv[1]]); "
+        "sys.exit(code or 5 * bool({'sympy', 'mpmath'} & set(sys.modules)))"
+    )
+    for model in ("double_pendulum", "heavy_top"):  # the second has a claim, proved without it
+        path = ROOT / f"models/{model}.lag"
+        subprocess.run([sys.executable, "-c", program, path], check=True)
