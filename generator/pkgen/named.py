@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from .compiler import Compilation
@@ -124,6 +124,26 @@ def observed(compilation: Compilation) -> list[Quantity]:
     if compilation.looped:
         return [Quantity(o.name, o.unit, o.description) for o in compilation.model.observed]
     return list(compilation.equations.observed_names)
+
+
+def set_parameters(
+    compilation: Compilation,
+    values: Iterable[tuple[int, float]],
+    members: Iterable[tuple[int, int, float]],
+) -> dict[tuple[str, int | None], float]:
+    """What settings set, by name and index; `members` are of families that are loops."""
+    declared = parameters(compilation).declared
+    found: dict[tuple[str, int | None], float] = {}
+    for k, position, x in members:
+        found[declared[k].quantity.name, declared[k].lo + position] = x
+    for k, x in values:
+        if compilation.looped:
+            found[declared[k].quantity.name, None] = x
+            continue
+        item = next(d for d in declared if d.first <= k < d.first + d.count)
+        index = None if item.lo is None else item.lo + k - item.first
+        found[item.quantity.name, index] = x
+    return found
 
 
 def _declared(quantity: Quantity, family) -> Declared:

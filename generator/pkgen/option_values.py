@@ -14,6 +14,7 @@ from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
+from .scene_model import hidden
 from .simulate import Shown
 
 # What pkgen has, and no model.
@@ -117,7 +118,7 @@ class Values:
     def shown_as(self, text: str) -> Shown:
         """`--record`: one of the columns that rows have without it."""
         name = self.flat_name("--record", text.strip())
-        observed = [q.name for q in named.observed(self.compilation)]
+        observed = [q.name for q in named.observed(self.compilation) if not hidden(q.name)]
         for kind, known in (("q", self.coordinates), ("v", self.rates), ("observed", observed)):
             if name in known:
                 return self.shown(kind, name)
