@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from .compiler import Compilation
 from .equations import Quantity
 from .middle.quantities import families, indexed, input_quantities
 from .model import Coordinate, Model, Parameter
+
+if TYPE_CHECKING:
+    from .simulate import Settings
 
 SUGGESTED = 12  # members of a family that a hint goes through
 _MEMBER = re.compile(r"(\w+)\[(-?\d+)\]('*)")
@@ -159,9 +163,41 @@ def observed(compilation: Compilation) -> list[Quantity]:
     return list(compilation.equations.observed_names)
 
 
+def set_starts(compilation: Compilation, settings: Settings) -> frozenset[str]:
+    """The starts that settings set, by name: "theta", "theta'"."""
+    found = {name for name, _ in _at(coordinates(compilation), settings.start_q)}
+    found |= {name for name, _ in _at(coordinates(compilation, rates=True), settings.start_v)}
+    of_parameters = {name for name, _ in _at(parameters(compilation), settings.parameters)}
+    return frozenset(found) | {
+        name + "'" * order
+        for (name, order), parameter in compilation.report.starts.items()
+        if parameter in of_parameters
+    }
+
+
+def _at(known: Named, values: Iterable[tuple[int, float]]) -> Iterator[tuple[str, float]]:
+    columns = known.columns(10**9)
+    return ((columns[k].name, x) for k, x in values)
+
+
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
     """Each by itself, members of families too."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
+
+
+def set_parameters(
+    compilation: Compilation,
+    values: Iterable[tuple[int, float]],
+    members: Iterable[tuple[int, int, float]],
+) -> dict[tuple[str, int | None], float]:
+    """What settings set, by name and index; `members` are of families that are loops."""
+    declared = parameters(compilation).declared
+    found: dict[tuple[str, int | None], float] = {}
+    for k, position, x in members:
+        found[declared[k].quantity.name, declared[k].lo + position] = x
+    for k, x in values:
+        found[key(declared[k].quantity.name)] = x
+    return found
 
 
 def _declared(quantity: Quantity, family) -> Declared:

@@ -6,6 +6,7 @@ import argparse
 from dataclasses import dataclass
 
 from . import scene as scenes
+from . import scene_model
 from .compiler import Use
 from .exits import UsageError
 from .middle.reduce import REDUCTIONS, Needs
@@ -28,9 +29,10 @@ class Asked:
     run_time: frozenset[str]
     off: frozenset[str]
     quadratures: bool
+    swarm: bool
 
 
-def of_run(options: argparse.Namespace) -> Use | None:
+def of_run(options: argparse.Namespace, swarm: bool) -> Use | None:
     """For a run: no more than its rows need."""
     if options.scene is None:
         return None
@@ -45,7 +47,8 @@ def of_run(options: argparse.Namespace) -> Use | None:
         options.at,
         frozenset(text.partition("=")[0].strip() for text in options.set),
         off,
-        options.ensemble is None,
+        options.ensemble is None and not swarm,
+        swarm,
     )
     return _use(options.scene, asked)
 
@@ -54,7 +57,7 @@ def whole(options: argparse.Namespace) -> Use | None:
     """For charts and maps: all coordinates that the scene does not hold, all parameters."""
     if options.scene is None:
         return None
-    return _use(options.scene, Asked(None, None, frozenset(), EVERY, False))
+    return _use(options.scene, Asked(None, None, frozenset(), EVERY, False, False))
 
 
 def switched_off(text: str | None) -> frozenset[str]:
@@ -72,7 +75,10 @@ def switched_off(text: str | None) -> frozenset[str]:
 def _use(name: str, asked: Asked) -> Use:
     def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
         scene = scenes.chosen(declared, name)
-        used, lines = scenes.used(declared, scene), []
+        if scene.swarm is not None and not asked.swarm:
+            at = scenes.place(declared, scene.swarm.span)
+            raise UsageError(f"{at}: a swarm is many motions: 'pkgen run' runs it")
+        used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)
         used, of_holds = held(used, scene)
@@ -82,13 +88,12 @@ def _use(name: str, asked: Asked) -> Use:
         scene = scenes.chosen(used, name)
         columns = asked.columns
         if columns is None and scene.record is not None:
-            columns = tuple(item.name for item in scene.record.columns)
+            columns = tuple(scene_model.columns(scene))
         if columns is None or frozenset(REDUCTIONS) <= asked.off:
             return None
-        events = {asked.event or (scene.record.at if scene.record else ""), *scenes.events(scene)}
         return Needs(
-            frozenset(columns) | scenes.hidden(used, scene),
-            frozenset(events),
+            frozenset(columns) | scene_model.needed(used, scene),
+            scene_model.events(scene) | {asked.event or ""},
             asked.quadratures,
             asked.off,
         )
