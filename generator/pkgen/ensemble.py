@@ -11,17 +11,22 @@ import array
 import csv
 import difflib
 import math
+import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from .compiler import Compilation
+from .equations import Quantity
 from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
+
+if TYPE_CHECKING:
+    import numpy
 
 PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
@@ -38,27 +43,51 @@ class Column:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """A file of members, all values in SI."""
+    """Members of a file or of a scene's swarm, all values in SI."""
 
     path: str
     columns: tuple[Column, ...]
-    lines: tuple[int, ...]  # where each member stands in the file
-    values: array.array = field(repr=False)  # of doubles, member by member
+    lines: Sequence[int]  # where each member stands in the file, or its number in the swarm
+    values: array.array | numpy.ndarray = field(repr=False)  # of doubles, member by member
+    counted: str = ""  # the variable of a swarm
+
+    @property
+    def member(self) -> Quantity:
+        """The column that says which member a row is of."""
+        if self.counted:
+            return Quantity(self.counted, "", "member of the swarm")
+        return Quantity("member", "", "row of the ensemble's file, from 1")
+
+    @property
+    def title(self) -> str:
+        """What its members are from, for the file beside the rows."""
+        return f"swarm {self.counted}" if self.counted else os.path.basename(self.path)
 
     def settings(self, data: Path, threads: int | None) -> list[str]:
         """Write the values for the driver to `data`, and say so as it reads settings."""
         data.write_bytes(self.values.tobytes())
         said = [f"ensemble {data}", f"members {len(self.lines)}"]
+        if self.counted:
+            said.append(f"count {self.counted} {self.lines[0]}")
         said += [f"column {c.kind} {c.index}" for c in self.columns]
         return [*said, f"threads {threads}"] if threads else said
 
     def placed(self, messages: str) -> str:
-        """Messages of the driver, with the line of the file that a member stands on."""
+        """Messages of the driver, with the line of the file that a member stands on, or with its
+        number in the swarm."""
+        if self.counted:
+            return re.sub(
+                r"\bmember (\d+)", lambda found: self.named(int(found[1])), messages, flags=re.M
+            )
 
         def place(found: re.Match[str]) -> str:
             return f"{self.path}:{self.lines[int(found[1]) - 1]}: "
 
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
+
+    def named(self, member: int) -> str:
+        """A member that the driver counts from 1."""
+        return f"{self.counted} = {self.lines[member - 1]}" if self.counted else f"member {member}"
 
 
 def read(path: str, compilation: Compilation) -> Ensemble:
@@ -72,26 +101,32 @@ def read(path: str, compilation: Compilation) -> Ensemble:
         raise UsageError(f"{path}: not CSV: {error}") from None
 
 
+def settable(compilation: Compilation) -> dict[str, Column]:
+    """What may differ from member to member, by name."""
+    equations = compilation.equations
+    families = {
+        "param": [slot.quantity for slot in equations.parameters],
+        "input": equations.inputs,
+        "q": equations.coordinates,
+        "v": equations.rates,
+    }
+    known = {
+        quantity.name: Column(quantity.name, kind, index, quantity.unit)
+        for kind, quantities in families.items()
+        for index, quantity in enumerate(quantities)
+    }
+    for (name, order), parameter in compilation.report.starts.items():
+        start = name + "'" * order  # now a parameter, of which momenta follow
+        known[start] = replace(known[parameter], name=start)
+    return known
+
+
 class _Reader:
     def __init__(self, path: str, compilation: Compilation):
         self.path = path
         self.model = compilation.model
         self.sizes = {size.name: size.value for size in self.model.sizes}
-        equations = compilation.equations
-        families = {
-            "param": [slot.quantity for slot in equations.parameters],
-            "input": equations.inputs,
-            "q": equations.coordinates,
-            "v": equations.rates,
-        }
-        self.known = {
-            quantity.name: Column(quantity.name, kind, index, quantity.unit)
-            for kind, quantities in families.items()
-            for index, quantity in enumerate(quantities)
-        }
-        for (name, order), parameter in compilation.report.starts.items():
-            start = name + "'" * order  # now a parameter, of which momenta follow
-            self.known[start] = replace(self.known[parameter], name=start)
+        self.known = settable(compilation)
 
     def read(self, file: TextIO) -> Ensemble:
         rows = self._rows(file)

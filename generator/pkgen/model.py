@@ -191,7 +191,7 @@ class Expect:
 
 @dataclass(frozen=True)
 class Scene:
-    """One use of the model. `refused` are the clauses that cannot be run yet, and why."""
+    """One use of the model."""
 
     name: str
     description: str
@@ -202,7 +202,6 @@ class Scene:
     step: Expr | None
     rtol: Expr | None
     record: Record | None
-    refused: tuple[tuple[str, Span], ...]
     span: Span
     holds: tuple[Hold, ...] = ()
     accuracy: Expr | None = None

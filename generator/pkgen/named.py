@@ -159,6 +159,19 @@ def observed(compilation: Compilation) -> list[Quantity]:
     return list(compilation.equations.observed_names)
 
 
+def set_parameters(
+    compilation: Compilation,
+    values: Iterable[tuple[int, float]],
+    members: Iterable[tuple[int, int, float]],
+) -> dict[tuple[str, int | None], float]:
+    """What settings set, by name and index; `members` are of families that are loops."""
+    declared = parameters(compilation).declared
+    found = {key(declared[k].quantity.name): x for k, x in values}
+    for k, position, x in members:
+        found[declared[k].quantity.name, declared[k].lo + position] = x
+    return found
+
+
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
     """Each by itself, members of families too."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]

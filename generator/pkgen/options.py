@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import diagnostics, limits, named, rows, scene
+from . import diagnostics, limits, named, rows, scene, scene_model
 from .build import driver_methods
 from .compiler import Compilation
 from .exits import UsageError
@@ -58,8 +58,8 @@ def refuse_stops(model: Model) -> None:
     for event in model.events:
         if event.stop:
             raise UsageError(
-                f"--ensemble: {scene.place(model, event.span)}: event '{event.name}' stops a run; "
-                "members of an ensemble cannot stop at events yet"
+                f"{scene.place(model, event.span)}: event '{event.name}' stops a run; members of "
+                "an ensemble or a swarm cannot stop at events yet"
             )
 
 
@@ -74,11 +74,11 @@ def output(path: str | None) -> Path | None:
 def settings(
     options: argparse.Namespace,
     compilation: Compilation,
-    members: int = 1,
+    members: int | None = None,
     chosen: Scene | None = None,
 ) -> Settings:
     """The settings of `pkgen run`, all values in SI: options first, then what the scene says, then
-    defaults. `members` are those of an ensemble."""
+    defaults. `members` are those of an ensemble or a swarm; None: one trajectory."""
     values = Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
     starts, start_parameters = values.starts(options.start)
@@ -96,7 +96,8 @@ def settings(
             if indexed(name, index) in parameters  # others are folded
         }
         parameters_set = {**of_scene, **parameters_set}
-        inputs_set = {**{inputs[n][0]: x for n, x in said.inputs.items()}, **inputs_set}
+        of_scene = {inputs[n][0]: x for n, x in said.inputs.items() if n in inputs}
+        inputs_set = {**of_scene, **inputs_set}
     parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
     if rtol is not None and rtol < ROUND_OFF and options.atol is None:
@@ -108,13 +109,14 @@ def settings(
     step = values.positive("--step", options.step, values.time) or said.step
     until = values.positive("--until", options.until, values.time) or said.until or UNTIL
     every = values.positive("--every", options.every, values.time) or said.every
-    show, at = _recorded(options, values, chosen)
+    show, at = _recorded(options, values, chosen, members is not None)
     numbers = len(show) + 1
     if not show:
-        numbers = 2 * values.coordinates.count + len(named.observed(compilation)) + 2
-    if every is None and options.ensemble is None and at is None:
+        observed = [q for q in named.observed(compilation) if not scene_model.hidden(q.name)]
+        numbers = 2 * values.coordinates.count + len(observed) + 2
+    if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
-    rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members)
+    rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members or 1)
     return Settings(
         method=_method(options, said.method) or default_method(compilation, rtol),
         until=until,
@@ -137,23 +139,23 @@ def settings(
 
 
 def _recorded(
-    options: argparse.Namespace, values: Values, chosen: Scene | None
+    options: argparse.Namespace, values: Values, chosen: Scene | None, several: bool
 ) -> tuple[tuple[Shown, ...], int | None]:
     """The columns of rows (none: all of them), and the event at which rows are."""
     compilation = values.compilation
     show = at = None
     if chosen is not None and chosen.record is not None:
-        show = [values.shown(name) for name in scene.columns(chosen)]
+        show = [values.shown(name) for name in scene_model.columns(chosen)]
         at = chosen.record.at or None
     if options.record is not None:
         show = [values.shown_as(text) for text in options.record.split(",")]
     if options.at is not None:
         at = options.at
-    if options.ensemble is not None and (show or at):
-        raise UsageError(
-            "--ensemble: rows of members are by time and have all columns; leave out --record, "
-            "--at and a scene that records"
-        )
+    if several and at:
+        place = f"--at {at}"
+        if options.at is None:
+            place = f"{scene.place(compilation.declared, chosen.record.span)}: record … at {at}"
+        raise UsageError(f"{place}: rows of members are by time; give an interval: every")
     events = named.events(compilation)
     if at is not None and at not in events:
         raise UsageError(unknown("--at", at, events, "event"))
@@ -183,12 +185,12 @@ def default_method(compilation: Compilation, rtol: float) -> str:
     return "gauss" if smooth and not chain and rtol <= GAUSS_RTOL else "dop853"
 
 
-def threads(options: argparse.Namespace) -> int | None:
+def threads(options: argparse.Namespace, several: bool) -> int | None:
     """How many threads an ensemble is to use; None: all there are."""
     if options.threads is None:
         return None
-    if options.ensemble is None:
-        raise UsageError("--threads is for --ensemble: one trajectory has one thread")
+    if not several:
+        raise UsageError("--threads is for --ensemble and swarms: one trajectory has one thread")
     if options.threads > THREADS_MOST:
         raise UsageError(f"--threads {options.threads}: {THREADS_MOST} at most")
     return _count("--threads", options.threads)

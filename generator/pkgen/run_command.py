@@ -11,17 +11,19 @@ import csv
 import json
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
-from . import diagnostics, rows, scene, scene_use
+from . import diagnostics, rows, scene, scene_run, scene_use
 from . import ensemble as members
 from . import options as parsing
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
-from .exits import DONE
+from .exits import DONE, NUMERICS_FAILED
+from .expects_judge import Verdict
+from .model import Model, Scene
 from .progress import progress
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
@@ -37,26 +39,37 @@ class _Run:
     settings: Settings
     ensemble: Ensemble | None
     threads: int | None
+    scene: Scene | None
 
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     output = parsing.output(options.output)
+    swarm = scene_run.is_swarm(options)
+    several = swarm or options.ensemble is not None
     # Members of an ensemble run in lanes, which loops do not have.
-    unroll = None if options.ensemble else parsing.UNROLL
+    unroll = None if several else parsing.UNROLL
     kernels = diagnostics.kernels(diagnostics.asked(options.diagnose, options.ensemble))
     compilation = compile_within_limits(
         options, libm=options.libm, unroll=unroll, kernels=kernels, use=scene_use.of_run(options)
     )
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
-    if options.ensemble:
+    if several:
         parsing.refuse_stops(compilation.model)
-    threads = parsing.threads(options)
+    threads = parsing.threads(options, several)
     ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
+    if swarm:
+        scene_run.refuse_swarm(options, compilation.declared, chosen)
+    count = scene_run.count(compilation.declared, chosen) if swarm else None
     settings = parsing.settings(
-        options, compilation, len(ensemble.lines) if ensemble else 1, chosen
+        options, compilation, len(ensemble.lines) if ensemble else count, chosen
     )
-    asked = _Run(compilation, settings, ensemble, threads)
+    if swarm:
+        ensemble = scene_run.members(options, compilation, chosen, settings)
+    if chosen is not None:
+        expected = scene_run.watched(compilation, chosen, settings, several)
+        settings = replace(settings, watched=expected)
+    asked = _Run(compilation, settings, ensemble, threads, chosen)
     note = rows.note(options, settings, compilation)
     if note:
         print(f"pkgen: {note}", file=sys.stderr)
@@ -66,7 +79,15 @@ def run(options: argparse.Namespace) -> int:
     else:
         outcome = _to_file(options, asked, output)
     _tell(options, outcome, "" if compilation.model.dimensionless else "s")
-    return outcome.code
+    _hint(options, compilation.declared)
+    return _judge(options, asked, outcome)
+
+
+def _hint(options: argparse.Namespace, model: Model) -> None:
+    """Which scenes there are, to who has chosen none."""
+    if options.scene is None and model.scenes and not options.json:
+        names = ", ".join(item.name for item in model.scenes)
+        print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
 
 
 def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> Outcome:
@@ -90,7 +111,33 @@ def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> O
 
 
 def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
-    return sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
+    found = sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
+    if asked.scene is not None:
+        found["scene"] = asked.scene.name
+        found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
+    return found
+
+
+def _verdicts(asked: _Run, outcome: Outcome) -> list[Verdict]:
+    if asked.scene is None:
+        return []
+    return scene_run.verdicts(
+        asked.compilation, asked.scene, asked.settings, outcome.report, asked.ensemble
+    )
+
+
+def _judge(options: argparse.Namespace, asked: _Run, outcome: Outcome) -> int:
+    """Say what was expected and missed, and that the rest was met; the exit code."""
+    verdicts = _verdicts(asked, outcome)
+    missed = [verdict for verdict in verdicts if not verdict.met]
+    if not options.json:
+        source = asked.compilation.model.source
+        for verdict in missed:
+            print(verdict.diagnostic().text(source), file=sys.stderr)
+        if verdicts:
+            met = len(verdicts) - len(missed)
+            print(f"expected: {met} of {len(verdicts)} met", file=sys.stderr)
+    return NUMERICS_FAILED if missed and outcome.code == DONE else outcome.code
 
 
 def _result(asked: _Run, outcome: Outcome, table: Path) -> dict[str, object]:

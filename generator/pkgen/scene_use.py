@@ -6,6 +6,7 @@ import argparse
 from dataclasses import dataclass
 
 from . import scene as scenes
+from . import scene_model
 from .compiler import Use
 from .exits import UsageError
 from .middle.reduce import REDUCTIONS, Needs
@@ -54,7 +55,8 @@ def whole(options: argparse.Namespace) -> Use | None:
     """For charts and maps: all coordinates that the scene does not hold, all parameters."""
     if options.scene is None:
         return None
-    return _use(options.scene, Asked(None, None, frozenset(), EVERY, False))
+    run_time = frozenset(text.partition("=")[0].strip() for text in options.set)
+    return _use(options.scene, Asked(None, None, run_time, EVERY, False), swarm=False)
 
 
 def switched_off(text: str | None) -> frozenset[str]:
@@ -69,10 +71,13 @@ def switched_off(text: str | None) -> frozenset[str]:
     return names
 
 
-def _use(name: str, asked: Asked) -> Use:
+def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
     def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
         scene = scenes.chosen(declared, name)
-        used, lines = scenes.used(declared, scene), []
+        if scene.swarm is not None and not swarm:
+            place = scenes.place(declared, scene.swarm.span)
+            raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
+        used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)
         used, of_holds = held(used, scene)
@@ -85,11 +90,11 @@ def _use(name: str, asked: Asked) -> Use:
             columns = tuple(item.name for item in scene.record.columns)
         if columns is None or frozenset(REDUCTIONS) <= asked.off:
             return None
-        events = {asked.event or (scene.record.at if scene.record else ""), *scenes.events(scene)}
+        at = asked.event or (scene.record.at if scene.record else "")
         return Needs(
-            frozenset(columns) | scenes.hidden(used, scene),
-            frozenset(events),
-            asked.quadratures,
+            frozenset(columns) | scene_model.needed(scene),
+            frozenset((at,)) | scene_model.events(scene),
+            asked.quadratures and scene.swarm is None,
             asked.off,
         )
 

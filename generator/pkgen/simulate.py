@@ -23,7 +23,9 @@ from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
 from .exits import INTERRUPTED, NUMERICS_FAILED
+from .expects import NOTHING, Watched
 from .reasons import with_options
+from .scene_model import hidden
 
 LISTED = 10_000  # members of a family that are described one by one
 
@@ -59,6 +61,7 @@ class Settings:
     show: tuple[Shown, ...] = ()  # the columns behind t; none: all
     at: int | None = None  # the event that has rows
     diagnose: tuple[str, ...] = ()
+    watched: Watched = NOTHING  # what a scene expects
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -85,6 +88,7 @@ class Settings:
         if self.at is not None:
             said.append(f"at {self.at}")
         said += [f"diagnose {name}" for name in self.diagnose]
+        said += self.watched.lines()
         return said
 
 
@@ -103,17 +107,17 @@ def columns(
     """The columns of the CSV, in order; of a very long family one entry for all members."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
-    member = [Quantity("member", "", "row of the ensemble's file, from 1")] if ensemble else []
+    member = [ensemble.member] if ensemble else []
     if show:
         coordinates, rates = (named.coordinates(compilation, rates=r) for r in (False, True))
         observed = named.observed(compilation)
-        return [time, *(_column(c, coordinates, rates, observed, energy) for c in show)]
+        return [*member, time, *(_column(c, coordinates, rates, observed, energy) for c in show)]
     return [
         *member,
         time,
         *named.coordinates(compilation).columns(LISTED),
         *named.coordinates(compilation, rates=True).columns(LISTED),
-        *named.observed(compilation),
+        *(q for q in named.observed(compilation) if not hidden(q.name)),
         energy,
     ]
 
@@ -209,7 +213,7 @@ def sidecar(
     ensemble: Ensemble | None = None,
 ) -> dict[str, object]:
     """What stands beside an output file: units, settings and the report."""
-    of = {"ensemble": os.path.basename(ensemble.path)} if ensemble else {}
+    of = {"ensemble": ensemble.title} if ensemble else {}
     return {
         "pkgen": __version__,
         "model": compilation.model.name,

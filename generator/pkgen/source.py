@@ -46,6 +46,10 @@ class Source:
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
+    def place(self, span: Span) -> str:
+        line, column = self.position(span.start)
+        return f"{self.path}:{line}:{column}"
+
     def line(self, number: int) -> str:
         """The text of a line (counted from 1), without its newline."""
         start = self._line_starts[number - 1]

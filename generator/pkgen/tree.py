@@ -6,7 +6,8 @@ is (brackets, powers, calls) is bounded by `limits.DEPTH`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 
 from .source import Span
@@ -157,3 +158,39 @@ def children(expr: Expr) -> tuple[Expr, ...]:
         case Sum(body=body, ranges=ranges):
             return (body, *(end for r in ranges for end in (r.lo, r.hi)))
     return (expr.of,)  # Prime, Component, Negate, Quantity
+
+
+def within(expr: Expr) -> Iterator[Expr]:
+    """An expression and all that it consists of."""
+    waiting = [expr]
+    while waiting:
+        part = waiting.pop()
+        yield part
+        waiting.extend(children(part))
+
+
+def names(expr: Expr) -> frozenset[str]:
+    """The names that occur, indices and loop variables included."""
+    return frozenset(part.id for part in within(expr) if isinstance(part, Name))
+
+
+def replaced(expr: Expr, by: Callable[[Expr], Expr | None]) -> Expr:
+    """The expression with parts replaced by what `by` has for them; None goes on inside."""
+    new = by(expr)
+    if new is not None:
+        return new
+    changed = {}
+    for field in fields(expr):
+        old = getattr(expr, field.name)
+        inner = _inside(old, by)
+        if inner != old:
+            changed[field.name] = inner
+    return replace(expr, **changed) if changed else expr
+
+
+def _inside(part: object, by: Callable[[Expr], Expr | None]) -> object:
+    if isinstance(part, tuple):
+        return tuple(_inside(x, by) for x in part)
+    if isinstance(part, Range):
+        return replace(part, lo=replaced(part.lo, by), hi=replaced(part.hi, by))
+    return replaced(part, by) if isinstance(part, Expr) else part

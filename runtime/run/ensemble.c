@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ensemble.h"
+#include "expect.h"
 #include "members.h"
 #include "trust.h"
 #include "words.h"
@@ -21,12 +22,21 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
                  {"input", system->n_inputs},
                  {"q", pk_system_count(system, s->params)},
                  {"v", pk_system_count(system, s->params)}};
+    char *end;
     const int members = strcmp(word[0], "members") == 0;
     size_t index;
     *code = 0;
     if (members || strcmp(word[0], "threads") == 0) {
         if (!words_index(word[1], (size_t)-1, members ? &s->members : &s->threads))
             *code = words_usage(line, "not a count", word[1]);
+        return 1;
+    }
+    if (strcmp(word[0], "count") == 0) {
+        s->first_member = word[1] && word[2] ? strtol(word[2], &end, 10) : 0;
+        if (!word[1] || !word[2] || *end)
+            *code = words_usage(line, "a count has a name and a first number", word[1]);
+        else
+            settings_path(&s->member_name, word[1]);
         return 1;
     }
     if (strcmp(word[0], "column") != 0)
@@ -72,37 +82,52 @@ static int stop(void *context)
     return run_interrupted();
 }
 
-/* A member's row; the driver's own columns take its parameters and inputs. */
-static void write_row(struct batch *b, struct run *run, size_t i, size_t member, pk_real t,
-                      const pk_real *q, const pk_real *v)
+/* A member's state at a time: its row, what is expected of it. */
+static void show(struct run *run, int has_row, pk_real t, const pk_real *q, const pk_real *v)
 {
-    void *const params = run->settings.params;
-    pk_real *const u = run->settings.u;
-    run->settings.params = b->params + i * b->system->params_size;
-    run->settings.u = b->u + i * b->system->n_inputs;
-    fprintf(stdout, "%zu,", member + 1);
-    output_row(run, stdout, t, q, v);
-    run->settings.params = params;
-    run->settings.u = u;
+    if (has_row) {
+        fprintf(stdout, "%ld,", run->settings.first_member + (long)run->member);
+        output_row(run, stdout, t, q, v);
+    }
+    if (run->monitor_block)
+        pk_monitor_update(&run->monitor, t, q, v);
+    expect_sample(run, t, q, v);
+    expect_landed(run, t, q, v);
 }
 
-/* Whether fixed steps have left a member with another energy than it began with. Its rows alone are
- * looked at, and only those of a conservative system. */
-static int is_astray(const struct batch *b, struct run *run, size_t i)
+/* All rows of a member, as far as it came; the driver's own columns take its parameters and inputs.
+ * Drifts are those over its rows. */
+static void write_member(struct batch *b, struct run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;
-    struct pk_monitor *monitor = &run->monitor;
-    const struct pk_problem problem = {.system = b->system,
-                                       .params = b->params + i * b->system->params_size};
-    if (!run->monitor_block || e->done[i] == 0 ||
-        pk_monitor_init(monitor, &problem, run->monitor_block, pk_monitor_size(&problem)) < 0)
-        return 0;
-    pk_monitor_update(monitor, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+    struct settings *s = &run->settings;
+    void *const params = s->params;
+    pk_real *const u = s->u;
+    if (e->status[i] == PK_BAD_ARGUMENT || e->status[i] == PK_REFUSED)
+        return;
+    s->params = b->params + i * b->system->params_size;
+    s->u = b->u + i * b->system->n_inputs;
+    run->member = member;
+    const struct pk_problem problem = {.system = b->system, .params = s->params};
+    if (run->monitor_block)
+        pk_monitor_init(&run->monitor, &problem, run->monitor_block, pk_monitor_size(&problem));
+    show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
-        pk_monitor_update(monitor, b->t[row], e->q + at, e->v + at);
+        show(run, 1, b->t[row], e->q + at, e->v + at);
     }
-    return !(PK_F(fabs)(pk_drift_final(&monitor->energy)) <= TRUST_WRONG); /* true of a NaN */
+    expect_member(run, &run->monitor.energy);
+    s->params = params;
+    s->u = u;
+}
+
+/* Whether fixed steps have left a member with another energy than it began with. */
+static int is_astray(const struct batch *b, const struct run *run, size_t i)
+{
+    if (!run->monitor_block || !ensemble_fixed(b->s) || b->e.done[i] == 0)
+        return 0;
+    const pk_real final = pk_drift_final(&run->monitor.energy);
+    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* true of a NaN */
 }
 
 static void write_batch(struct batch *b, struct run *run, size_t first, size_t count,
@@ -110,13 +135,7 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
 {
     const struct pk_ensemble *e = &b->e;
     for (size_t i = 0; i < count; i++) {
-        if (run->settings.has_every && e->status[i] != PK_BAD_ARGUMENT &&
-            e->status[i] != PK_REFUSED)
-            write_row(b, run, i, first + i, 0, b->q0 + i * b->n, b->v0 + i * b->n);
-        for (size_t row = 0; row < e->done[i]; row++) {
-            const size_t at = (i * e->rows + row) * b->n;
-            write_row(b, run, i, first + i, b->t[row], e->q + at, e->v + at);
-        }
+        write_member(b, run, i, first + i);
         if (is_astray(b, run, i) && tally->astray++ == 0)
             tally->first_astray = first + i;
         tally->done += e->status[i] == PK_DONE;
@@ -164,8 +183,10 @@ static int report(const struct run *run, const struct batch *b, const struct tal
         fprintf(file, "%zu", tally->first_astray + 1);
     else
         fputs("null", file);
+    fputs(",\n", file);
+    expect_report(run, file);
     fprintf(file,
-            ",\n  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
+            "  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
             "  \"seconds\": %.6g\n}\n",
             run->interrupted ? "true" : "false", run->rows, b->threads, run->seconds);
     const int failed = ferror(file);
@@ -229,7 +250,7 @@ int ensemble_run(struct run *run, pk_real count)
         return 2;
     }
     members_allocate(&b, run, rows, stop);
-    if (ensemble_fixed(s) && (run_system->facts & PK_CONSERVATIVE))
+    if ((ensemble_fixed(s) || s->n_drifting) && (run_system->facts & PK_CONSERVATIVE))
         run->monitor_block = words_allocate(
             pk_monitor_size(&(struct pk_problem){.system = run_system, .params = b.params}), 1);
     for (size_t k = 0; k < rows; k++)
@@ -241,7 +262,7 @@ int ensemble_run(struct run *run, pk_real count)
     }
     code = members_check(&b);
     if (code == 0) {
-        fputs("member,", stdout);
+        fprintf(stdout, "%s,", s->member_name ? s->member_name : "member");
         output_header(run, stdout);
     }
     for (size_t first = 0; code == 0 && first < s->members && !run_interrupted();

@@ -7,6 +7,7 @@
  * they land.
  */
 #include "ensemble.h"
+#include "expect.h"
 #include "trust.h"
 #include "watch.h"
 
@@ -25,10 +26,19 @@ pk_real run_intervals(pk_real whole, pk_real part)
     return count < 1 ? 1 : count;
 }
 
+/* A state that a step has made, or the start. */
+static void sample(struct run *run)
+{
+    const struct pk_integrator *it = &run->it;
+    pk_monitor_update(&run->monitor, it->t, it->q, it->v);
+    expect_sample(run, it->t, it->q, it->v);
+    expect_landed(run, it->t, it->q, it->v);
+}
+
 static int step(struct run *run, pk_real limit)
 {
     struct pk_integrator *it = &run->it;
-    const enum pk_status status = watch_step(run, limit);
+    const enum pk_status status = watch_step(run, expect_limit(run, limit));
     if (status < 0)
         return 0;
     const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
@@ -36,7 +46,7 @@ static int step(struct run *run, pk_real limit)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    pk_monitor_update(&run->monitor, it->t, it->q, it->v);
+    sample(run);
     trust_step(run);
     if (it->count.steps % 64 == 0)
         progress(run, 0);
@@ -49,15 +59,16 @@ static int steps(struct run *run, pk_real limit)
 {
     struct pk_integrator *it = &run->it;
     const unsigned long many = (unsigned long)(50000000 / it->n) + 2;
-    if (pk_integrator_steps(it, limit, many) < 0)
+    const pk_real end = expect_limit(run, limit);
+    if (pk_integrator_steps(it, end, many) < 0)
         return 0;
     const pk_real h = it->t - it->last_t;
     if (run->h_max <= 0 || h < run->h_min)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    if (!(it->t < limit))
-        pk_monitor_update(&run->monitor, it->t, it->q, it->v), trust_step(run);
+    if (!(it->t < end))
+        sample(run), trust_step(run);
     progress(run, 0);
     run->interrupted = run_interrupted();
     return !run->interrupted && !run->write_failed;
@@ -128,7 +139,7 @@ void run_integrate(struct run *run)
     const int by_time = s->has_every || !s->at;
     if (by_time)
         output_row(run, stdout, 0, it->q, it->v);
-    pk_monitor_update(&run->monitor, 0, it->q, it->v);
+    sample(run);
     if (!by_time || !(s->every > 0))
         integrate_steps(run);
     else if (s->land)
@@ -137,5 +148,6 @@ void run_integrate(struct run *run)
         integrate_dense(run);
     if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
         output_row(run, stdout, it->t, it->q, it->v);
+    expect_member(run, &run->monitor.energy);
 }
 

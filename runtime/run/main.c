@@ -16,6 +16,7 @@
 #include "chart.h"
 #include "diagnose.h"
 #include "ensemble.h"
+#include "expect.h"
 #include "stability.h"
 #include "trust.h"
 #include "watch.h"
@@ -182,6 +183,7 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is a write that fails, and is reported */
     signal(SIGINT, on_interrupt);
     const double began = run_now();
+    expect_start(&run);
     if (run.settings.ensemble) {
         code = ensemble_run(&run, run.count);
         settings_free(&run.settings);
@@ -206,6 +208,7 @@ int main(int argc, char **argv)
     free(run.block);
     free(run.monitor_block);
     free(run.row);
+    free(run.expected);
     free(run.besides);
     return code;
 }

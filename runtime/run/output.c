@@ -2,6 +2,7 @@
  * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
  */
 #include "diagnose.h"
+#include "expect.h"
 #include "trust.h"
 #include "watch.h"
 
@@ -54,7 +55,8 @@ void output_header(struct run *run, FILE *file)
             csv_name(file, name);
         }
     for (size_t i = 0; i < system->n_observed; i++)
-        csv_name(file, system->observed[i].name);
+        if (!expect_hides(&run->settings, i))
+            csv_name(file, system->observed[i].name);
     fputs(",energy\n", file);
 }
 
@@ -104,6 +106,8 @@ static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_re
     if (system->n_observed)
         system->observe(s->params, t, q, v, s->u, out);
     for (size_t i = 0; i < system->n_observed; i++) {
+        if (expect_hides(&run->settings, i))
+            continue;
         cell(file, out[i]);
         if (!is_finite(out[i]) && !bad)
             bad = system->observed[i].name;
@@ -127,6 +131,7 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         run->bad_t = (double)t;
     }
     diagnose_row(run, t, q, v);
+    expect_row(run, t, q, v);
     if (ferror(file))
         run->write_failed = errno ? errno : EIO;
 }
@@ -277,6 +282,7 @@ static void json_run(struct run *run, FILE *file)
             run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
             c->iterations, c->held, run->seconds);
     watch_report(run, file);
+    expect_report(run, file);
     json_drifts(run, file);
 }
 

@@ -24,6 +24,8 @@ struct run {
     void *events_block;
     struct crossed *crossed; /* of each event */
     pk_real *event_values;   /* work of watch.c */
+    pk_real *expected; /* outputs, work of expect.c */
+    size_t member;     /* of an ensemble, whose state is looked at */
     pk_real *row; /* q, v, u, observed of a row */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real last_row;    /* its time */

@@ -6,6 +6,7 @@
 
 #include "diagnose.h"
 #include "ensemble.h"
+#include "expect.h"
 #include "words.h"
 
 #ifdef PK_WITH_GSL
@@ -156,33 +157,38 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
         s->progress = word[1][0] == '1';
         return 0;
     }
-    if (ensemble_setting(s, system, line, word, &code))
+    if (ensemble_setting(s, system, line, word, &code) ||
+        expect_setting(s, system, line, word, &code))
         return code;
     return set_number(s, system, line, word);
 }
 
-static void set_path(char **path, const char *text)
+void settings_path(char **path, const char *text)
 {
     free(*path);
     *path = (char *)words_allocate(strlen(text) + 1, 1);
     strcpy(*path, text);
 }
 
-/* A line as up to four words; a path may hold blanks and is the rest of its line. */
+enum { MOST_WORDS = 7 };
+
+/* A line as words; a path may hold blanks and is the rest of its line. */
 static int set_line(struct settings *s, const struct pk_system *system, size_t line, char *text)
 {
-    char *word[5] = {NULL};
+    char *word[MOST_WORDS + 1] = {NULL};
     text[strcspn(text, "\r\n")] = '\0';
     if (strncmp(text, "report ", 7) == 0)
-        return set_path(&s->report, text + 7), 0;
+        return settings_path(&s->report, text + 7), 0;
     if (strncmp(text, "ensemble ", 9) == 0)
-        return set_path(&s->ensemble, text + 9), 0;
+        return settings_path(&s->ensemble, text + 9), 0;
     size_t count = 0;
-    for (char *w = strtok(text, " \t"); w && count < 5; w = strtok(NULL, " \t"))
+    for (char *w = strtok(text, " \t"); w && count <= MOST_WORDS; w = strtok(NULL, " \t"))
         word[count++] = w;
     if (count == 0)
         return 0;
-    return count == 5 ? words_usage(line, "too many words", word[4]) : set(s, system, line, word);
+    if (count > MOST_WORDS)
+        return words_usage(line, "too many words", word[MOST_WORDS]);
+    return set(s, system, line, word);
 }
 
 static int finish(struct settings *s, const struct pk_system *system)
@@ -226,6 +232,7 @@ int settings_read(struct settings *s, const struct pk_system *system, FILE *file
     memset(s, 0, sizeof *s);
     s->every = -1;
     s->land = -1;
+    s->first_member = 1;
     s->options = pk_options_default();
     s->params = words_allocate(1, system->params_size);
     s->given = (unsigned char *)words_allocate(system->n_parameters, 1);
@@ -266,6 +273,8 @@ void settings_free(struct settings *s)
     free(s->start_given);
     free(s->report);
     free(s->ensemble);
+    free(s->member_name);
     free(s->show);
     free(s->columns);
+    expect_free(s);
 }

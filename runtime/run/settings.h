@@ -4,17 +4,22 @@
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
- *     show q|v|z|observed INDEX | show energy | at INDEX
+ *     show q|v|z|observed INDEX | show energy | at INDEX | hidden INDEX
+ *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
+ *     drift INDEX | drift energy
  *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
  *     diagnose lyapunov|reversal|spectrum|symplectic|all
- *     ensemble PATH | members N | column param|input|q|v INDEX | threads N
+ *     ensemble PATH | members N | count NAME FIRST | column param|input|q|v INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
  *
  * Each `show` is a column of the rows, behind t; without any they have all columns. `at` is an event:
  * a row at each of its crossings, and others only if there is an `every`.
+ * What is `expect`ed are relations between outputs A and B, `=` up to a third one; what `drift`s is
+ * measured over all steps. Outputs that are `hidden` are no columns.
  *
- * The file of an ensemble says what differs from member to member: a row of doubles, as they are
+ * A `count` is the column in front that counts the members, from FIRST on; "member", from 1 on,
+ * without. The file of an ensemble says what differs from member to member: a row of doubles, as they are
  * in memory, for each; in a row a number for each `column`, in their order.
  */
 #ifndef RUN_SETTINGS_H
@@ -42,6 +47,26 @@ struct shown {
     size_t index;
 };
 
+/* A relation between outputs, and by how much it was missed at the worst. */
+struct expected {
+    char relation; /* =, <, > */
+    char when;     /* r in all rows, t at a time, e at an event */
+    size_t a, b, within, event;
+    int has_within;
+    pk_real at;
+    unsigned long count, missed;
+    pk_real off, value, bound, allowed, t;
+    size_t member;
+};
+
+/* An output whose drift is wanted, or the energy; of an ensemble the worst member's. */
+struct drifting {
+    int energy;
+    size_t output, member, members;
+    struct pk_drift drift;
+    pk_real max;
+};
+
 struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
@@ -61,9 +86,15 @@ struct settings {
     unsigned char *start_given; /* 2 n flags */
     struct shown *show; /* NULL: all columns */
     size_t n_show;
+    unsigned char *hidden; /* flags of outputs, or NULL */
+    struct expected *expected;
+    struct drifting *drifting;
+    size_t n_expected, n_drifting;
     size_t at; /* 1 + which event has rows; 0: none */
     char *ensemble; /* a path, or NULL: one trajectory */
     size_t members, threads, n_columns;
+    char *member_name; /* the column that counts members, or NULL: "member" */
+    long first_member; /* and the number of the first */
     struct column *columns;
 };
 
@@ -80,6 +111,8 @@ int settings_param(struct settings *settings, const struct pk_system *system, si
                    char *const word[]);
 void settings_follow(struct settings *settings, const struct pk_system *system);
 void settings_free(struct settings *settings);
+/* A copy of a path or a name in place of the one there is. */
+void settings_path(char **path, const char *text);
 
 /* The core's methods, then GSL's. */
 const struct pk_method *run_method_find(const char *name);

@@ -1,6 +1,8 @@
 /* Events of a run; see watch.h. */
 #include "watch.h"
 
+#include "expect.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +16,7 @@ static int found(void *context, const struct pk_events *events)
     if (crossed->count < MOST_TIMES)
         crossed->t[crossed->count] = events->t;
     crossed->count++;
+    expect_event(run, events->which, events->t, events->q, events->v);
     if (!run->settings.land && !run_dense_rows(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {

@@ -8,10 +8,11 @@ import mpmath
 import pytest
 import sympy as sp
 from c_harness import ROOT, Loaded, read_text
-from pkgen import explain, scene
+from pkgen import explain, scene, scene_model
 from pkgen.compiler import check_model, compile_model
 from pkgen.exits import UsageError
 from pkgen.front import check
+from pkgen.middle import derive
 from pkgen.source import ModelError, Source
 
 CART = """\
@@ -140,8 +141,8 @@ def test_what_a_scene_says():
     assert (one.name, one.description, one.method) == ("one", "as it is used", "gauss4")
     columns = [c.name for c in one.record.columns]
     assert columns == ["theta", "x'", "T", "p_x", "reach", "Y", "energy"]
-    assert one.record.at == "right" and not one.refused
-    assert len(two.refused) == 1 and two.assignments[0].varies
+    assert one.record.at == "right"
+    assert [h.name for h in two.holds] == ["x"] and two.assignments[0].varies
 
 
 def test_its_numbers_follow_what_the_command_line_sets():
@@ -161,32 +162,53 @@ def test_its_numbers_follow_what_the_command_line_sets():
 def test_what_is_compiled_for_it():
     model = model_with()
     one = scene.chosen(model, "one")
-    used = scene.used(model, one)
+    used = scene_model.used(model, one)
     assert [o.name for o in used.observed] == ["reach", "T", "p_x", "Y"]
     assert [o.unit for o in used.observed] == ["m", "J", "kg*m/s", "m"]
-    assert scene.columns(one) == ["theta", "x'", "T", "p_x", "reach", "Y", "energy"]
+    assert scene_model.columns(one) == ["theta", "x'", "T", "p_x", "reach", "Y", "energy"]
     assert [s.name for s in used.starts] == ["x", "theta"]
 
 
 @pytest.mark.parametrize(
     ("clause", "said"),
     [
-        ("hold x", "'hold' cannot be run yet"),
-        ("accuracy 1e-9", "'accuracy' cannot be promised yet"),
-        ("swarm k = 1..10\n  start theta = k/10", "'swarm' cannot be run yet"),
-        ("expect x = 1 within 0.1 at 2 [s]", "'expect' cannot be checked yet"),
-        ("set push = (2 [N])*sin(t/(1 [s]))", "an input as a function of t"),
-        ("until -1", "until: must be positive"),
+        ("until m*(1 [s/kg]) - (0.6 [s])", "until: must be positive"),
         ("until (1 [kg*s])/(m - (0.6 [kg]))", "until: division by zero"),
-        ("record x every 0", "every: must be positive"),
     ],
 )
-def test_what_cannot_be_run_is_refused_with_its_place(clause, said):
-    model = model_with(CART + f"scene one\n  {clause}\nend\n")
+def test_numbers_that_an_option_makes_wrong_have_their_place(clause, said):
+    model = model_with(CART.replace("m = 0.6", "m = 1") + f"scene one\n  {clause}\nend\n")
     line = CART.count("\n") + 2
+    one = scene.chosen(model, "one")
+    assert scene.numbers(model, one, {("m", None): 0.7}).until > 0
     with pytest.raises(UsageError) as error:
-        scene.numbers(model, scene.chosen(model, "one"), {})
+        scene.numbers(model, one, {("m", None): 0.6})
     assert f"cart.lag:{line}:" in str(error.value) and said in str(error.value)
+
+
+def test_an_input_driven_by_a_scene_is_a_definition_with_its_rate():
+    text = """model m
+const w0 = 2
+input u
+coord x
+let place = x + u
+kinetic place'^2/2
+const w = 3*w0
+scene one
+  set u = 5*sin(w*t)
+  until 1
+end
+"""
+    model = model_with(text)
+    one = scene.chosen(model, "one")
+    used = scene_model.used(model, one)
+    assert not used.inputs
+    assert [d.name for d in used.definitions] == ["w0", "w", "u", "place"]
+    equations = derive.derive(used)
+    assert equations.inputs == ()
+    # M = 1, f = -u'' = 180 sin(6 t); the plain model asks for u, u', u''.
+    assert len(derive.derive(model).inputs) == 3
+    assert scene_model.used(model, one, {"u"}).inputs == model.inputs
 
 
 def test_a_scene_sets_members_of_families():

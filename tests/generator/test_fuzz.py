@@ -38,9 +38,10 @@ start q[i = 1..N] = sin(pi*i/(N+1)), x' = 0.1
 event cross: x rising stop
 scene one
   set m = 2 [kg]
-  hold x = sin(t)
+  hold x = (1 [m])*sin(t/(1 [s]))
   record x, q[1] every 0.1 [s] at cross
   expect drift(energy) < 1e-9
+  until 3
 end
 """
 BITS = [

@@ -19,6 +19,7 @@ from .check_dynamics import NOT_COMPILED, Dynamics, refuse
 from .check_expr import Expressions
 from .check_names import Names, Report
 from .check_params import check_bounds
+from .check_scene_values import check_scene_values
 from .check_scenes import Scenes
 from .check_shared import Shared
 from .parse import parse_all
@@ -117,7 +118,10 @@ class _Checker:
             self._inertia()
         if not self.report.errors and not self.file.diagnostics:
             self._unused()
-        return self._model()
+        model = self._model()
+        if model is not None:
+            check_scene_values(model, self.report)
+        return model
 
     def _check(self, statement: st.Statement) -> None:
         keyword = getattr(statement, "keyword", "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from difflib import get_close_matches
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from ..tree import Call, Expr, Multiply, Name, Number, Quantity, Sum, Vector
 from . import check_values as values
 from . import units
 from .check_names import CALLABLE, SPECIAL, UNKNOWN, Facts, joined
-from .check_scope import Scope
+from .check_scope import PLACES, Scope
 from .units import NONE, Dimension
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ class Calls:
 
     def call(self, expr: Call, scope: Scope) -> Checked:
         function = expr.function
+        if function in ("drift", "time") and scope.place is PLACES["expect"]:
+            return self._of_run(expr)
         parts = [self.x.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
         if function not in CALLABLE:
@@ -44,6 +47,41 @@ class Calls:
         if function in VECTOR_FUNCTIONS:
             return new, self._vector_call(expr, facts)
         return new, self._scalar_call(expr, facts)
+
+    def _of_run(self, expr: Call) -> Checked:
+        """drift(X), time(EVENT): of a whole run, which an expectation compares."""
+        if len(expr.arguments) != 1:
+            self.report.error(f"{expr.function} takes one argument", expr.span)
+            return expr, UNKNOWN
+        (argument,) = expr.arguments
+        if expr.function == "time":
+            return expr, self._time_of(argument)
+        new, facts = self.x.check(argument, Scope(PLACES["record"]))
+        if facts.vector:
+            self.report.error("the drift of a vector: take a component (.x, .y, .z)", argument.span)
+        elif facts.known and not facts.moves:
+            self.report.error(
+                f"{self.mismatch.text(argument)} does not move: it has no drift", argument.span
+            )
+        elif facts.known:
+            return replace(expr, arguments=(new,)), Facts(NONE)
+        return expr, UNKNOWN
+
+    def _time_of(self, argument: Expr) -> Facts:
+        name = argument.id if isinstance(argument, Name) else ""
+        entry = self.names.table.get(name)
+        events = [n for n, e in self.names.table.items() if e.kind == "event"]
+        if entry is not None and entry.kind == "event":
+            return Facts(self.x.time_dimension)
+        if entry is None or entry.kind != "poisoned":
+            near = get_close_matches(name, events, 1, 0.6)
+            help = f"the events are: {', '.join(events)}" if events else "declare it by 'event'"
+            self.report.error(
+                "time(…) takes an event: when it first happens",
+                argument.span,
+                f"did you mean '{near[0]}'?" if near else help,
+            )
+        return UNKNOWN
 
     def _not_callable(self, expr: Call) -> None:
         if expr.function in SPECIAL - {"sum"}:

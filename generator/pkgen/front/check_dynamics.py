@@ -55,7 +55,7 @@ class Dynamics:
     def force(self, statement: st.ForceAlong) -> None:
         left = statement.left
         entry = self.shared.coordinate_named(left, "a force")
-        scope = self.shared.member_scope(left, entry, "force")
+        scope = self.shared.member_scope(left, entry, Scope(PLACES["force"]))
         if entry is None or scope is None or entry.facts.dimension is None:
             self.expressions.check(statement.value, scope or Scope(PLACES["force"]))
             return
@@ -78,7 +78,8 @@ class Dynamics:
             if checked is not None:
                 self.parts["start"].append(checked)
 
-    def start_item(self, item: st.StartItem) -> m.Start | None:
+    def start_item(self, item: st.StartItem, around: Scope | None = None) -> m.Start | None:
+        """`around` is the scope of the values where there is a loop around them."""
         left = item.left
         if item.function:
             self.report.error(
@@ -86,9 +87,10 @@ class Dynamics:
             )
             return None
         entry = self.shared.coordinate_named(left, "a start")
-        scope = self.shared.member_scope(left, entry, "start")
+        around = around or Scope(PLACES["start"])
+        scope = self.shared.member_scope(left, entry, around)
         if entry is None or scope is None:
-            self.expressions.check(item.value, scope or Scope(PLACES["start"]))
+            self.expressions.check(item.value, scope or around)
             return None
         if item.order > 1:
             self.report.error(

@@ -26,7 +26,7 @@ def check_bounds(
         if isinstance(item, m.Definition):
             _constant(item, values, sizes)
             continue
-        bounds = _ends(item, values, sizes, report)
+        bounds = ends_of(item, values, sizes, report)
         for index in _indices(item, sizes):
             inner = sizes if index is None else {**sizes, item.range.variable: index}
             shown = item.name if index is None else f"{item.name}[{index}]"
@@ -39,10 +39,10 @@ def check_bounds(
                 value = Fraction(1)
                 bounds = None
             values[item.name if index is None else (item.name, index)] = value
-            if bounds is not None and not _within(value, item.bounds, bounds):
+            if bounds is not None and not within(value, item.bounds, bounds):
                 report.error(
                     f"the default of {shown} is outside its bounds:"
-                    f" {_number(value, item.unit)} is not in {_interval(item.bounds, bounds)}",
+                    f" {number(value, item.unit)} is not in {interval(item.bounds, bounds)}",
                     item.default.span,
                     f"a bound without a unit is in [{item.unit}]" if item.unit else "",
                 )
@@ -64,7 +64,7 @@ def _indices(item: m.Parameter, sizes: Mapping[str, int]):
     return [*range(lo, lo + half), *range(hi - half + 1, hi + 1)]
 
 
-def _ends(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):
+def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):
     """The bounds' values, None for an infinite one; None for both after an error."""
     ends = []
     for end in (item.bounds.lo, item.bounds.hi):
@@ -80,7 +80,7 @@ def _ends(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Rep
         return lo, hi
     if lo > hi or (lo == hi and (item.bounds.lo_open or item.bounds.hi_open)):
         report.error(
-            f"no value of {item.name} lies in {_interval(item.bounds, (lo, hi))}",
+            f"no value of {item.name} lies in {interval(item.bounds, (lo, hi))}",
             item.bounds.lo.span.to(item.bounds.hi.span),
             "the lower bound comes first",
         )
@@ -88,23 +88,23 @@ def _ends(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Rep
     return lo, hi
 
 
-def _within(value, bounds: m.Bounds, ends) -> bool:
+def within(value, bounds: m.Bounds, ends) -> bool:
     lo, hi = ends
     above = lo is None or (value > lo if bounds.lo_open else value >= lo)
     below = hi is None or (value < hi if bounds.hi_open else value <= hi)
     return above and below
 
 
-def _number(value, unit: str = "") -> str:
+def number(value, unit: str = "") -> str:
     return f"{float(value):.12g}" + (f" [{unit}]" if unit else "")
 
 
-def _interval(bounds: m.Bounds, ends) -> str:
+def interval(bounds: m.Bounds, ends) -> str:
     lo, hi = ends
     return (
         ("(" if bounds.lo_open else "[")
-        + ("-inf" if lo is None else _number(lo))
+        + ("-inf" if lo is None else number(lo))
         + ", "
-        + ("inf" if hi is None else _number(hi))
+        + ("inf" if hi is None else number(hi))
         + (")" if bounds.hi_open else "]")
     )

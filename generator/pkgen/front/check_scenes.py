@@ -1,141 +1,123 @@
-"""Scenes: what `pkgen run --scene` runs is checked in full, names, units and members.
+"""Scenes, clause by clause: names, units, members, and what cannot stand together.
 
-Of the clauses that cannot be run yet only the names are checked, and the scene keeps why it is
-refused. A scene with a `swarm` is one of these as a whole, for its starts use the swarm's variable.
+What a scene gives the model is in `check_given.py`, numbers and events in `check_settings.py`,
+expectations in `check_expects.py`; `check_scene_values.py` computes what is a number already.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from difflib import get_close_matches
+from collections.abc import Callable
 
 from .. import model as m
 from ..indices import NotAnInteger, integer
 from ..source import Span
-from ..tree import Expr, Name, Prime, Sum, children
+from ..tree import Expr, Name, Prime
 from . import statements as st
-from . import units
 from .check_dynamics import Dynamics
-from .check_expr import Target
-from .check_names import BUILT_IN, KIND_TEXT, Entry
+from .check_expects import Expects
+from .check_given import Given
 from .check_scope import PLACES, Scope
-from .check_shared import Shared, name_span
+from .check_settings import Settings
+from .check_shared import Shared
 from .units import NONE
-
-_ALWAYS = frozenset(("t", "pi", "inf", *BUILT_IN))
-_REFUSED = {
-    st.Swarm: "'swarm' cannot be run yet; --ensemble FILE.csv runs many starts",
-    st.Expect: "'expect' cannot be checked yet; record the quantity and compare",
-    "hold": "'hold' cannot be run yet",
-    "accuracy": "'accuracy' cannot be promised yet; choose by 'method NAME step H' or 'rtol R'",
-}
 
 
 class Scenes:
     def __init__(self, shared: Shared, dynamics: Dynamics) -> None:
         self.shared, self.dynamics = shared, dynamics
-        self.report, self.names = shared.report, shared.names
-        self.expressions = shared.expressions
+        self.report, self.expressions = shared.report, shared.expressions
+        self.settings = Settings(shared)
+        self.expects = Expects(shared, self.settings)
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.shared.parts["scene"]):
             self.report.error(f"there is a scene '{scene.name}' already", scene.name_span)
-        swarms = frozenset(c.range.variable for c in scene.clauses if isinstance(c, st.Swarm))
-        found: dict[str, object] = {
-            "assignments": (),
-            "starts": (),
-            "until": None,
-            "method": "",
-            "step": None,
-            "rtol": None,
-            "record": None,
-        }
-        refused: list[tuple[str, Span]] = []
+        if not scene.clauses:
+            self.report.error(
+                f"the scene '{scene.name}' is empty",
+                scene.name_span,
+                "say what it runs, e.g. until 10",
+            )
+        swarms = [c for c in scene.clauses if isinstance(c, st.Swarm)]
+        for clause in swarms[1:]:
+            self.second("swarm", clause.span)
+        one = _Scene(self, Given(self.shared, self.dynamics, swarms[0].range if swarms else None))
         for clause in scene.clauses:
-            why = _REFUSED.get(type(clause)) or _REFUSED.get(getattr(clause, "keyword", ""))
-            if why:
-                refused.append((why, clause.span))
-            if why or swarms:
-                self._names_of(clause, swarms)
-            else:
-                self._clause(clause, found)
-        self.shared.parts["scene"].append(
-            m.Scene(scene.name, scene.description, **found, refused=tuple(refused), span=scene.span)
-        )
+            one.clause(clause)
+        self.shared.parts["scene"].append(one.made(scene))
 
-    # clauses that are run
+    def second(self, keyword: str, span: Span) -> None:
+        self.report.error(f"a scene has one '{keyword}'; this is the second", span)
 
-    def _clause(self, clause: st.Clause, found: dict) -> None:
-        match clause:
-            case st.StartAt(items=items):
-                checked = [self.dynamics.start_item(item) for item in items]
-                found["starts"] += tuple(x for x in checked if x is not None)
-            case st.Assign(items=items):
-                checked = [self._assignment(left, value) for left, value in items]
-                found["assignments"] += tuple(x for x in checked if x is not None)
-            case st.Setting(value=value):  # until
-                self._once(found["until"], "until", clause.span)
-                found["until"] = self._time("until", value)
-            case st.Method(name=name, step=step, rtol=rtol):
-                self._once(found["method"], "method", clause.span)
-                found["method"] = name
-                found["step"] = self._time("step", step)
-                found["rtol"] = None if rtol is None else self._setting("rtol", rtol, NONE)
-            case st.Record():
-                self._once(found["record"], "record", clause.span)
-                found["record"] = self._record(clause)
 
-    def _once(self, before: object, keyword: str, span: Span) -> None:
-        if before:
-            self.report.error(f"a scene has one '{keyword}'; this is the second", span)
+class _Scene:
+    """One scene while its clauses are read."""
 
-    def _time(self, name: str, value: Expr | None) -> Expr | None:
-        if value is None:
-            return None
-        return self._setting(name, value, self.expressions.time_dimension)
+    def __init__(self, scenes: Scenes, given: Given) -> None:
+        self.scenes, self.given = scenes, given
+        self.settings, self.report = scenes.settings, scenes.report
+        self.until: Expr | None = None
+        self.accuracy: Expr | None = None
+        self.method, self.step, self.rtol = "", None, None
+        self.record: m.Record | None = None
+        self.expects: list[m.Expect] = []
+        self.seen: set[str] = set()
 
-    def _setting(self, name: str, value: Expr, dimension: units.Dimension) -> Expr:
-        """A number; in a model without units a time may have its unit all the same."""
-        scope = Scope(PLACES["setting"])
-        kind = units.described(dimension)
-        target = Target(dimension, f"'{name}' is {kind}", bare=True)
-        if dimension == NONE and name != "rtol":
-            new, facts = self.expressions.check(value, scope)
-            if facts.dimension == units.TIME:
-                return new
-        return self.expressions.wanted(value, scope, target)[0]
+    def clause(self, clause: st.Clause) -> None:
+        if not isinstance(clause, st.StartAt) and self.given.swarm_of(_expressions(clause)):
+            return
+        if isinstance(clause, _ONCE):
+            keyword = getattr(clause, "keyword", type(clause).__name__.lower())
+            if keyword in self.seen:
+                self.scenes.second(keyword, clause.span)
+            self.seen.add(keyword)
+        _READ[type(clause)](self, clause)
 
-    def _assignment(self, left: st.Left, value: Expr) -> m.Assignment | None:
-        entry = self._assigned(left, ("parameter", "input"), "'set' gives parameters and inputs")
-        if entry is None or entry.kind == "poisoned":
-            return None
-        scope: Scope | None = Scope(PLACES["setting" if entry.kind == "parameter" else "driving"])
-        index = left.index
-        if left.range is not None:
-            scope = self.expressions.indices.enter((left.range,), scope)
-            if scope is None:
-                return None
-            index = Name(left.range.variable, None, left.range.span)
-        named = Name(left.name, index, left.span)
-        if not self.expressions.indices.member(named, entry, replace(scope, name="=")):
-            return None
-        dimension = entry.facts.dimension
-        kind = "" if dimension is None else units.described(dimension)
-        target = Target(dimension, f"{left.name} is {kind}", bare=True)
-        new, facts = self.expressions.wanted(value, scope, target)
-        return m.Assignment(left.name, left.index, left.range, new, facts.time, left.span)
+    def _assign(self, clause: st.Assign) -> None:
+        (self.given.set if clause.keyword == "set" else self.given.hold)(clause)
 
-    def _record(self, clause: st.Record) -> m.Record:
+    def _setting(self, clause: st.Setting) -> None:
+        if clause.keyword == "until":
+            self.until = self.settings.time("until", clause.value)
+        else:
+            self.accuracy = self.settings.accuracy(clause.value)
+            self._one_of_both(clause.span)
+
+    def _method(self, clause: st.Method) -> None:
+        self.method = clause.name
+        self.step = self.settings.time("step", clause.step)
+        if clause.rtol is not None:
+            self.rtol = self.settings.setting("rtol", clause.rtol, NONE)[0]
+        self._one_of_both(clause.span)
+
+    def _one_of_both(self, span: Span) -> None:
+        if {"accuracy", "method"} <= self.seen:
+            self.report.error(
+                "'accuracy' and 'method' in one scene: with an accuracy pkgen chooses the method",
+                span,
+                "leave one of them out",
+            )
+
+    def _expect(self, clause: st.Expect) -> None:
+        checked = self.scenes.expects.check(clause)
+        if checked is not None:
+            self.expects.append(checked)
+
+    # record
+
+    def _record(self, clause: st.Record) -> None:
         columns = [self._column(item) for item in clause.items]
-        return m.Record(
+        event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
+        self.record = m.Record(
             columns=tuple(c for c in columns if c is not None),
-            every=self._time("every", clause.every),
-            at="" if clause.at is None else self._event(clause.at),
+            every=self.settings.time("every", clause.every),
+            at=event,
             span=clause.span,
         )
 
     def _column(self, item: Expr) -> m.Definition | None:
-        value, facts = self.expressions.check(item, Scope(PLACES["record"]))
+        shared = self.scenes.shared
+        value, facts = self.scenes.expressions.check(item, Scope(PLACES["record"]))
         inner, order = value, 0
         while isinstance(inner, Prime):
             inner, order = inner.of, order + 1
@@ -159,99 +141,59 @@ class Scenes:
             )
             return None
         try:
-            index = None if inner.index is None else integer(inner.index, self.shared.sizes)
+            index = None if inner.index is None else integer(inner.index, shared.sizes)
         except NotAnInteger:  # reported
             return None
         name = inner.id + ("" if index is None else f"[{index}]") + "'" * order
-        unit = self.shared.shown_unit(value, facts)
+        unit = shared.shown_unit(value, facts)
         return m.Definition(name, None, None, value, unit, "", item.span)
 
-    def _event(self, at: Expr) -> str:
-        events = {e.name for e in self.shared.parts["event"]}
-        if isinstance(at, Name) and at.index is None and at.id in events:
-            return at.id
-        if isinstance(at, Name) and self.names.table.get(at.id) is None:
-            near = get_close_matches(at.id, sorted(events), 1, 0.6)
-            help = f"the events are: {', '.join(sorted(events))}" if events else ""
-            help = help or f"declare it: event {at.id}: EXPRESSION rising"
-            self.report.error(
-                f"unknown event '{at.id}'", at.span, f"did you mean '{near[0]}'?" if near else help
-            )
-        else:
-            kind = ""
-            if isinstance(at, Name):
-                kind = f"; '{at.id}' is {KIND_TEXT[self.names.table[at.id].kind]}"
-            self.report.error(
-                f"'record … at' takes an event{kind}",
-                at.span,
-                "'until' gives a duration, 'every' an interval",
-            )
-        return ""
+    # all of it
 
-    # clauses that are not run: names alone
-
-    def _names_of(self, clause: st.Clause, variables: frozenset[str]) -> None:
-        match clause:
-            case st.StartAt(items=items):
-                for item in items:
-                    self._assigned(item.left, ("coordinate",), "'start' is for coordinates")
-                    self._known(item.value, variables | _variable(item.left))
-            case st.Assign(keyword=keyword, items=items):
-                kinds, message = _ASSIGNED[keyword]
-                for left, value in items:
-                    self._assigned(left, kinds, message)
-                    if value is not None:
-                        self._known(value, variables | _variable(left))
-            case st.Record(items=items, every=every, at=at):
-                for expr in (*items, every, at):
-                    self._known(expr, variables)
-            case st.Expect(a=a, b=b, within=within, at=at):
-                for expr in (a, b, within, at):
-                    self._known(expr, variables)
-            case st.Setting(value=value):
-                self._known(value, variables)
-            case st.Method(step=step, rtol=rtol):
-                self._known(step, variables)
-                self._known(rtol, variables)
-
-    def _assigned(self, left: st.Left, kinds: tuple[str, ...], message: str) -> Entry | None:
-        entry = self.names.table.get(left.name)
-        if entry is None:
-            self.names.unknown(left.name, name_span(left))
-            return None
-        entry.used = True
-        if entry.kind not in (*kinds, "poisoned"):
-            self.report.error(f"{message}; '{left.name}' is another kind of name", name_span(left))
-            return None
-        return entry
-
-    def _known(self, expr: Expr | None, variables: frozenset[str]) -> None:
-        waiting = [expr] if expr is not None else []
-        while waiting:
-            part = waiting.pop()
-            waiting.extend(children(part))
-            if isinstance(part, Name):
-                self._name(part, variables)
-            elif isinstance(part, Sum):
-                variables = variables | {r.variable for r in part.ranges}
-
-    def _name(self, name: Name, variables: frozenset[str]) -> None:
-        if name.id in variables or name.id in _ALWAYS:
-            return
-        if name.id.startswith("p_") and name.id[2:] in self.names.coordinates:
-            return
-        entry = self.names.table.get(name.id)
-        if entry is None:
-            self.names.unknown(name.id, name.span)
-        else:
-            entry.used = True
+    def made(self, scene: st.Scene) -> m.Scene:
+        self.given.finish()
+        if "until" not in self.seen:
+            self.scenes.expects.without_until(self.expects)
+        return m.Scene(
+            scene.name,
+            scene.description,
+            assignments=tuple(self.given.assignments),
+            starts=tuple(self.given.starts),
+            until=self.until,
+            method=self.method,
+            step=self.step,
+            rtol=self.rtol,
+            record=self.record,
+            span=scene.span,
+            holds=tuple(self.given.holds),
+            accuracy=self.accuracy,
+            swarm=self.given.swarm,
+            expects=tuple(self.expects),
+        )
 
 
-_ASSIGNED = {
-    "set": (("parameter", "input"), "'set' gives parameters and inputs"),
-    "hold": (("coordinate",), "'hold' is for coordinates"),
+_ONCE = (st.Setting, st.Method, st.Record)
+_READ: dict[type, Callable[[_Scene, st.Clause], None]] = {
+    st.StartAt: lambda scene, clause: scene.given.start(clause),
+    st.Assign: _Scene._assign,
+    st.Setting: _Scene._setting,
+    st.Method: _Scene._method,
+    st.Record: _Scene._record,
+    st.Swarm: lambda scene, clause: None,  # read before the others
+    st.Expect: _Scene._expect,
 }
 
 
-def _variable(left: st.Left) -> frozenset[str]:
-    return frozenset((left.range.variable,)) if left.range is not None else frozenset()
+def _expressions(clause: st.Clause) -> tuple[Expr | None, ...]:
+    match clause:
+        case st.Assign(items=items):
+            return tuple(value for _, value in items)
+        case st.Setting(value=value):
+            return (value,)
+        case st.Method(step=step, rtol=rtol):
+            return step, rtol
+        case st.Record(items=items, every=every, at=at):
+            return (*items, every, at)
+        case st.Expect(a=a, b=b, within=within, at=at):
+            return a, b, within, at
+    return ()

@@ -44,6 +44,18 @@ PLACES: dict[str, Place] = {
     "driving": Place(
         "an input", _PARAMETERS | {"time"}, "numbers, sizes, constants, parameters and t"
     ),
+    "accuracy": Place("an accuracy", _NUMBERS, "numbers and constants"),
+    "held": Place(
+        "a held coordinate",
+        _PARAMETERS | {"time"},
+        "numbers, sizes, constants, parameters and t",
+    ),
+    "expect": Place(
+        "an expectation",
+        _MOTION | {"built-in", "output"},
+        "names of the motion",
+        derivatives=True,
+    ),
     "record": Place(
         "a record", _MOTION | {"built-in", "output"}, "names of the motion", derivatives=True
     ),

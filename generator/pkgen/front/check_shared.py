@@ -98,9 +98,9 @@ class Shared:
             return None
         return entry
 
-    def member_scope(self, left: st.Left, entry: Entry | None, place: str) -> Scope | None:
-        """The scope of `force q[i = 1..N] = …` and the like; the members must be coordinates."""
-        scope = Scope(PLACES[place])
+    def member_scope(self, left: st.Left, entry: Entry | None, scope: Scope) -> Scope | None:
+        """The scope of `force q[i = 1..N] = …` and the like in `scope`; the members must be
+        coordinates."""
         if entry is None:
             if left.range is not None:
                 return self.indices.enter((left.range,), scope)
@@ -115,7 +115,7 @@ class Shared:
         named_scope = replace(scope, name="=")
         family = entry
         if entry.members is not None:
-            family = replace(entry, members=Members(self.range_of(left.name)), kind=place)
+            family = replace(entry, members=Members(self.range_of(left.name)), kind="member")
         before = len(self.report.errors)
         self.indices.member(named, family, named_scope)
         return scope if len(self.report.errors) == before else None

@@ -1,0 +1,172 @@
+"""`expect`: what a scene promises of its run, as outputs of the model and settings of the driver.
+
+A relation between what moves is measured in C where it is to hold: runtime/run/expect.c. One of
+numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the run is over:
+`expects_judge.py`.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .exits import UsageError
+from .front.check_expects import OF_RUN
+from .middle.quantities import indexed
+from .model import Expect, Scene
+from .source import Span
+from .tree import Call, Expr, Name, Number, within
+
+if TYPE_CHECKING:
+    from .compiler import Compilation
+    from .simulate import Settings
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A relation between outputs, by their indices, as the driver reads it."""
+
+    relation: str
+    a: int
+    b: int
+    within: int | None
+    at: float | None  # a time
+    event: int | None  # with neither: in all rows
+
+    def line(self) -> str:
+        when = "rows"
+        if self.at is not None:
+            when = f"t {self.at.hex()}"
+        elif self.event is not None:
+            when = f"event {self.event}"
+        allowed = "-" if self.within is None else self.within
+        return f"expect {self.relation} {self.a} {self.b} {allowed} {when}"
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What the driver is to measure; a drift is of an output, or of the energy (None)."""
+
+    compared: tuple[Compared, ...] = ()
+    drifts: tuple[int | None, ...] = ()
+    hidden: tuple[int, ...] = ()
+
+    def lines(self) -> list[str]:
+        drifts = ("energy" if d is None else d for d in self.drifts)
+        return [
+            *(f"hidden {i}" for i in self.hidden),
+            *(c.line() for c in self.compared),
+            *(f"drift {d}" for d in drifts),
+        ]
+
+
+NOTHING = Watched()
+
+
+def outputs(scene: Scene) -> dict[str, tuple[Expr, Span]]:
+    """What the model is to have as outputs, under their names."""
+    found = {}
+    for i, item in enumerate(scene.expects, 1):
+        for k, call in enumerate(calls(item, "drift"), 1):
+            if not _is_energy(call.arguments[0]):
+                found[f"{i}_drift_{k}"] = (call.arguments[0], item.span)
+        if not of_run(item):
+            for side in ("a", "b", "within"):
+                value = getattr(item, side)
+                if value is not None:
+                    found[f"{i}_{side}"] = (value, item.span)
+    return found
+
+
+def drifts_of_energy(scene: Scene) -> bool:
+    drifts = (call for item in scene.expects for call in calls(item, "drift"))
+    return any(_is_energy(call.arguments[0]) for call in drifts)
+
+
+def events(scene: Scene) -> frozenset[str]:
+    """Those at which something is expected, or whose time is."""
+    times = (call for item in scene.expects for call in calls(item, "time"))
+    names = {item.event for item in scene.expects if item.event}
+    return frozenset(names | {call.arguments[0].id for call in times})
+
+
+def watched(
+    scene: Scene, observed: list[str], events: list[str], times: tuple[float | None, ...]
+) -> Watched:
+    """`observed` and `events` are those of what was compiled, `times` those of the expectations."""
+    index = {name: k for k, name in enumerate(observed)}
+    compared, drifts = [], []
+    for i, item in enumerate(scene.expects, 1):
+        for k, call in enumerate(calls(item, "drift"), 1):
+            energy = _is_energy(call.arguments[0])
+            drifts.append(None if energy else index[f"{i}_drift_{k}"])
+        if not of_run(item):
+            allowed = None if item.within is None else index[f"{i}_within"]
+            event = events.index(item.event) if item.event else None
+            sides = index[f"{i}_a"], index[f"{i}_b"], allowed
+            compared.append(Compared(item.relation, *sides, times[i - 1], event))
+    hidden = tuple(index[name] for name in outputs(scene))
+    return Watched(tuple(compared), tuple(drifts), hidden)
+
+
+def of_run(item: Expect) -> bool:
+    return any(calls(item, name) for name in OF_RUN)
+
+
+def calls(item: Expect, function: str) -> list[Call]:
+    return [
+        part
+        for side in (item.a, item.b)
+        for part in within(side)
+        if isinstance(part, Call) and part.function == function
+    ]
+
+
+def refuse(
+    compilation: Compilation,
+    scene: Scene,
+    times: tuple[float | None, ...],
+    settings: Settings,
+    ensemble: bool,
+) -> None:
+    """What cannot be expected of this model, or of so many members. Raises UsageError."""
+    model, structure = compilation.model, compilation.structure
+    momenta = () if compilation.looped else compilation.equations.momenta_names
+    cyclic = () if compilation.looped else structure.cyclic
+    free = {q.name for q, constant in zip(momenta, cyclic, strict=True) if not constant}
+    for item, at in zip(scene.expects, times, strict=True):
+        why = ""
+        for call in calls(item, "drift"):
+            shown = _shown(call.arguments[0])
+            if shown == "energy" and not structure.conservative:
+                why = "the energy is not constant here: record it, or what it loses"
+            elif shown in free:
+                why = f"{shown} is not constant here: its coordinate is not cyclic"
+        if ensemble:
+            why = why or _not_of_members(item, at, settings)
+        if why:
+            raise UsageError(f"{model.source.place(item.span)}: scene '{scene.name}': {why}")
+
+
+def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
+    if item.event or calls(item, "time"):
+        return "events of a swarm or an ensemble are not watched yet: expect it at a time"
+    if at is None or at == settings.until:
+        return ""
+    if settings.every is not None:
+        off = abs(at / settings.every - round(at / settings.every)) * settings.every
+        if off <= 8 * sys.float_info.epsilon * settings.until:
+            return ""
+    return f"members have no row at t = {at:.12g}: expect it at a recorded time"
+
+
+def _shown(expr: Expr) -> str:
+    if not isinstance(expr, Name):
+        return ""
+    index = expr.index.value if isinstance(expr.index, Number) else None
+    return indexed(expr.id, index)
+
+
+def _is_energy(expr: Expr) -> bool:
+    return isinstance(expr, Name) and expr.id == "energy"

@@ -1,0 +1,149 @@
+"""Whether a scene's expectations were met, by what the driver reports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from .expects import calls, of_run
+from .front.scene_values import Values, WrongValue
+from .model import Expect, Model, Scene
+from .source import Diagnostic, Span
+from .tree import Call, Expr, Number, replaced
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Of one expectation: `value` and `bound` where it was missed most, or least met."""
+
+    text: str
+    span: Span
+    met: bool
+    said: str  # why it is not met
+    value: float | None
+    bound: float | None
+    within: float | None
+    t: float | None
+    member: int | None
+
+    def record(self) -> dict[str, object]:
+        keys = ("text", "met", "said", "value", "bound", "within", "t", "member")
+        return {key: getattr(self, key) for key in keys}
+
+    def diagnostic(self) -> Diagnostic:
+        return Diagnostic(f"expectation missed: {self.said}", self.span)
+
+
+class Judge:
+    """Of a run of a scene; `values` are those of its parameters, `member` names one of several."""
+
+    def __init__(
+        self,
+        model: Model,
+        scene: Scene,
+        values: Values,
+        report: dict,
+        member: Callable[[int], str] | None = None,
+    ):
+        self.model, self.scene, self.values = model, scene, values
+        self.report, self.member = report, member
+
+    def verdicts(self) -> list[Verdict]:
+        compared = iter(self.report["expects"])
+        drifts = iter(self.report["expect_drifts"])
+        return [
+            self._of_run(item, drifts) if of_run(item) else self._compared(item, next(compared))
+            for item in self.scene.expects
+        ]
+
+    def _verdict(self, item: Expect, met: bool, said: str, **found: float | int | None) -> Verdict:
+        text = " ".join(self.model.source.text[item.span.start : item.span.end].split())
+        keys = ("value", "bound", "within", "t", "member")
+        return Verdict(text, item.span, met, said, *(found.get(key) for key in keys))
+
+    def _compared(self, item: Expect, found: dict) -> Verdict:
+        if found["count"] == 0:
+            return self._verdict(item, False, self._never(item))
+        met = found["missed"] == 0
+        where = f" at t = {_text(found['t'])}"
+        keep = {key: found[key] for key in ("value", "bound", "t")}
+        if item.relation == "=":
+            keep["within"] = found["within"]
+        if self.member is not None:
+            keep["member"] = found["member"]
+            where += f" of {self.member(found['member'])}"
+        said = "" if met else self._miss(item, where=where, **keep)
+        if not met and found["count"] > 1:
+            said += f"; missed {found['missed']} of {found['count']} times, this the most"
+        return self._verdict(item, met, said, **keep)
+
+    def _never(self, item: Expect) -> str:
+        end = self.report.get("t")
+        ended = "" if end is None else f": the run ended at t = {_text(end)}"
+        if item.event:
+            return f"event '{item.event}' did not happen{ended}"
+        return f"there was no such time{ended}" if item.at is not None else "there was no row"
+
+    def _of_run(self, item: Expect, drifts: Iterator[dict]) -> Verdict:
+        numbers: dict[Call, float | None] = {}
+        member = None
+        for call in calls(item, "drift"):
+            found = next(drifts)
+            numbers[call] = found["max"]
+            member = found["member"] if self.member is not None else None
+        for call in calls(item, "time"):
+            name = call.arguments[0].id
+            numbers[call] = self._time(name)
+            if numbers[call] is None:
+                return self._verdict(item, False, f"event '{name}' did not happen")
+        for call, number in numbers.items():
+            if number is None:
+                return self._verdict(item, False, f"{call.function}(…) is not finite")
+        try:
+            a, b, allowed = (
+                None if e is None else self._number(e, numbers)
+                for e in (item.a, item.b, item.within)
+            )
+        except WrongValue as wrong:
+            return self._verdict(item, False, str(wrong))
+        met = {"<": a < b, ">": a > b, "=": abs(a - b) <= (allowed or 0.0)}[item.relation]
+        keep = {"value": a, "bound": b, "within": allowed, "member": member}
+        where = "" if member is None else f" of {self.member(member)}"
+        said = "" if met else self._miss(item, where, a, b, allowed)
+        return self._verdict(item, met, said, **keep)
+
+    def _time(self, name: str) -> float | None:
+        event = next(e for e in self.report["events"] if e["name"] == name)
+        return event["times"][0] if event["count"] else None
+
+    def _number(self, expr: Expr, numbers: dict[Call, float]) -> float:
+        def known(part: Expr) -> Expr | None:
+            if isinstance(part, Call) and part in numbers:
+                return Number(Fraction(numbers[part]), part.span)
+            return None
+
+        return self.values.number("expect", replaced(expr, known))
+
+    def _miss(
+        self,
+        item: Expect,
+        where: str,
+        value: float | None,
+        bound: float | None,
+        within: float | None = None,
+        **_: object,
+    ) -> str:
+        """The value, the bound, and by how much."""
+        if value is None or bound is None:
+            return f"no finite number{where}"
+        off = abs(value - bound)
+        shown = f"{_text(value)}{where}"
+        if item.relation == "=":
+            return f"{shown} is off {_text(bound)} by {off:.3g}, where {within:.3g} is allowed"
+        kind = "below" if item.relation == "<" else "above"
+        return f"{shown} is not {kind} {_text(bound)}: off by {off:.3g}"
+
+
+def _text(x: float) -> str:
+    return f"{x:.12g}"

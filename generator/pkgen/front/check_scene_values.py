@@ -1,0 +1,86 @@
+"""What a scene sets, as numbers: within bounds, positive, in the time that it runs.
+
+Numbers here are those of the model as it stands; options of the command line may give others, and
+`scene.py` and the C check again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..model import Model, Parameter, Scene
+from ..source import Span
+from .check_names import Report
+from .check_params import ends_of, interval, number, within
+from .scene_values import Values, WrongValue
+
+
+def check_scene_values(model: Model, report: Report) -> None:
+    for scene in model.scenes:
+        _Numbers(model, scene, report).check()
+
+
+class _Numbers:
+    def __init__(self, model: Model, scene: Scene, report: Report) -> None:
+        self.model, self.scene, self.report = model, scene, report
+        self.values = Values(model, {})
+
+    def check(self) -> None:
+        self._assignments()
+        scene, values = self.scene, self.values
+        until = self._of(lambda: values.positive("until", scene.until))
+        self._of(lambda: values.positive("step", scene.step))
+        self._of(lambda: values.positive("rtol", scene.rtol))
+        if scene.record is not None:
+            self._of(lambda: values.positive("every", scene.record.every))
+        for item in scene.expects:
+            self._of(lambda item=item: values.not_negative("within", item.within))
+            at = self._of(lambda item=item: values.not_negative("at", item.at))
+            if at is not None and until is not None and at > until:
+                self.report.error(
+                    f"t = {number(at)} is not reached: the scene runs until {number(until)}",
+                    item.at.span,
+                    "expect it earlier, or run longer",
+                )
+
+    def _of(self, value: Callable[[], float | None]) -> float | None:
+        try:
+            return value()
+        except WrongValue as wrong:
+            self.report.error(str(wrong), wrong.span)
+            return None
+
+    def _assignments(self) -> None:
+        """In the order written, as they are set."""
+        parameters = {p.name: p for p in self.model.parameters}
+        given: dict = {}
+        outside: set[str] = set()  # a parameter is reported once
+        for item in self.scene.assignments:
+            if item.varies:
+                continue
+            for index, value in self._of(lambda item=item: self.values.assigned(item)) or ():
+                if item.name in parameters:
+                    given[item.name, index] = value
+            self.values.set(given)
+        for item in self.scene.assignments:
+            if item.name in parameters and item.name not in outside:
+                message = "{} is set outside its bounds"
+                if self._outside(parameters[item.name], item.span, message):
+                    outside.add(item.name)
+        for parameter in self.model.parameters:
+            if given and parameter.follows and parameter.name not in outside:
+                message = "this puts {}, which follows it, outside its bounds"
+                self._outside(parameter, self.scene.assignments[-1].span, message)
+
+    def _outside(self, parameter: Parameter, span: Span, message: str) -> bool:
+        ends = ends_of(parameter, self.values.values, self.values.sizes, self.report)
+        for index, key in self.values.members(parameter):
+            value = self.values.values.get(key)
+            if ends is None or value is None or within(value, parameter.bounds, ends):
+                continue
+            shown = parameter.name if index is None else f"{parameter.name}[{index}]"
+            bounds = interval(parameter.bounds, ends)
+            value = number(value, parameter.unit)
+            self.report.error(f"{message.format(shown)}: {value} is not in {bounds}", span)
+            return True
+        return False

@@ -1,0 +1,124 @@
+"""What a scene makes of its model before that is compiled: starts, driven inputs, outputs.
+
+Outputs that only an expectation needs are hidden: their names begin with a digit, as no author's
+do, and rows have no column of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from . import expects
+from .model import Definition, Input, Model, Scene
+from .tree import Expr, Name, Prime, names, replaced
+
+
+def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
+    """The model with the scene's starts, inputs that it drives, and outputs for what no column has
+    yet. Inputs in `given` are set by an option and so not driven."""
+    extra: dict[str, Definition] = {}
+    for item in scene.record.columns if scene.record else ():
+        if not _is_column(model, item):
+            extra[item.name] = item
+    for name, (value, span) in expects.outputs(scene).items():
+        extra[name] = Definition(name, None, None, value, "", "", span)
+    outputs = (replace(item, value=_claims(model, item.value)) for item in extra.values())
+    return replace(
+        _driven(model, scene, given),
+        starts=(*model.starts, *(s for s in scene.starts if not of_swarm(scene, s.value))),
+        observed=(*model.observed, *outputs),
+    )
+
+
+def of_swarm(scene: Scene, value: Expr) -> bool:
+    """Whether a start differs from member to member: then it is no part of the model."""
+    return scene.swarm is not None and scene.swarm.variable in names(value)
+
+
+def columns(scene: Scene) -> list[str]:
+    """The names of what it records."""
+    return [item.name for item in scene.record.columns] if scene.record else []
+
+
+def needed(scene: Scene) -> frozenset[str]:
+    """Outputs that it needs besides what it records."""
+    return frozenset(expects.outputs(scene)) | (
+        {"energy"} if expects.drifts_of_energy(scene) else frozenset()
+    )
+
+
+def events(scene: Scene) -> frozenset[str]:
+    """Events that it asks about, besides the one at which it records."""
+    return expects.events(scene)
+
+
+def hidden(name: str) -> bool:
+    return name[0].isdigit()
+
+
+def _is_column(model: Model, item: Definition) -> bool:
+    """Whether each run has it."""
+    rate = isinstance(item.value, Prime)
+    value = item.value.of if rate else item.value
+    if not isinstance(value, Name):
+        return False
+    coordinates = {c.name for c in model.coordinates}
+    outputs = {o.name for o in model.observed}
+    return value.id in coordinates or (not rate and value.id in outputs) or item.name == "energy"
+
+
+def _claims(model: Model, value: Expr) -> Expr:
+    """The expression with what is claimed constant written out: claims are no outputs."""
+    claims = {item.name: item for item in model.conserved}
+
+    def written(part: Expr) -> Expr | None:
+        claim = claims.get(part.id) if isinstance(part, Name) else None
+        if claim is None:
+            return None
+        body = claim.value
+        if claim.range is not None:
+            variable, index = claim.range.variable, part.index
+
+            def member(inner: Expr) -> Expr | None:
+                return index if isinstance(inner, Name) and inner.id == variable else None
+
+            body = replaced(body, member)
+        return replaced(body, written)
+
+    return replaced(value, written)
+
+
+def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
+    """Inputs that are functions of t become definitions, so that their derivatives are theirs."""
+    driven = {
+        item.name: item
+        for item in scene.assignments
+        if item.name in {i.name for i in model.inputs} and item.name not in given
+    }
+    functions = {name: item for name, item in driven.items() if item.varies}
+    if not functions:
+        return model
+    inputs = {item.name: item for item in model.inputs}
+    lets = [_let(inputs[name], item.value, item.span) for name, item in functions.items()]
+    # Definitions are entered in order: constants that the functions use come before these.
+    first = _needed(model, lets)
+    return replace(
+        model,
+        inputs=tuple(item for item in model.inputs if item.name not in functions),
+        definitions=(*first, *lets, *(d for d in model.definitions if d not in first)),
+    )
+
+
+def _let(item: Input, value: Expr, span) -> Definition:
+    return Definition(item.name, None, None, value, item.units[0], item.description, span)
+
+
+def _needed(model: Model, lets: list[Definition]) -> list[Definition]:
+    wanted = frozenset().union(*(names(item.value) for item in lets))
+    found = []
+    for item in reversed(model.definitions):
+        if item.name in wanted:
+            wanted |= names(item.value)
+            found.append(item)
+    return found[::-1]

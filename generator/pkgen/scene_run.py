@@ -1,0 +1,97 @@
+"""A scene's part in `pkgen run`: the values of its parameters, its members, what it expects."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+from . import expects, named, option_values
+from . import options as parsing
+from . import scene as scenes
+from .compiler import Compilation
+from .ensemble import Ensemble, settable
+from .exits import UsageError
+from .expects_judge import Judge, Verdict
+from .front.check import check_text
+from .front.read import read
+from .front.scene_values import Values, WrongValue
+from .indices import integer
+from .middle.quantities import sizes
+from .model import Model, Scene
+from .option_values import assignment
+from .simulate import Settings
+
+_SWARM = re.compile(r"^\s*swarm\b", re.MULTILINE)
+
+
+def is_swarm(options: argparse.Namespace) -> bool:
+    """Whether the scene of the command line has many members; its model is compiled for lanes."""
+    if options.scene is None:
+        return False
+    source = read(options.model)
+    if not _SWARM.search(source.text):
+        return False
+    model, _ = check_text(source, parsing.sizes(options.size))
+    return any(s.name == options.scene and s.swarm is not None for s in model.scenes)
+
+
+def refuse_swarm(options: argparse.Namespace, model: Model, scene: Scene) -> None:
+    """What a swarm cannot be together with."""
+    at = model.source.place(scene.swarm.span)
+    if options.ensemble is not None:
+        raise UsageError(f"--ensemble {options.ensemble}: {at}: the scene has a swarm already")
+    if options.diagnose is not None:
+        raise UsageError(f"--diagnose is for one trajectory, not for a swarm ({at})")
+
+
+def count(model: Model, scene: Scene) -> int:
+    """The members of its swarm."""
+    lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
+    return hi - lo + 1
+
+
+def values(compilation: Compilation, scene: Scene, settings: Settings) -> Values:
+    """Of the parameters that a run has."""
+    given = named.set_parameters(compilation, settings.parameters, settings.members)
+    return scenes.values(compilation.declared, scene, given)
+
+
+def members(
+    options: argparse.Namespace, compilation: Compilation, scene: Scene, settings: Settings
+) -> Ensemble:
+    from .swarm import members  # numpy takes longer to import than most models to compile
+
+    names = option_values.Values(compilation)
+    given = {names.flat_name("--start", assignment("--start", text)[0]) for text in options.start}
+    found = values(compilation, scene, settings)
+    return members(compilation.declared, scene, found, settable(compilation), given)
+
+
+def watched(
+    compilation: Compilation, scene: Scene, settings: Settings, several: bool
+) -> expects.Watched:
+    """What the driver measures for the scene's expectations. Raises UsageError."""
+    found = values(compilation, scene, settings)
+    try:
+        times = tuple(found.not_negative("at", item.at) for item in scene.expects)
+    except WrongValue as wrong:
+        at = compilation.declared.source.place(wrong.span)
+        raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
+    expects.refuse(compilation, scene, times, settings, several)
+    observed = [quantity.name for quantity in named.observed(compilation)]
+    return expects.watched(scene, observed, named.events(compilation), times)
+
+
+def verdicts(
+    compilation: Compilation,
+    scene: Scene,
+    settings: Settings,
+    report: dict,
+    ensemble: Ensemble | None,
+) -> list[Verdict]:
+    """Whether what it expects was met; nothing of a run that has no report."""
+    if not scene.expects or "expects" not in report:
+        return []
+    member = ensemble.named if ensemble else None
+    found = values(compilation, scene, settings)
+    return Judge(compilation.declared, scene, found, report, member).verdicts()

@@ -1,0 +1,231 @@
+/* Expectations of a scene; see expect.h. */
+#include "expect.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "words.h"
+
+/* What is off by the most so far: above 0 it is a miss, and no number is one as well. */
+static void compare(struct run *run, struct expected *x, pk_real t, const pk_real *out)
+{
+    const pk_real a = out[x->a], b = out[x->b], within = x->has_within ? out[x->within] : 0;
+    const pk_real d = x->relation == '>' ? b - a : a - b;
+    const pk_real off = x->relation == '=' ? PK_F(fabs)(d) - within : d;
+    const int met = x->relation == '=' ? off <= 0 : off < 0;
+    const int worse = x->count == 0 || !(off <= x->off); /* true of no number */
+    x->count++;
+    x->missed += !met;
+    if (!worse || !(x->off - x->off == PK_C(0.0)))
+        return;
+    x->off = off;
+    x->value = a;
+    x->bound = b;
+    x->allowed = within;
+    x->t = t;
+    x->member = run->member;
+}
+
+static const pk_real *outputs(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    const struct settings *s = &run->settings;
+    run_system->observe(s->params, t, q, v, s->u, run->expected);
+    return run->expected;
+}
+
+/* Round-off of a time that a step was to end at. */
+static int is_at(const struct run *run, pk_real t, pk_real at)
+{
+    return PK_F(fabs)(t - at) <= 8 * PK_EPSILON * run->settings.until;
+}
+
+pk_real expect_limit(const struct run *run, pk_real limit)
+{
+    const pk_real t = run->it.t;
+    pk_real next = limit;
+    for (size_t i = 0; i < run->settings.n_expected; i++) {
+        const struct expected *x = &run->settings.expected[i];
+        if (x->when == 't' && x->at < next && x->at > t && !is_at(run, t, x->at) &&
+            !is_at(run, limit, x->at))
+            next = x->at;
+    }
+    return next;
+}
+
+/* Those of a kind, and of that time or event. */
+static void compare_all(struct run *run, char when, size_t event, pk_real t, const pk_real *q,
+                        const pk_real *v)
+{
+    const pk_real *out = NULL;
+    for (size_t i = 0; i < run->settings.n_expected; i++) {
+        struct expected *x = &run->settings.expected[i];
+        if (x->when != when || (when == 'e' && x->event != event) ||
+            (when == 't' && !is_at(run, t, x->at)))
+            continue;
+        if (!out)
+            out = outputs(run, t, q, v);
+        compare(run, x, t, out);
+    }
+}
+
+void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    compare_all(run, 't', 0, t, q, v);
+}
+
+void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    compare_all(run, 'r', 0, t, q, v);
+}
+
+void expect_event(struct run *run, size_t event, pk_real t, const pk_real *q, const pk_real *v)
+{
+    compare_all(run, 'e', event, t, q, v);
+}
+
+void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    const pk_real *out = NULL;
+    for (size_t i = 0; i < run->settings.n_drifting; i++) {
+        struct drifting *d = &run->settings.drifting[i];
+        if (d->energy)
+            continue;
+        if (!out)
+            out = outputs(run, t, q, v);
+        pk_drift_update(&d->drift, t, out[d->output]);
+    }
+}
+
+void expect_member(struct run *run, const struct pk_drift *energy)
+{
+    for (size_t i = 0; i < run->settings.n_drifting; i++) {
+        struct drifting *d = &run->settings.drifting[i];
+        const struct pk_drift *drift = d->energy ? energy : &d->drift;
+        const pk_real max = drift->samples ? pk_drift_max(drift) : 0;
+        const int worse = !d->members || !(max <= d->max);
+        if (worse && d->max - d->max == PK_C(0.0)) {
+            d->max = max;
+            d->member = run->member;
+        }
+        d->members++;
+        pk_drift_init(&d->drift);
+    }
+}
+
+/* A zeroed element more, behind the others. */
+static void *more(void **list, size_t *count, size_t size)
+{
+    char *all = (char *)realloc(*list, (*count + 1) * size);
+    if (!all) {
+        fprintf(stderr, "run: out of memory\n");
+        exit(4);
+    }
+    *list = all;
+    return memset(all + size * (*count)++, 0, size);
+}
+
+/* expect RELATION A B WITHIN|- rows | t X | event INDEX */
+static int read_expected(struct settings *s, const struct pk_system *system, size_t line,
+                         char *const word[])
+{
+    struct expected x = {0};
+    const size_t outputs = system->n_observed;
+    if (!word[1] || !strchr("=<>", word[1][0]))
+        return words_usage(line, "a relation is =, < or >", word[1]);
+    x.relation = word[1][0];
+    x.has_within = word[4] && strcmp(word[4], "-") != 0;
+    if (!words_index(word[2], outputs, &x.a) || !words_index(word[3], outputs, &x.b) ||
+        (x.has_within && !words_index(word[4], outputs, &x.within)))
+        return words_usage(line, "no such output", word[2]);
+    x.when = word[4] && word[5] ? word[5][0] : '\0';
+    if (!x.when || !strchr("rte", x.when) ||
+        (x.when == 't' && !words_real(word[6], &x.at)) ||
+        (x.when == 'e' && !words_index(word[6], system->n_events, &x.event)))
+        return words_usage(line, "expected in rows, t X or event INDEX", word[5]);
+    void *list = s->expected;
+    *(struct expected *)more(&list, &s->n_expected, sizeof x) = x;
+    s->expected = (struct expected *)list;
+    return 0;
+}
+
+static int read_drifting(struct settings *s, const struct pk_system *system, size_t line,
+                         char *const word[])
+{
+    struct drifting d = {0};
+    d.energy = word[1] && strcmp(word[1], "energy") == 0;
+    if (!d.energy && !words_index(word[1], system->n_observed, &d.output))
+        return words_usage(line, "no such output", word[1]);
+    void *list = s->drifting;
+    *(struct drifting *)more(&list, &s->n_drifting, sizeof d) = d;
+    s->drifting = (struct drifting *)list;
+    return 0;
+}
+
+int expect_setting(struct settings *s, const struct pk_system *system, size_t line,
+                   char *const word[], int *code)
+{
+    size_t index;
+    *code = 0;
+    if (strcmp(word[0], "expect") == 0) {
+        *code = read_expected(s, system, line, word);
+    } else if (strcmp(word[0], "drift") == 0) {
+        *code = read_drifting(s, system, line, word);
+    } else if (strcmp(word[0], "hidden") == 0) {
+        if (!s->hidden)
+            s->hidden = (unsigned char *)words_allocate(system->n_observed + 1, 1);
+        if (words_index(word[1], system->n_observed, &index))
+            s->hidden[index] = 1;
+        else
+            *code = words_usage(line, "no such output", word[1]);
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
+void expect_start(struct run *run)
+{
+    if (run->settings.n_expected || run->settings.n_drifting)
+        run->expected = (pk_real *)words_allocate(run_system->n_observed + 1, sizeof(pk_real));
+}
+
+int expect_hides(const struct settings *s, size_t output)
+{
+    return s->hidden && s->hidden[output];
+}
+
+static void named_real(FILE *file, const char *key, pk_real x)
+{
+    fprintf(file, ", \"%s\": ", key);
+    output_real(file, x);
+}
+
+void expect_report(const struct run *run, FILE *file)
+{
+    const struct settings *s = &run->settings;
+    fputs("  \"expects\": [", file);
+    for (size_t i = 0; i < s->n_expected; i++) {
+        const struct expected *x = &s->expected[i];
+        fprintf(file, "%s\n    {\"count\": %lu, \"missed\": %lu, \"member\": %zu", i ? "," : "",
+                x->count, x->missed, x->member + 1);
+        named_real(file, "value", x->value);
+        named_real(file, "bound", x->bound);
+        named_real(file, "within", x->allowed);
+        named_real(file, "t", x->t);
+        fputs("}", file);
+    }
+    fputs("],\n  \"expect_drifts\": [", file);
+    for (size_t i = 0; i < s->n_drifting; i++) {
+        fprintf(file, "%s{\"member\": %zu", i ? ", " : "", s->drifting[i].member + 1);
+        named_real(file, "max", s->drifting[i].max);
+        fputs("}", file);
+    }
+    fputs("],\n", file);
+}
+
+void expect_free(struct settings *s)
+{
+    free(s->expected);
+    free(s->drifting);
+    free(s->hidden);
+}

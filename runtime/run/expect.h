@@ -1,0 +1,29 @@
+/* What a scene expects of its run: outputs compared at times, at events or in all rows, and drifts
+ * of outputs. The driver measures; what is said of it is pkgen's.
+ */
+#ifndef RUN_EXPECT_H
+#define RUN_EXPECT_H
+
+#include "output.h"
+
+/* Reads the lines expect, drift, hidden into the settings. 1 if it was one of them. */
+int expect_setting(struct settings *s, const struct pk_system *system, size_t line,
+                   char *const word[], int *code);
+/* Whether an output is no column. */
+int expect_hides(const struct settings *s, size_t output);
+/* Memory for the outputs, or the end of the process. */
+void expect_start(struct run *run);
+/* The next time up to `limit` at which something is expected: a step ends there. */
+pk_real expect_limit(const struct run *run, pk_real limit);
+/* A state at a time t: what is expected then; in rows; at an event. */
+void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
+void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
+void expect_event(struct run *run, size_t event, pk_real t, const pk_real *q, const pk_real *v);
+/* A sample for the drifts; what has drifted so far is of one member, and the next one begins. */
+void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
+void expect_member(struct run *run, const struct pk_drift *energy);
+/* The members "expects" and "expect_drifts" of the report. */
+void expect_report(const struct run *run, FILE *file);
+void expect_free(struct settings *s);
+
+#endif
