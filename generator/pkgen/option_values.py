@@ -15,6 +15,7 @@ from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
 from .middle.quantities import indexed
+from .scene_model import hidden
 from .simulate import Shown
 
 
@@ -132,7 +133,7 @@ class Values:
             if name in known:
                 index = known.index(name) if isinstance(known, list) else known[name][0]
                 return Shown(kind, index, name)
-        columns = [column for known in kinds.values() for column in known]
+        columns = [c for known in kinds.values() for c in known if not hidden(c)]
         raise UsageError(unknown(option, name, columns, "column"))
 
     def _kinds(self) -> dict[str, named.Named | list[str]]:

@@ -10,6 +10,8 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from . import expects
+from .indices import integer
+from .middle.quantities import indexed, sizes
 from .model import Definition, Input, Model, Scene
 from .tree import Expr, Name, Prime, names, replaced
 
@@ -17,9 +19,10 @@ from .tree import Expr, Name, Prime, names, replaced
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
     """The model with the scene's starts, inputs that it drives, and outputs for what no column has
     yet. Inputs in `given` are set by an option and so not driven."""
+    held = _held(model, scene)
     extra: dict[str, Definition] = {}
     for item in scene.record.columns if scene.record else ():
-        if not _is_column(model, item):
+        if not _is_column(model, item) or item.name.rstrip("'") in held:
             extra[item.name] = item
     for name, (value, span) in expects.outputs(scene).items():
         extra[name] = Definition(name, None, None, value, "", "", span)
@@ -55,6 +58,15 @@ def events(scene: Scene) -> frozenset[str]:
 
 def hidden(name: str) -> bool:
     return name[0].isdigit()
+
+
+def _held(model: Model, scene: Scene) -> set[str]:
+    """The coordinates whose motion is given, and which are recorded as outputs."""
+    known = sizes(model)
+    return {
+        indexed(item.name, None if item.index is None else integer(item.index, known))
+        for item in scene.holds
+    }
 
 
 def _is_column(model: Model, item: Definition) -> bool:
