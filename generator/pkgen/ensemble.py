@@ -101,8 +101,8 @@ def read(path: str, compilation: Compilation) -> Ensemble:
         raise UsageError(f"{path}: not CSV: {error}") from None
 
 
-def known_columns(compilation: Compilation) -> dict[str, Column]:
-    """What can differ from member to member, by name."""
+def settable(compilation: Compilation) -> dict[str, Column]:
+    """What may differ from member to member, by name."""
     equations = compilation.equations
     families = {
         "param": [slot.quantity for slot in equations.parameters],
@@ -126,7 +126,7 @@ class _Reader:
         self.path = path
         self.model = compilation.model
         self.sizes = {size.name: size.value for size in self.model.sizes}
-        self.known = known_columns(compilation)
+        self.known = settable(compilation)
 
     def read(self, file: TextIO) -> Ensemble:
         rows = self._rows(file)

@@ -79,10 +79,22 @@ def outputs(scene: Scene) -> dict[str, tuple[Expr, Span]]:
     return found
 
 
+def drifts_of_energy(scene: Scene) -> bool:
+    drifts = (call for item in scene.expects for call in calls(item, "drift"))
+    return any(_is_energy(call.arguments[0]) for call in drifts)
+
+
+def events(scene: Scene) -> frozenset[str]:
+    """Those at which something is expected, or whose time is."""
+    times = (call for item in scene.expects for call in calls(item, "time"))
+    names = {item.event for item in scene.expects if item.event}
+    return frozenset(names | {call.arguments[0].id for call in times})
+
+
 def watched(
     scene: Scene, observed: list[str], events: list[str], times: tuple[float | None, ...]
 ) -> Watched:
-    """`observed` and `events` are those of what was compiled, `times` of the expectations."""
+    """`observed` and `events` are those of what was compiled, `times` those of the expectations."""
     index = {name: k for k, name in enumerate(observed)}
     compared, drifts = [], []
     for i, item in enumerate(scene.expects, 1):
@@ -126,11 +138,11 @@ def refuse(
     for item, at in zip(scene.expects, times, strict=True):
         why = ""
         for call in calls(item, "drift"):
-            name = shown(call.arguments[0])
-            if name == "energy" and not structure.conservative:
+            shown = _shown(call.arguments[0])
+            if shown == "energy" and not structure.conservative:
                 why = "the energy is not constant here: record it, or what it loses"
-            elif name in free:
-                why = f"{name} is not constant here: its coordinate is not cyclic"
+            elif shown in free:
+                why = f"{shown} is not constant here: its coordinate is not cyclic"
         if ensemble:
             why = why or _not_of_members(item, at, settings)
         if why:
@@ -149,7 +161,7 @@ def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
     return f"members have no row at t = {at:.12g}: expect it at a recorded time"
 
 
-def shown(expr: Expr) -> str:
+def _shown(expr: Expr) -> str:
     if not isinstance(expr, Name):
         return ""
     index = expr.index.value if isinstance(expr.index, Number) else None

@@ -163,21 +163,17 @@ def observed(compilation: Compilation) -> list[Quantity]:
     return list(compilation.equations.observed_names)
 
 
-def set_starts(compilation: Compilation, settings: Settings) -> frozenset[str]:
-    """The starts that settings set, by name: "theta", "theta'"."""
-    found = {name for name, _ in _at(coordinates(compilation), settings.start_q)}
-    found |= {name for name, _ in _at(coordinates(compilation, rates=True), settings.start_v)}
-    of_parameters = {name for name, _ in _at(parameters(compilation), settings.parameters)}
-    return frozenset(found) | {
-        name + "'" * order
-        for (name, order), parameter in compilation.report.starts.items()
-        if parameter in of_parameters
-    }
-
-
-def _at(known: Named, values: Iterable[tuple[int, float]]) -> Iterator[tuple[str, float]]:
-    columns = known.columns(10**9)
-    return ((columns[k].name, x) for k, x in values)
+def set_parameters(
+    compilation: Compilation,
+    values: Iterable[tuple[int, float]],
+    members: Iterable[tuple[int, int, float]],
+) -> dict[tuple[str, int | None], float]:
+    """What settings set, by name and index; `members` are of families that are loops."""
+    declared = parameters(compilation).declared
+    found = {key(declared[k].quantity.name): x for k, x in values}
+    for k, position, x in members:
+        found[declared[k].quantity.name, declared[k].lo + position] = x
+    return found
 
 
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:

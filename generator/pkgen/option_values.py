@@ -133,7 +133,7 @@ class Values:
             if name in known:
                 index = known.index(name) if isinstance(known, list) else known[name][0]
                 return Shown(kind, index, name)
-        columns = [column for known in kinds.values() for column in known if not hidden(column)]
+        columns = [c for known in kinds.values() for c in known if not hidden(c)]
         raise UsageError(unknown(option, name, columns, "column"))
 
     def _kinds(self) -> dict[str, named.Named | list[str]]:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import diagnostics, limits, named, rows, scene
+from . import diagnostics, limits, named, rows, scene, scene_model
 from .build import driver_methods
 from .compiler import Compilation
 from .exits import UsageError
@@ -113,7 +113,7 @@ def settings(
     show, at = _recorded(options, values, chosen, members is not None)
     numbers = len(show) + 1
     if not show:
-        observed = [q for q in named.observed(compilation) if not hidden(q.name)]
+        observed = [q for q in named.observed(compilation) if not scene_model.hidden(q.name)]
         numbers = 2 * values.coordinates.count + len(observed) + 2
     if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
@@ -146,7 +146,7 @@ def _recorded(
     compilation = values.compilation
     show = at = None
     if chosen is not None and chosen.record is not None:
-        show = [values.shown(name) for name in columns(chosen)]
+        show = [values.shown(name) for name in scene_model.columns(chosen)]
         at = chosen.record.at or None
     if options.record is not None:
         show = [values.shown_as(text) for text in options.record.split(",")]
@@ -155,7 +155,7 @@ def _recorded(
     if several and at:
         place = f"--at {at}"
         if options.at is None:
-            place = f"{scene.place(compilation.model, chosen.record.span)}: record … at {at}"
+            place = f"{scene.place(compilation.declared, chosen.record.span)}: record … at {at}"
         raise UsageError(f"{place}: rows of members are by time; give an interval: every")
     events = named.events(compilation)
     if at is not None and at not in events:

@@ -63,13 +63,13 @@ def run(options: argparse.Namespace) -> int:
     threads = parsing.threads(options, several)
     ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
     if swarm:
-        scene_run.refuse_swarm(options, compilation.model, chosen)
-    count = scene_run.count(compilation.model, chosen) if swarm else None
+        scene_run.refuse_swarm(options, compilation.declared, chosen)
+    count = scene_run.count(compilation.declared, chosen) if swarm else None
     settings = parsing.settings(
         options, compilation, len(ensemble.lines) if ensemble else count, chosen
     )
     if swarm:
-        ensemble = scene_run.members(compilation, chosen, settings)
+        ensemble = scene_run.members(options, compilation, chosen, settings)
     if chosen is not None:
         expected = scene_run.watched(compilation, chosen, settings, several)
         settings = replace(settings, watched=expected)
@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         outcome = _to_file(options, asked, output)
     _tell(options, outcome, "" if compilation.model.dimensionless else "s")
-    _hint(options, compilation.model)
+    _hint(options, compilation.declared)
     return _judge(options, asked, outcome)
 
 

@@ -54,9 +54,20 @@ class Numbers:
     every: float | None = None
 
 
-def numbers(model: Model, scene: Scene, given: Mapping[Key, float]) -> Numbers:
-    """The scene's settings where the command line has set the parameters in `given`."""
-    found = Values(model, given)
+def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
+    """Those of all parameters and constants in a run of the scene; the model is as declared."""
+    names = {p.name for p in model.parameters}
+    found = Values(model, {key: x for key, x in given.items() if key[0] in names})
+    numbers(model, scene, given, found)
+    return found
+
+
+def numbers(
+    model: Model, scene: Scene, given: Mapping[Key, float], found: Values | None = None
+) -> Numbers:
+    """The scene's settings where the command line has set the parameters in `given`; the values by
+    which they are computed are left in `found`."""
+    found = found or Values(model, given)
     try:
         return _numbers(found, scene, given)
     except WrongValue as wrong:

@@ -10,6 +10,8 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from . import expects
+from .indices import integer
+from .middle.quantities import indexed, sizes
 from .model import Definition, Input, Model, Scene
 from .tree import Expr, Name, Prime, names, replaced
 
@@ -17,9 +19,10 @@ from .tree import Expr, Name, Prime, names, replaced
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
     """The model with the scene's starts, inputs that it drives, and outputs for what no column has
     yet. Inputs in `given` are set by an option and so not driven."""
+    held = _held(model, scene)
     extra: dict[str, Definition] = {}
     for item in scene.record.columns if scene.record else ():
-        if _kind(model, item) is None:
+        if not _is_column(model, item) or item.name.rstrip("'") in held:
             extra[item.name] = item
     for name, (value, span) in expects.outputs(scene).items():
         extra[name] = Definition(name, None, None, value, "", "", span)
@@ -41,37 +44,40 @@ def columns(scene: Scene) -> list[str]:
     return [item.name for item in scene.record.columns] if scene.record else []
 
 
-def needed(model: Model, scene: Scene) -> frozenset[str]:
-    """What its expectations need besides: hidden outputs, the energy, constants of the motion."""
-    found = {item.name for item in model.observed if hidden(item.name)}
-    for item in scene.expects:
-        found |= {expects.shown(call.arguments[0]) for call in expects.calls(item, "drift")}
-    return frozenset(found)
+def needed(scene: Scene) -> frozenset[str]:
+    """Outputs that it needs besides what it records."""
+    return frozenset(expects.outputs(scene)) | (
+        {"energy"} if expects.drifts_of_energy(scene) else frozenset()
+    )
 
 
 def events(scene: Scene) -> frozenset[str]:
-    """Events that it asks about."""
-    found = {item.event for item in scene.expects} | {scene.record.at if scene.record else ""}
-    for item in scene.expects:
-        found |= {call.arguments[0].id for call in expects.calls(item, "time")}
-    return frozenset(found - {""})
+    """Events that it asks about, besides the one at which it records."""
+    return expects.events(scene)
 
 
 def hidden(name: str) -> bool:
     return name[0].isdigit()
 
 
-def _kind(model: Model, item: Definition) -> str | None:
-    """The kind of a column that each run has; None where there is no such column."""
+def _held(model: Model, scene: Scene) -> set[str]:
+    """The coordinates whose motion is given, and which are recorded as outputs."""
+    known = sizes(model)
+    return {
+        indexed(item.name, None if item.index is None else integer(item.index, known))
+        for item in scene.holds
+    }
+
+
+def _is_column(model: Model, item: Definition) -> bool:
+    """Whether each run has it."""
     rate = isinstance(item.value, Prime)
     value = item.value.of if rate else item.value
     if not isinstance(value, Name):
-        return None
-    if value.id in {c.name for c in model.coordinates}:
-        return "v" if rate else "q"
-    if not rate and value.id in {o.name for o in model.observed}:
-        return "observed"
-    return "energy" if item.name == "energy" else None
+        return False
+    coordinates = {c.name for c in model.coordinates}
+    outputs = {o.name for o in model.observed}
+    return value.id in coordinates or (not rate and value.id in outputs) or item.name == "energy"
 
 
 def _claims(model: Model, value: Expr) -> Expr:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import re
 
-from . import expects, named
+from . import expects, named, option_values
 from . import options as parsing
+from . import scene as scenes
 from .compiler import Compilation
-from .ensemble import Ensemble
+from .ensemble import Ensemble, settable
 from .exits import UsageError
 from .expects_judge import Judge, Verdict
 from .front.check import check_text
@@ -17,6 +18,7 @@ from .front.scene_values import Values, WrongValue
 from .indices import integer
 from .middle.quantities import sizes
 from .model import Model, Scene
+from .option_values import assignment
 from .simulate import Settings
 
 _SWARM = re.compile(r"^\s*swarm\b", re.MULTILINE)
@@ -48,28 +50,32 @@ def count(model: Model, scene: Scene) -> int:
     return hi - lo + 1
 
 
-def values(compilation: Compilation, settings: Settings) -> Values:
+def values(compilation: Compilation, scene: Scene, settings: Settings) -> Values:
     """Of the parameters that a run has."""
     given = named.set_parameters(compilation, settings.parameters, settings.members)
-    return Values(compilation.declared, given)
+    return scenes.values(compilation.declared, scene, given)
 
 
-def members(compilation: Compilation, scene: Scene, settings: Settings) -> Ensemble:
+def members(
+    options: argparse.Namespace, compilation: Compilation, scene: Scene, settings: Settings
+) -> Ensemble:
     from .swarm import members  # numpy takes longer to import than most models to compile
 
-    found = values(compilation, settings)
-    return members(compilation, scene, found, named.set_starts(compilation, settings))
+    names = option_values.Values(compilation)
+    given = {names.flat_name("--start", assignment("--start", text)[0]) for text in options.start}
+    found = values(compilation, scene, settings)
+    return members(compilation.declared, scene, found, settable(compilation), given)
 
 
 def watched(
     compilation: Compilation, scene: Scene, settings: Settings, several: bool
 ) -> expects.Watched:
     """What the driver measures for the scene's expectations. Raises UsageError."""
-    found = values(compilation, settings)
+    found = values(compilation, scene, settings)
     try:
         times = tuple(found.not_negative("at", item.at) for item in scene.expects)
     except WrongValue as wrong:
-        at = compilation.model.source.place(wrong.span)
+        at = compilation.declared.source.place(wrong.span)
         raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
     expects.refuse(compilation, scene, times, settings, several)
     observed = [quantity.name for quantity in named.observed(compilation)]
@@ -87,5 +93,5 @@ def verdicts(
     if not scene.expects or "expects" not in report:
         return []
     member = ensemble.named if ensemble else None
-    found = values(compilation, settings)
-    return Judge(compilation.model, scene, found, report, member).verdicts()
+    found = values(compilation, scene, settings)
+    return Judge(compilation.declared, scene, found, report, member).verdicts()

@@ -57,7 +57,8 @@ def whole(options: argparse.Namespace) -> Use | None:
     """For charts and maps: all coordinates that the scene does not hold, all parameters."""
     if options.scene is None:
         return None
-    return _use(options.scene, Asked(None, None, frozenset(), EVERY, False, False))
+    run_time = frozenset(text.partition("=")[0].strip() for text in options.set)
+    return _use(options.scene, Asked(None, None, run_time, EVERY, False), swarm=False)
 
 
 def switched_off(text: str | None) -> frozenset[str]:
@@ -72,12 +73,12 @@ def switched_off(text: str | None) -> frozenset[str]:
     return names
 
 
-def _use(name: str, asked: Asked) -> Use:
+def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
     def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
         scene = scenes.chosen(declared, name)
-        if scene.swarm is not None and not asked.swarm:
-            at = scenes.place(declared, scene.swarm.span)
-            raise UsageError(f"{at}: a swarm is many motions: 'pkgen run' runs it")
+        if scene.swarm is not None and not swarm:
+            place = scenes.place(declared, scene.swarm.span)
+            raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
         used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)
@@ -91,10 +92,11 @@ def _use(name: str, asked: Asked) -> Use:
             columns = tuple(scene_model.columns(scene))
         if columns is None or frozenset(REDUCTIONS) <= asked.off:
             return None
+        at = asked.event or (scene.record.at if scene.record else "")
         return Needs(
-            frozenset(columns) | scene_model.needed(used, scene),
-            scene_model.events(scene) | {asked.event or ""},
-            asked.quadratures,
+            frozenset(columns) | scene_model.needed(scene),
+            frozenset((at,)) | scene_model.events(scene),
+            asked.quadratures and scene.swarm is None,
             asked.off,
         )
 

@@ -5,13 +5,12 @@ Values that use k are arrays, one number a member; the rest is computed as every
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from .compiler import Compilation
-from .ensemble import Ensemble, known_columns
+from .ensemble import Column, Ensemble
 from .exits import UsageError
 from .front.check_values import NoValue, evaluate
 from .front.scene_values import Values
@@ -26,11 +25,11 @@ Array = np.ndarray | float | tuple
 
 
 def members(
-    compilation: Compilation, scene: Scene, values: Values, given: frozenset[str]
+    model: Model, scene: Scene, values: Values, known: Mapping[str, Column], given: Collection[str]
 ) -> Ensemble:
-    """The members of a scene's swarm. `given` are the names of starts that options set."""
-    model, swarm = compilation.model, scene.swarm
-    known, unused = known_columns(compilation), compilation.report.unused
+    """The members of a scene's swarm. `known` is what a member may set: of starts that influence
+    nothing there is none. `given` are starts that options set for all."""
+    swarm = scene.swarm
     first, last = (integer(end, values.sizes) for end in (swarm.lo, swarm.hi))
     count = np.arange(first, last + 1, dtype=float)
     starts: dict[str, tuple[Start, dict[str, int]]] = {}
@@ -39,11 +38,10 @@ def members(
             starts[indexed(item.name, index) + "'" * item.order] = item, loop
     columns, table = [], []
     for name, (item, loop) in starts.items():
-        if name in given or name.rstrip("'") in unused or not of_swarm(scene, item.value):
-            continue
-        x = _Members(model, scene, values.values, loop, swarm.variable, count).column(item)
-        columns.append(known[name])
-        table.append(x)
+        if name in known and name not in given and of_swarm(scene, item.value):
+            columns.append(known[name])
+            x = _Members(model, scene, values.values, loop, swarm.variable, count)
+            table.append(x.column(item))
     rows = np.stack(table, axis=1) if table else np.empty((len(count), 0))
     return Ensemble(
         path=f"{place(model, swarm.span)}: scene '{scene.name}'",

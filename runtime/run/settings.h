@@ -5,6 +5,8 @@
  *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
  *     show q|v|z|observed INDEX | show energy | at INDEX | hidden INDEX
+ *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
+ *     drift INDEX | drift energy
  *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
  *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
  *     drift INDEX | drift energy

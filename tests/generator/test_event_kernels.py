@@ -172,20 +172,6 @@ def test_what_is_compiled_for_it():
 @pytest.mark.parametrize(
     ("clause", "said"),
     [
-        ("accuracy 1e-9", "'accuracy' cannot be promised yet"),
-    ],
-)
-def test_what_cannot_be_run_is_refused_with_its_place(clause, said):
-    model = model_with(CART + f"scene one\n  {clause}\nend\n")
-    line = CART.count("\n") + 2
-    with pytest.raises(UsageError) as error:
-        scene.chosen(model, "one")
-    assert f"cart.lag:{line}:" in str(error.value) and said in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("clause", "said"),
-    [
         ("until m*(1 [s/kg]) - (0.6 [s])", "until: must be positive"),
         ("until (1 [kg*s])/(m - (0.6 [kg]))", "until: division by zero"),
     ],

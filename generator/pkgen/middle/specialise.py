@@ -132,7 +132,7 @@ def _shorter(
     ends = [end for old in model.ends for end in _ends(model, old, item, family, fixed)]
     lo, hi = declared.range.lo, declared.range.hi
     one = Number(Fraction(1 if first else -1), item.span)
-    moved = Add((lo if first else hi, one), item.span)
+    moved = Add((lo if first else hi, one), (1, 1), item.span)
     range_ = replace(declared.range, **{"lo" if first else "hi": moved})
     model = replace(
         model,
