@@ -55,7 +55,12 @@ def compile_to_c(options: argparse.Namespace) -> int:
         print(text)
         return DONE
     compilation = compile_within_limits(
-        options, source, kernels=kernels, self_test=options.self_test, libm=options.libm
+        options,
+        source,
+        kernels=kernels,
+        self_test=options.self_test,
+        libm=options.libm,
+        symmetric=True,
     )
     directory = Path(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
@@ -92,7 +97,7 @@ def check(options: argparse.Namespace) -> int:
 
 def explain(options: argparse.Namespace) -> int:
     """Show a model's equations and structure."""
-    compilation = compile_within_limits(options)
+    compilation = compile_within_limits(options, symmetric=True)
     with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
         if compilation.looped:
             shown, record = explain_loops, record_loops

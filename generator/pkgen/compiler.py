@@ -25,9 +25,9 @@ from itertools import islice
 from .back import loops_lower, loops_render, lower, render
 from .back.loops_lower import LoopProgram
 from .back.program import Program
-from .claims import loop_claims, partly_proved
 from .equations import Equations, Structure
 from .front import check, parse
+from .loop_proofs import partly_proved, with_proofs
 from .middle import analyze, derive, loops_derive, reduce
 from .middle.loops import Facts, LoopEquations, Unrolled
 from .middle.proofs import check_claims
@@ -75,6 +75,7 @@ def stages(
     libm: bool = False,
     unroll: int | None = 0,
     use: Use | None = None,
+    symmetric: bool = False,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -89,9 +90,8 @@ def stages(
     needs = use.needs(model) if use else None
     with _no_collection():
         equations = _equations(model, kernels, self_test, unroll, needs)
-        if isinstance(equations, LoopEquations) and model.conserved:
-            found = loop_claims(file, model, use.model if use else None)
-            equations = replace(equations, facts=replace(equations.facts, claims=found))
+        if isinstance(equations, LoopEquations):
+            equations = with_proofs(equations, file, use.model if use else None, symmetric)
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts
@@ -101,7 +101,7 @@ def stages(
         yield loops
         yield loops_render.render_loops(loops)
         return
-    structure = analyze.analyze(equations)
+    structure = analyze.analyze(equations, symmetric)
     yield structure
     check_claims(equations.model, structure.claims)
     report = Report(lines)
@@ -177,6 +177,7 @@ def compile_model(
     libm: bool = False,
     unroll: int | None = 0,
     use: Use | None = None,
+    symmetric: bool = False,
 ) -> Compilation:
     """Compile a model to C.
 
@@ -184,10 +185,11 @@ def compile_model(
     `self_test` adds a program that checks the kernels against each other; with `libm` sine and
     cosine are the library's, not the inline pair. Up to `unroll` coordinates (None: any number)
     families are unrolled though they could be loops; so they are for some kernels or a self-test.
-    With `use` no more is compiled than a scene needs.
+    With `use` no more is compiled than a scene needs. With `symmetric` the model's symmetries are
+    solved for, which nothing but `explain` and comments in the C show.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use)
+    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric)
     _, (declared, model, warnings), _, facts, (equations, structure, report), program, files = made
     warnings += partly_proved(model, facts)
     return Compilation(declared, model, warnings, equations, structure, report, program, files)

@@ -128,6 +128,7 @@ class Invariant:
     generator: str  # in derivatives: "x d/dy - y d/dx"
     terms: tuple[tuple[Node, tuple[str, ...]], ...]
     node: Node
+    when: str = ""  # for which sizes it is proved, where families are loops
 
 
 @dataclass(frozen=True)

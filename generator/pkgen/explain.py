@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from .back.facts import facts, found, invariants
 from .back.program import operations_text
 from .compiler import Compilation
-from .equations import Equations, ParameterSlot, Quantity, Structure
+from .equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
 from .middle import sympy_bridge
 from .middle.graph import Node, Op
+from .middle.loops import Facts
 from .model import Event
 
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
+WIDE = 40  # columns of an invariant's formula
 
 
 def explain(compilation: Compilation) -> str:
@@ -30,6 +33,7 @@ def explain(compilation: Compilation) -> str:
         _outputs(compilation.equations),
         _events(compilation.equations),
         _structure(compilation),
+        _constants(compilation),
         _reductions(compilation),
         _cost(compilation),
     ]
@@ -48,8 +52,9 @@ def record(compilation: Compilation) -> dict[str, object]:
         "lagrangian": _text(equations, equations.lagrangian),
         "mass": [[_text(equations, equations.mass[i][j]) for j in range(n)] for i in range(n)],
         "force": [_text(equations, node) for node in equations.force],
-        "structure": {**vars(structure), "cyclic": list(structure.cyclic)},
-        "conserved": _constants(equations, structure),
+        "structure": structure_record(structure),
+        "conserved": [name for name, _ in found(equations, structure)],
+        **proofs_record(structure),
         "events": [
             {
                 **vars(q),
@@ -60,6 +65,26 @@ def record(compilation: Compilation) -> dict[str, object]:
             for q, event, node in _named_events(equations)
         ],
         "operations": {k.name: dict(k.operations) for k in compilation.program.kernels},
+    }
+
+
+def structure_record(structure: Structure | Facts) -> dict[str, object]:
+    """The facts; coordinates by number."""
+    shown = {k: v for k, v in vars(structure).items() if k not in ("claims", "symmetries")}
+    return {k: list(v) if isinstance(v, tuple) else v for k, v in shown.items()}
+
+
+def proofs_record(structure: Structure | Facts) -> dict[str, object]:
+    """What is constant, and how that is proved."""
+    symmetries = structure.symmetries
+    return {
+        "invariants": [
+            {"name": x.name, "by": x.reason, "generator": x.generator}
+            | ({"for": x.when} if x.when else {})
+            for x in (symmetries.invariants if symmetries else ())
+        ],
+        "searched": symmetries.searched if symmetries else "",
+        "claims": [vars(claim) for claim in structure.claims],
     }
 
 
@@ -170,44 +195,37 @@ def _events(equations: Equations) -> str:
 
 
 def _structure(compilation: Compilation) -> str:
-    structure = compilation.structure
-    shape = "diagonal" if structure.mass_diagonal else "dense"
-    if structure.mass_constant:
-        mass = f"{shape}, constant: factored once"
-    elif structure.quadratic:
-        mass = f"{shape}, depends on the coordinates"
-    else:
-        mass = f"{shape}, depends on the rates too (L is not of second degree in them)"
-    facts = [
+    equations, structure = compilation.equations, compilation.structure
+    names = [name for name, _ in found(equations, structure)]
+    rows = [
         *_families(compilation),
-        ("mass matrix", mass),
-        (
-            "separable",
-            _yes(structure.separable, "verlet and its like apply", "verlet does not apply"),
-        ),
-        ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
-        ("forces beyond L", "none" if structure.variational else "yes (force or dissipation)"),
-        ("smooth", _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")),
-        ("constants", ", ".join(_constants(compilation.equations, structure)) or "none proved"),
+        *facts(equations, structure),
+        ("constants", ", ".join(names) or "none proved"),
     ]
-    return "\n".join(["Structure", *(f"  {name:<16} {text}" for name, text in facts)])
+    return "\n".join(["Structure", *(f"  {name:<16} {text}" for name, text in rows)])
+
+
+def _constants(compilation: Compilation) -> str:
+    return constants_text(
+        invariants(compilation.equations, compilation.structure), compilation.structure.symmetries
+    )
+
+
+def constants_text(rows: list[tuple[str, str]], symmetries: Symmetries | None) -> str:
+    """The section about constants of the motion; the same where families are loops."""
+    if not rows:
+        return ""
+    width = min(max(len(name) for name, _ in rows), WIDE)
+    lines = ["Constants of the motion", *(f"  {name:<{width}}  {why}" for name, why in rows)]
+    if symmetries is not None and symmetries.searched:
+        lines.append(f"  (searched: {symmetries.searched})")
+    return "\n".join(lines)
 
 
 def _families(compilation: Compilation) -> list[tuple[str, str]]:
     if not any(c.range for c in compilation.model.coordinates):
         return []
     return [("families", f"unrolled: {compilation.equations.unrolled}")]
-
-
-def _yes(fact: bool, if_so: str, if_not: str) -> str:
-    reason = if_so if fact else if_not
-    return ("yes" if fact else "no") + (f": {reason}" if reason else "")
-
-
-def _constants(equations: Equations, structure: Structure) -> list[str]:
-    names = ["energy"] if structure.conservative else []
-    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)
-    return names + [q.name for q, cyclic in momenta if cyclic]
 
 
 def _reductions(compilation: Compilation) -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from functools import partial
 
+from .back.facts import loop_facts, loop_invariants
 from .compiler import Compilation
+from .explain import constants_text, proofs_record, structure_record
 from .explain_rows import Line, M, Writer
 from .middle.affine import Affine
-from .middle.loops import Group, LoopEquations, PairForce, PairPart, Total
+from .middle.loops import Facts, Group, LoopEquations, PairForce, PairPart, Total
 
 
 def explain_loops(compilation: Compilation) -> str:
@@ -22,6 +24,7 @@ def explain_loops(compilation: Compilation) -> str:
         _lagrangian(write),
         _equations(write),
         _structure(compilation, e),
+        _constants(e.facts),
         _cost(compilation),
     ]
     return "\n\n".join(section for section in sections if section) + "\n"
@@ -45,7 +48,8 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
             for pair in e.force.pairs
         ],
         "beyond": _beyond(write),
-        "structure": dict(vars(e.facts)),
+        "structure": structure_record(e.facts),
+        **proofs_record(e.facts),
         "operations": list(compilation.program.context["operations"]),
     }
 
@@ -189,23 +193,18 @@ def _total(write: Writer, total: Total) -> str:
 
 
 def _structure(compilation: Compilation, e: LoopEquations) -> str:
-    facts = e.facts
-    shape = "diagonal" if facts.mass_diagonal else "banded"
-    if facts.mass_constant:
-        once = "a division a row" if facts.mass_diagonal else "factored once"
-        shape += f", constant: {once}"
     fused = compilation.program.context["stepper"] is not None
     rows = [
         ("families", "loops in C, the sizes given at run time"),
-        ("mass matrix", shape),
-        ("separable", "yes: verlet and its like apply" if facts.separable else "no"),
+        *loop_facts(e),
         ("fused steps", "yes: kick and drift in one pass over memory" if fused else "no"),
-        ("explicit time", "no" if facts.autonomous else "yes (or an input)"),
-        ("forces beyond L", "none" if facts.variational else "yes (force or dissipation)"),
-        ("smooth", "yes" if facts.smooth else "no: abs, min, max or step"),
-        ("constants", "energy" if facts.conservative else "none proved"),
+        ("constants", "energy" if e.facts.conservative else "none proved"),
     ]
     return "\n".join(["Structure", *(f"  {name:<16} {text}" for name, text in rows)])
+
+
+def _constants(facts: Facts) -> str:
+    return constants_text(loop_invariants(facts), facts.symmetries)
 
 
 def _cost(compilation: Compilation) -> str:

@@ -47,6 +47,20 @@
  *   potential     11 operations: 3 +, 2 -, 6 *
  *   prepare       10 operations: 2 +, 7 *, 1 /
  *
+ * Structure of the equations of motion, as far as it is proved:
+ *
+ *   mass matrix: diagonal, constant: factored once
+ *   definite: yes, everywhere
+ *   separable: yes: verlet and its like apply
+ *   linear: yes: constant coefficients
+ *   explicit time: no
+ *   forces beyond L: none
+ *   smooth: yes
+ *
+ * Constant along every motion:
+ *
+ *   energy: time shift
+ *
  * MIT No Attribution (MIT-0)
  *
  * Permission is hereby granted, free of charge, to any person obtaining a copy of this software

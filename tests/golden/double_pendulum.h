@@ -46,6 +46,20 @@
  *   potential     6 operations: 1 -, 2 *, 1 neg, 2 cos
  *   prepare       29 operations: 3 +, 25 *, 1 /
  *
+ * Structure of the equations of motion, as far as it is proved:
+ *
+ *   mass matrix: dense, depends on the coordinates
+ *   definite: not proved; no place found where M is singular
+ *   separable: no: verlet does not apply
+ *   linear: no
+ *   explicit time: no
+ *   forces beyond L: none
+ *   smooth: yes
+ *
+ * Constant along every motion:
+ *
+ *   energy: time shift
+ *
  * MIT No Attribution (MIT-0)
  *
  * Permission is hereby granted, free of charge, to any person obtaining a copy of this software

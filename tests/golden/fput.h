@@ -41,6 +41,19 @@
  *   kinetic: 2 operations: 2 * a member
  *   potential: 5 operations: 1 +, 1 -, 3 * a member
  *
+ * Structure of the equations of motion, as far as it is proved:
+ *
+ *   mass matrix: diagonal, constant: a division a row
+ *   separable: yes: verlet and its like apply
+ *   linear: no
+ *   explicit time: no
+ *   forces beyond L: none
+ *   smooth: yes
+ *
+ * Constant along every motion:
+ *
+ *   energy: time shift
+ *
  * MIT No Attribution (MIT-0)
  *
  * Permission is hereby granted, free of charge, to any person obtaining a copy of this software

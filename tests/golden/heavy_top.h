@@ -48,6 +48,23 @@
  *   conserve      4 operations: 1 +, 2 *, 1 cos
  *   prepare       16 operations: 5 -, 10 *, 1 /
  *
+ * Structure of the equations of motion, as far as it is proved:
+ *
+ *   mass matrix: in blocks {phi, psi}, {theta}, depends on the coordinates
+ *   definite: not proved; M may be singular where sin(theta) vanishes
+ *   separable: no: verlet does not apply
+ *   linear: no
+ *   explicit time: no
+ *   forces beyond L: none
+ *   smooth: yes
+ *
+ * Constant along every motion:
+ *
+ *   energy: time shift
+ *   p_phi: cyclic coordinate
+ *   p_psi: cyclic coordinate
+ *   p_axis: claimed, proved: by its numerator, angles and roots taken apart
+ *
  * MIT No Attribution (MIT-0)
  *
  * Permission is hereby granted, free of charge, to any person obtaining a copy of this software

@@ -47,6 +47,16 @@
  *   event         no operations
  *   prepare       3 operations: 2 *, 1 /
  *
+ * Structure of the equations of motion, as far as it is proved:
+ *
+ *   mass matrix: diagonal, constant: factored once
+ *   definite: yes, everywhere
+ *   separable: no: verlet does not apply
+ *   linear: no
+ *   explicit time: no
+ *   forces beyond L: yes (force or dissipation)
+ *   smooth: no: abs, min, max or step: take small steps at kinks
+ *
  * MIT No Attribution (MIT-0)
  *
  * Permission is hereby granted, free of charge, to any person obtaining a copy of this software

@@ -151,3 +151,8 @@ def operations_rows(program: Program) -> list[str]:
     kernels = (*program.kernels, program.prepare)
     width = max(len(kernel.name) for kernel in kernels)
     return [f"{k.name:{width}}  {operations_text(k.operations)}" for k in kernels]
+
+
+def labelled(rows: list[tuple[str, str]]) -> list[str]:
+    """Facts and constants of the motion, each a line of a comment."""
+    return [f"{name}: {text}" for name, text in rows]

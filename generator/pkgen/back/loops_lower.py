@@ -10,6 +10,8 @@ from ..middle.affine import ROW, variable
 from ..middle.loops import Assigned, Facts, LoopEquations
 from ..middle.loops_expand import size_values
 from ..middle.quantities import input_quantities
+from .describe import labelled
+from .facts import loop_facts, loop_invariants
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
 from .loops_plan import TOTALS, VECTORS, entries, planned
 from .loops_sets import Builder
@@ -205,6 +207,8 @@ class _Context:
             "tables": [{"name": k, "rows": rows} for k, rows in quantities.items()],
             "helpers": sorted(w.helpers),
             "operations": self._operations(sets, totals),
+            "proved": labelled(loop_facts(e)),
+            "constant": labelled(loop_invariants(facts)),
             "stepper": self._stepper(sets, acceleration),
             "wraps": any(g.periodic for g in e.families),
             "homes": [

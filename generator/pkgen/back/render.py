@@ -13,7 +13,8 @@ import pkgen_runtime
 from .. import __version__
 from . import lanes, tables
 from .ctext import comment, fold, fold_call, paragraph, string
-from .describe import entries, operations_rows
+from .describe import entries, labelled, operations_rows
+from .facts import facts, invariants
 from .kernels import KERNELS, STARTS
 from .program import Block, Kernel, Program, operations_text
 
@@ -145,6 +146,8 @@ def _context(program: Program) -> dict[str, Any]:
         "prepare": _kernel(program, program.prepare),
         "kernels": kernels,
         "operations": operations_rows(program),
+        "proved": labelled(facts(equations, program.structure)),
+        "constant": labelled(invariants(equations, program.structure)),
         "apart": int(
             any(
                 len(k.blocks) > 1

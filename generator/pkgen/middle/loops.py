@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from ..equations import Claim
+from ..equations import Claim, Symmetries
 from ..model import Coordinate, End, Model, Parameter
 from .affine import Affine
 from .graph import Graph, Node
@@ -183,6 +183,7 @@ class Facts:
     smooth: bool
     affine: bool
     claims: tuple[Claim, ...] = ()
+    symmetries: Symmetries | None = None  # None: not asked for
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from .normal import Normal
 from .samples import Sample, samples
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
+SHOWN = 12  # values of a counterexample
 # Whose derivative does not say where they jump.
 _JUMPING = {"step": "step jumps", "sign": "sign jumps", "atan2": "atan2 jumps by 2 pi"}
 
@@ -95,7 +96,10 @@ class _Tried:
                 self.against, self.rate, self.size = sample, float(rate.mid), float(size)
 
     def counterexample(self) -> str:
-        at = ", ".join(self._named(self.against))
+        values = list(self._named(self.against))
+        if len(values) > SHOWN:
+            values[SHOWN:] = [f"and {len(values) - SHOWN} more"]
+        at = ", ".join(values)
         text = f"d{self.name}/dt = {self.rate:.4g}, where its terms are {self.size:.4g} in size"
         text += f", at {at}" if at else ""
         if self.held and self.against.varied:

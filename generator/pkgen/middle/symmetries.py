@@ -50,7 +50,10 @@ def symmetries(equations: Equations, blocks: Indices, influences: Indices) -> Sy
     else:
         searched = "shifts of time and of single coordinates only: the model is large"
     said = _Said(equations, g, unknowns)
-    invariants = sorted((said.invariant(v) for v in found), key=lambda x: x.reason != _TIME)
+    order = [_TIME, _CYCLIC, _POINT]
+    invariants = sorted(
+        map(said.invariant, found), key=lambda x: (order.index(x.reason), len(x.terms))
+    )
     return Symmetries(g, searched, tuple(invariants))
 
 
@@ -154,6 +157,8 @@ class _Said:
         return Invariant(name, reason, generator, tuple(terms), node)
 
     def _text(self, coefficient: Node, names: list[str], times: str) -> str:
+        counted = {name: names.count(name) for name in names}
+        names = [name if k == 1 else f"{name}^{k}" for name, k in counted.items()]
         if coefficient in (ONE, MINUS_ONE):
             return ("-" if coefficient == MINUS_ONE else "") + times.join(names)
         text = wording(self.graph, coefficient, self._symbol)
