@@ -6,15 +6,17 @@ occurs in them counts as having an influence, though it may cancel.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from ..equations import Equations, Indices
 from .differentiate import reachable
 from .graph import BIT, ZERO, Graph, Kind, Node, Op
 from .normal import Normal
+from .residues import Residues
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 WORK = 4_000  # products of two terms, for all rows
+SWEPT = 10_000  # values modulo a prime, of all nodes and for all coordinates
 
 
 def mass_blocks(equations: Equations) -> Indices:
@@ -41,8 +43,10 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
     g = equations.graph
     n = len(equations.coordinates)
     if equations.acceleration is not None:
+        rows = [[node] for node in equations.acceleration]
         normal = Normal(g, work=WORK)
-        rows = [_without_identities(g, normal, node) for node in equations.acceleration]
+        for i in _doubtful(g, equations.acceleration, n):
+            rows[i] = _without_identities(g, normal, equations.acceleration[i])
         return tuple(_occurring(g, rows))
     found: list[tuple[int, ...]] = [()] * n
     for block in blocks:
@@ -76,6 +80,19 @@ def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
     for i in range(n):
         parts.setdefault(root(i), []).append(i)
     return tuple(map(tuple, parts.values()))
+
+
+def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
+    """The rows with a coordinate in them that may drop out: modulo a prime nothing changes with it.
+    Where there are too many nodes for that, none."""
+    if n * len(reachable(g, rows, STATE)) > SWEPT:
+        return
+    here = Residues(g)
+    here.learn(rows)
+    there = [Residues(g, STATE, only=j) for j in range(n)]
+    for i, found in enumerate(_occurring(g, [[row] for row in rows])):
+        if any(here(rows[i]) == there[j](rows[i]) is not None for j in found):
+            yield i
 
 
 def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:

@@ -8,12 +8,15 @@ from .guards import COORDINATES, bounds_of
 from .normal import Normal, squares_merged
 from .ranges import Ranges
 
+WORK = 500  # products of two terms
 
-def definite(equations: Equations, normal: Normal) -> bool:
+
+def definite(equations: Equations) -> bool:
     """Whether each pivot is proved positive, with the parameters within their bounds."""
     if equations.pivots is None:
         return False
     g = equations.graph
+    normal = Normal(g, work=WORK)
     ranges = Ranges(g, [bounds_of(g, slot) for slot in equations.parameters])
     return all(_positive(g, ranges, normal, pivot) for pivot in equations.pivots)
 

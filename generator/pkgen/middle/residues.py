@@ -26,12 +26,14 @@ _INDEX = {name: -1 - index for index, name in enumerate(FUNCTIONS)}
 class Residues:
     """Values of nodes of one graph modulo PRIME; None where there is none.
 
-    `moved` says of which kinds the symbols have other values than in the world with moved = 0.
+    `moved` says of which kinds the symbols have other values than in the world with moved = 0;
+    `only`, which of their indices.
     """
 
-    def __init__(self, g: Graph, moved: int = 0):
+    def __init__(self, g: Graph, moved: int = 0, only: int | None = None):
         self.graph = g
         self.moved = moved
+        self.only = only
         self.known: dict[Node, int | None] = {}
 
     def __call__(self, output: Node) -> int | None:
@@ -65,8 +67,8 @@ class Residues:
         if op is Op.NUMBER:
             return _fraction(data)
         if op is Op.SYMBOL:
-            moved = 1 if BIT[data.kind] & self.moved else 0
-            return _mixed(BIT[data.kind], data.index, moved)
+            moved = BIT[data.kind] & self.moved and (self.only is None or self.only == data.index)
+            return _mixed(BIT[data.kind], data.index, 1 if moved else 0)
         if op is Op.POWER:
             return _power(values[0], data)
         return _call(data, values)
