@@ -61,6 +61,10 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _explain_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
+
+
 def _libm_argument(parser: argparse.ArgumentParser) -> None:
     help_ = "sine and cosine of the C library, not the inline pair"
     parser.add_argument("--libm", action="store_true", help=help_)
@@ -124,6 +128,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
 }
 ARGUMENTS = {
     "compile": _compile_arguments,
+    "explain": _explain_arguments,
     "run": _run_arguments,
     "chart": _as_of_a_run(chart_command.arguments),
     "stability": _as_of_a_run(stability_command.arguments),

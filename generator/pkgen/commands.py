@@ -16,6 +16,7 @@ from .build import driver_methods
 from .compiler import Compilation, check_model, compile_model
 from .dump import dump
 from .exits import DONE, UsageError
+from .explain_html import html
 from .explain_loops import explain_loops, record_loops
 from .front.read import read
 from .methods_table import methods_text
@@ -103,8 +104,16 @@ def explain(options: argparse.Namespace) -> int:
             shown, record = explain_loops, record_loops
         else:
             shown, record = explanation.explain, explanation.record
-        text = json.dumps(record(compilation), indent=1) if options.json else shown(compilation)
-    print(text.rstrip("\n"))
+        written = html(compilation) if options.html else ""
+        text = ""
+        if options.json:
+            text = json.dumps(record(compilation), indent=1)
+        elif not options.html:
+            text = shown(compilation).rstrip("\n")
+    if options.html:
+        _replace(Path(options.html), written)
+    if text:
+        print(text)
     return DONE
 
 

@@ -136,7 +136,8 @@ class Symmetries:
     """What Noether's theorem gives, in a basis; nodes of a graph of their own."""
 
     graph: Graph
-    searched: str  # among which generators
+    parameters: tuple[str, ...]  # the names of those in coefficients
+    searched: str  # among which generators; "" where the model was too large for a search
     invariants: tuple[Invariant, ...]
 
 

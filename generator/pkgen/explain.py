@@ -107,7 +107,7 @@ def _parameters(equations: Equations) -> str:
     if not equations.parameters:
         return ""
     rows = [
-        (slot.quantity.name, _default(equations, slot), _bounds(equations, slot), slot.quantity)
+        (slot.quantity.name, default_text(equations, slot), _bounds(equations, slot), slot.quantity)
         for slot in equations.parameters
     ]
     names, defaults, bounds = (max(len(row[i]) for row in rows) for i in range(3))
@@ -118,7 +118,7 @@ def _parameters(equations: Equations) -> str:
     return "\n".join(["Parameters", *lines])
 
 
-def _default(equations: Equations, slot: ParameterSlot) -> str:
+def default_text(equations: Equations, slot: ParameterSlot) -> str:
     return f"{_constant(equations, slot.default)} {_unit(slot.quantity.unit)}".strip()
 
 

@@ -40,14 +40,14 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
         "description": compilation.model.description,
         "families": "loops",
         "sizes": {size.name: size.value for size in compilation.model.sizes},
-        "coordinates": [_name(write, g) for g in e.coordinates],
-        "mass": _record(_mass(write)),
-        "force": _record(_force(write)),
+        "coordinates": [name_of(write, g) for g in e.coordinates],
+        "mass": _record(mass_lines(write)),
+        "force": _record(force_lines(write)),
         "pairs": [
-            {"range": _pair_range(write, pair), "force": _record(_pair(write, pair))}
+            {"range": pair_range(write, pair), "force": _record(pair_lines(write, pair))}
             for pair in e.force.pairs
         ],
-        "beyond": _beyond(write),
+        "beyond": beyond(write),
         "structure": structure_record(e.facts),
         **proofs_record(e.facts),
         "operations": list(compilation.program.context["operations"]),
@@ -66,7 +66,7 @@ def _title(compilation: Compilation, write: Writer) -> str:
     return f"{title}\n{count} degrees of freedom ({sizes}); sizes are set at run time"
 
 
-def _name(write: Writer, group: Group) -> str:
+def name_of(write: Writer, group: Group) -> str:
     return group.name + (
         f"[{write.index(group.lo)}..{write.index(group.hi)}]" if group.is_family else ""
     )
@@ -74,7 +74,11 @@ def _name(write: Writer, group: Group) -> str:
 
 def _declared(write: Writer, title: str, groups: tuple[Group, ...]) -> str:
     rows = [
-        (_name(write, g), f"[{g.declared.unit}]" if g.declared.unit else "", g.declared.description)
+        (
+            name_of(write, g),
+            f"[{unit}]" if (unit := g.declared.unit) else "",
+            g.declared.description,
+        )
         for g in groups
     ]
     if not rows:
@@ -87,24 +91,24 @@ def _declared(write: Writer, title: str, groups: tuple[Group, ...]) -> str:
 def _lagrangian(write: Writer) -> str:
     e = write.e
     if e.kinetic is None or e.potential is None:
-        return f"Lagrangian\n  L = {_total(write, e.lagrangian)}"
+        return f"Lagrangian\n  L = {total_of(write, e.lagrangian)}"
     parts = [("T", e.kinetic), ("V", e.potential)]
     return "\n".join(
-        ["Lagrangian   L = T - V", *(f"  {name} = {_total(write, x)}" for name, x in parts)]
+        ["Lagrangian   L = T - V", *(f"  {name} = {total_of(write, x)}" for name, x in parts)]
     )
 
 
 def _equations(write: Writer) -> str:
     lines = ["Equations of motion   M q'' = f"]
-    lines += [f"  {line}" for line in (*_mass(write), *_force(write))]
+    lines += [f"  {line}" for line in (*mass_lines(write), *force_lines(write))]
     for pair in write.e.force.pairs:
-        lines.append(f"  for each pair {_pair_range(write, pair)}:")
-        lines += [f"    {line.left} += {line.right}" for line in _pair(write, pair)]
-    lines += [f"  where {line}" for line in _beyond(write)]
+        lines.append(f"  for each pair {pair_range(write, pair)}:")
+        lines += [f"    {line.left} += {line.right}" for line in pair_lines(write, pair)]
+    lines += [f"  where {line}" for line in beyond(write)]
     return "\n".join(lines)
 
 
-def _mass(write: Writer) -> list[Line]:
+def mass_lines(write: Writer) -> list[Line]:
     """The lower triangle: of a family's member with lower ones, and with families above it."""
     e, found = write.e, []
     order = [g.name for g in e.families]
@@ -122,7 +126,7 @@ def _mass(write: Writer) -> list[Line]:
         found += write.rows(g, items)
     scalars = [g.name for g in e.scalars]
     return found + [
-        Line(f"M[{a}, {b}]", _total(write, total))
+        Line(f"M[{a}, {b}]", total_of(write, total))
         for (a, b), total in e.mass.corner.items()
         if scalars.index(b) <= scalars.index(a)
     ]
@@ -142,7 +146,7 @@ def _member(write: Writer, form: str, group: Group, at: Affine) -> str:
     return form.format(write.name(group, at))
 
 
-def _force(write: Writer) -> list[Line]:
+def force_lines(write: Writer) -> list[Line]:
     e, found = write.e, []
     for name, row in e.force.rows.items():
         group = write.groups[name]
@@ -150,22 +154,22 @@ def _force(write: Writer) -> list[Line]:
             found += write.rows(group, [(partial(_member, write, "f[{}]", group), row.parts)])
         elif not e.force.pairs:
             found.append(Line(f"f[{name}[{write.i}]]", "0", write.span(group.lo, group.hi)))
-    return found + [Line(f"f[{n}]", _total(write, t)) for n, t in e.force.totals.items()]
+    return found + [Line(f"f[{n}]", total_of(write, t)) for n, t in e.force.totals.items()]
 
 
-def _pair(write: Writer, pair: PairForce) -> list[Line]:
+def pair_lines(write: Writer, pair: PairForce) -> list[Line]:
     sides = [(f"f[{n}[{write.i}]]", node) for n, node in pair.by_row]
     sides += [(f"f[{n}[{write.j}]]", node) for n, node in pair.by_other]
     sides += [(f"f[{n}]", node) for n, node in pair.by_scalar]
     return [Line(left, write.text([(node, M)])) for left, node in sides]
 
 
-def _pair_range(write: Writer, pair: PairForce | PairPart) -> str:
+def pair_range(write: Writer, pair: PairForce | PairPart) -> str:
     others = f"{write.j} = {write.index(pair.first)}..{write.index(pair.last)}"
     return f"{write.span(pair.lo, pair.hi)}, {others}"
 
 
-def _beyond(write: Writer) -> list[str]:
+def beyond(write: Writer) -> list[str]:
     """What lies beyond the ends of families."""
     found = []
     for g in write.e.families:
@@ -182,14 +186,15 @@ def _beyond(write: Writer) -> list[str]:
     return found
 
 
-def _total(write: Writer, total: Total) -> str:
+def total_of(write: Writer, total: Total) -> str:
+    style = write.style
     parts = [write.text([(total.constant, M)])] if total.constant else []
     parts += [
-        f"sum({write.text([(part.node, M)])}, {write.span(part.lo, part.hi)})"
+        style.total(write.span(part.lo, part.hi), write.text([(part.node, M)]))
         for part in total.parts
     ]
-    parts += [f"sum({write.text([(p.node, M)])}, {_pair_range(write, p)})" for p in total.pairs]
-    return " + ".join(parts) or "0"
+    parts += [style.total(pair_range(write, p), write.text([(p.node, M)])) for p in total.pairs]
+    return style.plus(parts) if parts else "0"
 
 
 def _structure(compilation: Compilation, e: LoopEquations) -> str:

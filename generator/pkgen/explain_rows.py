@@ -45,11 +45,36 @@ class Line:
         return f"{self.left} = {self.right}" + (f"   for {self.range}" if self.range else "")
 
 
+@dataclass(frozen=True)
+class Style:
+    """How an expression, one that is too large, a sum over a range and a sum of parts look."""
+
+    expression: Callable[[sympy.Expr], str]
+    large: Callable[[int], str]
+    total: Callable[[str, str], str]
+    plus: Callable[[list[str]], str]
+
+
+def _plain(expr: sympy.Expr) -> str:
+    import sympy as sp
+
+    return sp.sstr(expr).replace("**", "^")
+
+
+PLAIN = Style(
+    expression=_plain,
+    large="({} operations)".format,
+    total=lambda over, body: f"sum({body}, {over})",
+    plus=" + ".join,
+)
+
+
 class Writer:
     """Expressions, and rows of one expression a member, of one model."""
 
-    def __init__(self, e: LoopEquations):
+    def __init__(self, e: LoopEquations, style: Style = PLAIN):
         self.e = e
+        self.style = style
         self.groups = {g.name: g for g in e.coordinates}
         self.inputs = [q.name for q in input_quantities(e.model, e.orders)]
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
@@ -75,9 +100,9 @@ class Writer:
         pieces = [(node, at) for node, at in pieces if node != ZERO]
         size = sum(written_size(self.e.graph, node) for node, _ in pieces)
         if size > SHOWN_OPERATIONS:
-            return f"({size} operations)"
+            return self.style.large(size)
         total = sp.Add(*(self._expression(node, at) for node, at in pieces))
-        return sp.sstr(min(total, sp.expand(total), key=sp.count_ops)).replace("**", "^")
+        return self.style.expression(min(total, sp.expand(total), key=sp.count_ops))
 
     def _expression(self, node: Node, at: Affine) -> sympy.Expr:
         import sympy as sp

@@ -17,6 +17,11 @@ th, td { padding: 0.15rem 0.6rem; text-align: left; border-bottom: 1px solid #e2
 th { position: sticky; top: 0; background: #fff }
 td.number { text-align: right }
 tr.failed td { color: #8a3a10; background: #fbf4f0 }
+math { font-family: "STIX Two Math", "Cambria Math", "Latin Modern Math", "Noto Sans Math", math }
+math[display="block"] { margin: 0.7rem 0 0.7rem 1.5rem; padding: 0.3rem 0 }
+mtable.matrix { border: solid currentcolor; border-width: 0 1px; border-radius: 0.4em;
+  margin: 0 0.15em }
+mtable.matrix mtd { padding: 0.25em 0.5em }
 pre { background: #f6f6f6; padding: 0.8rem; overflow-x: auto; font-size: 0.84rem }
 """
 NUMBER = re.compile(r"[-+]?\d[\d.,]*(e[-+]?\d+)?( %)?")

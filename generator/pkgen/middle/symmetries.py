@@ -39,7 +39,7 @@ def symmetries(equations: Equations, blocks: Indices, influences: Indices) -> Sy
     unknowns, searched = ansatz(len(equations.coordinates), equations.mass, influences)
     columns = _columns(equations, along, unknowns)
     if columns is None:
-        return Symmetries(g, "", ())
+        return Symmetries(g, (), "", ())
     alone = [k for k, column in enumerate(columns) if not column]
     others = [k for k, column in enumerate(columns) if column]
     found: list[Vector] = [{k: {(): 1}} for k in alone]
@@ -54,7 +54,7 @@ def symmetries(equations: Equations, blocks: Indices, influences: Indices) -> Sy
     invariants = sorted(
         map(said.invariant, found), key=lambda x: (order.index(x.reason), len(x.terms))
     )
-    return Symmetries(g, searched, tuple(invariants))
+    return Symmetries(g, tuple(said.parameters), searched, tuple(invariants))
 
 
 def _columns(

@@ -21,11 +21,21 @@ COMBINED_COORDINATES = 8  # n^2 entries of M would take minutes
 def text(equations: Equations, node: Node, limit: int) -> str:
     """The expression in the model's names; of one with more operations than `limit`, its size."""
     import sympy as sp
+
+    found = expression(equations, node, limit)
+    if isinstance(found, int):
+        return f"({found} operations)"
+    return sp.sstr(found).replace("**", "^")
+
+
+def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int:
+    """The same as an object of SymPy, or as a number of operations."""
+    import sympy as sp
     from sympy.simplify.fu import TR10i
 
     size = written_size(equations.graph, node)
     if size > limit:
-        return f"({size} operations)"
+        return size
     names = {
         Kind.PARAMETER: [slot.quantity.name for slot in equations.parameters],
         Kind.COORDINATE: [quantity.name for quantity in equations.coordinates],
@@ -36,7 +46,7 @@ def text(equations: Equations, node: Node, limit: int) -> str:
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))
     if size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES:
         expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
-    return sp.sstr(expr).replace("**", "^")
+    return expr
 
 
 def written_size(g: Graph, node: Node) -> int:
