@@ -49,6 +49,8 @@ struct pk_ensemble {
     size_t *done;
     pk_real *last_t;
     enum pk_status *status;
+    pk_real *z; /* quadratures, z[(i * rows + row) * n_quadratures], or NULL. A system that has any
+                   takes its members one after the other. */
 
     /* Asked between rows where it is not NULL; not 0: members end there with PK_STOPPED_USER. */
     int (*stop)(void *context);
