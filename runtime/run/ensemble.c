@@ -20,7 +20,8 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
     } kinds[] = {{"param", system->n_parameters},
                  {"input", system->n_inputs},
                  {"q", pk_system_count(system, s->params)},
-                 {"v", pk_system_count(system, s->params)}};
+                 {"v", pk_system_count(system, s->params)},
+                 {"z", system->n_quadratures}};
     const int members = strcmp(word[0], "members") == 0;
     size_t index;
     *code = 0;
@@ -48,7 +49,7 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
         columns[s->n_columns++] = (struct column){kinds[i].name[0], index};
         return 1;
     }
-    *code = words_usage(line, "a column is of param, input, q or v", word[1]);
+    *code = words_usage(line, "a column is of param, input, q, v or z", word[1]);
     return 1;
 }
 
@@ -74,14 +75,14 @@ static int stop(void *context)
 
 /* A member's row; the driver's own columns take its parameters and inputs. */
 static void write_row(struct batch *b, struct run *run, size_t i, size_t member, pk_real t,
-                      const pk_real *q, const pk_real *v)
+                      const pk_real *q, const pk_real *v, const pk_real *z)
 {
     void *const params = run->settings.params;
     pk_real *const u = run->settings.u;
     run->settings.params = b->params + i * b->system->params_size;
     run->settings.u = b->u + i * b->system->n_inputs;
     fprintf(stdout, "%zu,", member + 1);
-    output_row(run, stdout, t, q, v);
+    output_row(run, stdout, t, q, v, z);
     run->settings.params = params;
     run->settings.u = u;
 }
@@ -109,13 +110,16 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
                         struct tally *tally)
 {
     const struct pk_ensemble *e = &b->e;
+    const size_t m = b->system->n_quadratures;
     for (size_t i = 0; i < count; i++) {
         if (run->settings.has_every && e->status[i] != PK_BAD_ARGUMENT &&
             e->status[i] != PK_REFUSED)
-            write_row(b, run, i, first + i, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+            write_row(b, run, i, first + i, 0, b->q0 + i * b->n, b->v0 + i * b->n,
+                      m ? b->z0 + i * m : NULL);
         for (size_t row = 0; row < e->done[i]; row++) {
             const size_t at = (i * e->rows + row) * b->n;
-            write_row(b, run, i, first + i, b->t[row], e->q + at, e->v + at);
+            write_row(b, run, i, first + i, b->t[row], e->q + at, e->v + at,
+                      m ? e->z + (i * e->rows + row) * m : NULL);
         }
         if (is_astray(b, run, i) && tally->astray++ == 0)
             tally->first_astray = first + i;
