@@ -261,7 +261,7 @@ int chart_run(const char *settings)
     int code = settings_read(&c.s, run_system, file);
     fclose(file);
     if (code == 0) {
-        c.problem = settings_problem(&c.s);
+        c.problem = settings_motion(&c.s);
         c.monitor_block = words_allocate(pk_monitor_size(&c.problem), 1);
         c.work = (pk_real *)words_allocate(jacobians_size(&c.problem), sizeof *c.work);
     }

@@ -21,7 +21,8 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
     } kinds[] = {{"param", system->n_parameters},
                  {"input", system->n_inputs},
                  {"q", pk_system_count(system, s->params)},
-                 {"v", pk_system_count(system, s->params)}};
+                 {"v", pk_system_count(system, s->params)},
+                  {"z", system->n_quadratures}};
     char *end;
     const int members = strcmp(word[0], "members") == 0;
     size_t index;
@@ -58,7 +59,7 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
         columns[s->n_columns++] = (struct column){kinds[i].name[0], index};
         return 1;
     }
-    *code = words_usage(line, "a column is of param, input, q or v", word[1]);
+    *code = words_usage(line, "a column is of param, input, q, v or z", word[1]);
     return 1;
 }
 
@@ -83,11 +84,12 @@ static int stop(void *context)
 }
 
 /* A member's state at a time: its row, what is expected of it. */
-static void show(struct run *run, int has_row, pk_real t, const pk_real *q, const pk_real *v)
+static void show(struct run *run, int has_row, pk_real t, const pk_real *q, const pk_real *v,
+                 const pk_real *z)
 {
     if (has_row) {
         fprintf(stdout, "%ld,", run->settings.first_member + (long)run->member);
-        output_row(run, stdout, t, q, v);
+        output_row(run, stdout, t, q, v, z);
     }
     if (run->monitor_block)
         pk_monitor_update(&run->monitor, t, q, v);
@@ -103,6 +105,7 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
     struct settings *s = &run->settings;
     void *const params = s->params;
     pk_real *const u = s->u;
+    const size_t m = b->system->n_quadratures;
     if (e->status[i] == PK_BAD_ARGUMENT || e->status[i] == PK_REFUSED)
         return;
     s->params = b->params + i * b->system->params_size;
@@ -111,10 +114,10 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
     const struct pk_problem problem = {.system = b->system, .params = s->params};
     if (run->monitor_block)
         pk_monitor_init(&run->monitor, &problem, run->monitor_block, pk_monitor_size(&problem));
-    show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+    show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
-        show(run, 1, b->t[row], e->q + at, e->v + at);
+        show(run, 1, b->t[row], e->q + at, e->v + at, m ? e->z + (i * e->rows + row) * m : NULL);
     }
     expect_member(run, &run->monitor.energy);
     s->params = params;

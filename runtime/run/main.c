@@ -94,19 +94,21 @@ static int start(struct run *run)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = run_system;
-    run->problem = settings_problem(s);
+    run->problem = settings_shows_z(s) ? settings_problem(s) : settings_motion(s);
     const size_t size = pk_integrator_size(&run->problem, s->method);
     const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = malloc(size ? size : 1);
     run->monitor_block = malloc(monitor_size ? monitor_size : 1);
-    run->row = (pk_real *)calloc(2 * s->n + system->n_observed + 1, sizeof *run->row);
+    run->row = (pk_real *)calloc(
+        2 * s->n + system->n_observed + system->n_quadratures + 1, sizeof *run->row);
     if (!run->block || !run->monitor_block || !run->row) {
         fprintf(stderr, "run: out of memory\n");
         return 4;
     }
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
-                           run->block, size) < 0)
+                           run->block, size) < 0 ||
+        settings_quadratures(s, &run->it) < 0)
         return 4;
     /* Steps as long as rows are apart may be too long to see events in. */
     if (system->n_events && s->method->resolved && !s->has_step) {

@@ -53,10 +53,14 @@ static int set_member(struct batch *b, size_t i, size_t member, const double *ro
         if (s->start_given[b->n + k])
             v[k] = s->v[k];
     }
+    if (b->z0)
+        settings_z(s, b->system, params, b->z0 + i * b->system->n_quadratures);
     for (size_t k = 0; k < s->n_columns; k++) {
         const struct column c = s->columns[k];
+        pk_real *z = b->z0 ? b->z0 + i * b->system->n_quadratures : NULL;
         if (c.kind != 'p')
-            (c.kind == 'i' ? u : c.kind == 'q' ? q : v)[c.index] = (pk_real)row[k];
+            (c.kind == 'i' ? u : c.kind == 'q' ? q : c.kind == 'z' ? z : v)[c.index] =
+                (pk_real)row[k];
     }
     return 0;
 }
@@ -119,6 +123,10 @@ void members_allocate(struct batch *b, struct run *run, size_t rows, int (*stop)
                               .stop = stop};
     e->q = (pk_real *)memory(b->size * rows * b->n, sizeof *e->q);
     e->v = (pk_real *)memory(b->size * rows * b->n, sizeof *e->v);
+    if (b->system->n_quadratures) {
+        e->z0 = b->z0 = (pk_real *)memory(b->size * b->system->n_quadratures, sizeof *b->z0);
+        e->z = (pk_real *)memory(b->size * rows * b->system->n_quadratures, sizeof *e->z);
+    }
     e->done = (size_t *)memory(b->size, sizeof *e->done);
     e->last_t = (pk_real *)memory(b->size, sizeof *e->last_t);
     e->status = (enum pk_status *)memory(b->size, sizeof *e->status);
@@ -134,7 +142,7 @@ void members_release(struct batch *b, struct run *run)
 {
     void *const all[] = {b->params,   b->q0,        b->v0, b->u,    b->t,       b->values, b->given,
                          b->e.q,      b->e.v,       b->e.done, b->e.last_t, b->e.status, b->block,
-                         run->row};
+                         run->row, b->z0, b->e.z};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
     if (b->file)

@@ -10,7 +10,7 @@ struct batch {
     const struct pk_system *system;
     size_t n, size; /* members that it has room for */
     char *params;
-    pk_real *q0, *v0, *u, *t;
+    pk_real *q0, *v0, *z0, *u, *t; /* z0: NULL without quadratures */
     double *values; /* of the file */
     unsigned char *given;
     void *block;

@@ -1,6 +1,4 @@
-/* Rows and report. CSV quotes a name that holds a comma, a quote or a blank
- * (RFC 4180); a number that is not finite is null in JSON, which has no other word for it.
- */
+/* The report, and pieces of JSON, where a number that is not finite is null: it has no other word. */
 #include "diagnose.h"
 #include "expect.h"
 #include "trust.h"
@@ -13,128 +11,6 @@
 #define LARGE PK_C(0.1) /* a drift, of its scale */
 
 enum { MOST_LISTED = 10000 };
-
-static void csv_name(FILE *file, const char *name)
-{
-    fputc(',', file);
-    if (!strpbrk(name, ",\" \n")) {
-        fputs(name, file);
-        return;
-    }
-    fputc('"', file);
-    for (; *name; name++) {
-        if (*name == '"')
-            fputc('"', file);
-        fputc(*name, file);
-    }
-    fputc('"', file);
-}
-
-void output_header(struct run *run, FILE *file)
-{
-    const struct pk_system *system = run->problem.system;
-    const struct pk_quantity *const tables[] = {system->coordinates, system->rates};
-    char name[128];
-    fputc('t', file);
-    for (size_t i = 0; i < run->settings.n_show; i++) {
-        const struct shown *show = &run->settings.show[i];
-        if (show->kind == 'q' || show->kind == 'v')
-            pk_system_name(system, run->settings.params, tables[show->kind == 'v'], show->index,
-                           name, sizeof name);
-        csv_name(file, show->kind == 'o'   ? system->observed[show->index].name
-                       : show->kind == 'e' ? "energy"
-                                           : name);
-    }
-    if (run->settings.n_show) {
-        fputc('\n', file);
-        return;
-    }
-    for (int k = 0; k < 2; k++)
-        for (size_t i = 0; i < run->settings.n; i++) {
-            pk_system_name(system, run->settings.params, tables[k], i, name, sizeof name);
-            csv_name(file, name);
-        }
-    for (size_t i = 0; i < system->n_observed; i++)
-        if (!expect_hides(&run->settings, i))
-            csv_name(file, system->observed[i].name);
-    fputs(",energy\n", file);
-}
-
-static int is_finite(pk_real x) { return x - x == PK_C(0.0); }
-
-/* A number that is none has no sign. */
-static void cell(FILE *file, pk_real x)
-{
-    if (isnan((double)x))
-        fputs(",nan", file);
-    else
-        fprintf(file, ",%.17g", (double)x);
-}
-
-/* The columns that were asked for; the name of the first that is not finite, or NULL. */
-static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
-                             const pk_real *v, pk_real *out)
-{
-    const struct pk_system *system = run->problem.system;
-    const struct settings *s = &run->settings;
-    const char *bad = NULL;
-    if (system->n_observed)
-        system->observe(s->params, t, q, v, s->u, out);
-    for (size_t i = 0; i < s->n_show; i++) {
-        const struct shown *show = &s->show[i];
-        const pk_real x = show->kind == 'q'   ? q[show->index]
-                          : show->kind == 'v' ? v[show->index]
-                          : show->kind == 'o' ? out[show->index]
-                                              : system->energy(s->params, t, q, v, s->u);
-        cell(file, x);
-        if (!is_finite(x) && !bad)
-            bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
-    }
-    return bad;
-}
-
-static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
-                             const pk_real *v, pk_real *out)
-{
-    const struct pk_system *system = run->problem.system;
-    const struct settings *s = &run->settings;
-    const char *bad = NULL;
-    for (size_t i = 0; i < s->n; i++)
-        cell(file, q[i]);
-    for (size_t i = 0; i < s->n; i++)
-        cell(file, v[i]);
-    if (system->n_observed)
-        system->observe(s->params, t, q, v, s->u, out);
-    for (size_t i = 0; i < system->n_observed; i++) {
-        if (expect_hides(&run->settings, i))
-            continue;
-        cell(file, out[i]);
-        if (!is_finite(out[i]) && !bad)
-            bad = system->observed[i].name;
-    }
-    const pk_real energy = system->energy(s->params, t, q, v, s->u);
-    cell(file, energy);
-    return is_finite(energy) || bad ? bad : "energy";
-}
-
-/* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
-void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v)
-{
-    pk_real *out = run->row + 2 * run->settings.n;
-    fprintf(file, "%.17g", (double)t);
-    const char *bad = (run->settings.n_show ? shown_row : whole_row)(run, file, t, q, v, out);
-    fputc('\n', file);
-    run->rows++;
-    run->last_row = t;
-    if (bad && run->bad_rows++ == 0) {
-        run->not_finite = bad;
-        run->bad_t = (double)t;
-    }
-    diagnose_row(run, t, q, v);
-    expect_row(run, t, q, v);
-    if (ferror(file))
-        run->write_failed = errno ? errno : EIO;
-}
 
 void output_text(FILE *file, const char *text)
 {
@@ -256,6 +132,10 @@ static void json_run(struct run *run, FILE *file)
     output_numbers(file, "q", it->q, it->n <= MOST_LISTED ? it->n : 0);
     fputs(", ", file);
     output_numbers(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
+    if (it->z) {
+        fputs(", ", file);
+        output_numbers(file, "z", it->z, run->problem.system->n_quadratures);
+    }
     fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
     fputs("  \"step\": ", file);
     if (method->traits & PK_ADAPTIVE)

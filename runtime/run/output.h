@@ -26,7 +26,7 @@ struct run {
     pk_real *event_values;   /* work of watch.c */
     pk_real *expected; /* outputs, work of expect.c */
     size_t member;     /* of an ensemble, whose state is looked at */
-    pk_real *row; /* q, v, u, observed of a row */
+    pk_real *row;      /* q, v, observed, quadratures of a row */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real last_row;    /* its time */
     int at_event;        /* the row being written is at one */
@@ -48,7 +48,9 @@ struct run {
 };
 
 void output_header(struct run *run, FILE *file);
-void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v);
+/* z: the quadratures, where the system has any. */
+void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v,
+                const pk_real *z);
 /* 0, or a message on standard error. */
 int output_report(struct run *run, const char *path);
 /* Pieces of JSON. */

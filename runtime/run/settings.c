@@ -33,19 +33,20 @@ const struct pk_method *run_method_find(const char *name)
     return NULL;
 }
 
-static int set_start(struct settings *s, size_t line, char *const word[])
+static int set_start(struct settings *s, const struct pk_system *system, size_t line,
+                     char *const word[])
 {
+    static const char kinds[] = "qvz"; /* one behind the other in memory */
     size_t index;
-    pk_real x;
-    const int rate = word[1] && strcmp(word[1], "v") == 0;
-    if (!word[1] || (!rate && strcmp(word[1], "q") != 0))
-        return words_usage(line, "start wants q or v", word[1]);
-    if (!words_index(word[2], s->n, &index))
+    const char *kind = word[1] && word[1][0] && !word[1][1] ? strchr(kinds, word[1][0]) : NULL;
+    if (!kind)
+        return words_usage(line, "start wants q, v or z", word[1]);
+    if (!words_index(word[2], *kind == 'z' ? system->n_quadratures : s->n, &index))
         return words_usage(line, "no such coordinate", word[2]);
-    if (!words_real(word[3], &x))
+    index += (size_t)(kind - kinds) * s->n;
+    if (!words_real(word[3], &s->q[index]))
         return words_usage(line, "not a number", word[3]);
-    (rate ? s->v : s->q)[index] = x;
-    s->start_given[rate ? s->n + index : index] = 1;
+    s->start_given[index] = 1;
     return 0;
 }
 
@@ -55,7 +56,11 @@ static int set_show(struct settings *s, const struct pk_system *system, size_t l
     const struct {
         const char *name;
         size_t count;
-    } table[] = {{"q", s->n}, {"v", s->n}, {"observed", system->n_observed}, {"energy", 1}};
+    } table[] = {{"q", s->n},
+                 {"v", s->n},
+                 {"observed", system->n_observed},
+                 {"z", system->n_quadratures},
+                 {"energy", 1}};
     struct shown *more = (struct shown *)realloc(s->show, (s->n_show + 1) * sizeof *more);
     if (!more)
         return words_usage(line, "out of memory", NULL);
@@ -65,12 +70,12 @@ static int set_show(struct settings *s, const struct pk_system *system, size_t l
             continue;
         more[s->n_show].kind = table[i].name[0];
         more[s->n_show].index = 0;
-        if (i < 3 && !words_index(word[2], table[i].count, &more[s->n_show].index))
+        if (table[i].name[0] != 'e' && !words_index(word[2], table[i].count, &more[s->n_show].index))
             return words_usage(line, "no such column", word[2]);
         s->n_show++;
         return 0;
     }
-    return words_usage(line, "show wants q, v, observed or energy", word[1]);
+    return words_usage(line, "show wants q, v, observed, z or energy", word[1]);
 }
 
 static int set_number(struct settings *s, const struct pk_system *system, size_t line,
@@ -111,7 +116,7 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
     if (strcmp(word[0], "param") == 0)
         return settings_param(s, system, line, word);
     if (strcmp(word[0], "start") == 0)
-        return set_start(s, line, word);
+        return set_start(s, system, line, word);
     if (strcmp(word[0], "show") == 0)
         return settings_begin(s, system), set_show(s, system, line, word);
     if (strcmp(word[0], "at") == 0) {
@@ -260,6 +265,24 @@ static void constant_input(void *context, pk_real t, pk_real *u)
 struct pk_problem settings_problem(struct settings *s)
 {
     return (struct pk_problem){run_system, s->params, constant_input, s};
+}
+
+struct pk_problem settings_motion(struct settings *s)
+{
+    static struct pk_system bare;
+    struct pk_problem problem = settings_problem(s);
+    bare = *run_system;
+    bare.n_quadratures = 0;
+    problem.system = &bare;
+    return problem;
+}
+
+int settings_shows_z(const struct settings *s)
+{
+    for (size_t i = 0; i < s->n_show; i++)
+        if (s->show[i].kind == 'z')
+            return 1;
+    return s->n_show == 0;
 }
 
 void settings_free(struct settings *s)

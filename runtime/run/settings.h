@@ -2,16 +2,14 @@
  * blanks, numbers in decimal or in C's hexadecimal.
  *
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
- *     max_steps N | param INDEX X [MEMBER] | start q|v INDEX X | input INDEX X | report PATH
+ *     max_steps N | param INDEX X [MEMBER] | start q|v|z INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
  *     show q|v|z|observed INDEX | show energy | at INDEX | hidden INDEX
  *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
  *     drift INDEX | drift energy
  *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
- *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
- *     drift INDEX | drift energy
  *     diagnose lyapunov|reversal|spectrum|symplectic|all
- *     ensemble PATH | members N | count NAME FIRST | column param|input|q|v INDEX | threads N
+ *     ensemble PATH | members N | count NAME FIRST | column param|input|q|v|z INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.
  *
@@ -39,7 +37,7 @@ extern const size_t run_n_parts;
 
 /* A column of an ensemble's file. */
 struct column {
-    char kind; /* p of a parameter, i of an input, q, v */
+    char kind; /* p of a parameter, i of an input, q, v, z */
     size_t index;
 };
 
@@ -84,8 +82,8 @@ struct settings {
     size_t n_set;
     int begun; /* sizes are settled, memory is there */
     unsigned char *given; /* which parameters were set */
-    pk_real *q, *v, *u;
-    unsigned char *start_given; /* 2 n flags */
+    pk_real *q, *v, *z, *u; /* z: of those that were given */
+    unsigned char *start_given; /* 2 n flags, and of each quadrature */
     struct shown *show; /* NULL: all columns */
     size_t n_show;
     unsigned char *hidden; /* flags of outputs, or NULL */
@@ -102,8 +100,16 @@ struct settings {
 
 /* 0, or the process's exit code, with a message on standard error. */
 int settings_read(struct settings *settings, const struct pk_system *system, FILE *file);
-/* Of the model with these parameters, its inputs constant; the settings must stay where they are. */
+/* Of the model with these parameters, its inputs constant; the settings must stay where they are.
+ * settings_motion(): without its quadratures, which no measure of methods is of, nor a run that
+ * does not show them. */
 struct pk_problem settings_problem(struct settings *settings);
+struct pk_problem settings_motion(struct settings *settings);
+int settings_shows_z(const struct settings *settings);
+/* Quadratures at the start: those given, the others as the parameters say; and into an integrator. */
+void settings_z(const struct settings *settings, const struct pk_system *system,
+                const void *params, pk_real *z);
+enum pk_status settings_quadratures(const struct settings *settings, struct pk_integrator *it);
 /* Of parameters.c: memory and defaults once sizes are known; one size; one parameter; the defaults
  * that follow what was given. */
 void settings_begin(struct settings *settings, const struct pk_system *system);

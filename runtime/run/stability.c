@@ -81,7 +81,7 @@ int stability_run(const char *path)
     int code = settings_read(&s.settings, run_system, stdin);
     if (code == 0) {
         const size_t n = s.n = s.settings.n;
-        s.problem = settings_problem(&s.settings);
+        s.problem = settings_motion(&s.settings);
         s.work = (double *)words_allocate(4 * n + 1, sizeof *s.work);
         s.far = (double *)words_allocate(3 * n, sizeof *s.far);
 #ifdef PK_WITH_GSL

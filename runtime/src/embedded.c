@@ -95,6 +95,12 @@ static enum pk_status embedded_step(struct pk_integrator *it, pk_real limit)
     return generic_embedded(it, table_of(it->method), limit);
 }
 
+static int embedded_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
+{
+    const struct pk_embedded_work w = parts_of(it);
+    return pk_explicit_stage(it, table_of(it->method), *w.h_made, w.k, i, stage, room);
+}
+
 const struct pk_tableau *pk_embedded_table(const struct pk_method *method)
 {
     return method->step == embedded_step ? table_of(method) : NULL;
@@ -153,12 +159,13 @@ static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_rea
                                           .order = p,                         \
                                           .stages = s,                        \
                                           .dense_order = dense_p,             \
-                                          .traits = PK_ADAPTIVE | PK_DENSE,   \
+                                          .traits = PK_ADAPTIVE | PK_DENSE | PK_QUADRATURE, \
                                           .table = &pk_##symbol##_table,      \
                                           .size = embedded_size,              \
                                           .init = embedded_init,              \
                                           .step = embedded_step,              \
-                                          .dense = embedded_dense}
+                                          .dense = embedded_dense,            \
+                                          .stage = embedded_stage}
 
 EMBEDDED(dopri5,
          "Dormand-Prince 5(4), PI control; J. Comp. Appl. Math. 6 (1980) 19, HNW II.5", 5, 6, 4);

@@ -17,7 +17,7 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
-    if (!(e->options.h > 0))
+    if (!(e->options.h > 0) || e->system->n_quadratures)
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }
@@ -66,6 +66,9 @@ static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *
             const size_t at = (member * e->rows + row) * it->n;
             memcpy(e->q + at, it->q, it->n * sizeof *it->q);
             memcpy(e->v + at, it->v, it->n * sizeof *it->v);
+            if (e->z && it->z)
+                memcpy(e->z + (member * e->rows + row) * e->system->n_quadratures, it->z,
+                       e->system->n_quadratures * sizeof *it->z);
             e->done[member]++;
         }
     }

@@ -22,6 +22,24 @@ static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
     return generic_erk(it, (const struct pk_tableau *)it->method->table);
 }
 
+int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
+                      const pk_real *k, int i, struct pk_stage *stage, pk_real *room)
+{
+    if (i >= table->stages)
+        return 0;
+    if (i > 0)
+        pk_erk_combine(room, it->state, h, table->a + i * (i - 1) / 2, i, k, 2 * it->n);
+    const pk_real *y = i > 0 ? room : it->state;
+    *stage = (struct pk_stage){it->t + table->c[i] * h, h * table->b[i], y, y + it->n};
+    return 1;
+}
+
+static int erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
+{
+    return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->h, it->work, i,
+                             stage, room);
+}
+
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
 {
     return method->step == erk_step ? (const struct pk_tableau *)method->table
@@ -33,10 +51,12 @@ const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
                                           .doc = text,                  \
                                           .order = p,                   \
                                           .stages = s,                  \
+                                          .traits = PK_QUADRATURE,      \
                                           .table = &pk_##symbol##_table, \
                                           .size = erk_size,             \
                                           .init = erk_init,             \
-                                          .step = erk_step}
+                                          .step = erk_step,              \
+                                          .stage = erk_stage}
 
 ERK(euler, "explicit Euler; HNW I.7", 1, 1);
 ERK(rk2, "the explicit midpoint rule; C. Runge (1895), HNW II.1", 2, 2);

@@ -25,7 +25,7 @@ static size_t reals(const struct pk_problem *problem, const struct pk_method *me
 {
     const size_t n = pk_system_count(problem->system, problem->params);
     const size_t m = problem->system->n_events;
-    return 4 * n + problem->system->n_inputs +
+    return 4 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures +
            m * (size_t)(samples_of(method) + 2 + PK_EVENT_ENTRY * PK_MOST_NODES);
 }
 
@@ -61,6 +61,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     events->u = events->trial + 2 * it->n;
     events->g = events->u + problem->system->n_inputs;
     events->list = events->g + events->n_events * (size_t)(events->samples + 2);
+    events->z0 = events->list + events->n_events * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
     memset(events->q0, 0, reals(problem, it->method) * sizeof(pk_real));
     return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,
                               block, scout);
@@ -94,67 +95,6 @@ static enum pk_status at_ends(const struct pk_events *e, struct pk_integrator *i
     return PK_DONE;
 }
 
-/* Cubic of Hermite through q and v at the ends, and its derivative. */
-static void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
-{
-    const pk_real h = it->t - e->from, y = 1 - x;
-    const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
-    const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
-    for (size_t i = 0; i < e->n; i++) {
-        const pk_real rise = it->q[i] - e->q0[i];
-        e->trial[i] = e->q0[i] + h01 * rise + h10 * e->v0[i] + h11 * it->v[i];
-        e->trial[e->n + i] = slope * rise + d10 * e->v0[i] + d11 * it->v[i];
-    }
-}
-
-/* Whether the cubic bends at an end by so much else than the motion does that half-way it may be
- * off by 1/32 of the rise: bends differ by 32/h^2 of what it is off. */
-static int is_worthless(struct pk_events *e, const struct pk_integrator *it)
-{
-    const pk_real h = it->t - e->from;
-    for (int end = 0; end < 2; end++) {
-        const pk_real *q = end ? it->q : e->q0, *v = end ? it->v : e->v0;
-        if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, e->trial) < 0)
-            return 0;
-        for (size_t i = 0; i < e->n; i++) {
-            const pk_real rise = it->q[i] - e->q0[i], v0 = h * e->v0[i], v1 = h * it->v[i];
-            const pk_real bend = end ? 2 * v0 + 4 * v1 - 6 * rise : 6 * rise - 4 * v0 - 2 * v1;
-            const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(v0), pk_abs(v1)) / 4);
-            if (pk_abs(bend - h * h * e->trial[i]) > size + PK_EPS * pk_abs(q[i]))
-                return 1;
-        }
-    }
-    return 0;
-}
-
-/* A sample by the method itself; where it makes no such step there is none. */
-static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t)
-{
-    const size_t where = it->where;
-    const pk_real detail = it->detail;
-    if (pk_events_reach(e, it, t) >= 0)
-        return 1;
-    it->where = where;
-    it->detail = detail;
-    it->status = PK_DONE;
-    return 0;
-}
-
-static enum pk_status look(struct pk_events *e, struct pk_integrator *it)
-{
-    const pk_real h = it->t - e->from;
-    const int by_steps = !e->dense && is_worthless(e, it);
-    for (int j = 1; j < e->samples; j++) {
-        const pk_real x = (pk_real)j / (pk_real)e->samples, t = e->from + x * h;
-        if (!e->dense && !(by_steps && reach_sample(e, it, t)))
-            hermite(e, it, x);
-        else if (e->dense && pk_integrator_dense(it, t, e->trial, e->trial + e->n) < 0)
-            return it->status;
-        pk_events_functions(e, it, t, e->trial, e->trial + e->n, pk_events_sample(e, j));
-    }
-    return PK_DONE;
-}
-
 /* The motion at t within the step, by the method itself. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
@@ -169,6 +109,8 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     if (e->dense)
         return pk_integrator_dense(it, t, e->trial, e->trial + e->n);
     pk_integrator_reset(scout, e->from, e->q0, e->v0);
+    if (it->z && scout->status >= 0)
+        pk_integrator_set_quadratures(scout, e->z0);
     if (scout->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
         (t < e->from || t > e->from))
         pk_integrator_set_step(scout, pk_abs(t - e->from));
@@ -181,6 +123,20 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     it->detail = scout->detail;
     it->condition = scout->condition;
     return it->status = scout->status;
+}
+
+/* The quadratures where the motion has just been followed to, e->t. */
+static enum pk_status quadratures(struct pk_events *e, struct pk_integrator *it)
+{
+    const size_t m = it->problem.system->n_quadratures;
+    pk_real *z = e->z0 + m;
+    e->z = it->z ? z : NULL;
+    if (!it->z)
+        return PK_DONE;
+    if (e->dense || (!(e->t < it->t) && !(e->t > it->t)))
+        return pk_integrator_dense_quadratures(it, e->t, z);
+    memcpy(z, e->scout.z, m * sizeof *z);
+    return PK_DONE;
 }
 
 /* Some two units in the last place of t, on either side: a crossing is known no better. */
@@ -205,7 +161,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
         if (side * g[k] >= 0)
             break;
     }
-    return PK_DONE;
+    return quadratures(e, it);
 }
 
 /* Reports what was found, as far as the first event that stops and what is at the same time. */
@@ -238,6 +194,8 @@ static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
         return it->status = PK_DONE;
     if ((e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
         return it->status;
+    if (e->z)
+        pk_integrator_set_quadratures(it, e->z);
     it->event = stopped;
     return it->status = PK_STOPPED_EVENT;
 }
@@ -254,11 +212,13 @@ static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
+    if (it->z)
+        memcpy(e->z0, it->z, it->problem.system->n_quadratures * sizeof *e->z0);
     if (at_ends(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
         return it->status;
-    if (at_ends(e, it, e->samples, it->q, it->v) < 0 || look(e, it) < 0)
+    if (at_ends(e, it, e->samples, it->q, it->v) < 0 || pk_events_look(e, it) < 0)
         return it->status;
     for (size_t k = 0; k < e->n_events; k++)
         if (pk_events_seek(e, it, k) < 0)
@@ -278,6 +238,8 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
         it->ready = 0;
         return it->status = ended;
     }
+    if (it->z)
+        pk_integrator_set_quadratures(it, e->z0);
     for (int count = 0; count < HALVINGS; count++) {
         const enum pk_status status = one_step(e, it, it->t + (detail - it->t) / 2);
         if (status == PK_STOPPED_EVENT)

@@ -26,6 +26,8 @@ static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_
 
 /* The motion at t within the step, by the method itself, into e->trial. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t);
+/* All g at the samples within the step. */
+enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it);
 /* All g at a state. */
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                          const pk_real *q, const pk_real *v, pk_real *g);

@@ -226,12 +226,11 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
 enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
 {
     struct pk_gauss_work w = pk_gauss_parts(it);
-    const size_t n = it->n, s = w.s;
+    const size_t n = it->n;
     (void)limit;
     if (it->h > *w.h || it->h < *w.h)
         pk_gauss_set_step(it, &w, it->h);
-    if (s == PK_LANES && it->problem.system->facts & PK_SEPARABLE &&
-        (it->h > *w.slow_h || it->h < *w.slow_h)) {
+    if (pk_gauss_by_lanes(it, &w, it->h)) {
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;

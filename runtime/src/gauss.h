@@ -62,6 +62,14 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
 size_t pk_gauss_nystrom_size(size_t n);
 enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *w);
 
+/* Whether a step of h is made by that, or was. */
+static inline int pk_gauss_by_lanes(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                                    pk_real h)
+{
+    return w->s == PK_LANES && it->problem.system->facts & PK_SEPARABLE &&
+           (h > *w->slow_h || h < *w->slow_h);
+}
+
 /* What a step is made of: h a_ij and h b_i; V as foreseen from the last step; V, Q, P, F that solve
  * the equations, from the V given as a guess; the new state from these. */
 void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h);

@@ -178,12 +178,13 @@ static const pk_real gauss7_mu[] = {
                                           .doc = text,                                         \
                                           .order = p,                                          \
                                           .stages = s,                                         \
-                                          .traits = PK_SYMPLECTIC | PK_SYMMETRIC | \
-                                                    PK_IMPLICIT | PK_JACOBIANS,                \
+                                          .traits = PK_SYMPLECTIC | PK_SYMMETRIC |             \
+                                                    PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE, \
                                           .table = &gauss##s,                                  \
                                           .size = pk_gauss_size,                               \
                                           .init = pk_gauss_init,                               \
-                                          .step = pk_gauss_step}
+                                          .step = pk_gauss_step,                               \
+                                          .stage = pk_gauss_stage}
 
 GAUSS(1, 2, "implicit midpoint rule in (q, p); GNI II.1.3, VI.4");
 GAUSS(2, 4, "Gauss-Legendre, 2 stages, in (q, p); P. C. Hammer, J. W. Hollingsworth (1955)");

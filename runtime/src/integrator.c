@@ -26,7 +26,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t guards = pk_guard_size(pk_system_guard_count(system, problem->params), n);
     const size_t work = inputs + lane + method->size(method, n) + guards;
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
-    return (PK_PARTS * n + (rest > params ? rest : params)) * sizeof(pk_real);
+    return (pk_quadrature_size(system, n) + PK_PARTS * n + (rest > params ? rest : params)) *
+           sizeof(pk_real);
 }
 
 static enum pk_status fail(struct pk_integrator *it, enum pk_status status, size_t where)
@@ -71,6 +72,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_REFUSED, 0);
     if (system->n_inputs && (method->traits & PK_NO_INPUTS))
         return fail(it, PK_REFUSED, 0);
+    if (system->n_quadratures && !method->stage)
+        return fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
     if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))
@@ -78,7 +81,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
 
     it->step = stepper(system, method);
     memset(block, 0, pk_integrator_size(problem, method));
-    it->state = (pk_real *)block;
+    it->quadratures = (pk_real *)block;
+    it->state = it->quadratures + pk_quadrature_size(system, it->n);
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;
     it->lane = it->u + system->n_inputs * (1 + PK_LANES);
@@ -87,7 +91,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->guards = it->n_guards ? it->work + method->size(method, it->n) : NULL;
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
-    return pk_integrator_reset(it, t0, q0, v0);
+    enum pk_status status = pk_integrator_reset(it, t0, q0, v0);
+    if (status >= 0 && system->n_quadratures && (status = pk_quadrature_start(it)) < 0)
+        it->ready = 0;
+    return it->status = status;
 }
 
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -238,6 +245,8 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     status = it->step(it, limit);
     if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
         status = PK_NOT_FINITE;
+    if (status >= 0 && it->z)
+        status = pk_quadrature_step(it);
     status = status < 0 ? pk_guard_cause(it, status, fixed) : pk_guard_step(it);
     if (status < 0)
         return stop(it, status);
@@ -249,6 +258,8 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     it->v = pk_part(it->state, n, PK_V);
     if (it->p)
         it->p = pk_part(it->state, n, PK_P);
+    if (it->z)
+        pk_quadrature_accept(it);
     pk_step_made(it, fixed);
     return it->status = status;
 }

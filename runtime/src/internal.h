@@ -54,6 +54,13 @@ enum pk_status pk_guard_here(struct pk_integrator *it);
 enum pk_status pk_guard_step(struct pk_integrator *it);
 enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
+/* Quadratures, which the block begins with: numbers needed; their start; those of a trial step, still
+ * it->next; that it becomes the state. */
+size_t pk_quadrature_size(const struct pk_system *system, size_t n);
+enum pk_status pk_quadrature_start(struct pk_integrator *it);
+enum pk_status pk_quadrature_step(struct pk_integrator *it);
+void pk_quadrature_accept(struct pk_integrator *it);
+
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);

@@ -58,11 +58,13 @@ static const pk_real lobatto4_mu[] = {
                                             .order = p,                                     \
                                             .stages = s,                                    \
                                             .traits = PK_SYMPLECTIC | PK_SYMMETRIC |        \
-                                                      PK_IMPLICIT | PK_JACOBIANS,           \
+                                                      PK_IMPLICIT | PK_JACOBIANS |          \
+                                                      PK_QUADRATURE,                        \
                                             .table = &lobatto##s,                           \
                                             .size = pk_gauss_size,                          \
                                             .init = pk_gauss_init,                          \
-                                            .step = pk_gauss_step}
+                                            .step = pk_gauss_step,                          \
+                                            .stage = pk_gauss_stage}
 
 LOBATTO(2, 2, "Lobatto IIIA-IIIB, 2 stages, in (q, p), Verlet for any L; GNI II.2.2, VI.4");
 LOBATTO(3, 4, "Lobatto IIIA-IIIB, 3 stages, in (q, p); G. Sun (1993), GNI II.2.2, VI.4");

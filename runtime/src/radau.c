@@ -235,10 +235,11 @@ const struct pk_method pk_radau_adaptive = {
            "RADAU5, Hairer, Wanner II, IV.8",
     .order = 5,
     .stages = 3,
-    .traits = PK_ADAPTIVE | PK_IMPLICIT | PK_JACOBIANS,
+    .traits = PK_ADAPTIVE | PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE,
     .table = &pk_radau5_table,
     .formula = &pk_radau5,
     .size = size,
     .init = init,
     .step = step,
+    .stage = pk_gauss_stage,
 };

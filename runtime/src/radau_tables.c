@@ -61,11 +61,12 @@ static const pk_real radau9_mu[] = {
                                           .doc = text,                                      \
                                           .order = p,                                       \
                                           .stages = s,                                      \
-                                          .traits = PK_IMPLICIT | PK_JACOBIANS,             \
+                                          .traits = PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE, \
                                           .table = &pk_radau##p##_table,                    \
                                           .size = pk_gauss_size,                            \
                                           .init = pk_gauss_init,                            \
-                                          .step = pk_gauss_step}
+                                          .step = pk_gauss_step,                            \
+                                          .stage = pk_gauss_stage}
 
 RADAU(3, 5, "Radau IIA, 3 stages, in (q, p), L-stable; Hairer, Wanner II, IV.5");
 RADAU(5, 9, "Radau IIA, 5 stages, in (q, p), L-stable; Hairer, Wanner II, IV.5, IV.8");

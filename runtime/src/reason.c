@@ -111,6 +111,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs the derivative by time, and %s has inputs, whose is unknown",
                             it->method->name, system->name);
+        if (system->n_quadratures && !it->method->stage)
+            return snprintf(text, size, "%s carries no quadratures, and %s has %s", it->method->name,
+                            system->name, system->quadratures[0].name);
         if (it->n > PK_EXPONENTIAL_MOST && (it->method->traits & PK_EXACT))
             return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
                             it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);

@@ -29,6 +29,9 @@ enum { PK_EXPONENTIAL_MOST = 256 };
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+/* Stage i of an explicit Runge-Kutta step of h, whose slopes are k. */
+int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
+                      const pk_real *k, int i, struct pk_stage *stage, pk_real *room);
 /* Those of an explicit Runge-Kutta method, adaptive or not. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_embedded_table(const struct pk_method *method);
@@ -40,5 +43,6 @@ int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 size_t pk_gauss_size(const struct pk_method *method, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);
 enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit);
+int pk_gauss_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
 
 #endif

@@ -159,6 +159,8 @@ int main(int argc, char **argv)
     add_branch();
     add_implicit();
     add_exponential();
+    add_quadrature();
+    add_apart();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

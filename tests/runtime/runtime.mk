@@ -101,8 +101,9 @@ $(RT_TESTS)/quad: $(RT_QUAD) $(RT_QUAD_SYSTEMS)
 $(RT_TESTS)/quad_inlined: $(RT_QUAD) $(RT_QUAD_INLINED)
 	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
 
-RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined run_pendulum run_broken \
-              run_oscillator)
+RT_RUN_PROGRAMS = $(addprefix $(RT_TESTS)/run_,pendulum broken oscillator radial)
+RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined) \
+              $(RT_RUN_PROGRAMS)
 test-runtime-programs: $(RT_PROGRAMS)
 
 # Each on its own, so that `make -j 2 -O` runs two at a time and prints each one's lines together.
@@ -120,7 +121,7 @@ check-runtime-quad-inlined: $(RT_TESTS)/quad_inlined
 	$<
 check-runtime-example: $(RT_TESTS)/example
 	$< | grep -q '^t = 10: 1.018731427'
-check-runtime-driver: $(RT_TESTS)/run_pendulum $(RT_TESTS)/run_broken $(RT_TESTS)/run_oscillator
+check-runtime-driver: $(RT_RUN_PROGRAMS)
 	sh tests/runtime/driver.sh $(RT_TESTS)
 
 asan-runtime:
@@ -128,8 +129,7 @@ asan-runtime:
 	    RT_EXTRA="-g -fsanitize=address,undefined -fno-sanitize-recover=all" \
 	    BUILD=$(BUILD) run-asan-runtime
 .PHONY: run-asan-runtime
-run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_TESTS)/run_pendulum \
-                  $(RT_TESTS)/run_broken $(RT_TESTS)/run_oscillator
+run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_RUN_PROGRAMS)
 	$(RT_TESTS)/runtime
 	$(RT_TESTS)/runtime_inlined inlined
 	sh tests/runtime/driver.sh $(RT_TESTS)

@@ -43,6 +43,9 @@ extern const struct pk_system van_der_pol_system;
 extern const struct pk_system damped_system;
 /* L = M(t) v^2/2 with M = 1 but about t = limit, where M < 0: p is constant. */
 extern const struct pk_system dipping_system;
+/* Planar Kepler as its radius alone, g the square of the angular momentum, and its angle, which
+ * starts at `limit`, a quadrature; once round in 2 pi. */
+extern const struct pk_system radial_system;
 /* q'' = u: an input. */
 extern const struct pk_system pushed_system;
 

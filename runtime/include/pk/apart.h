@@ -67,6 +67,8 @@ enum pk_status pk_apart_init(struct pk_apart *apart, const struct pk_problem *wh
                              const struct pk_part *parts, const struct pk_choice *choices,
                              size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
                              void *block, size_t block_size);
+/* Other values of the quadratures, in the order of the whole. */
+enum pk_status pk_apart_set_quadratures(struct pk_apart *apart, const pk_real *z);
 /* Each part to t, one after the other. Where one fails the state stays that of the last t where all
  * were, parts before it are at t already, and no later call makes a step. */
 enum pk_status pk_apart_to(struct pk_apart *apart, pk_real t);

@@ -35,6 +35,7 @@ struct pk_ensemble {
      * u[i * n_inputs], constant in time (NULL: zero). n is that of member 0 for all. */
     const void *params;
     const pk_real *q0, *v0, *u;
+    const pk_real *z0; /* quadratures at the start, or NULL: as init has them */
 
     /* Rows: the times at which results are wanted, one after the other away from t0. Steps end
      * there. For a fixed step, last_h is that of the last interval; 0: options.h. */
@@ -49,6 +50,8 @@ struct pk_ensemble {
     size_t *done;
     pk_real *last_t;
     enum pk_status *status;
+    pk_real *z; /* quadratures, z[(i * rows + row) * n_quadratures], or NULL. A system that has any
+                   takes its members one after the other. */
 
     /* Asked between rows where it is not NULL; not 0: members end there with PK_STOPPED_USER. */
     int (*stop)(void *context);

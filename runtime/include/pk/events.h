@@ -46,6 +46,7 @@ struct pk_events {
     int direction; /* +1: g rises with t, -1: it falls */
     pk_real t;
     const pk_real *q, *v;
+    const pk_real *z; /* the quadratures; NULL: there are none */
 
     /* Called at each crossing in a direction that its event asks for, in the order in which the
      * integrator meets them; of those at the same time the one declared first comes first. Not 0:
@@ -63,7 +64,7 @@ struct pk_events {
     int samples; /* intervals of a step that are looked at */
     int dense;   /* by the method's own dense output */
     pk_real from; /* time where the step began */
-    pk_real *q0, *v0, *trial, *u, *g, *list;
+    pk_real *q0, *v0, *z0, *trial, *u, *g, *list;
     size_t listed;
 };
 

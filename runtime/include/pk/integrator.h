@@ -80,6 +80,7 @@ struct pk_integrator {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
     size_t n;
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
+    pk_real *quadratures; /* see src/quadrature.c */
     pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
     pk_real *guards; /* NULL: the system has none; see src/guard.c */
     size_t n_guards; /* their values: of families one a member */
