@@ -53,6 +53,7 @@ def _parser(command: str) -> argparse.ArgumentParser:
 def _compile_arguments(parser: argparse.ArgumentParser) -> None:
     arguments.directory(parser)
     parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
+    _no_reduce_argument(parser)
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
     _libm_argument(parser)
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
@@ -68,6 +69,17 @@ def _explain_arguments(parser: argparse.ArgumentParser) -> None:
 def _libm_argument(parser: argparse.ArgumentParser) -> None:
     help_ = "sine and cosine of the C library, not the inline pair"
     parser.add_argument("--libm", action="store_true", help=help_)
+
+
+def _no_reduce_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--no-reduce",
+        nargs="?",
+        const="all",
+        metavar="LIST",
+        help="keep all that a scene does not need, or make all reductions but these: "
+        "fold,outputs,unconnected,cyclic",
+    )
 
 
 def _run_arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,14 +103,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     arguments.of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help="lyapunov,reversal,spectrum,symplectic, or all")
     _libm_argument(parser)
-    add(
-        "--no-reduce",
-        nargs="?",
-        const="all",
-        metavar="LIST",
-        help="keep all that a scene does not need, or make all reductions but these: "
-        "fold,outputs,unconnected,cyclic",
-    )
+    _no_reduce_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
     add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
 

@@ -9,13 +9,13 @@ import sys
 from pathlib import Path
 
 from . import explain as explanation
-from . import limits
+from . import limits, scene_use
 from . import options as parsing
 from .back.kernels import KERNELS
 from .build import driver_methods
 from .compiler import Compilation, check_model, compile_model
 from .dump import dump
-from .exits import DONE, UsageError
+from .exits import DONE
 from .explain_html import html
 from .explain_loops import explain_loops, record_loops
 from .front.read import read
@@ -44,10 +44,6 @@ def _warn(source: Source, warnings: tuple[Diagnostic, ...]) -> None:
 
 def compile_to_c(options: argparse.Namespace) -> int:
     """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
-    if options.scene is not None:
-        raise UsageError(
-            f"--scene {options.scene}: C of a scene alone cannot be made yet; 'pkgen run' runs it"
-        )
     source = read(options.model)
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
@@ -61,6 +57,7 @@ def compile_to_c(options: argparse.Namespace) -> int:
         kernels=kernels,
         self_test=options.self_test,
         libm=options.libm,
+        use=scene_use.of_compile(options),
         symmetric=True,
     )
     directory = Path(options.directory)

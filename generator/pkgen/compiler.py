@@ -46,6 +46,7 @@ class Use:
 
     model: Callable[[Model], tuple[Model, tuple[Line, ...]]]
     needs: Callable[[Model], Needs | None]  # None: everything
+    kernels: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,7 @@ def stages(
     model, lines = use.model(declared) if use else (declared, ())
     yield declared, model, warnings
     needs = use.needs(model) if use else None
+    kernels = use.kernels(model) if use and kernels is None else kernels
     with _no_collection():
         equations = _equations(model, kernels, self_test, unroll, needs)
         if isinstance(equations, LoopEquations):

@@ -5,15 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from .compiler import Compilation
 from .equations import Quantity
 from .middle.quantities import families, indexed, input_quantities
 from .model import Coordinate, Model, Parameter
-
-if TYPE_CHECKING:
-    from .simulate import Settings
 
 SUGGESTED = 12  # members of a family that a hint goes through
 _MEMBER = re.compile(r"(\w+)\[(-?\d+)\]('*)")
@@ -179,21 +175,6 @@ def set_parameters(
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
     """Each by itself, members of families too."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
-
-
-def set_parameters(
-    compilation: Compilation,
-    values: Iterable[tuple[int, float]],
-    members: Iterable[tuple[int, int, float]],
-) -> dict[tuple[str, int | None], float]:
-    """What settings set, by name and index; `members` are of families that are loops."""
-    declared = parameters(compilation).declared
-    found: dict[tuple[str, int | None], float] = {}
-    for k, position, x in members:
-        found[declared[k].quantity.name, declared[k].lo + position] = x
-    for k, x in values:
-        found[key(declared[k].quantity.name)] = x
-    return found
 
 
 def _declared(quantity: Quantity, family) -> Declared:

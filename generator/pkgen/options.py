@@ -15,7 +15,6 @@ from .middle.loops import LoopEquations
 from .middle.quantities import indexed
 from .model import Model, Scene
 from .option_values import Values, assignment, unknown
-from .scene_model import columns, hidden
 from .simulate import Settings, Shown
 
 UNTIL = 10.0

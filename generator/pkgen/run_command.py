@@ -51,11 +51,7 @@ def run(options: argparse.Namespace) -> int:
     unroll = None if several else parsing.UNROLL
     kernels = diagnostics.kernels(diagnostics.asked(options.diagnose, options.ensemble))
     compilation = compile_within_limits(
-        options,
-        libm=options.libm,
-        unroll=unroll,
-        kernels=kernels,
-        use=scene_use.of_run(options, swarm),
+        options, libm=options.libm, unroll=unroll, kernels=kernels, use=scene_use.of_run(options)
     )
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     if several:

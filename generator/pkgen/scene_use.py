@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from . import scene as scenes
 from . import scene_model
 from .compiler import Use
 from .exits import UsageError
+from .inlined import INLINED
 from .middle.reduce import REDUCTIONS, Needs
 from .middle.report import Line
 from .middle.specialise import folded, held
-from .model import Model
+from .model import Model, Scene
 from .option_values import unknown
 
 FOLD = "fold"
@@ -29,10 +30,9 @@ class Asked:
     run_time: frozenset[str]
     off: frozenset[str]
     quadratures: bool
-    swarm: bool
 
 
-def of_run(options: argparse.Namespace, swarm: bool) -> Use | None:
+def of_run(options: argparse.Namespace) -> Use | None:
     """For a run: no more than its rows need."""
     if options.scene is None:
         return None
@@ -47,8 +47,7 @@ def of_run(options: argparse.Namespace, swarm: bool) -> Use | None:
         options.at,
         frozenset(text.partition("=")[0].strip() for text in options.set),
         off,
-        options.ensemble is None and not swarm,
-        swarm,
+        True,
     )
     return _use(options.scene, asked)
 
@@ -59,6 +58,43 @@ def whole(options: argparse.Namespace) -> Use | None:
         return None
     run_time = frozenset(text.partition("=")[0].strip() for text in options.set)
     return _use(options.scene, Asked(None, None, run_time, EVERY, False), swarm=False)
+
+
+def of_compile(options: argparse.Namespace) -> Use | None:
+    """For C of a scene, to be embedded: named after model and scene, and no more kernels than the
+    scene's method calls."""
+    if options.scene is None:
+        return None
+    asked = Asked(None, None, frozenset(), switched_off(options.no_reduce), True)
+    use = _use(options.scene, asked, swarm=True)
+
+    def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
+        model, lines = use.model(declared)
+        return replace(model, name=f"{model.name}_{options.scene}"), lines
+
+    def kernels(used: Model) -> frozenset[str]:
+        scene = scenes.chosen(used, options.scene)
+        return called(scene.method) | shown(used, scene)
+
+    return Use(named, use.needs, kernels)
+
+
+def called(method: str) -> frozenset[str]:
+    """The kernels that a method calls, beside those that every run does ("": the default one)."""
+    always = {"acceleration", "guard", "event", "observe", "quadrature"}
+    if not method or method in INLINED:
+        return frozenset(always)
+    if method.startswith("gsl_") or method == "exponential":
+        return frozenset(always | {"mass", "linear"})
+    return frozenset(always | {"canonical", "mass", "jacobian"})
+
+
+def shown(model: Model, scene: Scene) -> frozenset[str]:
+    """The kernels of what it records: all where it says nothing about that."""
+    if scene.record is None:
+        return frozenset({"energy", "conserve"})
+    wanted = {*scene_model.columns(scene), *scene_model.needed(scene)}
+    return frozenset({"energy"} & wanted)
 
 
 def switched_off(text: str | None) -> frozenset[str]:
@@ -96,7 +132,7 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
         return Needs(
             frozenset(columns) | scene_model.needed(scene),
             frozenset((at,)) | scene_model.events(scene),
-            asked.quadratures and scene.swarm is None,
+            asked.quadratures,
             asked.off,
         )
 

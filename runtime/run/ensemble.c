@@ -22,7 +22,7 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
                  {"input", system->n_inputs},
                  {"q", pk_system_count(system, s->params)},
                  {"v", pk_system_count(system, s->params)},
-                  {"z", system->n_quadratures}};
+                 {"z", system->n_quadratures}};
     char *end;
     const int members = strcmp(word[0], "members") == 0;
     size_t index;

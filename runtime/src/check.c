@@ -26,6 +26,25 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
     return memcmp(scratch, it->problem.params, system->params_size) ? PK_BAD_ARGUMENT : PK_DONE;
 }
 
+const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method)
+{
+    const struct {
+        const char *name;
+        unsigned traits;
+        int there;
+    } kernels[] = {
+        {"acceleration", ~0u, system->acceleration != NULL},
+        {"canonical", PK_JACOBIANS, system->canonical != NULL},
+        {"jacobian", PK_JACOBIANS, system->jacobian != NULL},
+        {"linear", PK_LINEAR, system->linear != NULL},
+        {"mass", PK_JACOBIANS | PK_LINEAR, system->mass != NULL},
+    };
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
+        if (!kernels[i].there && (kernels[i].traits == ~0u || method->traits & kernels[i].traits))
+            return kernels[i].name;
+    return NULL;
+}
+
 enum pk_status pk_check_options(struct pk_integrator *it)
 {
     const struct pk_options *o = &it->options;

@@ -141,7 +141,8 @@ const char *pk_growth_text(enum pk_growth growth)
 /* Momenta are known to be constant where the system has flags that say which. */
 static size_t momenta_of(const struct pk_problem *problem)
 {
-    return problem->system->cyclic ? pk_system_count(problem->system, problem->params) : 0;
+    const struct pk_system *system = problem->system;
+    return system->cyclic && system->canonical ? pk_system_count(system, problem->params) : 0;
 }
 
 static size_t drift_reals(size_t count)
@@ -168,7 +169,8 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
         return PK_BLOCK_TOO_SMALL;
     memset(block, 0, pk_monitor_size(problem));
     monitor->problem = *problem;
-    monitor->has_energy = (system->facts & PK_CONSERVATIVE) != 0;
+    monitor->has_energy =
+        (system->facts & PK_CONSERVATIVE) && system->energy && system->canonical;
     pk_drift_init(&monitor->energy);
     monitor->momenta = (struct pk_drift *)block;
     monitor->conserved = monitor->momenta + n;
@@ -186,7 +188,8 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
 
     if (system->n_inputs && problem->input)
         problem->input(problem->context, t, u);
-    system->canonical(problem->params, t, q, v, u, p, pdot);
+    if (system->canonical)
+        system->canonical(problem->params, t, q, v, u, p, pdot);
     if (monitor->has_energy) {
         const pk_real h = system->energy(problem->params, t, q, v, u);
         pk_real vp = 0;
@@ -195,7 +198,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
         pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
     }
     for (size_t i = 0; i < n; i++)
-        if (system->cyclic && system->cyclic[i])
+        if (momenta_of(problem) && system->cyclic[i])
             pk_drift_update(&monitor->momenta[i], t, p[i]);
     if (system->n_conserved && system->conserve) {
         system->conserve(problem->params, t, q, v, u, c);

@@ -66,9 +66,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
     if (method->needs & ~system->facts)
         return fail(it, PK_REFUSED, 0);
-    if (system->count && !system->jacobian && (method->traits & PK_JACOBIANS))
-        return fail(it, PK_REFUSED, 0);
-    if (!system->linear && (method->traits & PK_LINEAR))
+    if (pk_missing_kernel(system, method))
         return fail(it, PK_REFUSED, 0);
     if (system->n_inputs && (method->traits & PK_NO_INPUTS))
         return fail(it, PK_REFUSED, 0);

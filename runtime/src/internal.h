@@ -33,6 +33,8 @@ enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
 enum pk_status pk_check_options(struct pk_integrator *it);
+/* A kernel that a method calls and the system was compiled without; NULL: there is none. */
+const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
 
 /* The time of a step towards `limit`, which is not it->t, before it is made: it->next_t and, where
  * steps are fixed, it->h. And after. */

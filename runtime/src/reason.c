@@ -107,6 +107,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs the derivatives of the acceleration; %s has none",
                             it->method->name, system->name);
+        if (pk_missing_kernel(system, it->method))
+            return snprintf(text, size, "%s calls the kernel %s, which %s was compiled without",
+                            it->method->name, pk_missing_kernel(system, it->method), system->name);
         if (system->n_inputs && (it->method->traits & PK_NO_INPUTS))
             return snprintf(text, size,
                             "%s needs the derivative by time, and %s has inputs, whose is unknown",
