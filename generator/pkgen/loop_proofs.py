@@ -51,7 +51,9 @@ def with_proofs(
     return replace(equations, facts=facts)
 
 
-def _small(file: File, model: Model, use: Callable[[Model], tuple[Model, object]] | None) -> Model | None:
+def _small(
+    file: File, model: Model, use: Callable[[Model], tuple[Model, object]] | None
+) -> Model | None:
     count = sum(f.count for f in families(model, model.coordinates).values())
     if count <= PROVED_AT:
         return model
