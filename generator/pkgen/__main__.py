@@ -31,7 +31,7 @@ from .source import ModelError
 from .stability import command as stability_command
 
 
-def _parser(command: str) -> argparse.ArgumentParser:
+def parser_of(command: str) -> argparse.ArgumentParser:
     usage = {"compile": "pkgen MODEL.lag [-o DIR] [options]"}.get(command)
     about = COMMANDS[command].__doc__
     parser = argparse.ArgumentParser(
@@ -165,7 +165,7 @@ def main(words: list[str] | None = None) -> int:
         print(f"pkgen: '{words[0]}' is not there yet\n\n{OVERVIEW}", file=sys.stderr)
         return USAGE
     command = words[0] if words[0] in COMMANDS else "compile"
-    options = _parser(command).parse_args(words[1:] if command == words[0] else words)
+    options = parser_of(command).parse_args(words[1:] if command == words[0] else words)
     try:
         return _guarded(COMMANDS[command], options)
     except BrokenPipeError:

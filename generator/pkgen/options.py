@@ -135,7 +135,13 @@ def settings(
         show=show,
         at=at,
         diagnose=diagnostics.asked(options.diagnose),
+        accuracy=None if _author_chooses(options) else said.accuracy,
     )
+
+
+def _author_chooses(options: argparse.Namespace) -> bool:
+    """Whether the command line says by which method or setting."""
+    return any(x is not None for x in (options.method, options.step, options.rtol, options.atol))
 
 
 def _recorded(

@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
-from . import diagnostics, rows, scene, scene_run, scene_use
+from . import choose, diagnostics, rows, scene, scene_run, scene_use
 from . import ensemble as members
 from . import options as parsing
+from .choose import Choice
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
@@ -40,6 +41,7 @@ class _Run:
     ensemble: Ensemble | None
     threads: int | None
     scene: Scene | None
+    choice: Choice | None = None  # where the scene promises an accuracy
 
 
 def run(options: argparse.Namespace) -> int:
@@ -69,7 +71,12 @@ def run(options: argparse.Namespace) -> int:
     if chosen is not None:
         expected = scene_run.watched(compilation, chosen, settings, several)
         settings = replace(settings, watched=expected)
-    asked = _Run(compilation, settings, ensemble, threads, chosen)
+    if chosen is not None and chosen.accuracy is not None and settings.accuracy is None:
+        print(f"pkgen: {choose.NOT_PROMISED}", file=sys.stderr)
+    choice = choose.for_scene(compilation, settings, ensemble)
+    if choice is not None:
+        settings = choice.settings(settings)
+    asked = _Run(compilation, settings, ensemble, threads, chosen, choice)
     note = rows.note(options, settings, compilation)
     if note:
         print(f"pkgen: {note}", file=sys.stderr)
@@ -78,7 +85,11 @@ def run(options: argparse.Namespace) -> int:
         outcome = _simulate(asked, sys.stdout.fileno())
     else:
         outcome = _to_file(options, asked, output)
-    _tell(options, outcome, "" if compilation.model.dimensionless else "s")
+    time = "" if compilation.model.dimensionless else "s"
+    if choice is not None:
+        for line in choose.lines(choice, time, options.json):
+            print(line, file=sys.stderr)
+    _tell(options, outcome, time)
     _hint(options, compilation.declared)
     return _judge(options, asked, outcome)
 
@@ -115,6 +126,8 @@ def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
     if asked.scene is not None:
         found["scene"] = asked.scene.name
         found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
+    if asked.choice is not None:
+        found["accuracy"] = choose.record(asked.choice)
     return found
 
 

@@ -16,24 +16,13 @@ from .model import Model, Record, Scene
 from .option_values import unknown
 from .source import Span
 
-# Fields of a scene that cannot be run yet, and why.
-_NOT_YET = {
-    "accuracy": "'accuracy' cannot be promised yet; choose by 'method NAME step H' or 'rtol R'",
-}
-
 
 def chosen(model: Model, name: str) -> Scene:
-    """The scene of that name, if it can be run. Raises UsageError."""
+    """The scene of that name. Raises UsageError."""
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
-    scene = scenes[name]
-    for field, why in _NOT_YET.items():
-        found = getattr(scene, field)
-        if found:
-            span = found[0].span if isinstance(found, tuple) else found.span
-            raise UsageError(f"{place(model, span)}: scene '{name}': {why}")
-    return scene
+    return scenes[name]
 
 
 def place(model: Model, span: Span) -> str:
@@ -52,6 +41,7 @@ class Numbers:
     rtol: float | None = None
     record: Record | None = None
     every: float | None = None
+    accuracy: float | None = None
 
 
 def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
@@ -97,4 +87,5 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
         rtol=found.positive("rtol", scene.rtol),
         record=scene.record,
         every=found.positive("every", scene.record.every) if scene.record else None,
+        accuracy=found.positive("accuracy", scene.accuracy),
     )

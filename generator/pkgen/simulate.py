@@ -62,6 +62,9 @@ class Settings:
     at: int | None = None  # the event that has rows
     diagnose: tuple[str, ...] = ()
     watched: Watched = NOTHING  # what a scene expects
+    rows: str = ""  # land or dense: by steps that end there, or between steps; "": as it is best
+    accuracy: float | None = None  # promised, by a method that is yet to be chosen
+    compiled_for: tuple[str, ...] = ()  # methods that are fastest in the program; none: its own
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -85,6 +88,8 @@ class Settings:
         said += [f"start q {i} {x.hex()}" for i, x in self.start_q]
         said += [f"start v {i} {x.hex()}" for i, x in self.start_v]
         said += [f"show {c.kind} {c.index}".replace("energy 0", "energy") for c in self.show]
+        if self.rows:
+            said.append(f"rows {self.rows}")
         if self.at is not None:
             said.append(f"at {self.at}")
         said += [f"diagnose {name}" for name in self.diagnose]
@@ -151,7 +156,7 @@ def simulate(
     program = build_program(
         compilation.files,
         compilation.model.name,
-        settings.method,
+        *(settings.compiled_for or (settings.method,)),
         ensemble=ensemble is not None,
     )
     with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:

@@ -199,21 +199,6 @@ static void path(struct chart *c, const struct pk_method *method, pk_real settin
     free(a_q);
 }
 
-static void given(const struct chart *c)
-{
-    fputs("{\"parameters\": [", stdout);
-    for (size_t i = 0; i < run_system->n_parameters; i++) {
-        pk_real x;
-        memcpy(&x, (const char *)c->s.params + run_system->parameters[i].offset, sizeof x);
-        fputs(i ? ", " : "", stdout);
-        output_real(stdout, x);
-    }
-    fputs("]", stdout);
-    numbers_list(stdout, "q", c->s.q, c->s.n);
-    numbers_list(stdout, "v", c->s.v, c->s.n);
-    fputs("}\n", stdout);
-}
-
 static int answer(struct chart *c, size_t line, char *text)
 {
     char *word[6] = {NULL};
@@ -223,7 +208,7 @@ static int answer(struct chart *c, size_t line, char *text)
     for (char *w = strtok(text, " "); w && count < 6; w = strtok(NULL, " "))
         word[count++] = w;
     if (count == 1 && strcmp(word[0], "given") == 0) {
-        given(c);
+        settings_tell(&c->s, stdout);
         return fflush(stdout) || ferror(stdout) ? 2 : 0;
     }
     if (count != 5)

@@ -14,6 +14,12 @@ int ensemble_run(struct run *run, pk_real count);
 
 /* Of main.c. */
 int run_interrupted(void);
+void run_interrupt(int whether);
+/* A run of settings that were read: those that depend on one another, its memory and integrator; an
+ * exit code. run_free() gives all back but the settings. */
+int run_settle(struct run *run);
+int run_start(struct run *run);
+void run_free(struct run *run);
 double run_now(void);
 void run_progress(const struct run *run, double part, int force);
 /* Of integrate.c. */

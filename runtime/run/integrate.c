@@ -74,9 +74,10 @@ static int steps(struct run *run, pk_real limit)
     return !run->interrupted && !run->write_failed;
 }
 
+/* A double in every precision, as it is written. */
 static pk_real row_time(const struct run *run, pk_real k, pk_real count)
 {
-    return k < count ? k * run->settings.every : run->settings.until;
+    return k < count ? (pk_real)(double)(k * run->settings.every) : run->settings.until;
 }
 
 static void integrate_landing(struct run *run)

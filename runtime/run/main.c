@@ -14,6 +14,7 @@
 #include <time.h>
 
 #include "chart.h"
+#include "choose.h"
 #include "diagnose.h"
 #include "ensemble.h"
 #include "expect.h"
@@ -30,6 +31,7 @@ static void on_interrupt(int number)
 }
 
 int run_interrupted(void) { return interrupted; }
+void run_interrupt(int whether) { interrupted = whether; }
 
 double run_now(void)
 {
@@ -50,7 +52,7 @@ void run_progress(const struct run *run, double part, int force)
 }
 
 /* Settings that depend on one another: the recording interval, the fixed step, landing. */
-static int choose(struct run *run)
+int run_settle(struct run *run)
 {
     struct settings *s = &run->settings;
     const int fixed = s->ensemble ? ensemble_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
@@ -90,7 +92,7 @@ static int choose(struct run *run)
     return 0;
 }
 
-static int start(struct run *run)
+int run_start(struct run *run)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = run_system;
@@ -117,6 +119,18 @@ static int start(struct run *run)
         pk_integrator_set_step(&run->it, s->options.h);
     }
     return 0;
+}
+
+void run_free(struct run *run)
+{
+    watch_free(run);
+    pk_integrator_free(&run->it);
+    diagnose_free(run);
+    free(run->block);
+    free(run->monitor_block);
+    free(run->row);
+    free(run->expected);
+    free(run->besides);
 }
 
 static int finish(struct run *run, int code)
@@ -169,14 +183,16 @@ int main(int argc, char **argv)
         return chart_run(argv[2]);
     if (argc == 3 && strcmp(argv[1], "--stability") == 0)
         return stability_run(argv[2]);
+    if (argc == 3 && strcmp(argv[1], "--choose") == 0)
+        return choose_run(argv[2]);
     if (argc > 1) {
         fprintf(stderr, "run: settings come on standard input; the options are --methods, "
-                        "--chart FILE and --stability FILE\n");
+                        "--chart FILE, --stability FILE and --choose FILE\n");
         return 2;
     }
     int code = settings_read(&run.settings, run_system, stdin);
     if (code == 0)
-        code = choose(&run);
+        code = run_settle(&run);
     if (code) {
         settings_free(&run.settings);
         return code;
@@ -191,7 +207,7 @@ int main(int argc, char **argv)
         settings_free(&run.settings);
         return code;
     }
-    code = start(&run);
+    code = run_start(&run);
     if (run.it.state) {
         output_header(&run, stdout);
         if (code == 0)
@@ -203,14 +219,7 @@ int main(int argc, char **argv)
     code = diagnose_run(&run, code);
     run_progress(&run, (double)(run.it.t / run.settings.until), 1);
     code = finish(&run, code);
-    watch_free(&run);
-    pk_integrator_free(&run.it);
-    diagnose_free(&run);
+    run_free(&run);
     settings_free(&run.settings);
-    free(run.block);
-    free(run.monitor_block);
-    free(run.row);
-    free(run.expected);
-    free(run.besides);
     return code;
 }

@@ -45,6 +45,7 @@ struct run {
     unsigned long bad_rows;
     double seconds;
     struct diagnostics *diagnostics; /* NULL: none asked for */
+    struct rows *kept;               /* where rows go instead of to a file; see choose_rows.h */
 };
 
 void output_header(struct run *run, FILE *file);

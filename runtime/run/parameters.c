@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "settings.h"
+#include "numbers.h"
+#include "output.h"
 #include "words.h"
 
 /* A member of a family of parameters, to be set again once defaults have followed. */
@@ -119,4 +120,19 @@ void settings_follow(struct settings *s, const struct pk_system *system)
             set_member(s, system, &s->set[k]);
     }
     system->derive(s->params, s->given);
+}
+
+void settings_tell(const struct settings *s, FILE *file)
+{
+    fputs("{\"parameters\": [", file);
+    for (size_t i = 0; i < run_system->n_parameters; i++) {
+        pk_real x;
+        memcpy(&x, (const char *)s->params + run_system->parameters[i].offset, sizeof x);
+        fputs(i ? ", " : "", file);
+        output_real(file, x);
+    }
+    fputs("]", file);
+    numbers_list(file, "q", s->q, s->n);
+    numbers_list(file, "v", s->v, s->n);
+    fputs("}\n", file);
 }

@@ -1,4 +1,5 @@
 /* Rows. CSV quotes a name that holds a comma, a quote or a blank (RFC 4180). */
+#include "choose_rows.h"
 #include "diagnose.h"
 #include "expect.h"
 
@@ -120,6 +121,10 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
                 const pk_real *z)
 {
     pk_real *out = run->row + 2 * run->settings.n;
+    if (run->kept) {
+        rows_keep(run, t, q, v, z, out);
+        return;
+    }
     fprintf(file, "%.17g", (double)t);
     const char *bad = (run->settings.n_show ? shown_row : whole_row)(run, file, t, q, v, z, out);
     fputc('\n', file);

@@ -118,6 +118,9 @@ int settings_size(struct settings *settings, const struct pk_system *system, siz
 int settings_param(struct settings *settings, const struct pk_system *system, size_t line,
                    char *const word[]);
 void settings_follow(struct settings *settings, const struct pk_system *system);
+/* Parameters and start as they are in memory, one JSON object, so that the same model in another
+ * precision can have the same ones. */
+void settings_tell(const struct settings *settings, FILE *file);
 void settings_free(struct settings *settings);
 /* A copy of a path or a name in place of the one there is. */
 void settings_path(char **path, const char *text);

@@ -36,6 +36,8 @@ def difference(one: Exact, other: Exact, scales: list[float]) -> float:
 class Program:
     """One model in one precision, with settings that stay; a context manager."""
 
+    mode = "--chart"  # of the driver
+
     def __init__(self, path: Path, settings: Settings):
         self.path = path
         self.settings = settings
@@ -45,7 +47,7 @@ class Program:
         lines = Path(self._scratch.name) / "settings"
         lines.write_text("\n".join(self.settings.lines()) + "\n", encoding="utf-8")
         self._child = subprocess.Popen(
-            [self.path, "--chart", lines],
+            [self.path, self.mode, lines],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -1,0 +1,15 @@
+"""`accuracy` in a scene: which method, at which step or tolerance, keeps it at the least cost.
+
+trials      runs of the scene, made and measured in C (runtime/run/choose.c)
+reference   the motion by the tightest runs, and how far it can be trusted
+candidates  the methods that are tried, a table
+search      the loosest setting of one that keeps the accuracy
+sample      the members of an ensemble that are tried
+choose      all of it, to a Choice
+report      what is said of it
+"""
+
+from .choose import Choice, for_scene
+from .report import NOT_PROMISED, lines, record
+
+__all__ = ["NOT_PROMISED", "Choice", "for_scene", "lines", "record"]

@@ -1,0 +1,180 @@
+"""The loosest setting of one method that keeps an accuracy on a scene, by a few trials.
+
+An error falls with a power of the step, or of the tolerance: the last two trials say which, the
+method's order until there are two. A trial is made as such a power foresees it, between the
+tightest setting that missed and the loosest that kept; it ends where a looser one gains little.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ..chart.points import Method
+from .candidates import Candidate
+from .trials import Trial
+
+TRIALS = 8
+AIM = 0.85  # of the accuracy, by a trial's setting
+LOST = 0.1  # an error above it says nothing of how errors fall
+BLIND = 3.0  # how much tighter a step then is
+GAIN = 1.05  # in time, for which another trial is made
+LOOSEST, TIGHTEST = 0.5, 2.0**-51
+LOOSENED = 100.0  # a tolerance at which a method was slower than others
+ITERATIONS = 40  # their number falls so slowly: as the tolerance to one over this
+FURTHEST = 1e5  # that a tolerance is moved at once
+
+
+@dataclass
+class Found:
+    """What came of one candidate; `kept` is None where it does not keep the accuracy, or would take
+    too long: `verdict` says."""
+
+    candidate: Candidate
+    kept: Trial | None = None
+    verdict: str = ""
+    tried: list[Trial] = field(default_factory=list)
+
+
+Attempt = Callable[[Candidate, float], Trial]
+
+
+def loosest(
+    candidate: Candidate,
+    accuracy: float,
+    start: float,
+    interval: float,
+    limit: float,
+    attempt: Attempt,
+) -> Found:
+    """`start` is the first setting; steps are whole parts of `interval`. A setting that is foreseen
+    to take more than `limit` seconds is not tried."""
+    steps = scale(candidate, interval)
+    found = Found(candidate)
+    setting = steps.allowed(start)
+    missed: Trial | None = None
+    for _ in range(TRIALS):
+        trial = attempt(candidate, setting)
+        found.tried.append(trial)
+        if trial.slow and len(found.tried) == 1 and not candidate.method.fixed:
+            setting = steps.allowed(setting * LOOSENED)  # errors may be below tolerances
+            continue
+        if trial.refused or trial.slow:
+            found.verdict = trial.reason if trial.refused else "slower"
+            break
+        if trial.arrived and trial.error <= accuracy:
+            found.kept = trial
+        else:
+            missed = trial
+        wanted = next_setting(found, accuracy)
+        setting = steps.between(wanted, found.kept, missed)
+        if setting is None or (found.kept and _little(steps, found.kept, setting)):
+            break
+        if not found.kept and trial.arrived:
+            setting = steps.affordable(trial, setting, limit)
+            if setting is None:
+                found.verdict = "slower"
+                break
+    if not found.kept and not found.verdict:
+        best = min((t.error for t in found.tried), default=math.inf)
+        last = found.tried[-1]
+        found.verdict = f"no better than {best:.1e}" if last.arrived else last.reason
+    return found
+
+
+def scale(candidate: Candidate, interval: float) -> _Steps | _Tolerances:
+    return _Steps(interval) if candidate.method.fixed else _Tolerances(candidate.method)
+
+
+def next_setting(found: Found, accuracy: float) -> float:
+    """The setting that is foreseen to just keep the accuracy."""
+    trial = found.tried[-1]
+    fixed = found.candidate.method.fixed
+    power = float(max(found.candidate.method.order, 1)) if fixed else 1.0
+    if not trial.arrived or trial.error > LOST:
+        return trial.setting / (BLIND if fixed else BLIND**4)
+    known = sorted(
+        (t for t in found.tried if t.arrived and 0 < t.error <= LOST), key=lambda t: t.setting
+    )
+    if len(known) > 1:
+        at = known.index(trial) if trial in known else 0
+        other = known[at - 1] if at else known[1]
+        if other.setting != trial.setting:
+            measured = math.log(other.error / trial.error) / math.log(other.setting / trial.setting)
+            power = min(max(measured, power / 3), 1.5 * power)
+    if not trial.error > 0:
+        return trial.setting * FURTHEST
+    factor = (AIM * accuracy / trial.error) ** (1 / power)
+    return trial.setting * min(max(factor, 1 / FURTHEST), FURTHEST)
+
+
+def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
+    return setting <= kept.setting or scale.gain(kept, setting) < GAIN
+
+
+class _Steps:
+    """Whole parts of the time between rows."""
+
+    def __init__(self, interval: float):
+        self.interval = interval
+
+    def allowed(self, setting: float) -> float:
+        return self.interval / max(1, math.ceil(self.interval / setting * (1 - 1e-9)))
+
+    def between(self, wanted: float, kept: Trial | None, missed: Trial | None) -> float | None:
+        count = max(1, math.ceil(self.interval / wanted * (1 - 1e-9)))
+        low = 0 if missed is None else self._count(missed)
+        high = math.inf if kept is None else self._count(kept)
+        if high - low <= 1:
+            return None
+        count = max(low + 1, count) if high == math.inf else min(max(low + 1, count), high - 1)
+        return self.interval / count
+
+    def _count(self, trial: Trial) -> int:
+        return round(self.interval / trial.setting)
+
+    def affordable(self, trial: Trial, setting: float, limit: float) -> float | None:
+        """The setting, or the tightest that is foreseen to take no more than `limit` seconds, half
+        of a trial's time being for what does not depend on the step. A first step may be so long
+        that its error says nothing: a method is slower only where that one misses."""
+        if not limit < math.inf:
+            return setting
+        most = math.floor(self._count(trial) * (2 * limit / trial.seconds - 1))
+        count = min(round(self.interval / setting), most)
+        return self.interval / count if count > self._count(trial) else None
+
+    def gain(self, kept: Trial, setting: float) -> float:
+        return setting / kept.setting
+
+
+class _Tolerances:
+    def __init__(self, method: Method):
+        self.order, self.implicit = max(method.order, 1), "implicit" in method.flags
+
+    def allowed(self, setting: float) -> float:
+        return min(max(setting, TIGHTEST), LOOSEST)
+
+    def between(self, wanted: float, kept: Trial | None, missed: Trial | None) -> float | None:
+        low = TIGHTEST if kept is None else kept.setting
+        high = LOOSEST if missed is None else missed.setting
+        if missed is not None and missed.setting <= TIGHTEST:
+            return None
+        if kept is not None and missed is not None and not low < wanted < high:
+            wanted = math.sqrt(low * high)
+        wanted = min(max(wanted, low), high)
+        if missed is not None and wanted >= missed.setting:
+            wanted = math.sqrt(low * high)
+        if kept is not None and wanted <= kept.setting:
+            return None
+        return wanted
+
+    def affordable(self, trial: Trial, setting: float, limit: float) -> float | None:
+        return setting if trial.seconds <= limit else None
+
+    def gain(self, kept: Trial, setting: float) -> float:
+        """Where the rows make the steps, an implicit one still has fewer iterations."""
+        power = self.order
+        if kept.steps <= 1.02 * (kept.compared - 1):
+            power = ITERATIONS if self.implicit else math.inf
+        return (setting / kept.setting) ** (1 / power)

@@ -1,0 +1,162 @@
+"""`accuracy` in a scene: what is promised is kept, measured against closed forms; what is said."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import pytest
+from conftest import run_pkgen
+
+# The scenes share their C: it is the model's, and of what they record.
+KEPLER = """model kepler
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential -1/sqrt(x^2 + y^2)
+event side: y rising
+start x = 0.4, y' = 2
+scene loose
+  until 20
+  accuracy 1e-3
+  record x, y every 0.5
+end
+scene usual
+  until 20
+  accuracy 1e-7
+  record x, y every 0.5
+end
+scene tight
+  until 20
+  accuracy 1e-11
+  record x, y every 0.5
+end
+scene sides
+  until 40
+  accuracy 1e-9
+  record x, y at side
+end
+"""
+ECCENTRICITY = 0.6
+LINEAR = """model damped
+coord q
+kinetic q'^2/2
+potential 1.69*q^2/2
+dissipation 0.1*q'^2/2
+observe none = (q + 1)^2 - q^2 - 2*q - 1
+start q = 1
+scene s
+  until 30
+  accuracy 1e-10
+  record q, none every 1
+end
+"""
+CHAOS = """model tangle
+coord a, b
+kinetic   a'^2 + b'^2/2 + cos(a - b)*a'*b'
+potential -9.81*(2*cos(a) + cos(b))
+start a = 3, b = 3.1
+scene s
+  until 60
+  accuracy 1e-8
+  record a, b every 0.1
+end
+"""
+
+
+def run(
+    directory: Path, text: str, scene: str, *options: object
+) -> tuple[dict, list[list[float]], str]:
+    """The sidecar, the rows, and what was said."""
+    path, rows = directory / "model.lag", directory / "rows.csv"
+    path.write_text(text)
+    done = run_pkgen("run", path, "--scene", scene, "-o", rows, *options)
+    assert done.returncode == 0, done.stderr
+    with open(rows, newline="", encoding="utf-8") as file:
+        table = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+    return json.loads((directory / "rows.csv.json").read_text()), table, done.stderr
+
+
+def position(t: float) -> tuple[float, float]:
+    """On Kepler's ellipse of a = mu = 1, from the pericentre."""
+    e, m = ECCENTRICITY, math.remainder(t, 2 * math.pi)
+    anomaly = m + e * math.sin(m)
+    for _ in range(50):
+        anomaly -= (anomaly - e * math.sin(anomaly) - m) / (1 - e * math.cos(anomaly))
+    return math.cos(anomaly) - e, math.sqrt(1 - e * e) * math.sin(anomaly)
+
+
+@pytest.mark.parametrize(("name", "asked"), [("loose", 1e-3), ("usual", 1e-7), ("tight", 1e-11)])
+def test_an_orbit_keeps_what_is_asked_and_not_much_more(tmp_path, name, asked) -> None:
+    said, rows, _ = run(tmp_path, KEPLER, name)
+    exact = [position(t) for t, *_ in rows]
+    error = max(
+        max(abs(row[i + 1] - place[i]) for row, place in zip(rows, exact, strict=True))
+        / max(abs(place[i]) for place in exact)
+        for i in (0, 1)
+    )
+    assert len(rows) == 41
+    assert 0 < error <= asked
+    # It is known before the run; and one that is a thousand times better is not paid for.
+    assert said["accuracy"]["expected"] == pytest.approx(error, rel=0.02, abs=1e-14)
+    assert error > 1e-3 * asked
+
+
+def test_the_report_has_the_choice_the_evidence_and_what_else_there_was(tmp_path) -> None:
+    said, _, messages = run(tmp_path, KEPLER, "usual")
+    found = said["accuracy"]
+    first = messages.splitlines()[0]
+    assert first.startswith(f"accuracy 1e-07: {found['method']}, ")
+    assert first.endswith("s of trials")
+    assert found["horizon"] is None and found["trial_seconds"] > 0
+    assert found["reference"]["until"] == 20 and 0 < found["reference"]["error"] < 1e-10
+    evidence = {(e["method"], e["rows"]): e for e in found["evidence"]}
+    assert {("gauss", "land"), ("dop853", "dense"), ("blanes_moan6", "land")} <= set(evidence)
+    assert ("exponential", "land") not in evidence  # not linear
+    assert ("radau", "land") not in evidence  # not dissipative
+    assert [e["verdict"] for e in found["evidence"]].count("chosen") == 1
+    kept = [e for e in found["evidence"] if e["verdict"] in ("kept", "chosen")]
+    assert len(kept) > 1 and all(e["error"] <= 1e-7 for e in kept)
+    # What is run is what was chosen.
+    settings = said["settings"]
+    assert evidence[found["method"], found["rows"]]["verdict"] == "chosen"
+    assert settings["method"] == said["report"]["method"] == found["method"]
+    assert settings["rows"] == found["rows"]
+
+
+def test_rows_at_events_are_compared_one_by_one(tmp_path) -> None:
+    _, rows, _ = run(tmp_path, KEPLER, "sides")
+    # Through the pericentre, once a period of 2 pi.
+    periods = [round(t / (2 * math.pi)) for t, *_ in rows]
+    assert periods == list(range(periods[0], 7)) and periods[0] in (0, 1)
+    for (t, x, _), period in zip(rows, periods, strict=True):
+        assert abs(t - 2 * math.pi * period) < 40e-9 and abs(x - 0.4) < 1e-9
+
+
+@pytest.mark.long
+def test_a_linear_motion_is_made_by_its_exponential(tmp_path) -> None:
+    said, rows, messages = run(tmp_path, LINEAR, "s")
+    damping, w = 0.05, math.sqrt(1.69 - 0.05**2)
+    for t, q, _ in rows:
+        exact = math.exp(-damping * t) * (math.cos(w * t) + damping / w * math.sin(w * t))
+        assert abs(q - exact) < 1e-10
+    assert said["accuracy"]["method"] == "exponential" and said["settings"]["step"] == 1.0
+    # What is recorded beside it is zero, made of errors: promised is what can be.
+    assert said["accuracy"]["reference"]["left_out"] == ["none"]
+    assert "none: zero but for errors of round-off" in messages
+    assert said["accuracy"]["horizon"] is None
+
+
+@pytest.mark.long
+def test_chaos_warns_with_its_horizon(tmp_path) -> None:
+    said, rows, messages = run(tmp_path, CHAOS, "s")
+    horizon = said["accuracy"]["horizon"]
+    assert f"warning: accuracy 1e-08 holds until t = {horizon:g}" in messages
+    assert 15 < horizon < 40 and rows[-1][0] == 60
+    # A method that has no part in the run that was chosen leaves it behind the horizon alone.
+    assert said["accuracy"]["method"] == "gauss"
+    _, other, note = run(tmp_path, CHAOS, "s", "--method", "gauss8", "--step", "0.005")
+    assert "the scene's accuracy is not promised: --method" in note
+    apart = [abs(x[1] - y[1]) for x, y in zip(rows, other, strict=True)]
+    assert max(apart[: int(10 * horizon) - 20]) < 1e-6 < 1e-2 < max(apart)
