@@ -26,8 +26,7 @@ pk_real run_intervals(pk_real whole, pk_real part)
     return count < 1 ? 1 : count;
 }
 
-/* A state that a step has made, or the start. */
-static void sample(struct run *run)
+void run_sample(struct run *run)
 {
     const struct pk_integrator *it = &run->it;
     pk_monitor_update(&run->monitor, it->t, it->q, it->v);
@@ -46,7 +45,7 @@ static int step(struct run *run, pk_real limit)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    sample(run);
+    run_sample(run);
     trust_step(run);
     if (it->count.steps % 64 == 0)
         progress(run, 0);
@@ -68,7 +67,7 @@ static int steps(struct run *run, pk_real limit)
     if (h > run->h_max)
         run->h_max = h;
     if (!(it->t < end))
-        sample(run), trust_step(run);
+        run_sample(run), trust_step(run);
     progress(run, 0);
     run->interrupted = run_interrupted();
     return !run->interrupted && !run->write_failed;
@@ -142,7 +141,7 @@ void run_integrate(struct run *run)
     const int by_time = s->has_every || !s->at;
     if (by_time)
         output_row(run, stdout, 0, it->q, it->v, it->z);
-    sample(run);
+    run_sample(run);
     if (!by_time || !(s->every > 0))
         integrate_steps(run);
     else if (s->land)

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "apart.h"
 #include "chart.h"
 #include "choose.h"
 #include "diagnose.h"
@@ -144,7 +145,7 @@ static int finish(struct run *run, int code)
     if (run->it.status < 0 || run->beyond) {
         trust_reason(run, reason, sizeof reason);
         const char *name = run->settings.method->name;
-        const int named = strncmp(reason, name, strlen(name)) == 0; /* in the reason itself */
+        const int named = run_parts || strncmp(reason, name, strlen(name)) == 0; /* in the reason itself */
         fprintf(stderr, "run: %s%s%s%s\n", named ? "" : name, named ? "" : ": ", reason,
                 run->besides ? run->besides : "");
         code = run->it.status == PK_BAD_ARGUMENT ? 2 : 4;
@@ -192,7 +193,7 @@ int main(int argc, char **argv)
     }
     int code = settings_read(&run.settings, run_system, stdin);
     if (code == 0)
-        code = run_settle(&run);
+        code = run_parts ? apart_choose(&run) : run_settle(&run);
     if (code) {
         settings_free(&run.settings);
         return code;
@@ -207,8 +208,11 @@ int main(int argc, char **argv)
         settings_free(&run.settings);
         return code;
     }
-    code = run_start(&run);
-    if (run.it.state) {
+    code = run_parts ? apart_start(&run) : run_start(&run);
+    if (run_parts && code == 0) {
+        output_header(&run, stdout);
+        apart_integrate(&run);
+    } else if (run.it.state) {
         output_header(&run, stdout);
         if (code == 0)
             code = watch_start(&run);
@@ -219,6 +223,7 @@ int main(int argc, char **argv)
     code = diagnose_run(&run, code);
     run_progress(&run, (double)(run.it.t / run.settings.until), 1);
     code = finish(&run, code);
+    apart_free(&run);
     run_free(&run);
     settings_free(&run.settings);
     return code;

@@ -1,4 +1,5 @@
 /* The report, and pieces of JSON, where a number that is not finite is null: it has no other word. */
+#include "apart.h"
 #include "diagnose.h"
 #include "expect.h"
 #include "trust.h"
@@ -138,7 +139,7 @@ static void json_run(struct run *run, FILE *file)
     }
     fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
     fputs("  \"step\": ", file);
-    if (method->traits & PK_ADAPTIVE)
+    if (method->traits & PK_ADAPTIVE || run_parts)
         fputs("null", file);
     else
         output_real(file, run->settings.options.h);
@@ -163,6 +164,7 @@ static void json_run(struct run *run, FILE *file)
             c->iterations, c->held, run->seconds);
     watch_report(run, file);
     expect_report(run, file);
+    apart_report(run, file);
     json_drifts(run, file);
 }
 

@@ -83,29 +83,6 @@ int settings_param(struct settings *s, const struct pk_system *system, size_t li
     return 0;
 }
 
-void settings_z(const struct settings *s, const struct pk_system *system, const void *params,
-                pk_real *z)
-{
-    memset(z, 0, system->n_quadratures * sizeof *z);
-    if (system->quadrature_start)
-        system->quadrature_start(params, z);
-    for (size_t i = 0; i < system->n_quadratures; i++)
-        if (s->start_given[2 * s->n + i])
-            z[i] = s->z[i];
-}
-
-enum pk_status settings_quadratures(const struct settings *s, struct pk_integrator *it)
-{
-    const struct pk_system *system = it->problem.system;
-    if (!it->z)
-        return PK_DONE;
-    pk_real *z = (pk_real *)words_allocate(system->n_quadratures, sizeof *z);
-    settings_z(s, system, it->problem.params, z);
-    const enum pk_status status = pk_integrator_set_quadratures(it, z);
-    free(z);
-    return status;
-}
-
 /* Defaults that follow. Of a family of which some members are given, the others follow first. */
 void settings_follow(struct settings *s, const struct pk_system *system)
 {

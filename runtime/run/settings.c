@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apart.h"
 #include "diagnose.h"
 #include "ensemble.h"
 #include "expect.h"
@@ -162,6 +163,8 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
         s->progress = word[1][0] == '1';
         return 0;
     }
+    if (strcmp(word[0], "part") == 0)
+        return apart_setting(s, line, word);
     if (ensemble_setting(s, system, line, word, &code) ||
         expect_setting(s, system, line, word, &code))
         return code;
@@ -255,36 +258,6 @@ int settings_read(struct settings *s, const struct pk_system *system, FILE *file
     return code ? code : finish(s, system);
 }
 
-static void constant_input(void *context, pk_real t, pk_real *u)
-{
-    const struct settings *s = (const struct settings *)context;
-    (void)t;
-    memcpy(u, s->u, run_system->n_inputs * sizeof *u);
-}
-
-struct pk_problem settings_problem(struct settings *s)
-{
-    return (struct pk_problem){run_system, s->params, constant_input, s};
-}
-
-struct pk_problem settings_motion(struct settings *s)
-{
-    static struct pk_system bare;
-    struct pk_problem problem = settings_problem(s);
-    bare = *run_system;
-    bare.n_quadratures = 0;
-    problem.system = &bare;
-    return problem;
-}
-
-int settings_shows_z(const struct settings *s)
-{
-    for (size_t i = 0; i < s->n_show; i++)
-        if (s->show[i].kind == 'z')
-            return 1;
-    return s->n_show == 0;
-}
-
 void settings_free(struct settings *s)
 {
     free(s->params);
@@ -300,4 +273,5 @@ void settings_free(struct settings *s)
     free(s->show);
     free(s->columns);
     expect_free(s);
+    free(s->parts);
 }

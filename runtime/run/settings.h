@@ -67,6 +67,12 @@ struct drifting {
     pk_real max;
 };
 
+/* What was said of one of the parts; 0: as for the whole. */
+struct part_given {
+    const struct pk_method *method;
+    pk_real h, rtol, atol, h_max;
+};
+
 struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
@@ -92,6 +98,7 @@ struct settings {
     size_t n_expected, n_drifting;
     size_t at; /* 1 + which event has rows; 0: none */
     char *ensemble; /* a path, or NULL: one trajectory */
+    struct part_given *parts; /* NULL: nothing */
     size_t members, threads, n_columns;
     char *member_name; /* the column that counts members, or NULL: "member" */
     long first_member; /* and the number of the first */

@@ -84,7 +84,7 @@ void trust_judge(struct run *run)
     const int fixed = fixed_step(run), arrived = run->it.status >= 0;
     size_t size;
     /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */
-    if (!(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
+    if (run_parts || !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
     FILE *file = open_memstream(&run->besides, &size);
     if (!file)
@@ -118,6 +118,10 @@ void trust_reason(const struct run *run, char *text, size_t size)
 {
     const struct pk_integrator *it = &run->it;
     char arrived[256], name[128];
+    if (run_parts) {
+        pk_apart_reason(&run->apart, text, size);
+        return;
+    }
     pk_integrator_reason(it, text, size);
     /* What is singular ends these steps, and not the motion. */
     if (run->goes_on &&

@@ -44,6 +44,15 @@ check "and exact" python3 -c "
 from math import cos, sin
 t, q = map(float, open('$tmp/out.csv').read().split()[-1].split(',')[:2])
 assert t == 1000 and 0 < abs(q - (.7 * cos(t) + .2 * sin(t))) < 1e-15"
+python3 -c "
+import struct
+open('$tmp/members', 'wb').write(struct.pack('2d', 1, 4))"
+run run_oscillator "method exponential\nuntil 100\nensemble $tmp/members\nmembers 2\ncolumn param 0\n"
+check "exact in ensembles" python3 -c "
+from math import cos, sin
+for row in open('$tmp/out.csv').read().split()[1:]:
+    k, t, q = map(float, row.split(',')[:3])
+    assert abs(q - (.7 * cos(k * t) + .2 / k * sin(k * t))) < 1e-15 and t == 100"
 run run_pendulum "method exponential\nuntil 1\n"
 check "and of linear systems alone" grep -q 'exponential needs a system that is linear' "$tmp/err"
 
@@ -77,6 +86,39 @@ assert [abs(r[4] - 6.283185307179586 - s) < 1e-9 for r, s in zip(rows, (.25, 1.2
 printf 'method rk4\nuntil 1\nstep 0.1\n' >"$tmp/settings"
 check "charts are of the motion" sh -c "printf 'point verlet 0.01 0.001 1\n' |
     '$dir/run_radial' --chart '$tmp/settings' | grep -q PK_DONE"
+
+run run_pair "method gauss\nuntil 10\nevery 1\nrtol 1e-12\npart 1 method verlet\npart 1 step 1e-3\nreport $tmp/r.json\n"
+check "blocks apart" [ $code -eq 0 ]
+check "rows of the whole" [ "$(head -1 "$tmp/out.csv")" = "t,x,\"y,1\",x',\"y,1'\",energy" ]
+check "each by its own method" python3 -c "
+import json
+from math import cos
+r, row = json.load(open('$tmp/r.json')), open('$tmp/out.csv').read().split()[-1].split(',')
+a, b = r['parts']
+assert (a['method'], b['method'], b['step'], b['steps']) == ('gauss', 'verlet', 1e-3, 10000), r
+assert a['steps'] < 30 and r['steps'] == a['steps'] + b['steps'] and a['rtol'] == 1e-12
+assert 1e-6 < abs(float(row[2]) - .5 * cos(200)) < 1e-2
+assert 1e-7 < r['drifts'][0]['max'] < 1e-3"
+run run_pendulum "method gauss\nuntil 10\nevery 1\nrtol 1e-12\nrows land\n"
+alone=$(tail -1 "$tmp/out.csv" | cut -d, -f2)
+run run_pair "method gauss\nuntil 10\nevery 1\nrtol 1e-12\npart 1 method exponential\nparam 1 100\n"
+check "the same as alone, to the bit" [ "$(tail -1 "$tmp/out.csv" | cut -d, -f2)" = "$alone" ]
+check "exact steps, by the whole's parameter" python3 -c "
+from math import cos
+assert abs(float(open('$tmp/out.csv').read().split()[-1].split(',')[2]) - .5 * cos(100)) < 1e-15"
+run run_pair "method rk4\nuntil 1\nevery 0.3\nstep 0.07\n"
+check "the last interval is shorter" [ "$(cut -d, -f1 "$tmp/out.csv" | tr '\n' ' ')" = \
+    "t 0 0.29999999999999999 0.59999999999999998 0.89999999999999991 1 " ]
+run run_pair "method gauss\nuntil 10\nevery 5\nh_min 2\npart 0 method rk4\npart 0 step 0.1\nreport $tmp/r.json\n"
+check "one fails: exit 4" [ $code -eq 4 ]
+check "with its reason" grep -q 'run: part 2 (x): the step size fell .* the whole is at t = 0$' "$tmp/err"
+check "and its status" grep -q '"status": "PK_STEP_UNDERFLOW"' "$tmp/r.json"
+for bad in "diagnose all" "rows dense" "every 0" "part 2 step 1" "part 1 method what" "part 0 step x" \
+    "part 0" "part 1 method rk4"; do
+    run run_pair "method gauss\nuntil 1\n$bad\n"
+    check "not of blocks apart: $bad" [ $code -eq 2 ]
+    check "which is said" [ -s "$tmp/err" ]
+done
 
 run run_broken "method dop853\nuntil 3\nevery 0.1\nreport $tmp/r.json\n"
 check "numerics fail: exit 4" [ $code -eq 4 ]

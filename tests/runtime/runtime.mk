@@ -63,8 +63,8 @@ $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 $(RT_TESTS)/run_%: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
 	    'const struct pk_system *const run_system = &$*_system;' >$@.c
-	printf '%s\n' 'const struct pk_part *const run_parts = NULL;' \
-	    'const size_t run_n_parts = 0;' >>$@.c
+	printf '%s\n' 'const struct pk_part *const run_parts = $(if $(filter pair,$*),pair_parts,NULL);' \
+	    'const size_t run_n_parts = $(if $(filter pair,$*),2,0);' >>$@.c
 	$(CC) $(RT_RUN_CFLAGS) $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
@@ -101,7 +101,7 @@ $(RT_TESTS)/quad: $(RT_QUAD) $(RT_QUAD_SYSTEMS)
 $(RT_TESTS)/quad_inlined: $(RT_QUAD) $(RT_QUAD_INLINED)
 	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
 
-RT_RUN_PROGRAMS = $(addprefix $(RT_TESTS)/run_,pendulum broken oscillator radial)
+RT_RUN_PROGRAMS = $(addprefix $(RT_TESTS)/run_,pendulum broken oscillator radial pair)
 RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined) \
               $(RT_RUN_PROGRAMS)
 test-runtime-programs: $(RT_PROGRAMS)

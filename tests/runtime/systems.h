@@ -4,7 +4,7 @@
 #ifndef TEST_SYSTEMS_H
 #define TEST_SYSTEMS_H
 
-#include <pk/system.h>
+#include <pk/apart.h>
 
 struct test_params {
     pk_real g;     /* gravity, or the oscillator's omega^2, or mu */
@@ -46,6 +46,9 @@ extern const struct pk_system dipping_system;
 /* Planar Kepler as its radius alone, g the square of the angular momentum, and its angle, which
  * starts at `limit`, a quadrature; once round in 2 pi. */
 extern const struct pk_system radial_system;
+/* q'' = -limit q; and both it and the pendulum, which can be integrated apart alone. */
+extern const struct pk_system spring_system, pair_system;
+extern const struct pk_part pair_parts[2];
 /* q'' = u: an input. */
 extern const struct pk_system pushed_system;
 

@@ -14,6 +14,7 @@ SYMMETRIC = "implicit symmetric, fixed step"
 IMPLICIT_ADAPTIVE = "implicit, adaptive"
 DISSIPATIVE = "implicit dissipative, fixed step"
 FOREIGN = "GSL"
+EXACT = "exact"
 FAMILIES = (
     SPLITTING,
     EXPLICIT,
@@ -22,6 +23,7 @@ FAMILIES = (
     IMPLICIT_ADAPTIVE,
     DISSIPATIVE,
     FOREIGN,
+    EXACT,
 )
 
 
@@ -50,6 +52,8 @@ class Method:
     def family(self) -> str:
         if self.name.startswith("gsl_"):
             return FOREIGN
+        if "exact" in self.flags:
+            return EXACT
         if "separable" in self.requires:
             return SPLITTING
         if "implicit" not in self.flags:

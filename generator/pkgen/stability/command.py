@@ -66,6 +66,7 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
             "conservative",
             "variational",
             "smooth",
+            "affine",
         )
         if getattr(structure, name)
     )

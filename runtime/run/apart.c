@@ -1,0 +1,209 @@
+/* See apart.h. Rows are landed on by all parts, so each part's steps divide the interval between
+ * rows. The whole is seen as an integrator that makes no steps: run->it has the time and the state
+ * where all parts are, and the sums of their counts.
+ */
+#include "apart.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "diagnose.h"
+#include "ensemble.h"
+#include "expect.h"
+#include "trust.h"
+#include "watch.h"
+#include "words.h"
+
+int apart_setting(struct settings *s, size_t line, char *const word[])
+{
+    size_t k;
+    if (!words_index(word[1], run_n_parts, &k))
+        return words_usage(line, "no such part", word[1]);
+    if (!s->parts)
+        s->parts = (struct part_given *)words_allocate(run_n_parts, sizeof *s->parts);
+    struct part_given *part = &s->parts[k];
+    const struct {
+        const char *name;
+        pk_real *x;
+    } table[] = {{"step", &part->h}, {"rtol", &part->rtol}, {"atol", &part->atol},
+                 {"h_max", &part->h_max}};
+    if (word[2] && word[3] && strcmp(word[2], "method") == 0) {
+        part->method = run_method_find(word[3]);
+        return part->method ? 0 : words_usage(line, "unknown method", word[3]);
+    }
+    for (size_t i = 0; word[2] && i < sizeof table / sizeof *table; i++)
+        if (strcmp(word[2], table[i].name) == 0)
+            return words_real(word[3], table[i].x) && *table[i].x > 0
+                       ? 0
+                       : words_usage(line, "not a positive number", word[3]);
+    return words_usage(line, "a part has a method, step, rtol, atol or h_max", word[2]);
+}
+
+/* What was given of part k, and the rest as for the whole. */
+static struct pk_choice choice_of(const struct settings *s, size_t k)
+{
+    const struct part_given none = {0}, *given = s->parts ? &s->parts[k] : &none;
+    struct pk_choice c = {given->method ? given->method : s->method, s->options};
+    if (given->h > 0)
+        c.options.h = given->h;
+    if (given->rtol > 0)
+        c.options.rtol = c.options.atol = given->rtol;
+    if (given->atol > 0)
+        c.options.atol = given->atol;
+    if (given->h_max > 0)
+        c.options.h_max = given->h_max;
+    return c;
+}
+
+int apart_choose(struct run *run)
+{
+    struct settings *s = &run->settings;
+    const char *none = s->ensemble             ? "ensembles"
+                       : run_system->n_events  ? "events"
+                       : s->diagnose           ? "diagnostics"
+                       : s->land == 0          ? "dense rows"
+                                               : NULL;
+    s->has_every = s->every >= 0;
+    if (!s->has_every)
+        s->every = s->until / 1000;
+    if (s->every > s->until)
+        s->every = s->until;
+    if (!none && !(s->every > 10 * PK_EPSILON * s->until))
+        none = "rows at each step";
+    if (none) {
+        fprintf(stderr, "run: blocks integrated apart have no %s\n", none);
+        return 2;
+    }
+    s->land = 1;
+    run->count = run_intervals(s->until, s->every);
+    run->choices = (struct pk_choice *)words_allocate(run_n_parts, sizeof *run->choices);
+    for (size_t k = 0; k < run_n_parts; k++) {
+        struct pk_choice *c = &run->choices[k];
+        *c = choice_of(s, k);
+        if (c->method->traits & PK_ADAPTIVE)
+            continue;
+        if (!(c->options.h > 0) && (c->method->traits & PK_EXACT))
+            c->options.h = s->every;
+        if (!(c->options.h > 10 * PK_EPSILON * s->until)) {
+            fprintf(stderr, "run: part %zu: method %s has a fixed step: give it by --step\n", k + 1,
+                    c->method->name);
+            return 2;
+        }
+        c->options.h = s->every / run_intervals(s->every, c->options.h);
+    }
+    return 0;
+}
+
+/* What rows, drifts and the report look at. */
+static void look(struct run *run)
+{
+    const struct pk_apart *a = &run->apart;
+    struct pk_integrator *it = &run->it;
+    it->problem = run->problem;
+    it->method = run->settings.method;
+    it->n = run->settings.n;
+    it->t = a->t;
+    it->q = a->q;
+    it->v = a->v;
+    it->z = a->z;
+    it->status = a->status;
+    memset(&it->count, 0, sizeof it->count);
+    for (size_t k = 0; a->parts && k < a->count; k++) {
+        const struct pk_counters *c = &a->parts[k].it.count;
+        it->count.steps += c->steps;
+        it->count.rejections += c->rejections;
+        it->count.evaluations += c->evaluations;
+        it->count.jacobians += c->jacobians;
+        it->count.factorisations += c->factorisations;
+        it->count.iterations += c->iterations;
+        it->count.held += c->held;
+    }
+}
+
+int apart_start(struct run *run)
+{
+    struct settings *s = &run->settings;
+    const size_t m = run_system->n_quadratures, n = s->n;
+    run->problem = settings_problem(s);
+    const size_t size = pk_apart_size(&run->problem, run_parts, run->choices, run_n_parts);
+    const size_t monitor_size = pk_monitor_size(&run->problem);
+    run->block = words_allocate(size, 1);
+    run->monitor_block = words_allocate(monitor_size, 1);
+    run->row = (pk_real *)words_allocate(2 * n + run_system->n_observed + m + 1, sizeof *run->row);
+    pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
+    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run_parts, run->choices,
+                                          run_n_parts, 0, s->q, s->v, run->block, size);
+    if (status >= 0 && m) {
+        settings_z(s, run_system, s->params, run->row);
+        status = pk_apart_set_quadratures(&run->apart, run->row);
+    }
+    look(run);
+    return status < 0 ? 4 : 0;
+}
+
+/* Steps of the last interval, which may be shorter. */
+static void shorten(struct run *run, pk_real tail)
+{
+    for (size_t k = 0; k < run_n_parts; k++) {
+        struct pk_integrator *it = &run->apart.parts[k].it;
+        if (!(it->method->traits & PK_ADAPTIVE))
+            pk_integrator_set_step(it, tail / run_intervals(tail, it->options.h));
+    }
+}
+
+void apart_integrate(struct run *run)
+{
+    const struct settings *s = &run->settings;
+    struct pk_apart *a = &run->apart;
+    output_row(run, stdout, 0, a->q, a->v, a->z);
+    run_sample(run);
+    for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
+        const pk_real t = k < run->count ? k * s->every : s->until, tail = t - a->t;
+        if (k >= run->count && tail < s->every - 4 * PK_EPSILON * t)
+            shorten(run, tail);
+        while (a->t < t) {
+            pk_apart_to(a, expect_limit(run, t));
+            look(run);
+            if (a->status != PK_DONE)
+                return;
+            run_sample(run);
+            trust_step(run);
+        }
+        output_row(run, stdout, t, a->q, a->v, a->z);
+        run_progress(run, (double)(t / s->until), 0);
+        run->interrupted = run_interrupted();
+    }
+    expect_member(run, &run->monitor.energy);
+}
+
+void apart_report(const struct run *run, FILE *file)
+{
+    const struct pk_apart *a = &run->apart;
+    if (!run_parts)
+        return;
+    fputs("  \"parts\": [", file);
+    for (size_t k = 0; a->parts && k < a->count; k++) {
+        const struct pk_apart_part *part = &a->parts[k];
+        const struct pk_choice *c = &run->choices[k];
+        const int adaptive = (c->method->traits & PK_ADAPTIVE) != 0;
+        fprintf(file, "%s\n    {\"coordinates\": [", k ? "," : "");
+        for (size_t i = 0; i < part->of.system->n; i++) {
+            fputs(i ? ", " : "", file);
+            output_text(file, part->of.system->coordinates[i].name);
+        }
+        fprintf(file, "], \"method\": \"%s\", \"status\": \"%s\", \"t\": ", c->method->name,
+                pk_status_name(part->it.status));
+        output_real(file, part->it.t);
+        fputs(adaptive ? ", \"rtol\": " : ", \"step\": ", file);
+        output_real(file, adaptive ? c->options.rtol : c->options.h);
+        fprintf(file, ", \"steps\": %lu, \"rejections\": %lu, \"evaluations\": %lu}",
+                part->it.count.steps, part->it.count.rejections, part->it.count.evaluations);
+    }
+    fputs("],\n", file);
+}
+
+void apart_free(struct run *run)
+{
+    pk_apart_free(&run->apart);
+    free(run->choices);
+}
