@@ -101,12 +101,15 @@ assert 1e-6 < abs(float(row[2]) - .5 * cos(200)) < 1e-2
 assert 1e-7 < r['drifts'][0]['max'] < 1e-3"
 run run_pendulum "method gauss\nuntil 10\nevery 1\nrtol 1e-12\nrows land\n"
 alone=$(tail -1 "$tmp/out.csv" | cut -d, -f2)
-run run_pair "method gauss\nuntil 10\nevery 1\nrtol 1e-12\npart 1 method exponential\nparam 1 100\n"
+run run_pair "method gauss\nuntil 10\nevery 1\nrtol 1e-3\npart 0 rtol 1e-12\npart 1 method exponential\nparam 1 100\n"
 check "the same as alone, to the bit" [ "$(tail -1 "$tmp/out.csv" | cut -d, -f2)" = "$alone" ]
 check "exact steps, by the whole's parameter" python3 -c "
 from math import cos
 assert abs(float(open('$tmp/out.csv').read().split()[-1].split(',')[2]) - .5 * cos(100)) < 1e-15"
+run run_pendulum "method rk4\nuntil 1\nevery 0.3\nstep 0.07\n"
+alone=$(tail -1 "$tmp/out.csv" | cut -d, -f2)
 run run_pair "method rk4\nuntil 1\nevery 0.3\nstep 0.07\n"
+check "steps divide the last interval as alone" [ "$(tail -1 "$tmp/out.csv" | cut -d, -f2)" = "$alone" ]
 check "the last interval is shorter" [ "$(cut -d, -f1 "$tmp/out.csv" | tr '\n' ' ')" = \
     "t 0 0.29999999999999999 0.59999999999999998 0.89999999999999991 1 " ]
 run run_pair "method gauss\nuntil 10\nevery 5\nh_min 2\npart 0 method rk4\npart 0 step 0.1\nreport $tmp/r.json\n"

@@ -76,6 +76,8 @@ static void slow_defaults(void *params) { *(struct slow_params *)params = (struc
 static void slow_derive(void *params, const unsigned char *given)
 {
     struct slow_params *p = (struct slow_params *)params;
+    if (!given[1])
+        p->slow = 3;
     if (!given[0])
         p->tilt = 2 * p->slow;
 }
