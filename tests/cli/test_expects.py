@@ -43,6 +43,15 @@ scene all_columns
   expect x < 2
 end
 
+scene ensemble
+  until 1
+  method dop853 rtol 1e-11
+  record twice
+  expect x^2 + (x'/w)^2 < 2.2500001
+  expect x < 1.4 at 0
+  expect drift(energy) < 1e-9
+end
+
 scene missed
   until 10
   method dop853 rtol 1e-9
@@ -125,11 +134,13 @@ def test_options_change_what_is_compared(pkgen, swing: Path) -> None:
     assert verdicts[1]["said"] == "there was no such time: the run ended at t = 2"
 
 
+SWARM = "until 1\n  swarm k = 1..3\n  start x = k\n  record x every 0.25\n  "
 DAMPED = """model damped
 coord x, y
 kinetic   (x'^2 + y'^2)/2
 potential x^2/2
 dissipation 0.1*x'^2
+event hit: x falling
 scene {}
 end
 """
@@ -140,10 +151,8 @@ end
     [
         ("until 1\n  record x\n  expect drift(energy) < 1", "the energy is not constant here"),
         ("until 1\n  record x\n  expect drift(p_x) < 1", "p_x is not constant here"),
-        (
-            "until 1\n  swarm k = 1..3\n  start x = k\n  record x every 0.25\n  expect x < 1 at 0.3",
-            "members have no row at t = 0.3",
-        ),
+        (SWARM + "expect x < 1 at 0.3", "members have no row at t = 0.3"),
+        (SWARM + "expect time(hit) < 1", "events of a swarm or an ensemble are not watched"),
     ],
 )
 def test_what_cannot_be_expected_has_its_place(pkgen, tmp_path: Path, clauses: str, said: str):
@@ -155,7 +164,23 @@ def test_what_cannot_be_expected_has_its_place(pkgen, tmp_path: Path, clauses: s
     assert f"damped.lag:{line}:3: scene 'one': {said}" in done.stderr
 
 
+def test_members_of_a_file_are_held_to_the_scene(pkgen, swing: Path, tmp_path: Path) -> None:
+    """Rows of what the scene records, the worst member named; at the start too, without its row."""
+    (tmp_path / "w.csv").write_text("w,x\n1,1\n2,1.5\n3,0.5\n")
+    options = ["--ensemble", tmp_path / "w.csv", "--json"]
+    done = pkgen("run", swing, "--scene", "ensemble", *options)
+    result = json.loads(done.stdout)
+    assert [c["name"] for c in result["columns"]] == ["member", "t", "twice"]
+    assert [row[:2] for row in result["rows"]] == [[1, 1], [2, 1], [3, 1]]
+    wave, start, drift = result["expects"]
+    assert wave["met"] and drift["met"] and not start["met"]
+    assert (start["member"], start["value"], start["bound"]) == (2, 1.5, 1.4)
+
+
 def test_without_a_scene_it_says_which_there_are(pkgen, swing: Path) -> None:
     done = pkgen("run", swing, "--until", "1")
     assert done.returncode == 0
-    assert done.stderr.splitlines()[-1] == "scenes of this model, by --scene: met, all_columns, missed"
+    assert (
+        done.stderr.splitlines()[-1]
+        == "scenes of this model, by --scene: met, all_columns, ensemble, missed"
+    )

@@ -74,7 +74,8 @@ def test_a_miss_names_the_member_and_options_set_all(pkgen, pendulum: Path) -> N
     assert done.returncode == 4 and "at t = 0.8 of k = 70 is not below -4" in done.stderr
     rows = list(csv.DictReader(done.stdout.splitlines()))
     assert all(
-        float(r["energy"]) == pytest.approx(0.005 - 4.905 * math.cos(3 * int(r["k"]) / 71), abs=1e-5)
+        float(r["energy"])
+        == pytest.approx(0.005 - 4.905 * math.cos(3 * int(r["k"]) / 71), abs=1e-5)
         for r in rows
     )
 
