@@ -83,13 +83,17 @@ def test_the_scenes_in_the_docs_run(tmp_path: Path) -> None:
     path = tmp_path / "swing.lag"
     path.write_text(text)
     rows = {}
-    for scene in ("slow", "section"):
+    for scene in ("slow", "section", "all_amplitudes"):
         done = run_pkgen("run", path, "--scene", scene)
         assert done.returncode == 0, done.stderr
+        assert re.search(r"expected: (\d) of \1 met", done.stderr)
         rows[scene] = done.stdout.splitlines()
     assert rows["slow"][0] == "t,theta,theta',T,energy" and len(rows["slow"]) == 510
     # Released at 3 rad the period is 2.5708 that of small swings, 5.157 s.
     assert rows["section"][0] == "t,theta',p_theta" and len(rows["section"]) == 1 + 19
+    assert (
+        rows["all_amplitudes"][-1].startswith("10000,10,") and len(rows["all_amplitudes"]) == 30001
+    )
 
 
 def test_the_example_of_events_runs(tmp_path: Path) -> None:

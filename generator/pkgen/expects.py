@@ -152,7 +152,7 @@ def refuse(
 def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
     if item.event or calls(item, "time"):
         return "events of a swarm or an ensemble are not watched yet: expect it at a time"
-    if at is None or at == settings.until:
+    if at in (None, 0, settings.until):
         return ""
     if settings.every is not None:
         off = abs(at / settings.every - round(at / settings.every)) * settings.every

@@ -59,9 +59,9 @@ def run(options: argparse.Namespace) -> int:
     if several:
         parsing.refuse_stops(compilation.model)
     threads = parsing.threads(options, several)
-    ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
     if swarm:
         scene_run.refuse_swarm(options, compilation.declared, chosen)
+    ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
     count = scene_run.count(compilation.declared, chosen) if swarm else None
     settings = parsing.settings(
         options, compilation, len(ensemble.lines) if ensemble else count, chosen

@@ -37,7 +37,7 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
         if (!word[1] || !word[2] || *end)
             *code = words_usage(line, "a count has a name and a first number", word[1]);
         else
-            settings_path(&s->member_name, word[1]);
+            words_keep(&s->member_name, word[1]);
         return 1;
     }
     if (strcmp(word[0], "column") != 0)

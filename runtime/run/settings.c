@@ -171,13 +171,6 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
     return set_number(s, system, line, word);
 }
 
-void settings_path(char **path, const char *text)
-{
-    free(*path);
-    *path = (char *)words_allocate(strlen(text) + 1, 1);
-    strcpy(*path, text);
-}
-
 enum { MOST_WORDS = 7 };
 
 /* A line as words; a path may hold blanks and is the rest of its line. */
@@ -186,9 +179,9 @@ static int set_line(struct settings *s, const struct pk_system *system, size_t l
     char *word[MOST_WORDS + 1] = {NULL};
     text[strcspn(text, "\r\n")] = '\0';
     if (strncmp(text, "report ", 7) == 0)
-        return settings_path(&s->report, text + 7), 0;
+        return words_keep(&s->report, text + 7), 0;
     if (strncmp(text, "ensemble ", 9) == 0)
-        return settings_path(&s->ensemble, text + 9), 0;
+        return words_keep(&s->ensemble, text + 9), 0;
     size_t count = 0;
     for (char *w = strtok(text, " \t"); w && count <= MOST_WORDS; w = strtok(NULL, " \t"))
         word[count++] = w;

@@ -129,8 +129,6 @@ void settings_follow(struct settings *settings, const struct pk_system *system);
  * precision can have the same ones. */
 void settings_tell(const struct settings *settings, FILE *file);
 void settings_free(struct settings *settings);
-/* A copy of a path or a name in place of the one there is. */
-void settings_path(char **path, const char *text);
 
 /* The core's methods, then GSL's. */
 const struct pk_method *run_method_find(const char *name);

@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 int words_usage(size_t line, const char *message, const char *word)
 {
@@ -42,4 +43,11 @@ void *words_allocate(size_t count, size_t size)
         exit(4);
     }
     return memory;
+}
+
+void words_keep(char **kept, const char *word)
+{
+    free(*kept);
+    *kept = (char *)words_allocate(strlen(word) + 1, 1);
+    strcpy(*kept, word);
 }

@@ -15,5 +15,7 @@ int words_real(const char *word, pk_real *x);
 int words_index(const char *word, size_t count, size_t *index);
 /* Zeroed memory; ends the process where there is none. */
 void *words_allocate(size_t count, size_t size);
+/* A copy of a word in place of the one that is kept. */
+void words_keep(char **kept, const char *word);
 
 #endif

@@ -787,7 +787,7 @@ pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_rea
 }
 
 const char double_pendulum_source_hash[65] =
-    "ab778cec1c57192c6d4cc856006abdd5a95df5be9e348cb8214f8945308f134c";
+    "a44947db37ca47db6f305e2ea7395eecd389d79bf268ce451486c602104afbe2";
 
 const struct double_pendulum_parameter double_pendulum_parameters[5] = {
     {{"m1", "kg", "upper bob"}, offsetof(struct double_pendulum_params, m1), 0, 1, 1},

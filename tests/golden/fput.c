@@ -1111,7 +1111,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 
 const char fput_source_hash[65] =
-    "2040eb591dd393be99f320c85b3acde091bc33d21491174f1595d130b98d6bfd";
+    "bb631bc2ca62f71c5a78af579d8718bc4b261b4dc369a7fe18d1efb87e170020";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},

@@ -387,7 +387,7 @@ void thrown_stone_event(const struct thrown_stone_params *p, pk_real t, const pk
 }
 
 const char thrown_stone_source_hash[65] =
-    "100c7014da180e4398c688213c66ee85467f68c2a38cd87c3432eebbfdb5d7dc";
+    "bfead51007aa15f74a3ca1df613f899fd61c5916c52b90c4ebb88c571ad05068";
 
 const struct thrown_stone_parameter thrown_stone_parameters[3] = {
     {{"m", "kg", ""}, offsetof(struct thrown_stone_params, m), 0, 1, 1},

@@ -1,0 +1,186 @@
+"""`expect` in scenes: where it is measured, what is said of a miss, what cannot be expected."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+# x = cos t, exactly; the method is not, by some 1e-9.
+SWING = """model swing
+param w = 1 [1/s] in (0, inf)
+coord x [m]
+kinetic   (0.5 [kg])*x'^2
+potential (0.5 [kg])*w^2*x^2
+start x = 1
+event zero: x falling
+event far: x - (2 [m]) rising
+observe twice = 2*x
+conserve amplitude = x^2 + (x'/w)^2
+
+scene met
+  until 10
+  method dop853 rtol 1e-9
+  record x every 0.5
+  expect x = (1 [m])*cos(w*t) within 1e-7
+  expect x = cos(2.25) within 1e-7 at 2.25
+  expect x' = -sin(0.1) within 1e-7 at 0.1
+  expect x = 0 within 1e-9 at zero
+  expect x = 1 within 0 at 0
+  expect x < 1.000001
+  expect twice > -2.00001
+  expect time(zero) = pi/(2*w) within 1e-7
+  expect 2*time(zero)*w > 3.14
+  expect drift(energy) < 1e-7
+  expect drift(amplitude) < 1e-7
+  expect drift(x) > 1.99
+end
+
+scene all_columns
+  until 10
+  expect x < 2
+end
+
+scene ensemble
+  until 1
+  method dop853 rtol 1e-11
+  record twice
+  expect x^2 + (x'/w)^2 < 2.2500001
+  expect x < 1.4 at 0
+  expect drift(energy) < 1e-9
+end
+
+scene missed
+  until 10
+  method dop853 rtol 1e-9
+  record x every 0.5
+  expect x = (1 [m])*cos(w*t) within 1e-12
+  expect x = 0.5 within 0.1 at 2.25
+  expect x < -1 at zero
+  expect x > 0
+  expect x' < 3 at far
+  expect time(far) < 3
+  expect drift(energy) < 1e-18
+end
+"""
+
+
+@pytest.fixture
+def swing(tmp_path: Path) -> Path:
+    path = tmp_path / "swing.lag"
+    path.write_text(SWING)
+    return path
+
+
+def test_what_is_met_is_counted_and_no_column(pkgen, swing: Path) -> None:
+    done = pkgen("run", swing, "--scene", "met")
+    assert done.returncode == 0, done.stderr
+    assert "expected: 12 of 12 met" in done.stderr
+    assert done.stdout.splitlines()[0] == "t,x" and len(done.stdout.splitlines()) == 22
+    # A time between rows is landed on, and the rows stay where they were.
+    assert [row.split(",")[0] for row in done.stdout.splitlines()[5:8]] == ["2", "2.5", "3"]
+
+
+def test_outputs_of_expectations_are_no_columns_where_all_others_are(pkgen, swing: Path) -> None:
+    done = pkgen("run", swing, "--scene", "all_columns")
+    assert done.returncode == 0 and "expected: 1 of 1 met" in done.stderr
+    assert done.stdout.splitlines()[0] == "t,x,x',twice,energy"
+    assert done.stdout.splitlines()[1] == "0,1,0,2,0.5"
+
+
+def test_a_miss_says_the_value_the_bound_and_by_how_much(pkgen, swing: Path) -> None:
+    done = pkgen("run", swing, "--scene", "missed")
+    assert done.returncode == 4
+    said = [line for line in done.stderr.splitlines() if "error" in line]
+    place = f"{swing}:{{}}:3: error: expectation missed: "
+    assert [line.split("missed: ")[0] + "missed: " for line in said] == [
+        place.format(SWING[: SWING.index("scene missed")].count("\n") + 5 + k) for k in range(7)
+    ]
+    assert " is off " in said[0] and "where 1e-12 is allowed; missed " in said[0]
+    assert f"missed: {math.cos(2.25):.5f}" in said[1]
+    assert "at t = 2.25 is off 0.5 by 1.13, where 0.1 is allowed" in said[1]
+    assert "is not below -1: off by 1; missed 2 of 2 times, this the most" in said[2]
+    assert "at t = 9.5 is not above 0: off by 0.997; missed 11 of 21 times" in said[3]
+    assert "event 'far' did not happen: the run ended at t = 10" in said[4]
+    assert "event 'far' did not happen" in said[5]
+    assert "is not below 1e-18: off by" in said[6]
+    assert "expected: 0 of 7 met" in done.stderr
+
+
+def test_verdicts_in_json_and_beside_a_file(pkgen, swing: Path, tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    done = pkgen("run", swing, "--scene", "missed", "--json", "-o", out)
+    assert done.returncode == 4 and done.stderr == ""
+    assert json.loads(done.stdout) == json.loads(Path(f"{out}.json").read_text())
+    verdicts = json.loads(done.stdout)["expects"]
+    assert [v["met"] for v in verdicts] == [False] * 7
+    second = verdicts[1]
+    assert second["text"] == "expect x = 0.5 within 0.1 at 2.25"
+    assert second["value"] == pytest.approx(math.cos(2.25), abs=1e-7)
+    assert (second["bound"], second["within"], second["t"]) == (0.5, 0.1, 2.25)
+    assert verdicts[4]["value"] is None and "did not happen" in verdicts[4]["said"]
+
+
+def test_options_change_what_is_compared(pkgen, swing: Path) -> None:
+    """Expectations follow parameters that the command line sets; a run that ends before misses."""
+    done = pkgen("run", swing, "--scene", "met", "--set", "w=2", "--json")
+    met = [v["met"] for v in json.loads(done.stdout)["expects"]]
+    assert met == [True, False, False, *[True] * 9]
+    done = pkgen("run", swing, "--scene", "met", "--until", "2", "--json")
+    verdicts = json.loads(done.stdout)["expects"]
+    assert [v["met"] for v in verdicts] == [True, False, *[True] * 9, False]
+    assert verdicts[1]["said"] == "there was no such time: the run ended at t = 2"
+
+
+SWARM = "until 1\n  swarm k = 1..3\n  start x = k\n  record x every 0.25\n  "
+DAMPED = """model damped
+coord x, y
+kinetic   (x'^2 + y'^2)/2
+potential x^2/2
+dissipation 0.1*x'^2
+event hit: x falling
+scene {}
+end
+"""
+
+
+@pytest.mark.parametrize(
+    ("clauses", "said"),
+    [
+        ("until 1\n  record x\n  expect drift(energy) < 1", "the energy is not constant here"),
+        ("until 1\n  record x\n  expect drift(p_x) < 1", "p_x is not constant here"),
+        (SWARM + "expect x < 1 at 0.3", "members have no row at t = 0.3"),
+        (SWARM + "expect time(hit) < 1", "events of a swarm or an ensemble are not watched"),
+    ],
+)
+def test_what_cannot_be_expected_has_its_place(pkgen, tmp_path: Path, clauses: str, said: str):
+    path = tmp_path / "damped.lag"
+    path.write_text(DAMPED.format("one\n  " + clauses))
+    line = DAMPED[: DAMPED.index("{}")].count("\n") + 2 + clauses.count("\n")
+    done = pkgen("run", path, "--scene", "one")
+    assert done.returncode == 2
+    assert f"damped.lag:{line}:3: scene 'one': {said}" in done.stderr
+
+
+def test_members_of_a_file_are_held_to_the_scene(pkgen, swing: Path, tmp_path: Path) -> None:
+    """Rows of what the scene records, the worst member named; at the start too, without its row."""
+    (tmp_path / "w.csv").write_text("w,x\n1,1\n2,1.5\n3,0.5\n")
+    options = ["--ensemble", tmp_path / "w.csv", "--json"]
+    done = pkgen("run", swing, "--scene", "ensemble", *options)
+    result = json.loads(done.stdout)
+    assert [c["name"] for c in result["columns"]] == ["member", "t", "twice"]
+    assert [row[:2] for row in result["rows"]] == [[1, 1], [2, 1], [3, 1]]
+    wave, start, drift = result["expects"]
+    assert wave["met"] and drift["met"] and not start["met"]
+    assert (start["member"], start["value"], start["bound"]) == (2, 1.5, 1.4)
+
+
+def test_without_a_scene_it_says_which_there_are(pkgen, swing: Path) -> None:
+    done = pkgen("run", swing, "--until", "1")
+    assert done.returncode == 0
+    assert (
+        done.stderr.splitlines()[-1]
+        == "scenes of this model, by --scene: met, all_columns, ensemble, missed"
+    )

@@ -1,0 +1,142 @@
+"""`swarm` in scenes: members as single runs, what they start at, what cannot be one."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import pytest
+from pkgen import swarm
+from pkgen.ensemble import Column
+from pkgen.exits import UsageError
+from pkgen.front.check import check_text
+from pkgen.front.scene_values import Values
+from pkgen.source import Source
+
+PENDULUM = """model pendulum
+param l = 1 [m] in (0, inf)
+param g = 9.81 [m/s^2]
+coord theta [rad], slide [m]
+kinetic   l^2*theta'^2/2*(1 [kg]) + slide'^2/2*(1 [kg])
+potential -g*l*cos(theta)*(1 [kg])
+start theta = 1, slide' = 0.1
+scene many
+  swarm  k = -2..70
+  set    l = 50 [cm]
+  start  theta = 3*k/71, theta' = sqrt(g/l)*k/1000
+  until  1.1
+  method rk4 step 0.01
+  record theta, energy every 0.4
+  expect theta < 3.2
+  expect energy < -4 at 0.8
+  expect drift(energy) < 1e-5
+end
+scene one
+  set    l = 50 [cm]
+  start  theta = 3*5/71, theta' = sqrt(g/l)*5/1000
+  until  1.1
+  method rk4 step 0.01
+  record theta, energy every 0.4
+end
+"""
+
+
+@pytest.fixture
+def pendulum(tmp_path: Path) -> Path:
+    path = tmp_path / "pendulum.lag"
+    path.write_text(PENDULUM)
+    return path
+
+
+def test_members_are_single_runs(pkgen, pendulum: Path) -> None:
+    done = pkgen("run", pendulum, "--scene", "many", "--json")
+    assert done.returncode == 4
+    result = json.loads(done.stdout)
+    assert [c["name"] for c in result["columns"]] == ["k", "t", "theta", "energy"]
+    rows = result["rows"]
+    assert [row[0] for row in rows[::4]] == list(range(-2, 71)) and len(rows) == 4 * 73
+    alone = json.loads(pkgen("run", pendulum, "--scene", "one", "--json").stdout)["rows"]
+    assert [row[1:] for row in rows if row[0] == 5] == [pytest.approx(x, rel=1e-12) for x in alone]
+    # The worst member is named by its k: the energy at rest is -4.905 and grows with k^2.
+    first, second, third = result["expects"]
+    assert first["met"] and third["met"] and not second["met"]
+    assert second["member"] == 73 and second["t"] == 0.8
+    worst = max(rows, key=lambda row: row[3] if row[1] == 0.8 else -math.inf)
+    assert worst[0] == 70 and second["value"] == worst[3]
+    assert third["member"] > 60  # it swings the most
+    assert result["settings"]["ensemble"] == "swarm k"
+
+
+def test_a_miss_names_the_member_and_options_set_all(pkgen, pendulum: Path) -> None:
+    done = pkgen("run", pendulum, "--scene", "many", "--start", "theta'=0")
+    assert done.returncode == 4 and "at t = 0.8 of k = 70 is not below -4" in done.stderr
+    rows = list(csv.DictReader(done.stdout.splitlines()))
+    assert all(
+        float(r["energy"])
+        == pytest.approx(0.005 - 4.905 * math.cos(3 * int(r["k"]) / 71), abs=1e-5)
+        for r in rows
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--diagnose", "all"], "--diagnose is for one trajectory, not for a swarm"),
+        (["--ensemble", "x.csv"], "--ensemble x.csv: {path}:9:10: the scene has a swarm already"),
+        (["--threads", "4000"], "--threads 4000: 1024 at most"),
+        (["--set", "l=0"], "{path}:11:35: scene 'many': start theta': division by zero"),
+    ],
+)
+def test_what_a_swarm_cannot_be_with(pkgen, pendulum: Path, options: list[str], said: str) -> None:
+    done = pkgen("run", pendulum, "--scene", "many", *options)
+    assert done.returncode == 2 and said.format(path=pendulum) in done.stderr
+
+
+@pytest.mark.parametrize("command", ["chart", "stability"])
+def test_charts_and_maps_are_of_one_motion(pkgen, pendulum: Path, command: str) -> None:
+    done = pkgen(command, pendulum, "--scene", "many")
+    assert done.returncode == 2 and "a swarm is many motions: 'pkgen run' runs it" in done.stderr
+
+
+FUNCTIONS = """model m
+size n = 3
+param p[i = 1..5] = 10*i
+const third = 1/3
+coord q[1..n], x
+kinetic sum(q[i]'^2/2, i = 1..n) + x'^2/2
+scene s
+  swarm k = 1..5
+  start q[i = 1..n] = i*k - p[k]/7 + third, q[2] = -(2^k)*atan2(k, 3) + norm([k, 2, k^0.5])
+  start q[1]' = sum(sin(j*k)/j, j = 1..3) + step(k - 3) + max(k, 2) - abs(1 - k), x = 4
+  start q[3]' = cross([k, 1, 0], [0, k, 1]).z + dot([k, k, 1], [1, 2, 3]) + asin(k/5)
+end
+"""
+
+
+def test_the_starts_of_all_members_are_what_each_alone_has() -> None:
+    model, _ = check_text(Source("m.lag", FUNCTIONS))
+    names = ("q[1]", "q[2]", "q[3]", "q[1]'", "q[3]'", "x")
+    known = {name: Column(name, "q", i, "") for i, name in enumerate(names)}
+    found = swarm.members(model, model.scenes[0], Values(model, {}), known, {"q[3]"})
+    assert [c.name for c in found.columns] == ["q[1]", "q[2]", "q[1]'", "q[3]'"]
+    assert (found.lines, found.counted) == (range(1, 6), "k")
+    for k, row in enumerate(found.values, 1):
+        assert list(row) == pytest.approx(
+            [
+                k - 10 * k / 7 + 1 / 3,
+                -(2**k) * math.atan2(k, 3) + math.sqrt(k * k + 4 + k),
+                sum(math.sin(j * k) / j for j in (1, 2, 3)) + (k >= 3) + max(k, 2) - abs(1 - k),
+                k * k + 3 * k + 3 + math.asin(k / 5),
+            ],
+            rel=1e-14,
+        )
+
+
+def test_a_start_that_is_no_number_names_its_member() -> None:
+    text = FUNCTIONS.replace("asin(k/5)", "asin(k/4)")
+    model, _ = check_text(Source("m.lag", text))
+    known = {"q[3]'": Column("q[3]'", "v", 2, "")}
+    with pytest.raises(UsageError, match=r"m.lag:11:17: .*start q': no finite number for k = 5"):
+        swarm.members(model, model.scenes[0], Values(model, {}), known, ())
