@@ -7,8 +7,8 @@ that is what normal forms can cancel. Of a larger block they are those that `der
 from __future__ import annotations
 
 from ..equations import Equations, Indices
-from .differentiate import gradient
-from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
+from .differentiate import gradient, partials, reachable
+from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 
 CRAMER = 4  # coordinates of one block
 
@@ -21,18 +21,52 @@ class Along:
         self.equations = equations
         self.block = {i: block for block in blocks for i in block}
         self.known: dict[int, Node | None] = {}
+        # What Lagrange's equations give the rate of without any acceleration, less its scale, which
+        # the graph takes out of powers and products.
+        self.leaves: dict[Node, tuple[Node, int | None]] = {}
+        for i, node in [*enumerate(equations.momenta), (None, equations.energy)]:
+            scale, rest = self.graph.split(node)
+            self.leaves[rest] = scale, i
 
     def terms(self, node: Node) -> list[Node] | None:
-        """The parts of its derivative, one for each symbol; None where an acceleration that would
-        be needed is too large."""
+        """The parts of its derivative, one for each symbol, momentum and the energy in it; None
+        where an acceleration that would be needed is too large."""
         g = self.graph
         terms = []
-        for symbol, slope in gradient(g, node, VARIABLE).items():
-            rate = self._rate(g.data[symbol]) if slope != ZERO else ZERO
+        for leaf, slope in self._slopes(node).items():
+            rate = self._rate_of(leaf) if slope != ZERO else ZERO
             if rate is None:
                 return None
             terms.append(g.multiply(slope, rate))
         return [term for term in terms if term != ZERO]
+
+    def _slopes(self, output: Node) -> dict[Node, Node]:
+        """The derivatives of a node by the symbols, momenta and energy that it is made of."""
+        g, leaves = self.graph, self.leaves
+        bars, found = {output: ONE}, {}
+        for node in reversed(reachable(g, [output], VARIABLE)):
+            bar = bars.pop(node, ZERO)
+            if g.op[node] is Op.SYMBOL or node in leaves:
+                found[node] = bar
+            elif bar != ZERO:
+                for a, slope in zip(g.args[node], partials(g, node), strict=True):
+                    if g.depends[a] & VARIABLE:
+                        bars[a] = g.add(bars.get(a, ZERO), g.multiply(bar, slope))
+        return found
+
+    def _rate_of(self, leaf: Node) -> Node | None:
+        if self.graph.op[leaf] is Op.SYMBOL:
+            return self._rate(self.graph.data[leaf])
+        scale, i = self.leaves[leaf]
+        rate = self.energy_rate() if i is None else self.equations.pdot[i]
+        return self.graph.divide(rate, scale)
+
+    def energy_rate(self) -> Node:
+        """dh/dt = v.(Q - dD/dv) - dL/dt"""
+        g, e = self.graph, self.equations
+        rates = (g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied)))
+        power = g.sum(map(g.multiply, rates, e.applied))
+        return g.subtract(power, self.explicit(e.lagrangian))
 
     def explicit(self, node: Node) -> Node:
         """Its derivative with the coordinates and rates held: by t, and by what inputs do."""
