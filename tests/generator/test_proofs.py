@@ -95,7 +95,22 @@ def outcomes(text, **sizes):
         (PAIR + "dissipation x'^2/2\n", "conserve c = x' + x"),
         (PAIR + "dissipation x'^2/2\n", "conserve c = x'*exp(t)"),
         (PAIR + "input u\npotential u*x\n", "conserve c = y'"),
-        (PAIR + "input u\nkinetic (x' + u)^2/2\n", "conserve c = 2*x' + u"),  # u' cancels
+        (PAIR + "input u\nkinetic (x' + u)^2/2\n", "conserve c = x' + u/2"),  # u' cancels
+        (
+            POLAR + "param m = 2\nkinetic m/2*r^2*phi'^2\nforce phi = 1/3\n",
+            "conserve c = (3*p_phi - t)^2",
+        ),
+        *(
+            (PENDULUM, f"conserve c = energy + {identity}")
+            for identity in (
+                "sin(a + pi/2) - cos(a)",
+                "sin(a - 3*pi/2)*sin(a + pi) + cos(a)*sin(a)",
+                "cos(a + 5*pi/6) - cos(a)*cos(5*pi/6) + sin(a)*sin(5*pi/6)",
+                "cos(3*a + 1/2) - 4*cos(a + 1/6)^3 + 3*cos(a + 1/6)",
+                "tan(a)^2 - 1/cos(a)^2",
+                "cosh(a)^2 - sinh(a)^2 - exp(a)*exp(-a) + tanh(2*a)*cosh(2*a)/sinh(2*a)",
+            )
+        ),
     ],
 )
 def test_proved(model, claim):
