@@ -130,6 +130,7 @@ def test_the_vector_of_laplace_runge_and_lenz():
         (KEPLER, "conserve c = energy + 1e-30*x"),  # far below the rounding of a double
         (PENDULUM, "conserve c = a'^2/2 + g*cos(a)"),
         (PENDULUM, "conserve c = energy + u"),
+        (PENDULUM, "conserve c = energy + cos(5*pi/6)*a"),
         (PENDULUM.replace("-g*cos(a)", "-g*cos(a)*(1 + u)"), "conserve c = energy"),
         (PENDULUM.replace("-g*cos(a)", "-g*cos(a - t)"), "conserve c = energy"),
         (PENDULUM + "dissipation a'^2/100\n", "conserve c = energy"),
