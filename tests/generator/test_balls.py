@@ -5,9 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
+from building import links
 from pkgen.functions import FUNCTIONS
 from pkgen.middle.balls import Ball, Balls
+from pkgen.middle.derive import derive
+from pkgen.middle.differentiate import reachable
 from pkgen.middle.graph import Graph, Kind, Symbol
+from pkgen.middle.solved import accelerations
 
 X, Y = Symbol(Kind.COORDINATE, 0), Symbol(Kind.COORDINATE, 1)
 COARSE, FINE = Balls(24), Balls(300)
@@ -65,3 +69,26 @@ def test_the_true_value_is_inside(name, rad):
 )
 def test_where_it_cannot_be_said_there_is_no_value(node, x, y):
     assert at(COARSE, node, Fraction(x), Fraction(y), 1e-6) is None
+
+
+def test_accelerations_have_a_bound_too():
+    """M a = f of a chain of links, by 200 bits against 400; and coarsely, with radii."""
+    e = derive(links(4), frozenset({"force", "mass"}))
+    symbols = {
+        e.graph.data[n]
+        for n in reachable(e.graph, [*sum(e.mass, ()), *e.force])
+        if not e.graph.args[n]
+    }
+    symbols = {s for s in symbols if isinstance(s, Symbol)}
+    state = {s: Fraction(k + 3, 8) for k, s in enumerate(sorted(symbols))}
+
+    def solved(balls, rad=0):
+        values = {s: Ball(balls.number(x).mid, balls.mp.mpf(rad)) for s, x in state.items()}
+        return accelerations(e, e.graph, balls, values)
+
+    coarse, wide, fine = solved(Balls(100)), solved(Balls(100), 2**-20), solved(Balls(400))
+    for s, exact in fine.items():
+        for ball in (coarse[s], wide[s]):
+            assert abs(exact.mid - FINE.mp.mpf(ball.mid)) <= FINE.mp.mpf(ball.rad)
+        assert abs(exact.mid) > 1e-2 and coarse[s].rad < 1e-24 and 2**-20 < wide[s].rad < 1e-2
+    assert len(fine) == 4 and solved(Balls(100), 1) is None  # M may be singular there

@@ -41,7 +41,7 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
     symbols = sorted(s for s in found if s.kind not in apart)
     used = {s.index for s in found if s.kind is Kind.PARAMETER}
     start = _starts(equations)
-    effort = len(below) + (10 * len(equations.force) ** 3 if solved else 0)
+    effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)
     tried = max(2, min(TRIED, EFFORT // effort))
     for k in range(tried):
         chosen = {s: _drawn(draw, start.get(s, Fraction(0)), k % 2 == 0) for s in symbols}
