@@ -96,6 +96,15 @@ def test_the_scenes_in_the_docs_run(tmp_path: Path) -> None:
     )
 
 
+def test_the_false_claim_in_the_docs_is_refuted_as_shown(tmp_path: Path) -> None:
+    page = ROOT / "docs/language.md"
+    (text,) = [b for b in blocks(page, "lag") if "conserve A" in b]
+    path = tmp_path / "kepler.lag"
+    path.write_text(text.replace("-mu/r\n", "-mu/r + 1/(9*r^3)\n"))
+    done = run_pkgen("check", "kepler.lag", cwd=tmp_path)
+    assert done.returncode == 1 and done.stderr in page.read_text()
+
+
 def test_the_example_of_events_runs(tmp_path: Path) -> None:
     page = ROOT / "docs/events.md"
     model = ROOT / "models/events/thrown_stone.lag"

@@ -103,7 +103,7 @@ def stages(
         yield loops
         yield loops_render.render_loops(loops)
         return
-    structure = analyze.analyze(equations, symmetric)
+    structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure
     check_claims(equations.model, structure.claims)
     report = Report(lines)

@@ -15,6 +15,8 @@ from .middle.quantities import families
 from .model import Model
 from .source import Diagnostic, ModelError
 
+Use = Callable[[Model], tuple[Model, object]]  # what a scene makes of a model, and more
+
 PROVED_AT = 40  # coordinates up to which a family is unrolled for the proof of a claim
 FEW = 5  # members with which claims about a larger one are tried
 
@@ -22,7 +24,7 @@ FEW = 5  # members with which claims about a larger one are tried
 def with_proofs(
     equations: LoopEquations,
     file: File,
-    use: Callable[[Model], tuple[Model, object]] | None,
+    use: Use | None,
     symmetric: bool,
 ) -> LoopEquations:
     """The equations with the outcome of each claim among their facts; with `symmetric`, also with
@@ -40,7 +42,7 @@ def with_proofs(
         claims = tuple(Claim(item.name, OPEN, says) for item in model.conserved)
         return replace(equations, facts=replace(equations.facts, claims=claims))
     unrolled = derive.derive(small, frozenset({"mass", "force", "momenta", "conserve"}))
-    structure = analyze.analyze(unrolled, symmetric)
+    structure = analyze.analyze(unrolled, symmetric, with_claims=True)
     at = f"with {sizes_text(small)}"
     claims = tuple(replace(x, says=f"{x.says}, {at}") for x in structure.claims)
     found = structure.symmetries
@@ -51,9 +53,7 @@ def with_proofs(
     return replace(equations, facts=facts)
 
 
-def _small(
-    file: File, model: Model, use: Callable[[Model], tuple[Model, object]] | None
-) -> Model | None:
+def _small(file: File, model: Model, use: Use | None) -> Model | None:
     count = sum(f.count for f in families(model, model.coordinates).values())
     if count <= PROVED_AT:
         return model

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import sympy
 
 INVISIBLE_TIMES = "\u2062"
+_ENTITY = re.compile(r"&(?!amp;|lt;|gt;)\w+;")  # HTML has them; XML has not, nor need we
 _NAME = re.compile(r"([^\W\d]+?)_?(\d*)(?:_(\w+))?('*)")
 _MEMBER = re.compile(r"(\w+)\[(.*)\]('*)")
 # What the language spells out, by its letters.
@@ -110,7 +111,7 @@ def _dotted(letter: str, primes: int) -> str:
 
 def expression(expr: sympy.Expr) -> str:
     text = _printer()._print(expr).toxml()
-    return re.sub(r"&amp;(\w+;)", lambda found: unescape("&" + found[1]), text)
+    return _ENTITY.sub(lambda found: unescape(found[0]), text)
 
 
 @cache

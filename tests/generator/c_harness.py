@@ -76,7 +76,7 @@ def read_model(path: Path) -> tuple[Equations, Program]:
 def read_text(text: str, name: str = "model.lag") -> tuple[Equations, Program]:
     model, _ = check.check_text(Source(name, text))
     equations = derive.derive(model)
-    return equations, lower.lower(equations, analyze.analyze(equations))
+    return equations, lower.lower(equations, analyze.analyze(equations, with_claims=True))
 
 
 def write(program: Program, directory: Path, *, self_test: bool = False) -> list[str]:

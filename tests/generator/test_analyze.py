@@ -11,6 +11,7 @@ from pkgen.back.render import FACTS
 from pkgen.compiler import stages
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
+from pkgen.middle.graph import Kind, Symbol
 from pkgen.source import Source
 
 # Potentials and forces below are not quadratic, or not steady, so that nothing is affine.
@@ -108,10 +109,21 @@ def test_a_rotating_pair_is_not_smoothly_confused():
         (dict(lagrangian="k*x**2*D(x)**2"), False),
         (dict(forces={"x": "abs(D(x))"}), False),
         (dict(forces={"x": "x*D(x)"}), False),
+        (dict(lagrangian="t*D(x)"), False),  # nothing of it in f, but in the momentum
     ],
 )
 def test_affine(change, affine):
     assert facts(**(FREE | change)).affine is affine
+
+
+def test_affine_by_identity():
+    equations = derive(model(**FREE))
+    g = equations.graph
+    x = g.symbol(Symbol(Kind.COORDINATE, 0))
+    square = g.multiply(x, g.add(x, g.number(3)))
+    force = (g.subtract(square, g.power(x, 2)), equations.force[1])
+    assert analyze(replace(equations, force=force)).affine
+    assert not analyze(replace(equations, force=(square, equations.force[1]))).affine
 
 
 def test_mass_blocks_and_band():
@@ -135,6 +147,9 @@ PAIR = dict(coords=("p", "q", "r"), kinetic="(D(p)**2 + D(q)**2 + D(r)**2)/2")
         (dict(potential="cos(p - r)"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
         # A force goes one way; a block has both.
         (dict(forces={"p": "-D(q)"}), ((1,), (), ()), ((0, 1), (2,))),
+        (dict(forces={"q": "-D(p)"}), ((), (0,), ()), ((0, 1), (2,))),
+        # M depends on a rate, and no force does.
+        (dict(lagrangian="D(p)**2*D(r)**2", potential="r"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
         (dict(lagrangian="D(p)*D(q)/2 + cos(q)"), ((1,), (1,), ()), ((0, 1), (2,))),
         # Through M, though not in any force.
         (dict(lagrangian="r**2*D(p)**2"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
@@ -190,6 +205,8 @@ dissipation sum(q[i]'^2/i, i = 1..N)
         ("q[i]'^2/i", "q[i]'^2*q[i]^2", False),
         ("k[i]/2", "k[i]/2*cos(q[1] - q[1] + i)", True),
         ("q[i]'^2/2", "q[i]'^2/2*(1 + q[i]^2)", False),
+        ("q[i]'^2/2", "q[i]'^4/2", False),
+        ("q[i]'^2/2", "q[i]'^2/2 + t*q[i]'", False),
         ("dissipation", "force q[i = 1..N] = q[i]*q[i]'\ndissipation", False),
     ],
 )

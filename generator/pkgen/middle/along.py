@@ -1,14 +1,17 @@
 """Time derivatives along the equations of motion, on a copy of the equations' graph.
 
 The accelerations are written by Cramer's rule for each block of M, over one denominator a block:
-that is what normal forms can cancel. Of a larger block they are those that `derive` solved for.
+that is what normal forms can cancel. Of a larger block they are solved for as in the C; where even
+that is too large they stay symbols, whose values `solved.py` finds at a state.
 """
 
 from __future__ import annotations
 
 from ..equations import Equations, Indices
-from .differentiate import gradient
-from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
+from .combination import combination
+from .differentiate import gradient, partials, reachable
+from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from .solve import solve
 
 CRAMER = 4  # coordinates of one block
 
@@ -20,19 +23,67 @@ class Along:
         self.graph = equations.graph.copy()
         self.equations = equations
         self.block = {i: block for block in blocks for i in block}
-        self.known: dict[int, Node | None] = {}
+        self.known: dict[int, Node] = {}
+        # What Lagrange's equations give the rate of without any acceleration, less its scale, which
+        # the graph takes out of powers and products.
+        self.leaves: dict[Node, tuple[Node, int | None]] = {}
+        for i, node in [*enumerate(equations.momenta), (None, equations.energy)]:
+            scale, rest = self.graph.split(node)
+            self.leaves[rest] = scale, i
 
-    def terms(self, node: Node) -> list[Node] | None:
-        """The parts of its derivative, one for each symbol; None where an acceleration that would
-        be needed is too large."""
+    def terms(self, node: Node) -> list[Node]:
+        """The parts of its derivative, one for each symbol, momentum and the energy in it."""
         g = self.graph
-        terms = []
-        for symbol, slope in gradient(g, node, VARIABLE).items():
-            rate = self._rate(g.data[symbol]) if slope != ZERO else ZERO
-            if rate is None:
-                return None
-            terms.append(g.multiply(slope, rate))
+        slopes = self._slopes(node)
+        terms = self._of_large_blocks(slopes)
+        terms += [g.multiply(x, self._rate_of(leaf)) for leaf, x in slopes.items() if x != ZERO]
         return [term for term in terms if term != ZERO]
+
+    def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
+        """What the rates of a block add together where they do without accelerations; their slopes
+        are then done with."""
+        g, e, terms = self.graph, self.equations, []
+        for block in dict.fromkeys(self.block.values()):
+            rates = [g.symbol(Symbol(Kind.RATE, i)) for i in block]
+            wanted = [slopes.get(rate, ZERO) for rate in rates]
+            if len(block) <= CRAMER or all(x == ZERO for x in wanted):
+                continue
+            found = combination(g, [[e.mass[i][j] for j in block] for i in block], wanted)
+            if found is not None:
+                terms += [
+                    g.multiply(g.number(x), e.force[i]) for x, i in zip(found, block, strict=True)
+                ]
+                for rate in rates:
+                    slopes.pop(rate, None)
+        return terms
+
+    def _slopes(self, output: Node) -> dict[Node, Node]:
+        """The derivatives of a node by the symbols, momenta and energy that it is made of."""
+        g, leaves = self.graph, self.leaves
+        bars, found = {output: ONE}, {}
+        for node in reversed(reachable(g, [output], VARIABLE)):
+            bar = bars.pop(node, ZERO)
+            if g.op[node] is Op.SYMBOL or node in leaves:
+                found[node] = bar
+            elif bar != ZERO:
+                for a, slope in zip(g.args[node], partials(g, node), strict=True):
+                    if g.depends[a] & VARIABLE:
+                        bars[a] = g.add(bars.get(a, ZERO), g.multiply(bar, slope))
+        return found
+
+    def _rate_of(self, leaf: Node) -> Node:
+        if self.graph.op[leaf] is Op.SYMBOL:
+            return self._rate(self.graph.data[leaf])
+        scale, i = self.leaves[leaf]
+        rate = self.energy_rate() if i is None else self.equations.pdot[i]
+        return self.graph.divide(rate, scale)
+
+    def energy_rate(self) -> Node:
+        """dh/dt = v.(Q - dD/dv) - dL/dt"""
+        g, e = self.graph, self.equations
+        rates = (g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied)))
+        power = g.sum(map(g.multiply, rates, e.applied))
+        return g.subtract(power, self.explicit(e.lagrangian))
 
     def explicit(self, node: Node) -> Node:
         """Its derivative with the coordinates and rates held: by t, and by what inputs do."""
@@ -40,7 +91,7 @@ class Along:
         slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT])
         return g.sum(g.multiply(slope, self._rate(g.data[s])) for s, slope in slopes.items())
 
-    def _rate(self, symbol: Symbol) -> Node | None:
+    def _rate(self, symbol: Symbol) -> Node:
         g = self.graph
         if symbol.kind is Kind.TIME:
             return ONE
@@ -56,15 +107,23 @@ class Along:
         following = names[index] + "'" if index < len(names) else ""
         return index + 1 if following in names[index + 1 : index + 2] else index + len(names)
 
-    def _acceleration(self, index: int) -> Node | None:
+    def _acceleration(self, index: int) -> Node:
         if index not in self.known:
             block = self.block[index]
             if len(block) <= CRAMER:
                 self.known |= cramer(self.graph, self.equations, block)
             else:
-                solved = self.equations.acceleration
-                self.known |= {i: solved[i] if solved else None for i in block}
+                self.known |= enumerate(self._solved())
         return self.known[index]
+
+    def _solved(self) -> tuple[Node, ...]:
+        g, e = self.graph, self.equations
+        if e.acceleration is not None:
+            return e.acceleration
+        found = solve(g, e.mass, e.force)
+        if found is not None:
+            return found[0]
+        return tuple(g.symbol(Symbol(Kind.ACCELERATION, i)) for i in range(len(e.force)))
 
 
 def cramer(g: Graph, equations: Equations, block: tuple[int, ...]) -> dict[int, Node]:

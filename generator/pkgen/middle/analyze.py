@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..equations import Claim, Equations, Structure
+from ..equations import Equations, Structure
 from ..functions import FUNCTIONS
 from .analyze_affine import affine
 from .analyze_coupling import blocks_of, influences, mass_band, mass_blocks
@@ -25,9 +25,9 @@ RATES = BIT[Kind.RATE]
 TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 
-def analyze(equations: Equations, symmetric: bool = False) -> Structure:
-    """The facts of enum pk_fact and others; with `symmetric` also what Noether's theorem gives,
-    which takes longer."""
+def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = False) -> Structure:
+    """The facts of enum pk_fact and others. What takes longer has to be asked for: by `symmetric`
+    what Noether's theorem gives, by `with_claims` the outcome of each `conserve`."""
     seen = _Seen(equations.graph)
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
@@ -54,14 +54,9 @@ def analyze(equations: Equations, symmetric: bool = False) -> Structure:
         mass_band=mass_band(equations),
         influences=influence,
         blocks=blocks_of(influence),
-        claims=claims_of(equations, coupled, bool(jumping)),
+        claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
         symmetries=symmetries(equations, coupled, influence) if symmetric and not jumping else None,
     )
-
-
-def claims(equations: Equations) -> tuple[Claim, ...]:
-    """The outcome of each `conserve` alone."""
-    return claims_of(equations, mass_blocks(equations), bool(_jumping(equations)))
 
 
 class _Seen:

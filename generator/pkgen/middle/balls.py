@@ -70,6 +70,18 @@ class Balls:
         value = Fraction(value)
         return self._rounded(self.mp.mpf(value.numerator) / value.denominator, 0)
 
+    def product(self, *factors: Ball) -> Ball:
+        result = Ball(self.mp.mpf(1), self.mp.mpf(0))
+        for factor in factors:
+            result = self._times(result, factor)
+        return result
+
+    def total(self, terms: Iterable[Ball]) -> Ball:
+        result = Ball(self.mp.mpf(0), self.mp.mpf(0))
+        for term in terms:
+            result = self._rounded(result.mid + term.mid, result.rad + term.rad)
+        return result
+
     def values(
         self, g: Graph, nodes: Iterable[Node], symbols: Mapping[Symbol, Ball]
     ) -> list[Ball | None]:

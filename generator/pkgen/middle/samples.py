@@ -13,8 +13,10 @@ from .differentiate import reachable
 from .evaluate import evaluate
 from .graph import Graph, Kind, Node, Op, Symbol
 from .guards import bounds_of
+from .solved import accelerations
 
-TRIED = 24  # the first half with parameters at their defaults
+TRIED = 24  # states, the first half with parameters at their defaults,
+EFFORT = 100_000  # or fewer, for so many values of nodes: some 2 s
 
 
 @dataclass(frozen=True)
@@ -25,24 +27,37 @@ class Sample:
 
 
 def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
-    """States for the symbols that occur in the nodes, near the start and anywhere."""
+    """States for the symbols that occur in the nodes, near the start and anywhere; accelerations
+    that do are found for them."""
     draw = random.Random(2385)
-    found = {g.data[n] for n in reachable(g, nodes) if g.op[n] is Op.SYMBOL}
-    symbols = sorted(s for s in found if s.kind not in (Kind.PI, Kind.PARAMETER))
+    below = reachable(g, nodes)
+    if any(g.op[n] is Op.SYMBOL and g.data[n].kind is Kind.ACCELERATION for n in below):
+        solved = True
+        below = reachable(g, [*nodes, *equations.force, *sum(equations.mass, ())])
+    else:
+        solved = False
+    found = {g.data[n] for n in below if g.op[n] is Op.SYMBOL}
+    apart = (Kind.PI, Kind.PARAMETER, Kind.ACCELERATION)
+    symbols = sorted(s for s in found if s.kind not in apart)
     used = {s.index for s in found if s.kind is Kind.PARAMETER}
     start = _starts(equations)
-    for k in range(TRIED):
+    effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)
+    tried = max(2, min(TRIED, EFFORT // effort))
+    for k in range(tried):
         chosen = {s: _drawn(draw, start.get(s, Fraction(0)), k % 2 == 0) for s in symbols}
         varied = {}
-        if k >= TRIED // 2:
+        if k >= tried // 2:
             varied = _varied(equations, draw, used)
             chosen |= varied
         elif not symbols and k:
             continue
         values = _parameters(equations, balls, varied)
-        if values is not None:
-            values |= {s: balls.number(x) for s, x in chosen.items()}
-            yield Sample(values, chosen, bool(varied))
+        if values is None:
+            continue
+        values |= {s: balls.number(x) for s, x in chosen.items()}
+        more = accelerations(equations, g, balls, values) if solved else {}
+        if more is not None:
+            yield Sample(values | more, chosen, bool(varied))
 
 
 def _drawn(draw: random.Random, start: Fraction, near: bool) -> Fraction:

@@ -68,10 +68,8 @@ def _columns(
         return [((g.symbol(Symbol(kind, i)), 1),) for i in range(n)]
 
     q, v, t = symbols(Kind.COORDINATE), symbols(Kind.RATE), ((g.symbol(Symbol(Kind.TIME)), 1),)
-    rates = (g.symbol(Symbol(Kind.RATE, i)) for i in range(n))
-    power = g.sum(map(g.multiply, rates, equations.applied))
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
-    nodes += [g.subtract(along.explicit(equations.lagrangian), power), ONE]
+    nodes += [g.negate(along.energy_rate()), ONE]
     exact = Exact(g, WORK)
     made = exact.numerators(nodes)
     if made is None:

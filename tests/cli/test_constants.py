@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import sympy
 from conftest import ROOT
 from pkgen import mathml
 from pkgen.back.facts import facts, invariants
@@ -154,6 +155,10 @@ def test_names() -> None:
     assert (
         said("q[i+1]") == "qi+1" and said("M[q[i], phi]") == "Mqi,φ" and said("k_wall") == "kwall"
     )
+
+
+def test_entities_are_characters() -> None:
+    assert letters(ElementTree.fromstring(mathml.expression(2 * sympy.pi))) == "2π"
 
 
 def test_the_section_of_a_scene() -> None:
