@@ -1,4 +1,5 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
+`python -m bench accuracy [--quick] [--only TEXT] [--docs]` judges what scenes promise: accuracy.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
 Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
@@ -16,6 +17,7 @@ import sys
 import time
 
 from . import (
+    accuracy,
     chains,
     chart,
     derivation,
@@ -37,6 +39,8 @@ PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 
 def main() -> int:
+    if sys.argv[1:2] == ["accuracy"]:
+        return accuracy.main(sys.argv[2:])
     arguments = _arguments()
     effort = measure.QUICK if arguments.quick else measure.FULL
     effort = measure.ALONE if arguments.own else effort

@@ -25,6 +25,8 @@ class Line:
     if_not: tuple[str, ...] = ()
 
 
+KEEPS = "separable: its energy does not drift"
+STIFF = "dissipative: where that is stiff, steps need not follow it"
 TABLE = (
     Line("exponential", LAND, "the equations are linear: each step is exact"),
     Line("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
@@ -34,18 +36,14 @@ TABLE = (
     Line("dopri5", LAND, "loose accuracies"),
     Line("gauss", DENSE, "rows closer than its steps"),
     Line("rk4", LAND, "rows as close as its steps"),
-    Line("mclachlan4", LAND, "separable: its energy does not drift"),
-    Line("blanes_moan4", LAND, "separable: its energy does not drift"),
-    Line("blanes_moan6", LAND, "separable: its energy does not drift"),
-    Line("kahan_li8", LAND, "separable: its energy does not drift"),
+    Line("mclachlan4", LAND, KEEPS),
+    Line("blanes_moan4", LAND, KEEPS),
+    Line("blanes_moan6", LAND, KEEPS),
+    Line("kahan_li8", LAND, KEEPS),
     Line("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
-    Line("gauss4", LAND, "dissipative: stable at any step", if_not=("variational",)),
-    Line(
-        "radau",
-        LAND,
-        "stiff and dissipative: damps what it does not follow",
-        if_not=("variational",),
-    ),
+    Line("gauss4", LAND, STIFF, if_not=("variational",)),
+    Line("radau5", LAND, STIFF, if_not=("variational",)),
+    Line("radau", LAND, STIFF, if_not=("variational",)),
 )
 
 

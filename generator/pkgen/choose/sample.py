@@ -11,7 +11,7 @@ from ..simulate import Settings
 MOST = 5  # members that are tried
 SPARE = 0.3  # of the accuracy, that they keep: others may need more
 # The settings that a kind of column is in.
-FIELDS = {"p": "parameters", "i": "inputs", "q": "start_q", "v": "start_v", "z": "start_z"}
+FIELDS = {"p": "parameters", "i": "inputs", "q": "start_q", "v": "start_v"}
 
 
 def members(settings: Settings, ensemble: Ensemble) -> list[Settings]:
