@@ -15,6 +15,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -172,9 +173,27 @@ extern const struct pk_system *const run_system;
 extern const struct pk_part *const run_parts;
 extern const size_t run_n_parts;
 const struct pk_system *const run_system = &{name}_system;
-const struct pk_part *const run_parts = NULL;
+"""
+WHOLE = """const struct pk_part *const run_parts = NULL;
 const size_t run_n_parts = 0;
 """
+
+Parts = Sequence[tuple[str, Sequence[int]]]  # of a model: the name of each, its coordinates
+
+
+def _choice(name: str, parts: Parts) -> str:
+    """The C that says which model is run, and in which parts."""
+    text = CHOICE.format(name=name)
+    if not parts:
+        return text + WHOLE
+    rows = []
+    for k, (part, coordinates) in enumerate(parts):
+        text += f"extern const struct pk_system {part}_system;\n"
+        text += f"static const size_t part{k}[] = {{{', '.join(map(str, coordinates))}}};\n"
+        rows.append(f"    {{&{part}_system, part{k}}},\n")
+    text += "static const struct pk_part parts[] = {\n" + "".join(rows) + "};\n"
+    text += "const struct pk_part *const run_parts = parts;\n"
+    return text + f"const size_t run_n_parts = {len(parts)};\n"
 
 
 def build_program(
@@ -183,9 +202,11 @@ def build_program(
     *methods: str | None,
     ensemble: bool = False,
     tools: Toolchain | None = None,
+    parts: Parts = (),
 ) -> Path:
     """A program that integrates the model NAME, from its generated files, by any method; by
-    `methods` fastest, and by blocks of an ensemble's members.
+    `methods` fastest, and by blocks of an ensemble's members. With `parts`, NAME has no more than
+    outputs, and these are integrated.
 
     Raises BuildError with what the compiler said.
     """
@@ -193,20 +214,26 @@ def build_program(
     library = runtime_library(tools)
     inlined = inline_flags(methods)
     inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
-    parts = (library.name, inlined, sorted(files.items()))
-    digest = hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
+    choice = _choice(name, parts)
+    made_of = (library.name, inlined, choice, sorted(files.items()))
+    digest = hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]
     directory = cache_directory() / "programs" / f"{name[:40]}-{digest}"
     program = directory / "program"
     if not program.exists():
         with _staging(directory.parent) as staging:
             for file_name, text in files.items():
                 (staging / file_name).write_text(text, encoding="utf-8")
-            (staging / "choice.c").write_text(CHOICE.format(name=name), encoding="utf-8")
+            (staging / "choice.c").write_text(choice, encoding="utf-8")
             libraries = [str(library / archive) for archive in ("librun.a", "libpk.a")]
             libraries += [*tools.gsl_libs, "-lm"]
             libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
-            sources = [f"{name}.c", "choice.c", "-o", "program", *libraries]
-            _compile(tools, ["-DPK_RUNTIME", *inlined, "-I.", *sources], staging)
+            integrated = [f"{part}.c" for part, _ in parts] or [f"{name}.c"]
+            sources = ["choice.c", *integrated]
+            if parts:
+                _compile(tools, ["-DPK_RUNTIME", "-I.", "-c", f"{name}.c"], staging)
+                sources.append(f"{name}.o")
+            linked = [*sources, "-o", "program", *libraries]
+            _compile(tools, ["-DPK_RUNTIME", *inlined, "-I.", *linked], staging)
             _publish(staging, directory)
         _prune(directory.parent)
     os.utime(directory)

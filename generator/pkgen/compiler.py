@@ -29,6 +29,7 @@ from .equations import Equations, Structure
 from .front import check, parse
 from .loop_proofs import partly_proved, with_proofs
 from .middle import analyze, derive, loops_derive, reduce
+from .middle.apart import Part
 from .middle.loops import Facts, LoopEquations, Unrolled
 from .middle.proofs import check_claims
 from .middle.quantities import families
@@ -50,6 +51,18 @@ class Use:
 
 
 @dataclass(frozen=True)
+class CompiledPart:
+    """A block of coordinates as a system of its own; `coordinates` are their indices in the
+    whole."""
+
+    name: str
+    coordinates: tuple[int, ...]
+    equations: Equations
+    structure: Structure
+    program: Program
+
+
+@dataclass(frozen=True)
 class Compilation:
     """What each stage made of one model; `declared` is the model before a scene's use of it."""
 
@@ -61,6 +74,7 @@ class Compilation:
     report: Report
     program: Program | LoopProgram
     files: dict[str, str]
+    parts: tuple[CompiledPart, ...] = ()  # blocks of coordinates that are integrated apart
 
     @property
     def looped(self) -> bool:
@@ -81,7 +95,7 @@ def stages(
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
     `check` and `reduce` give triples: with the model as it is used and the warnings, and with the
-    structure of what is left and the report.
+    structure of what is left and the report; `lower` a pair: with the parts of the program.
     """
     file = parse.parse_all(source)
     yield file
@@ -100,24 +114,36 @@ def stages(
         check_claims(model, equations.facts.claims)
         yield equations, equations.facts, Report(lines)
         loops = loops_lower.lower_loops(equations, libm)
-        yield loops
+        yield loops, ()
         yield loops_render.render_loops(loops)
         return
     structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure
     check_claims(equations.model, structure.claims)
-    report = Report(lines)
+    left = reduce.Reduced(equations, structure, Report(), ())
     if needs is not None:
         with _no_collection():
-            equations, structure, report = reduce.reduce(equations, structure, needs, kernels)
-        report = replace(report, lines=(*lines, *report.lines))
-    yield equations, structure, report
+            left = reduce.reduce(equations, structure, needs, kernels)
+    report = replace(left.report, lines=(*lines, *left.report.lines))
+    yield left.equations, left.structure, report
+    of_whole = kernels
+    if left.parts:
+        of_whole = reduce.OF_WHOLE if kernels is None else kernels & reduce.OF_WHOLE
     with _no_collection():
-        program = lower.lower(equations, structure, kernels, libm=libm)
-    yield program
+        program = lower.lower(left.equations, left.structure, of_whole, libm=libm)
+        parts = tuple(_part(part, kernels, libm) for part in left.parts)
+    yield program, parts
     with _no_collection():
-        files = render.render(program, self_test=self_test)
+        files = render.render(program, self_test=self_test, report=report)
+        for part in parts:
+            files |= render.render(part.program)
     yield files
+
+
+def _part(part: Part, kernels: frozenset[str] | None, libm: bool) -> CompiledPart:
+    e = part.equations
+    program = lower.lower(e, part.structure, kernels, libm=libm)
+    return CompiledPart(e.model.name, part.coordinates, e, part.structure, program)
 
 
 @contextmanager
@@ -192,6 +218,9 @@ def compile_model(
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric)
-    _, (declared, model, warnings), _, facts, (equations, structure, report), program, files = made
+    _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
+    equations, structure, report = reduced
     warnings += partly_proved(model, facts)
-    return Compilation(declared, model, warnings, equations, structure, report, program, files)
+    return Compilation(
+        declared, model, warnings, equations, structure, report, program, files, parts
+    )

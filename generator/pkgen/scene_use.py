@@ -10,14 +10,14 @@ from . import scene_model
 from .compiler import Use
 from .exits import UsageError
 from .inlined import INLINED
-from .middle.reduce import REDUCTIONS, Needs
+from .middle.reduce import APART, REDUCTIONS, Needs
 from .middle.report import Line
 from .middle.specialise import folded, held
 from .model import Model, Scene
 from .option_values import unknown
 
 FOLD = "fold"
-EVERY = frozenset((*REDUCTIONS, FOLD))
+EVERY = frozenset((*REDUCTIONS, FOLD, APART))
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,7 @@ class Asked:
     run_time: frozenset[str]
     off: frozenset[str]
     quadratures: bool
+    apart: bool
 
 
 def of_run(options: argparse.Namespace) -> Use | None:
@@ -41,13 +42,14 @@ def of_run(options: argparse.Namespace) -> Use | None:
         columns = tuple("".join(name.split()) for name in options.record.split(","))
     off = switched_off(options.no_reduce)
     if options.diagnose:
-        off |= frozenset(REDUCTIONS)  # diagnostics are of the whole motion
+        off |= {*REDUCTIONS, APART}  # diagnostics are of the whole motion
     asked = Asked(
         columns,
         options.at,
         frozenset(text.partition("=")[0].strip() for text in options.set),
         off,
         True,
+        options.ensemble is None,
     )
     return _use(options.scene, asked)
 
@@ -57,7 +59,7 @@ def whole(options: argparse.Namespace) -> Use | None:
     if options.scene is None:
         return None
     run_time = frozenset(text.partition("=")[0].strip() for text in options.set)
-    return _use(options.scene, Asked(None, None, run_time, EVERY, False), swarm=False)
+    return _use(options.scene, Asked(None, None, run_time, EVERY, False, False), swarm=False)
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
@@ -65,7 +67,7 @@ def of_compile(options: argparse.Namespace) -> Use | None:
     scene's method calls."""
     if options.scene is None:
         return None
-    asked = Asked(None, None, frozenset(), switched_off(options.no_reduce), True)
+    asked = Asked(None, None, frozenset(), switched_off(options.no_reduce), True, True)
     use = _use(options.scene, asked, swarm=True)
 
     def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
@@ -133,6 +135,7 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
             frozenset(columns) | scene_model.needed(scene),
             frozenset((at,)) | scene_model.events(scene),
             asked.quadratures,
+            asked.apart and scene.swarm is None and scene.accuracy is None,
             asked.off,
         )
 

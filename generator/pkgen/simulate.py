@@ -27,6 +27,23 @@ from .expects import NOTHING, Watched
 from .reasons import with_options
 from .scene_model import hidden
 
+
+@dataclass(frozen=True)
+class PartSettings:
+    """How a block of coordinates is integrated by itself."""
+
+    method: str
+    step: float | None
+    rtol: float
+    atol: float
+
+    def lines(self, k: int) -> list[str]:
+        said = [f"part {k} method {self.method}"]
+        if self.step is not None:
+            return [*said, f"part {k} step {self.step.hex()}"]
+        return [*said, f"part {k} rtol {self.rtol.hex()}", f"part {k} atol {self.atol.hex()}"]
+
+
 LISTED = 10_000  # members of a family that are described one by one
 
 
@@ -65,6 +82,7 @@ class Settings:
     rows: str = ""  # land or dense: by steps that end there, or between steps; "": as it is best
     accuracy: float | None = None  # promised, by a method that is yet to be chosen
     compiled_for: tuple[str, ...] = ()  # methods that are fastest in the program; none: its own
+    parts: tuple[PartSettings, ...] = ()  # none: all as the whole
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -94,6 +112,8 @@ class Settings:
             said.append(f"at {self.at}")
         said += [f"diagnose {name}" for name in self.diagnose]
         said += self.watched.lines()
+        for k, part in enumerate(self.parts):
+            said += part.lines(k)
         return said
 
 
@@ -115,23 +135,23 @@ def columns(
     member = [ensemble.member] if ensemble else []
     if show:
         coordinates, rates = (named.coordinates(compilation, rates=r) for r in (False, True))
-        observed = named.observed(compilation)
-        return [*member, time, *(_column(c, coordinates, rates, observed, energy) for c in show)]
+        return [*member, time, *(_column(compilation, c, coordinates, rates, energy) for c in show)]
     return [
         *member,
         time,
         *named.coordinates(compilation).columns(LISTED),
         *named.coordinates(compilation, rates=True).columns(LISTED),
         *(q for q in named.observed(compilation) if not hidden(q.name)),
+        *named.quadratures(compilation),
         energy,
     ]
 
 
 def _column(
+    compilation: Compilation,
     shown: Shown,
     coordinates: named.Named,
     rates: named.Named,
-    observed: list[Quantity],
     energy: Quantity,
 ) -> Quantity:
     match shown.kind:
@@ -140,7 +160,9 @@ def _column(
         case "v":
             return rates[shown.name][1]
         case "observed":
-            return observed[shown.index]
+            return named.observed(compilation)[shown.index]
+        case "z":
+            return named.quadratures(compilation)[shown.index]
     return energy
 
 
@@ -156,8 +178,9 @@ def simulate(
     program = build_program(
         compilation.files,
         compilation.model.name,
-        *(settings.compiled_for or (settings.method,)),
+        *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
         ensemble=ensemble is not None,
+        parts=[(part.name, part.coordinates) for part in compilation.parts],
     )
     with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
         report_path = Path(scratch) / "report.json"

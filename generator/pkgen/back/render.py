@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pkgen_runtime
 
 from .. import __version__
+from ..middle.report import Report
 from . import lanes, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
@@ -66,10 +67,14 @@ _TESTED = [
 ]
 
 
-def render(program: Program, *, self_test: bool = False) -> dict[str, str]:
-    """NAME.h and NAME.c; with `self_test` also NAME_selftest.c, a program that checks them."""
+def render(
+    program: Program, *, self_test: bool = False, report: Report | None = None
+) -> dict[str, str]:
+    """NAME.h and NAME.c; with `self_test` also NAME_selftest.c, a program that checks them. The
+    header says what `report` does: what a scene did not need."""
     name = program.equations.model.name
-    context = _context(program)
+    lines = report.lines if report else ()
+    context = _context(program) | {"reductions": [str(line) for line in lines]}
     templates = {f"{name}.h": "header.h.j2", f"{name}.c": "source.c.j2"}
     if self_test:
         _refuse_parts(program)

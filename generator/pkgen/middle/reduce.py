@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from ..equations import Equations, Structure
 from .analyze import analyze
+from .apart import Part, parts_of
 from .count import operations
 from .graph import ZERO, Graph, Kind
 from .lagrange import NoRate, derived_again
@@ -32,6 +33,7 @@ class Needs:
     columns: frozenset[str]
     events: frozenset[str] = frozenset()
     quadratures: bool = True  # the method makes them
+    apart: bool = True  # blocks may be integrated apart
     off: frozenset[str] = frozenset()  # reductions that are not to be made
 
 
@@ -51,22 +53,44 @@ class State:
         return State(equations, analyze(equations), report)
 
 
+APART = "apart"  # the reduction that makes parts
+# Of a whole whose parts are integrated apart: what is computed from its state.
+OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
+
+
+@dataclass(frozen=True)
+class Reduced:
+    equations: Equations
+    structure: Structure
+    report: Report
+    parts: tuple[Part, ...]  # none: it is integrated as it is
+
+
 def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
-) -> tuple[Equations, Structure, Report]:
+) -> Reduced:
     """No more equations than are needed, with the kernels asked for (None: all)."""
     state = State(equations, structure, Report())
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:
             state = reduction(state, needs)
-    g = equations.graph
+    g, parts, lines = equations.graph, (), state.report.lines
+    if APART not in needs.off and needs.apart:
+        parts = parts_of(state.equations, state.structure, kernels)
+    if parts:
+        names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
+        why = "neither moves the other: integrated apart"
+        lines = (*lines, Line(APART, " | ".join(names), why))
+        kernels = OF_WHOLE if kernels is None else kernels & OF_WHOLE
     reduced = derived_again(state.equations, kernels)
+    moved = [part.equations for part in parts] or [reduced]
     report = replace(
         state.report,
+        lines=lines,
         coordinates=(len(equations.coordinates), len(reduced.coordinates)),
-        operations=(_cost(g, equations), _cost(g, reduced)),
+        operations=(_cost(g, equations), sum(_cost(g, e) for e in moved)),
     )
-    return reduced, analyze(reduced), report
+    return Reduced(reduced, analyze(reduced), report, parts)
 
 
 def _cost(g: Graph, equations: Equations) -> int:

@@ -77,9 +77,15 @@ def smaller(
         events=there(equations.events),
         start_q=pick(equations.start_q),
         start_v=pick(equations.start_v),
-        quadrature_names=tuple(equations.coordinates[i] for i, _ in quadratures),
-        quadratures=there(node for _, node in quadratures),
-        quadrature_start=tuple((quadrature_start or {})[i] for i, _ in quadratures),
+        quadrature_names=(
+            *equations.quadrature_names,
+            *(equations.coordinates[i] for i, _ in quadratures),
+        ),
+        quadratures=there([*equations.quadratures, *(node for _, node in quadratures)]),
+        quadrature_start=(
+            *equations.quadrature_start,
+            *((quadrature_start or {})[i] for i, _ in quadratures),
+        ),
     )
 
 
