@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from . import explain as explanation
-from . import limits, scene_use
+from . import explain_scenes, limits, scene_use
 from . import options as parsing
 from .back.kernels import KERNELS
 from .build import driver_methods
@@ -18,6 +18,7 @@ from .dump import dump
 from .exits import DONE
 from .explain_html import html
 from .explain_loops import explain_loops, record_loops
+from .explain_scenes import scenes_shown
 from .front.read import read
 from .methods_table import methods_text
 from .resources import bounded
@@ -101,12 +102,15 @@ def explain(options: argparse.Namespace) -> int:
             shown, record = explain_loops, record_loops
         else:
             shown, record = explanation.explain, explanation.record
-        written = html(compilation) if options.html else ""
+        scenes = scenes_shown(compilation, parsing.sizes(options.size))
+        written = html(compilation, scenes) if options.html else ""
         text = ""
         if options.json:
-            text = json.dumps(record(compilation), indent=1)
+            found = record(compilation) | {"scenes": explain_scenes.record(scenes)}
+            text = json.dumps(found, indent=1)
         elif not options.html:
             text = shown(compilation).rstrip("\n")
+            text += f"\n\n{explain_scenes.text(scenes)}" if scenes else ""
     if options.html:
         _replace(Path(options.html), written)
     if text:

@@ -126,9 +126,7 @@ def stages(
             left = reduce.reduce(equations, structure, needs, kernels)
     report = replace(left.report, lines=(*lines, *left.report.lines))
     yield left.equations, left.structure, report
-    of_whole = kernels
-    if left.parts:
-        of_whole = reduce.OF_WHOLE if kernels is None else kernels & reduce.OF_WHOLE
+    of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
     with _no_collection():
         program = lower.lower(left.equations, left.structure, of_whole, libm=libm)
         parts = tuple(_part(part, kernels, libm) for part in left.parts)
@@ -142,7 +140,7 @@ def stages(
 
 def _part(part: Part, kernels: frozenset[str] | None, libm: bool) -> CompiledPart:
     e = part.equations
-    program = lower.lower(e, part.structure, kernels, libm=libm)
+    program = lower.lower(e, part.structure, reduce.of_a_part(kernels), libm=libm)
     return CompiledPart(e.model.name, part.coordinates, e, part.structure, program)
 
 

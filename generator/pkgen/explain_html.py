@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from html import escape
 
 from . import __version__, mathml, page
@@ -13,23 +12,13 @@ from .compiler import Compilation
 from .equations import Equations, Invariant, Structure, Symmetries
 from .explain import SHOWN_OPERATIONS, default_text
 from .explain_html_loops import loop_sections
+from .explain_scenes import SceneShown
 from .middle import sympy_bridge
 from .middle.graph import ZERO, Kind, Node
 from .middle.loops import Facts
 
 MATRIX = 4  # coordinates up to which M is shown whole
 TERMS = 12  # of an invariant's formula; more are cut
-
-
-@dataclass(frozen=True)
-class SceneShown:
-    """What a scene needs of the model: the lines of its reduce.Report, operations by kernel."""
-
-    name: str
-    description: str
-    lines: tuple[str, ...]
-    before: dict[str, int]
-    after: dict[str, int]
 
 
 def html(compilation: Compilation, scenes: Sequence[SceneShown] = ()) -> str:

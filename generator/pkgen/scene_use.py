@@ -63,19 +63,23 @@ def whole(options: argparse.Namespace) -> Use | None:
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
-    """For C of a scene, to be embedded: named after model and scene, and no more kernels than the
-    scene's method calls."""
+    """For C of a scene."""
     if options.scene is None:
         return None
-    asked = Asked(None, None, frozenset(), switched_off(options.no_reduce), True, True)
-    use = _use(options.scene, asked, swarm=True)
+    return of_scene(options.scene, switched_off(options.no_reduce))
+
+
+def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
+    """For C to be embedded: named after model and scene, and no more kernels than the scene's
+    method calls."""
+    use = _use(name, Asked(None, None, frozenset(), off, True, True), swarm=True)
 
     def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
         model, lines = use.model(declared)
-        return replace(model, name=f"{model.name}_{options.scene}"), lines
+        return replace(model, name=f"{model.name}_{name}"), lines
 
     def kernels(used: Model) -> frozenset[str]:
-        scene = scenes.chosen(used, options.scene)
+        scene = scenes.chosen(used, name)
         return called(scene.method) | shown(used, scene)
 
     return Use(named, use.needs, kernels)

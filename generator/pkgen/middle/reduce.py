@@ -66,6 +66,16 @@ class Reduced:
     parts: tuple[Part, ...]  # none: it is integrated as it is
 
 
+def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
+    """Of the kernels asked for (None: all), those of a whole whose parts are integrated apart."""
+    return OF_WHOLE if kernels is None else kernels & OF_WHOLE
+
+
+def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
+    """And those of its parts."""
+    return None if kernels is None else kernels - (OF_WHOLE - {"canonical"})
+
+
 def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
 ) -> Reduced:
@@ -76,12 +86,12 @@ def reduce(
             state = reduction(state, needs)
     g, parts, lines = equations.graph, (), state.report.lines
     if APART not in needs.off and needs.apart:
-        parts = parts_of(state.equations, state.structure, kernels)
+        parts = parts_of(state.equations, state.structure, of_a_part(kernels))
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
         why = "neither moves the other: integrated apart"
         lines = (*lines, Line(APART, " | ".join(names), why))
-        kernels = OF_WHOLE if kernels is None else kernels & OF_WHOLE
+        kernels = of_the_whole(kernels)
     reduced = derived_again(state.equations, kernels)
     moved = [part.equations for part in parts] or [reduced]
     report = replace(
