@@ -1,6 +1,6 @@
-/* Blocks of coordinates integrated apart; see pk/apart.h. The block of memory is first the parts as
- * structs, then for each its parameters, maps and integrator, then the whole's state: all padded, so
- * that each is aligned for whatever comes first in it.
+/* Blocks of coordinates integrated apart; see pk/apart.h. The block of memory is first the parts
+ * as structs, then for each its parameters, maps and integrator, then the whole's state: all
+ * padded, so that each is aligned for whatever comes first in it. /
  */
 #include <stdio.h>
 #include <string.h>
@@ -182,7 +182,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
     memset(a, 0, sizeof *a);
     const size_t size = pk_apart_size(whole, parts, choices, count);
     if (size == 0 || !q0 || !v0 || !block)
-        return bad(a, "a pointer is null, or a system of another version or of families as loops", 0);
+        return bad(a, "a pointer is null, or a system of another version, or of loops", 0);
     if (block_size < size || (size_t)block % _Alignof(struct pk_apart_part) ||
         (size_t)block % _Alignof(pk_real))
         return a->status = PK_BLOCK_TOO_SMALL;

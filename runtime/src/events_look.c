@@ -1,5 +1,5 @@
-/* The functions of events at samples of a step: on an interpolant, which costs no step, or where that
- * is worthless at states by shorter steps. See events.c.
+/* The functions of events at samples of a step: on an interpolant, which costs no step, or where
+ * that is worthless at states by shorter steps. See events.c. /
  */
 #include "events.h"
 

@@ -7,14 +7,15 @@
  * To last, both are of twice the working precision: the matrix because what it errs by is the same
  * in each step, so that the motion would err by it times the number of steps, and the sum because
  * its round-off, though it has no sign, would grow like that number's root. What is left is one
- * rounding of the coefficients. These come from the kernels M and `linear`, M x = r refined until it
- * too is of twice the precision; or from accelerations, where a family is kept as loops or has more
- * coordinates than `linear` is made for.
+ * rounding of the coefficients. These come from the kernels M and `linear`, M x = r refined until
+ * it too is of twice the precision (that of c moves no more than where it rests); or from
+ * accelerations, where a family is kept as loops or has more coordinates than `linear` is made
+ * for.
  *
- * L is balanced by powers of two, which makes its norm, and with it the number of squarings, that of
- * its fastest motion and not of its units. References: pairs.c for the exponential; B. N. Parlett,
- * C. Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and Stability of
- * Numerical Algorithms, 12, for refinement.
+ * L is balanced by powers of two, which makes its norm, and with it the number of squarings, that
+ * of its fastest motion and not of its units. References: pairs.c for the exponential; B. N.
+ * Parlett, C. Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and
+ * Stability of Numerical Algorithms, 12, for refinement. /
  */
 #include <string.h>
 
@@ -33,7 +34,7 @@ struct work {
 
 static size_t room_size(size_t n)
 {
-    const size_t m = 2 * n + 1, for_expm = pk_expm_room(m), for_linear = 4 * n * n + 6 * n;
+    const size_t m = 2 * n + 1, for_expm = pk_expm_room(m), for_linear = 4 * n * n + 4 * n;
     return for_expm > for_linear ? for_expm : for_linear;
 }
 
@@ -63,14 +64,14 @@ static struct work work_of(const struct pk_integrator *it)
 
 /* Column j of L's middle block, from M y = r with M = L D L^T factored. */
 static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
-                    const pk_real *r, size_t stride, pk_real *room, pk_real *hi, pk_real *lo)
+                    const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {
     const size_t n = w->n;
     memset(hi, 0, n * sizeof *hi);
     memset(lo, 0, n * sizeof *lo);
     for (int count = 0; count < 3; count++) {
         for (size_t i = 0; i < n; i++) {
-            pk_real left = r[i * stride], rest = 0;
+            pk_real left = r[i * n], rest = 0;
             for (size_t k = 0; k < n; k++)
                 pk_pair_add(&left, &rest, -M[i * n + k], 0, hi[k], lo[k]);
             room[i] = left + rest;
@@ -87,23 +88,20 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     const void *params = it->problem.params;
     const size_t n = w->n, m = w->m;
     pk_real *M = w->room, *factors = M + n * n, *r_q = factors + n * n, *r_v = r_q + n * n;
-    pk_real *zero = r_v + n * n, *a = zero + 2 * n, *r_t = a + n, *f = r_t + n, *room = f + n;
+    pk_real *zero = r_v + n * n, *c = w->L.hi + 2 * n * m + n, *r_t = zero + 2 * n, *room = r_t + n;
     memset(zero, 0, 2 * n * sizeof *zero);
-    const enum pk_status status = pk_eval_acceleration(it, it->t, zero, zero + n, a);
+    const enum pk_status status = pk_eval_acceleration(it, it->t, zero, zero + n, c);
     if (status < 0)
         return status;
     system->mass(params, it->t, zero, zero + n, it->u, M);
-    system->linear(params, it->t, zero, zero + n, it->u, a, r_q, r_v, r_t);
-    system->force(params, it->t, zero, zero + n, it->u, f);
+    system->linear(params, it->t, zero, zero + n, it->u, c, r_q, r_v, r_t);
     memcpy(factors, M, n * n * sizeof *M);
     const size_t failed = pk_ldl_factor(factors, n);
     if (failed)
         return pk_eval_failed(it, it->t, zero, zero + n, (int)failed);
-    for (size_t j = 0; j < m; j++) {
-        const pk_real *r = j < n ? r_q + j : j < 2 * n ? r_v + j - n : f;
-        refined(w, M, factors, r, j < 2 * n ? n : 1, room, w->L.hi + j * m + n,
+    for (size_t j = 0; j < 2 * n; j++)
+        refined(w, M, factors, j < n ? r_q + j : r_v + j - n, room, w->L.hi + j * m + n,
                 w->L.lo + j * m + n);
-    }
     return PK_DONE;
 }
 
@@ -126,8 +124,8 @@ static enum pk_status from_accelerations(struct pk_integrator *it, const struct 
     return status;
 }
 
-/* L becomes S^-1 L S, S = diag(scale) of powers of two, so that rows and columns are alike; the last
- * row, c, no longer than they are. Returns its norm. */
+/* L becomes S^-1 L S, S = diag(scale) of powers of two, so that rows and columns are alike; the
+ * last row, c, no longer than they are. Returns its norm. */
 static pk_real balance(const struct work *w)
 {
     const size_t m = w->m;
@@ -188,8 +186,8 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     memset(w.L.lo, 0, m * m * sizeof *w.L.lo);
     memset(w.h, 0, KEPT * sizeof *w.h);
     *w.last = 0;
-    const int refine = system->linear && system->mass && system->force;
-    const enum pk_status status = refine ? from_linear(it, &w) : from_accelerations(it, &w);
+    const enum pk_status status =
+        system->linear && system->mass ? from_linear(it, &w) : from_accelerations(it, &w);
     if (status < 0)
         return status;
     for (size_t j = 0; j < n; j++)

@@ -1,5 +1,5 @@
-/* The stages of a step that an implicit method in (q, p) has just made, for quadratures: as one more
- * coordinate z would be, with the weights b of q's table.
+/* The stages of a step that an implicit method in (q, p) has just made, for quadratures: as one
+ * more coordinate z would be, with the weights b of q's table. /
  */
 #include "gauss.h"
 #include "generic.h"

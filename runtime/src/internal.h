@@ -47,17 +47,17 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
-/* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at a
- * start; whether a guard is zero there; after a trial step, which is still it->next; and after one
- * that failed, whether a guard is its cause. */
+/* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at
+ * a start; whether a guard is zero there; after a trial step, which is still it->next; and after
+ * one that failed, whether a guard is its cause. */
 size_t pk_guard_size(size_t n_guards, size_t n);
 void pk_guard_start(struct pk_integrator *it);
 enum pk_status pk_guard_here(struct pk_integrator *it);
 enum pk_status pk_guard_step(struct pk_integrator *it);
 enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
-/* Quadratures, which the block begins with: numbers needed; their start; those of a trial step, still
- * it->next; that it becomes the state. */
+/* Quadratures, which the block begins with: numbers needed; their start; those of a trial step,
+ * still it->next; that it becomes the state. */
 size_t pk_quadrature_size(const struct pk_system *system, size_t n);
 enum pk_status pk_quadrature_start(struct pk_integrator *it);
 enum pk_status pk_quadrature_step(struct pk_integrator *it);

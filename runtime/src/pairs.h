@@ -2,8 +2,8 @@
  * row. Not installed.
  *
  * References: T. J. Dekker, Numer. Math. 18 (1971) 224, for the product; D. E. Knuth, The Art of
- * Computer Programming 2, 4.2.2, for the sum; T. Ogita, S. M. Rump, S. Oishi, SIAM J. Sci. Comput. 26
- * (2005) 1955, for sums of products.
+ * Computer Programming 2, 4.2.2, for the sum; T. Ogita, S. M. Rump, S. Oishi, SIAM J. Sci. Comput.
+ * 26 (2005) 1955, for sums of products. /
  */
 #ifndef PK_PAIRS_H
 #define PK_PAIRS_H

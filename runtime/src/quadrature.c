@@ -1,7 +1,7 @@
 /* Quadratures, z' = g(t, q, v), beside the motion: a step adds h sum b_i g at its stages, which is
- * what the method would make of z as one more coordinate, since nothing depends on it. So z has the
- * method's order, and costs nothing but g. Sums are compensated, and z is exchanged as states are: a
- * step that fails leaves no trace.
+ * what the method would make of z as one more coordinate, since nothing depends on it. So z has
+ * the method's order, and costs nothing but g. Sums are compensated, and z is exchanged as states
+ * are: a step that fails leaves no trace. /
  */
 #include <string.h>
 

@@ -248,8 +248,8 @@ static void refused(void)
               PK_OUT_OF_BOUNDS);
     pk_apart_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "part 1 (y): a parameter is outside its bounds: fast") != NULL);
-    free(block);
     end(&t);
+    free(block); /* that the parts are in */
     CU_ASSERT(pk_apart_size(&t.whole, NULL, t.choices, 2) == 0);
 }
 

@@ -1,4 +1,5 @@
-/* The exact flow of affine systems against closed forms, in long double: M q'' = push - K q - C q'. */
+/* The exact flow of affine systems against closed forms, in long double: M q'' = push - K q - C
+ * q'. */
 #include <stdlib.h>
 
 #include "fixture.h"
