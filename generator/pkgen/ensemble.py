@@ -76,9 +76,7 @@ class Ensemble:
         """Messages of the driver, with the line of the file that a member stands on, or with its
         number in the swarm."""
         if self.counted:
-            return re.sub(
-                r"\bmember (\d+)", lambda found: self.named(int(found[1])), messages, flags=re.M
-            )
+            return re.sub(r"\bmember (-?\d+)", rf"{self.counted} = \1", messages)
 
         def place(found: re.Match[str]) -> str:
             return f"{self.path}:{self.lines[int(found[1]) - 1]}: "
@@ -86,8 +84,8 @@ class Ensemble:
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
 
     def named(self, member: int) -> str:
-        """A member that the driver counts from 1."""
-        return f"{self.counted} = {self.lines[member - 1]}" if self.counted else f"member {member}"
+        """A member, by its number for the driver."""
+        return f"{self.counted} = {member}" if self.counted else f"member {member}"
 
 
 def read(path: str, compilation: Compilation) -> Ensemble:

@@ -12,6 +12,7 @@ NAME_LENGTH = 63  # C99 promises 63 significant characters
 FAMILY = 1_000_000_000  # members of a family, terms of a sum in one range
 SAMPLED = 10_000  # members of a family of parameters whose defaults are evaluated; C tests all
 SWARM = 10_000_000  # members of a scene's swarm
+SWARM_VALUES = 50_000_000  # starts of all of them, in memory
 VISITS = 300_000  # of expressions while sums unroll, each time through one counted
 UNROLLED = 1_000_000  # nodes of the expression graph after unrolling and differentiation
 LITERAL_DIGITS = 400

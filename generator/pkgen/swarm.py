@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import limits
 from .ensemble import Column, Ensemble
 from .exits import UsageError
 from .front.check_values import NoValue, evaluate
@@ -36,18 +37,25 @@ def members(
     for item in scene.starts:  # the last one counts
         for loop, index in _unrolled(item, values.sizes):
             starts[indexed(item.name, index) + "'" * item.order] = item, loop
-    columns, table = [], []
-    for name, (item, loop) in starts.items():
-        if name in known and name not in given and of_swarm(scene, item.value):
-            columns.append(known[name])
-            x = _Members(model, scene, values.values, loop, swarm.variable, count)
-            table.append(x.column(item))
-    rows = np.stack(table, axis=1) if table else np.empty((len(count), 0))
+    chosen = {
+        name: start
+        for name, start in starts.items()
+        if name in known and name not in given and of_swarm(scene, start[0].value)
+    }
+    if len(count) * len(chosen) > limits.SWARM_VALUES:
+        raise UsageError(
+            f"{place(model, swarm.span)}: scene '{scene.name}': {len(count):,} members with "
+            f"{len(chosen):,} starts each; the limit is {limits.SWARM_VALUES:,} in all"
+        )
+    rows = np.empty((len(count), len(chosen)))
+    for k, (item, loop) in enumerate(chosen.values()):
+        x = _Members(model, scene, values.values, loop, swarm.variable, count)
+        rows[:, k] = x.column(item)
     return Ensemble(
         path=f"{place(model, swarm.span)}: scene '{scene.name}'",
-        columns=tuple(columns),
+        columns=tuple(known[name] for name in chosen),
         lines=range(first, last + 1),
-        values=np.ascontiguousarray(rows),
+        values=rows,
         counted=swarm.variable,
     )
 

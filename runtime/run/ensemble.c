@@ -63,6 +63,11 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
     return 1;
 }
 
+long ensemble_number(const struct settings *s, size_t member)
+{
+    return s->first_member + (long)member;
+}
+
 int ensemble_fixed(const struct settings *s)
 {
     const struct pk_ensemble e = {
@@ -88,7 +93,7 @@ static void show(struct run *run, int has_row, pk_real t, const pk_real *q, cons
                  const pk_real *z)
 {
     if (has_row) {
-        fprintf(stdout, "%ld,", run->settings.first_member + (long)run->member);
+        fprintf(stdout, "%ld,", ensemble_number(&run->settings, run->member));
         output_row(run, stdout, t, q, v, z);
     }
     if (run->monitor_block)
@@ -173,8 +178,8 @@ static int report(const struct run *run, const struct batch *b, const struct tal
             ",\n  \"members\": %zu,\n  \"done\": %zu,\n  \"failed\": %zu,\n  \"first_failed\": ",
             s->members, tally->done, tally->failed);
     if (tally->failed) {
-        fprintf(file, "{\"member\": %zu, \"status\": \"%s\", \"text\": \"%s\", \"t\": ",
-                tally->first_failed + 1, pk_status_name(tally->status),
+        fprintf(file, "{\"member\": %ld, \"status\": \"%s\", \"text\": \"%s\", \"t\": ",
+                ensemble_number(s, tally->first_failed), pk_status_name(tally->status),
                 pk_status_text(tally->status));
         output_real(file, tally->t);
         fputs("}", file);
@@ -183,7 +188,7 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     }
     fprintf(file, ",\n  \"astray\": %zu,\n  \"first_astray\": ", tally->astray);
     if (tally->astray)
-        fprintf(file, "%zu", tally->first_astray + 1);
+        fprintf(file, "%ld", ensemble_number(s, tally->first_astray));
     else
         fputs("null", file);
     fputs(",\n", file);
@@ -205,18 +210,19 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
         run->write_failed = errno ? errno : EIO;
     if (tally->failed) {
         fprintf(stderr,
-                "run: %s: %zu of %zu members failed, first member %zu: %s; "
+                "run: %s: %zu of %zu members failed, first member %ld: %s; "
                 "last valid time %.17g\n",
                 run->settings.method->name, tally->failed, run->settings.members,
-                tally->first_failed + 1, pk_status_text(tally->status), (double)tally->t);
+                ensemble_number(&run->settings, tally->first_failed), pk_status_text(tally->status),
+                (double)tally->t);
         code = 4;
     }
     if (tally->astray)
         fprintf(stderr,
                 "run: warning: energy off by more than %g of its scale at the end in %zu of %zu "
-                "members, first member %zu: make the step shorter\n",
+                "members, first member %ld: make the step shorter\n",
                 (double)TRUST_WRONG, tally->astray, run->settings.members,
-                tally->first_astray + 1);
+                ensemble_number(&run->settings, tally->first_astray));
     if (run->not_finite) {
         fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);

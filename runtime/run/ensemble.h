@@ -7,6 +7,8 @@
 /* Reads the lines members, column, threads into the settings. 1 if it was one of them. */
 int ensemble_setting(struct settings *s, const struct pk_system *system, size_t line,
                      char *const word[], int *code);
+/* The number under which a member, from 0 on, is spoken of. */
+long ensemble_number(const struct settings *s, size_t member);
 /* Whether the members take fixed steps. */
 int ensemble_fixed(const struct settings *s);
 /* All of it, rows at `count` intervals of settings.every; the process's exit code. */

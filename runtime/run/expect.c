@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ensemble.h"
 #include "words.h"
 
 /* What is off by the most so far: above 0 it is a miss, and no number is one as well. */
@@ -206,8 +207,8 @@ void expect_report(const struct run *run, FILE *file)
     fputs("  \"expects\": [", file);
     for (size_t i = 0; i < s->n_expected; i++) {
         const struct expected *x = &s->expected[i];
-        fprintf(file, "%s\n    {\"count\": %lu, \"missed\": %lu, \"member\": %zu", i ? "," : "",
-                x->count, x->missed, x->member + 1);
+        fprintf(file, "%s\n    {\"count\": %lu, \"missed\": %lu, \"member\": %ld", i ? "," : "",
+                x->count, x->missed, ensemble_number(s, x->member));
         named_real(file, "value", x->value);
         named_real(file, "bound", x->bound);
         named_real(file, "within", x->allowed);
@@ -216,7 +217,8 @@ void expect_report(const struct run *run, FILE *file)
     }
     fputs("],\n  \"expect_drifts\": [", file);
     for (size_t i = 0; i < s->n_drifting; i++) {
-        fprintf(file, "%s{\"member\": %zu", i ? ", " : "", s->drifting[i].member + 1);
+        fprintf(file, "%s{\"member\": %ld", i ? ", " : "",
+                ensemble_number(s, s->drifting[i].member));
         named_real(file, "max", s->drifting[i].max);
         fputs("}", file);
     }

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ensemble.h"
 #include "members.h"
 
 /* A batch is as many members as keep their rows within this; less to test more than one. */
@@ -40,7 +41,7 @@ static int set_member(struct batch *b, size_t i, size_t member, const double *ro
     const int outside = b->system->prepare(params);
     if (outside) {
         const int one = (size_t)outside <= b->system->n_parameters;
-        fprintf(stderr, "run: member %zu: %s%s\n", member + 1,
+        fprintf(stderr, "run: member %ld: %s%s\n", ensemble_number(s, member),
                 one ? b->system->parameters[outside - 1].what.name
                     : "what is computed from its parameters is not finite",
                 one ? " is outside its bounds" : "");
