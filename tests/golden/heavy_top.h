@@ -63,7 +63,7 @@
  *   energy: time shift
  *   p_phi: cyclic coordinate
  *   p_psi: cyclic coordinate
- *   p_axis: claimed, proved: by its numerator, angles and roots taken apart
+ *   p_axis: claimed, proved: term by term
  *
  * MIT No Attribution (MIT-0)
  *
