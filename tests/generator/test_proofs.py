@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from fractions import Fraction
 from itertools import islice
 
 import pytest
@@ -11,6 +12,9 @@ import sympy
 from conftest import ROOT
 from pkgen.compiler import check_model, stages
 from pkgen.middle.along import Along
+from pkgen.middle.combination import combination
+from pkgen.middle.graph import ONE, Graph, Kind, Symbol
+from pkgen.middle.residues import Residues
 from pkgen.middle.sympy_bridge import to_sympy
 from pkgen.source import ModelError, Source
 
@@ -107,6 +111,7 @@ def outcomes(text, **sizes):
                 "sin(a - 3*pi/2)*sin(a + pi) + cos(a)*sin(a)",
                 "cos(a + 5*pi/6) - cos(a)*cos(5*pi/6) + sin(a)*sin(5*pi/6)",
                 "cos(3*a + 1/2) - 4*cos(a + 1/6)^3 + 3*cos(a + 1/6)",
+                "cos(5*pi/3)*a - (2*cos(5*pi/6)^2 - 1)*a",
                 "tan(a)^2 - 1/cos(a)^2",
                 "cosh(a)^2 - sinh(a)^2 - exp(a)*exp(-a) + tanh(2*a)*cosh(2*a)/sinh(2*a)",
             )
@@ -213,6 +218,20 @@ def test_large_systems_without_written_accelerations(monkeypatch):
     first, second, third = structure.claims
     assert (first.outcome, second.outcome, third.outcome) == ("proved", "refuted", "not proved")
     assert float(third.says.split("below ")[1].split()[0]) < 1e-50
+
+
+def test_a_combination_modulo_a_prime_is_only_a_guess():
+    g = Graph()
+    x, y = (g.symbol(Symbol(Kind.COORDINATE, i)) for i in range(2))
+    rows = [[g.add(x, ONE), y], [y, g.number(2)]]
+    wanted = [
+        g.add(g.add(x, ONE), g.multiply(g.number(Fraction(-3, 2)), y)),
+        g.subtract(y, g.number(3)),
+    ]
+    assert combination(g, rows, wanted) == [1, Fraction(-3, 2)]
+    # x less its own residue is 0 in that world alone.
+    wanted[0] = g.add(wanted[0], g.subtract(x, g.number(Residues(g)(x))))
+    assert combination(g, rows, wanted) is None
 
 
 def test_too_large_is_not_proved_and_does_not_hang():

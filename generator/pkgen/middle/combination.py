@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from .graph import VARIABLE, Graph, Node
+from .graph import Graph, Node
 from .normal import Normal
 from .residues import PRIME, Residues
 
@@ -19,11 +19,9 @@ LARGEST = 1_000  # numerator of such a number
 def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fraction] | None:
     """The numbers x with M x = w, proved by normal forms; None where there are none, or where that
     is not seen."""
-    found = [_solved(Residues(g, moved), rows, wanted) for moved in (0, VARIABLE)]
-    if found[0] is None or found[0] != found[1]:
-        return None
-    numbers = [_number(x) for x in found[0]]
-    if None in numbers:
+    found = _solved(Residues(g), rows, wanted)
+    numbers = [_number(x) for x in found or ()]
+    if found is None or None in numbers:
         return None
     normal = Normal(g)
     for row, entry in zip(rows, wanted, strict=True):
