@@ -24,6 +24,9 @@ from .smaller import smaller, symbols_in
 
 # What must be known of equations to reduce them.
 ENOUGH = frozenset({"acceleration"})
+# Operations that a method itself takes for each number of the state at an evaluation: from some 7
+# (rk4) to 16 (gauss).
+OF_A_STATE = 10
 
 
 @dataclass(frozen=True)
@@ -251,9 +254,14 @@ def cyclic(state: State, needs: Needs) -> State:
     except (NotReduced, NoRate) as why:
         return _not(state, e, chosen, str(why))
     before, now = _cost(e.graph, e), _cost(e.graph, after.equations)
-    if now > before:
+    if now + OF_A_STATE * _states(after.equations) > before + OF_A_STATE * _states(e):
         return _not(state, e, chosen, f"{now} operations instead of {before}")
     return after
+
+
+def _states(e: Equations) -> int:
+    """The numbers that a method carries."""
+    return 2 * len(e.coordinates) + len(e.quadratures)
 
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:

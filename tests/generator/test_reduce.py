@@ -1,0 +1,275 @@
+"""Reduced equations against the whole ones, at states where nothing is special."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+import sympy
+from pkgen.front import check, parse
+from pkgen.middle.analyze import analyze
+from pkgen.middle.apart import parts_of
+from pkgen.middle.derive import derive
+from pkgen.middle.evaluate import evaluate
+from pkgen.middle.graph import Kind, Symbol
+from pkgen.middle.reduce import ENOUGH, Needs, reduce
+from pkgen.middle.specialise import folded, held
+from pkgen.source import ModelError, Source
+
+TOP = """\
+model top
+param A = 1.1
+param C = 0.45
+coord phi, theta, psi
+kinetic A/2*(theta'^2 + phi'^2*sin(theta)^2) + C/2*(psi' + phi'*cos(theta))^2
+potential 9.81*cos(theta)
+observe height = cos(theta)
+start theta = 0.7, phi' = 0.4, psi' = 11
+"""
+CART = """\
+model cart
+param m = 1.3
+param M = 2.4
+coord x, theta
+let X = x + 0.8*sin(theta)
+let Y = -0.8*cos(theta)
+kinetic M/2*x'^2 + m/2*(X'^2 + Y'^2)
+potential m*9.81*Y
+start theta = 0.7, x' = 0.3
+"""
+MAGNETIC = """\
+model magnetic
+coord x, y, s
+kinetic 0.7*x'^2 + 0.6*y'^2 + 0.9*s'^2 + 0.35*x'*s'*cos(y)
+lagrangian 1.3*y*x' + 0.4*sin(s)*x' - y^2/2 - s^4
+start y = 0.3, x' = 0.5
+"""
+TURNING = """\
+model turning
+coord r, phi, z
+let x = r*cos(phi + 0.3*t)
+let y = r*sin(phi + 0.3*t)
+kinetic (x'^2 + y'^2 + z'^2)/2
+potential (r - 1)^2 + z^2*r
+force z = 0.2*phi'
+start r = 1.2, phi' = 0.4
+"""
+PAIR = """\
+model pair
+param k = 2.3
+coord a, b, c
+kinetic a'^2/2 + 0.7*b'^2 + c'^2*(1 + a^2)/2
+potential -cos(a)*(1 + c^2) - k*cos(b)
+force b = 0.1*a
+observe gap = a - b
+start a = 0.4, b = 0.8
+"""
+
+
+def equations_of(text: str):
+    model, _ = check.check(parse.parse_all(Source("a.lag", text)), {})
+    return derive(model, ENOUGH)
+
+
+def reduced(equations, *columns: str, **more):
+    needs = Needs(frozenset(columns), **more)
+    return reduce(equations, analyze(equations), needs, ENOUGH)
+
+
+def somewhere(equations, seed: int) -> dict[Symbol, float]:
+    """Values of all symbols; of parameters their defaults, so that momenta are those of the start
+    where the state is it."""
+    draw = random.Random(seed)
+    n = len(equations.coordinates)
+    values = {
+        Symbol(kind, i): draw.uniform(0.4, 1.6)
+        for kind in (Kind.COORDINATE, Kind.RATE)
+        for i in range(n)
+    }
+    return values | {Symbol(Kind.TIME): 0.0}
+
+
+def parameters(equations, values: dict) -> dict[Symbol, float]:
+    found: dict[Symbol, float] = {}
+    for i, slot in enumerate(equations.parameters):
+        (found[Symbol(Kind.PARAMETER, i)],) = evaluate(
+            equations.graph, [slot.default], {**values, **found}
+        )
+    return found
+
+
+def renumbered(values: dict, kept: list[int]) -> dict:
+    return {
+        Symbol(kind, new): values[Symbol(kind, old)]
+        for kind in (Kind.COORDINATE, Kind.RATE)
+        for new, old in enumerate(kept)
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "kept", "angle"),
+    [
+        (TOP, ["theta"], "phi"),
+        (CART, ["theta"], "x"),
+        (MAGNETIC, ["y", "s"], "x"),
+        (TURNING, ["r", "z"], "phi"),
+    ],
+)
+def test_a_motion_without_its_cyclic_coordinates_is_the_same(text, kept, angle):
+    whole = equations_of(text)
+    names = [q.name for q in whole.coordinates]
+    found = reduced(whole, *kept, angle, f"{angle}'")
+    small = found.equations
+    assert [q.name for q in small.coordinates] == kept
+    assert [q.name for q in small.quadrature_names] == [angle]
+    for seed in range(4):
+        state = somewhere(whole, seed)
+        given = parameters(whole, state)
+        accelerations = evaluate(whole.graph, whole.acceleration, state | given)
+        # The momenta are those of this very state, made the start.
+        known = state | given
+        for (name, order), parameter in found.report.starts.items():
+            kind = Kind.RATE if order else Kind.COORDINATE
+            place = [s.quantity.name for s in small.parameters].index(parameter)
+            known[Symbol(Kind.PARAMETER, place)] = state[Symbol(kind, names.index(name))]
+        for i, slot in enumerate(small.parameters):
+            if Symbol(Kind.PARAMETER, i) not in known:
+                (known[Symbol(Kind.PARAMETER, i)],) = evaluate(small.graph, [slot.default], known)
+        known |= renumbered(state, [names.index(name) for name in kept])
+        again = evaluate(small.graph, small.acceleration, known)
+        for name, value in zip(kept, again, strict=True):
+            assert value == pytest.approx(accelerations[names.index(name)], rel=1e-11, abs=1e-12)
+        rate = state[Symbol(Kind.RATE, names.index(angle))]
+        assert abs(rate) > 0.1
+        nodes = [*small.quadratures, small.observed[-1], small.energy]
+        *rates, energy = evaluate(small.graph, nodes, known)
+        assert rates == pytest.approx([rate, rate], rel=1e-11)
+        assert energy == pytest.approx(*evaluate(whole.graph, [whole.energy], state | given))
+
+
+def test_what_a_cyclic_coordinate_is_needed_for_keeps_it():
+    whole = equations_of(TURNING.replace("0.2*phi'", "0.2*sin(phi)"))
+    found = reduced(whole, "r", "z")
+    assert len(found.equations.coordinates) == 3
+    assert "phi kept: it is in a force" in [str(line) for line in found.report.lines]
+    whole = equations_of(TOP)
+    found = reduced(whole, "theta", "phi", quadratures=False)
+    assert [q.name for q in found.equations.coordinates] == ["phi", "theta"]
+    assert "phi kept: the method makes no quadratures" in map(str, found.report.lines)
+    # In whatever order, and each can be switched off.
+    found = reduced(whole, "theta", off=frozenset({"cyclic"}))
+    assert len(found.equations.coordinates) == 3
+    free = equations_of("model loose\ncoord x, y\nkinetic x'^2 + y'^2\n")
+    assert len(reduced(free, "x", "y", off=frozenset({"apart"})).equations.coordinates) == 1
+
+
+def test_coordinates_without_influence_go_and_no_others():
+    whole = equations_of(PAIR)
+    for columns, kept in ((["a"], "ac"), (["c'"], "ac"), (["b"], "abc"), (["energy"], "abc")):
+        small = reduced(whole, *columns).equations
+        assert "".join(q.name for q in small.coordinates) == kept
+    assert len(reduced(whole, "gap").equations.coordinates) == 3
+    small = reduced(whole, "a").equations
+    assert small.observed_names == ()
+    for seed in range(3):
+        state = somewhere(whole, seed)
+        known = state | parameters(whole, state)
+        one = evaluate(whole.graph, whole.acceleration, known)
+        known |= renumbered(state, [0, 2])
+        assert evaluate(small.graph, small.acceleration, known) == pytest.approx(
+            [one[0], one[2]], rel=1e-13
+        )
+
+
+def test_blocks_apart_move_as_in_the_whole():
+    whole = equations_of(PAIR.replace("force b = 0.1*a\n", ""))
+    parts = parts_of(whole, analyze(whole), ENOUGH)
+    assert [part.coordinates for part in parts] == [(0, 2), (1,)]
+    for part in parts:
+        state = somewhere(whole, 7)
+        known = state | parameters(whole, state)
+        one = evaluate(whole.graph, whole.acceleration, known)
+        known |= renumbered(state, list(part.coordinates))
+        found = evaluate(part.equations.graph, part.equations.acceleration, known)
+        assert found == pytest.approx([one[i] for i in part.coordinates], rel=1e-13)
+    whole = equations_of(PAIR)
+    assert parts_of(whole, analyze(whole), ENOUGH) == ()
+
+
+def scene_of(text: str, clauses: str):
+    text += "scene one\n" + "".join(f"  {line}\n" for line in clauses.split("\n")) + "end\n"
+    model, _ = check.check(parse.parse_all(Source("a.lag", text)), {})
+    return model, model.scenes[0]
+
+
+def test_fixed_parameters_are_numbers():
+    text = PAIR.replace("param k = 2.3", "param h = 2\nparam k = 3*h\nconst c0 = 1.5")
+    model, scene = scene_of(text, "set h = c0 + 1, k = 2*h")
+    model, lines = folded(model, scene, frozenset())
+    e = derive(model, ENOUGH)
+    assert e.parameters == () and len(lines) == 1
+    state = somewhere(e, 3)
+    found = evaluate(e.graph, e.acceleration, state)
+    whole = equations_of(text)
+    given = {Symbol(Kind.PARAMETER, 0): 2.5, Symbol(Kind.PARAMETER, 1): 5.0}
+    assert found == pytest.approx(evaluate(whole.graph, whole.acceleration, state | given))
+    # A value from before what is set after it, and what the run sets, stay parameters.
+    model, scene = scene_of(text, "set k = 2*h, h = 7")
+    assert [p.name for p in folded(model, scene, frozenset())[0].parameters] == ["k"]
+    assert [p.name for p in folded(model, scene, frozenset({"h"}))[0].parameters] == ["h", "k"]
+
+
+@pytest.mark.parametrize(("name", "motion"), [("theta", "0.4 + 0.3*sin(2*t)"), ("x", "t^2*0.2")])
+def test_what_is_held_drives_the_rest(name, motion):
+    """M_rr a_r + M_rh g'' = f_r, with q_h = g(t) put in."""
+    whole = equations_of(CART)
+    names = [q.name for q in whole.coordinates]
+    model, scene = scene_of(CART, f"hold {name} = {motion}")
+    model, lines = held(model, scene)
+    e = derive(model, ENOUGH)
+    h, r = names.index(name), 1 - names.index(name)
+    assert [q.name for q in e.coordinates] == [names[r]] and len(lines) == 1
+    t = sympy.Symbol("t")
+    g = sympy.sympify(motion.replace("^", "**"), {"t": t})
+    at = 0.83
+    state = somewhere(whole, 5)
+    state |= {Symbol(Kind.TIME): at}
+    state |= {Symbol(Kind.COORDINATE, h): float(g.subs(t, at))}
+    state |= {Symbol(Kind.RATE, h): float(g.diff(t).subs(t, at))}
+    known = state | parameters(whole, state)
+    m_rr, m_rh, f = evaluate(
+        whole.graph, [whole.mass[r][r], whole.mass[r][h], whole.force[r]], known
+    )
+    expected = (f - m_rh * float(g.diff(t, 2).subs(t, at))) / m_rr
+    known = parameters(e, state) | state | renumbered(state, [r])
+    assert evaluate(e.graph, e.acceleration, known) == pytest.approx([expected], rel=1e-12)
+
+
+def test_ends_of_families_are_held_and_nothing_inside():
+    chain = """\
+model chain
+size N = 4
+coord q[1..N]
+free q
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 0..N)
+start q[i = 1..N] = 0.1*i
+"""
+    model, scene = scene_of(chain, "hold q[1] = sin(t)\nhold q[4] = cos(t)")
+    e = derive(held(model, scene)[0], ENOUGH)
+    assert [q.name for q in e.coordinates] == ["q[2]", "q[3]"]
+    state = {Symbol(Kind.COORDINATE, 0): 0.3, Symbol(Kind.COORDINATE, 1): 0.5}
+    state |= {Symbol(Kind.RATE, 0): 0.0, Symbol(Kind.RATE, 1): 0.0, Symbol(Kind.TIME): 0.9}
+    assert evaluate(e.graph, e.acceleration, state) == pytest.approx(
+        [math.sin(0.9) - 2 * 0.3 + 0.5, 0.3 - 2 * 0.5 + math.cos(0.9)]
+    )
+    assert evaluate(e.graph, e.start_q, {}) == pytest.approx([0.2, 0.3])
+    model, scene = scene_of(chain, "hold q[2] = sin(t)")
+    with pytest.raises(ModelError) as error:
+        held(model, scene)
+    assert "neither the first nor the last" in error.value.text()
+    model, scene = scene_of(chain.replace("free q", "periodic q"), "hold q[1] = sin(t)")
+    with pytest.raises(ModelError) as error:
+        held(model, scene)
+    assert "periodic" in error.value.text()
