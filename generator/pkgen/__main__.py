@@ -78,7 +78,7 @@ def _no_reduce_argument(parser: argparse.ArgumentParser) -> None:
         const="all",
         metavar="LIST",
         help="keep all that a scene does not need, or make all reductions but these: "
-        "fold,outputs,unconnected,cyclic,apart",
+        "fold,outputs,unconnected,cyclic,apart,exact",
     )
 
 

@@ -6,16 +6,17 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import diagnostics, limits, named, rows, scene, scene_model
+from . import diagnostics, limits, named, rows, scene, scene_model, scene_use
 from .build import driver_methods
 from .compiler import Compilation
+from .equations import Structure
 from .exits import UsageError
 from .inlined import INLINED
-from .middle.loops import LoopEquations
+from .middle.loops import Facts, LoopEquations
 from .middle.quantities import indexed
 from .model import Model, Scene
 from .option_values import Values, assignment, unknown
-from .simulate import Settings, Shown
+from .simulate import PartSettings, Settings, Shown
 
 UNTIL = 10.0
 RTOL = 1e-10
@@ -24,6 +25,7 @@ UNROLL = 16  # coordinates up to which a run is faster as straight-line code
 THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
 GAUSS_RTOL = 1e-5
+EXPONENTIAL_MOST = 64  # coordinates: a step of it is a product with a full matrix
 
 
 def sizes(assignments: Iterable[str]) -> dict[str, int]:
@@ -117,8 +119,13 @@ def settings(
     if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
     rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members or 1)
+    method = _method(options, said.method)
+    # No setting of an adaptive method, or of its rows, is meant for one that is exact.
+    free = options.rtol is None and said.rtol is None and step is None and at is None
+    exact = free and members is None and not options.diagnose
+    exact = exact and scene_use.EXACT not in scene_use.switched_off(options.no_reduce)
     return Settings(
-        method=_method(options, said.method) or default_method(compilation, rtol),
+        method=method or default_method(compilation, compilation.structure, rtol, exact),
         until=until,
         every=every,
         step=step,
@@ -136,6 +143,12 @@ def settings(
         at=at,
         diagnose=diagnostics.asked(options.diagnose),
         accuracy=None if _author_chooses(options) else said.accuracy,
+        parts=()
+        if method
+        else tuple(
+            PartSettings(default_method(compilation, part.structure, rtol, exact), step, rtol, rtol)
+            for part in compilation.parts
+        ),
     )
 
 
@@ -180,15 +193,27 @@ def _method(options: argparse.Namespace, of_scene: str) -> str:
     return name
 
 
-def default_method(compilation: Compilation, rtol: float) -> str:
-    """gauss is the fastest where the equations are smooth and the tolerance is not loose; across
-    a kink its error estimate means nothing. A long chain oscillates faster than it visibly moves,
-    so that the iteration of gauss, not its error, limits its steps, and all its stages do not fit
-    a cache; pair sums have no such neighbours and repay it."""
+def default_method(
+    compilation: Compilation, structure: Structure | Facts, rtol: float, exact: bool
+) -> str:
+    """For all coordinates or those of a part. A linear system with constant coefficients has an
+    exact flow, unless it is large or events are to be found between its rows.
+
+    gauss is the fastest where the equations are smooth and the tolerance is not loose; across a
+    kink its error estimate means nothing. A long chain oscillates faster than it visibly moves, so
+    that the iteration of gauss, not its error, limits its steps, and all its stages do not fit a
+    cache; pair sums have no such neighbours and repay it."""
     equations = compilation.equations
-    chain = isinstance(equations, LoopEquations) and not equations.force.pairs
-    smooth = compilation.structure.smooth
-    return "gauss" if smooth and not chain and rtol <= GAUSS_RTOL else "dop853"
+    if isinstance(equations, LoopEquations):
+        return "gauss" if equations.force.pairs and _by_gauss(structure, rtol) else "dop853"
+    few = len(equations.coordinates) <= EXPONENTIAL_MOST
+    if exact and structure.affine and few and not equations.events:
+        return "exponential"
+    return "gauss" if _by_gauss(structure, rtol) else "dop853"
+
+
+def _by_gauss(structure: Structure | Facts, rtol: float) -> bool:
+    return structure.smooth and rtol <= GAUSS_RTOL
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:

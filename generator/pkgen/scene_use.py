@@ -17,7 +17,8 @@ from .model import Model, Scene
 from .option_values import unknown
 
 FOLD = "fold"
-EVERY = frozenset((*REDUCTIONS, FOLD, APART))
+EXACT = "exact"  # the flow of a linear system, by its exponential
+EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT))
 
 
 @dataclass(frozen=True)

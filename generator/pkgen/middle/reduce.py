@@ -95,6 +95,7 @@ def reduce(
         why = "neither moves the other: integrated apart"
         lines = (*lines, Line(APART, " | ".join(names), why))
         kernels = of_the_whole(kernels)
+    lines = (*lines, *_of_itself(state.structure))
     reduced = derived_again(state.equations, kernels)
     moved = [part.equations for part in parts] or [reduced]
     report = replace(
@@ -104,6 +105,17 @@ def reduce(
         operations=(_cost(g, equations), sum(_cost(g, e) for e in moved)),
     )
     return Reduced(reduced, analyze(reduced), report, parts)
+
+
+def _of_itself(structure: Structure) -> tuple[Line, ...]:
+    """What follows from the structure, without anything that is left out."""
+    lines = []
+    if structure.mass_constant:
+        lines.append(Line("constant mass", "M is constant", "factored once, when prepared"))
+    if structure.affine:
+        why = "stepped by its exact exponential, unless another method is asked for"
+        lines.append(Line("exact", "linear with constant coefficients", why))
+    return tuple(lines)
 
 
 def _cost(g: Graph, equations: Equations) -> int:
