@@ -111,6 +111,9 @@ class Loaded:
         run(compiler, *STRICT, *flags, f"{self.name}.c", "-o", library, "-lm", cwd=directory)
         self.library = ctypes.CDLL(str(library))
         count = len(program.parameter_names) + max(1, program.hoisted)
+        if program.factored:
+            n = len(program.equations.coordinates)
+            count += n * n + n
         self.params = (ctypes.c_double * count)()
         self.function("defaults", None)(self.params)
 

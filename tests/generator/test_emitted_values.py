@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 from c_harness import COMPILERS, ODD, STRICT, TYPES, Loaded, read_text, run, texts, write
@@ -180,6 +181,44 @@ def test_loop_solves_what_is_unrolled(tmp_path, n):
         results.append(a)
     assert results[0] == pytest.approx(results[1], rel=1e-10)
     assert max(map(abs, results[0])) > 0.1
+
+
+@pytest.mark.parametrize("n", [2, 7])
+def test_a_constant_mass_is_factored_by_prepare(tmp_path, n):
+    """Dense, e on its diagonal: the kernel has no factorisation, and no pivot of e = -1."""
+
+    def energies(w: World):
+        g = w.graph
+        pairs = [(i, j) for i in range(n) for j in range(i)]
+        both = [g.multiply(w.v[i], w.v[j]) for i, j in pairs]
+        coupled = [
+            g.multiply(g.power(g.number(3 + i + j), -1), both[k]) for k, (i, j) in enumerate(pairs)
+        ]
+        own = [g.multiply(w.p[0], g.power(v, 2)) for v in w.v]
+        return g.total([*own, *coupled]), g.total([g.power(q, 3) for q in w.q])
+
+    rng = random.Random(7)
+    names = [f"x{i}" for i in range(n)]
+    q, v = ([rng.uniform(-2, 2) for _ in range(n)] for _ in range(2))
+    results = []
+    for unroll in (True, False):
+        (tmp_path / str(unroll)).mkdir()
+        known = replace(structure(n), mass_constant=True)
+        program = lower(make("dense", ["e"], names, energies, unroll=unroll), known)
+        loaded = Loaded(program, tmp_path / str(unroll), "clang" if unroll else "gcc")
+        text = (tmp_path / str(unroll) / "dense.h").read_text()
+        assert ("factors_" in text) is not unroll
+        for e in (1.0, 2.5):
+            loaded.params[0] = e
+            assert loaded.prepare() == 0
+            status, (a,) = loaded.call("acceleration", 0, q, v)
+            assert status == 0
+            results.append(a)
+        loaded.params[0] = -1.0
+        loaded.prepare()
+        assert loaded.call("acceleration", 0, q, v)[0] == 1
+    assert results[:2] == [pytest.approx(a, rel=1e-12) for a in results[2:]]
+    assert max(map(abs, results[0])) > 0.1 and results[0] != pytest.approx(results[1], rel=0.1)
 
 
 def test_parts_of_a_long_kernel_work_together(tmp_path, monkeypatch):

@@ -156,6 +156,11 @@ class Program:
         """Whether any kernel calls the inline pair."""
         return any(s.kind == TRIG for kernel in self.kernels for s in kernel.statements)
 
+    @property
+    def factored(self) -> bool:
+        """Whether prepare() factors M, which is constant: by a loop, as the acceleration solves."""
+        return self.structure.mass_constant and any(k.solves for k in self.kernels)
+
     def __str__(self) -> str:
         lines = [f"program {self.equations.model.name}"]
         lines += [f"default {self.parameter_names[a.index]} = {a.text}" for a in self.defaults]

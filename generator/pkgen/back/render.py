@@ -141,6 +141,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_quadratures": len(equations.quadratures),
         "events": tables.events(program),
         "n_hoisted": program.hoisted,
+        "factored": program.factored,
         "indices": tables.indices(program),
         "fields": tables.fields(program),
         "parameters": tables.parameters(program),
