@@ -32,6 +32,7 @@ class Asked:
     off: frozenset[str]
     quadratures: bool
     apart: bool
+    judged: bool = True  # what the scene expects is measured
 
 
 def of_run(options: argparse.Namespace) -> Use | None:
@@ -73,14 +74,15 @@ def of_compile(options: argparse.Namespace) -> Use | None:
 def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
     """For C to be embedded: named after model and scene, and no more kernels than the scene's
     method calls."""
-    use = _use(name, Asked(None, None, frozenset(), off, True, True), swarm=True)
+    asked = Asked(None, None, frozenset(), off, quadratures=True, apart=True, judged=False)
+    use = _use(name, asked, swarm=True)
 
     def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
         model, lines = use.model(declared)
         return replace(model, name=f"{model.name}_{name}"), lines
 
     def kernels(used: Model) -> frozenset[str]:
-        scene = scenes.chosen(used, name)
+        scene = _chosen(used, name, asked)
         return called(scene.method) | shown(used, scene)
 
     return Use(named, use.needs, kernels)
@@ -116,9 +118,14 @@ def switched_off(text: str | None) -> frozenset[str]:
     return names
 
 
+def _chosen(model: Model, name: str, asked: Asked) -> Scene:
+    scene = scenes.chosen(model, name)
+    return scene if asked.judged else replace(scene, expects=())
+
+
 def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
     def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
-        scene = scenes.chosen(declared, name)
+        scene = _chosen(declared, name, asked)
         if scene.swarm is not None and not swarm:
             place = scenes.place(declared, scene.swarm.span)
             raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
@@ -129,7 +136,7 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
         return used, (*lines, *of_holds)
 
     def needs(used: Model) -> Needs | None:
-        scene = scenes.chosen(used, name)
+        scene = _chosen(used, name, asked)
         columns = asked.columns
         if columns is None and scene.record is not None:
             columns = tuple(scene_model.columns(scene))

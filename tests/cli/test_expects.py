@@ -177,6 +177,12 @@ def test_members_of_a_file_are_held_to_the_scene(pkgen, swing: Path, tmp_path: P
     assert (start["member"], start["value"], start["bound"]) == (2, 1.5, 1.4)
 
 
+def test_c_of_a_scene_has_no_outputs_for_what_it_expects(pkgen, swing: Path, tmp_path: Path):
+    assert pkgen(swing, "--scene", "met", "-o", tmp_path).returncode == 0
+    header = (tmp_path / "swing_met.h").read_text()
+    assert "swing_met_q_x = 0" in header and "swing_met_o_" not in header
+
+
 def test_without_a_scene_it_says_which_there_are(pkgen, swing: Path) -> None:
     done = pkgen("run", swing, "--until", "1")
     assert done.returncode == 0
