@@ -71,9 +71,11 @@ def _columns(
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
     nodes += [g.negate(along.energy_rate()), ONE]
     exact = Exact(g, WORK)
-    made = exact.numerators(nodes)
+    # Where one denominator for all is too much work, fewer terms are seen to be equal.
+    made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
     if made is None:
         return None
+    exact = Exact(g, WORK)
     pdot, p, (h, gained, one) = made[:n], made[n : 2 * n], made[2 * n :]
 
     def times(polynomial: Polynomial, *factors: Monomial) -> Polynomial:
