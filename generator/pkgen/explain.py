@@ -18,6 +18,7 @@ from .middle.loops import Facts
 from .model import Event
 
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
+NOTHING = "no symmetries, for the model is too large"
 WIDE = 40  # columns of an invariant's formula
 
 
@@ -213,12 +214,13 @@ def _constants(compilation: Compilation) -> str:
 
 def constants_text(rows: list[tuple[str, str]], symmetries: Symmetries | None) -> str:
     """The section about constants of the motion; the same where families are loops."""
-    if not rows:
-        return ""
-    width = min(max(len(name) for name, _ in rows), WIDE)
-    lines = ["Constants of the motion", *(f"  {name:<{width}}  {why}" for name, why in rows)]
-    if symmetries is not None and symmetries.searched:
-        lines.append(f"  (searched: {symmetries.searched})")
+    lines = []
+    if rows:
+        width = min(max(len(name) for name, _ in rows), WIDE)
+        lines = ["Constants of the motion", *(f"  {name:<{width}}  {why}" for name, why in rows)]
+    if symmetries is not None:
+        lines = lines or ["Constants of the motion"]
+        lines.append(f"  (searched: {symmetries.searched or NOTHING})")
     return "\n".join(lines)
 
 

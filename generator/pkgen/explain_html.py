@@ -10,7 +10,7 @@ from .back.facts import facts, found, loop_facts
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, Invariant, Structure, Symmetries
-from .explain import SHOWN_OPERATIONS, default_text
+from .explain import NOTHING, SHOWN_OPERATIONS, default_text
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
 from .middle import sympy_bridge
@@ -146,8 +146,8 @@ def _constants(structure: Structure | Facts, known: list[tuple[str, str]]) -> It
     else:
         cells = "".join(f"<tr><td>{formula}</td><td>{why}</td></tr>" for formula, why in rows)
         yield f"<table><tr><th></th><th>why it is constant</th></tr>{cells}</table>"
-    if symmetries is not None and symmetries.searched:
-        yield f"<p>Searched: {escape(symmetries.searched)}.</p>"
+    if symmetries is not None:
+        yield f"<p>Searched: {escape(symmetries.searched or NOTHING)}.</p>"
 
 
 def _why(x: Invariant) -> str:

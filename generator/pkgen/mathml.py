@@ -27,8 +27,8 @@ _DOTS = {1: "˙", 2: "¨"}
 
 
 def block(content: str) -> str:
-    """A line of its own."""
-    return f'<math display="block">{content}</math>'
+    """A line of its own, which can be scrolled where it is too long."""
+    return f'<div class="equation"><math display="block">{content}</math></div>'
 
 
 def inline(content: str) -> str:

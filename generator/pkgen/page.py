@@ -18,6 +18,7 @@ th { position: sticky; top: 0; background: #fff }
 td.number { text-align: right }
 tr.failed td { color: #8a3a10; background: #fbf4f0 }
 math { font-family: "STIX Two Math", "Cambria Math", "Latin Modern Math", "Noto Sans Math", math }
+.equation { overflow-x: auto }
 math[display="block"] { margin: 0.7rem 0 0.7rem 1.5rem; padding: 0.3rem 0 }
 mtable.matrix { border: solid currentcolor; border-width: 0 1px; border-radius: 0.4em;
   margin: 0 0.15em }

@@ -13,6 +13,7 @@ from conftest import ROOT
 from pkgen import mathml
 from pkgen.back.facts import facts, invariants
 from pkgen.compiler import compile_model
+from pkgen.equations import Symmetries
 from pkgen.explain import constants_text, proofs_record
 from pkgen.explain_html import SceneShown, html, scene_section
 from pkgen.source import Source
@@ -79,6 +80,11 @@ def test_explain_shows_how_each_is_proved(helix) -> None:
             "generator": "lambda_0 d/dphi + d/dz",
         },
     ]
+
+
+def test_that_nothing_was_searched_is_said(helix) -> None:
+    text = constants_text([], Symmetries(helix.equations.graph, (), "", ()))
+    assert "searched: no symmetries, for the model is too large" in text
 
 
 def test_explain_as_json_has_structure_and_claims(pkgen) -> None:

@@ -138,6 +138,21 @@ def test_two_bodies_have_ten_of_which_some_are_of_the_centre_of_mass():
     assert "t*p_x + t*p_u - m*x - u" in names and len(names) == 7
 
 
+def test_three_bodies_whose_common_denominator_is_too_large():
+    """Then terms that are equal as they stand must do, and do."""
+    text = "coord x, y, u, v, p, q\nparam m = 2\nparam k = 3\n"
+    text += "kinetic (m*x'^2 + m*y'^2 + u'^2 + v'^2 + p'^2 + q'^2)/2\n"
+    for a, b in (("x - u", "y - v"), ("x - p", "y - q"), ("u - p", "v - q")):
+        text += f"potential -1/(m + k)/k/sqrt(({a})^2 + ({b})^2) + 1/(({a})^2 + ({b})^2)^3\n"
+    *_, equations = islice(stages(Source("x.lag", f"model test\n{text}"), {}), 3)
+    along = Along(equations, tuple((i,) for i in range(6)))
+    assert Exact(along.graph, 40_000).numerators(equations.pdot) is None
+    names = found(text)
+    for name in ("p_x + p_u + p_p", "x*p_y - y*p_x + u*p_v - v*p_u + p*p_q - q*p_p"):
+        assert name in names
+    assert len(names) == 7
+
+
 @pytest.mark.parametrize(
     ("text", "names"),
     [

@@ -125,7 +125,7 @@ class Normal:
             for n, d in b.items():
                 if c.numerator.bit_length() + d.numerator.bit_length() > BITS:
                     raise TooMuch
-                monomial = _product(m, n)
+                monomial = product(m, n)
                 reduced = self._reduced(monomial)
                 if reduced is not None:
                     again.append({k: x * c * d for k, x in reduced.items()})
@@ -157,7 +157,7 @@ class Normal:
                 square = under
             else:
                 continue
-            rest = _product(monomial, ((base, -2),))
+            rest = product(monomial, ((base, -2),))
             return self.multiplied(square, self._monomial(rest))
         return None
 
@@ -206,7 +206,7 @@ def _plain_number(value: Fraction) -> Fraction | int:
     return value.numerator if value.denominator == 1 else value
 
 
-def _product(a: Monomial, b: Monomial) -> Monomial:
+def product(a: Monomial, b: Monomial) -> Monomial:
     if not a:
         return b
     if not b:
@@ -272,6 +272,6 @@ def _square_partners(g: Graph, monomial: Monomial) -> list[tuple[Monomial, Monom
     for base, exponent in monomial:
         if exponent >= 2 and g.op[base] is Op.CALL and g.data[base] in ("sin", "cos"):
             other = g.call("cos" if g.data[base] == "sin" else "sin", g.args[base][0])
-            common = _product(monomial, ((base, -2),))
-            found.append((_product(common, ((other, 2),)), common))
+            common = product(monomial, ((base, -2),))
+            found.append((product(common, ((other, 2),)), common))
     return found

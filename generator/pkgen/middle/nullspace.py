@@ -100,22 +100,21 @@ def _residue(polynomial: Polynomial, at: dict[Node, int]) -> int:
 
 
 def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
-    from sympy import QQ, field
+    from sympy import QQ, ring
     from sympy.polys.matrices import DomainMatrix
 
     atoms = sorted({b for row in every for p in row.values() for m in p for b, _ in m})
     position = {base: k for k, base in enumerate(atoms)}
-    fractions, *_ = field([f"a{k}" for k in range(len(atoms))] or ["unused"], QQ)
-    ring = fractions.ring
+    polynomials, *_ = ring([f"a{k}" for k in range(len(atoms))] or ["unused"], QQ)
 
     def element(polynomial: Polynomial):
         terms = {}
         for monomial, c in polynomial.items():
-            powers = [0] * ring.ngens
+            powers = [0] * polynomials.ngens
             for base, exponent in monomial:
                 powers[position[base]] = exponent
             terms[tuple(powers)] = QQ(c.numerator, c.denominator)
-        return ring.from_dict(terms)
+        return polynomials.from_dict(terms)
 
     def polynomial_of(x) -> Polynomial:
         return {
@@ -126,26 +125,22 @@ def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
         }
 
     rows = [{c: element(entry) for c, entry in row.items()} for row in every]
-    table = [[fractions.new(element(row.get(c, {}))) for c in range(width)] for row in needed]
-    matrix = DomainMatrix(table, (len(table), width), fractions.to_domain())
+    table = [[element(row.get(c, {})) for c in range(width)] for row in needed]
+    matrix = DomainMatrix(table, (len(table), width), polynomials.to_domain())
     found = []
     for vector in matrix.nullspace().to_list():
-        whole = _without_denominators(ring, vector)
+        whole = _without_common_factors(polynomials, vector)
         # Each of the rows, not only of those that were solved.
-        if all(sum((x * whole[c] for c, x in row.items()), ring.zero) == 0 for row in rows):
+        if all(sum((x * whole[c] for c, x in row.items()), polynomials.zero) == 0 for row in rows):
             found.append({k: polynomial_of(x) for k, x in enumerate(whole) if x})
     return found
 
 
-def _without_denominators(ring, vector: list) -> list:
-    common = ring.one
-    for x in vector:
-        common = common.lcm(x.denom)
-    whole = [x.numer * common.exquo(x.denom) for x in vector]
+def _without_common_factors(ring, vector: list) -> list:
     divisor = ring.zero
-    for x in whole:
+    for x in vector:
         divisor = divisor.gcd(x)
-    whole = [x.exquo(divisor) for x in whole]
+    whole = [x.exquo(divisor) for x in vector]
     sign = -1 if next(x for x in reversed(whole) if x).LC < 0 else 1
     # Over the rationals a greatest common divisor leaves numbers alone.
     numbers = [c for x in whole for c in x.coeffs()]

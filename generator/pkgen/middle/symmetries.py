@@ -23,7 +23,7 @@ from ..equations import Equations, Indices, Invariant, Symmetries
 from .along import Along
 from .exact import Exact
 from .graph import MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
-from .normal import Monomial, Normal, Polynomial, TooMuch
+from .normal import Monomial, Normal, Polynomial, TooMuch, product
 from .nullspace import Row, Vector, null_space
 from .symmetries_ansatz import KINDS, Unknown, ansatz
 from .wording import wording
@@ -71,9 +71,11 @@ def _columns(
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
     nodes += [g.negate(along.energy_rate()), ONE]
     exact = Exact(g, WORK)
-    made = exact.numerators(nodes)
+    # Where one denominator for all is too much work, fewer terms are seen to be equal.
+    made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
     if made is None:
         return None
+    exact = Exact(g, WORK)
     pdot, p, (h, gained, one) = made[:n], made[n : 2 * n], made[2 * n :]
 
     def times(polynomial: Polynomial, *factors: Monomial) -> Polynomial:
@@ -111,7 +113,20 @@ def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
             fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
             free = tuple(f for f in monomial if g.depends[f[0]] & VARIABLE)
             rows.setdefault(free, {}).setdefault(k, {})[fixed] = coefficient
-    return [rows[monomial] for monomial in sorted(rows)]
+    return [_whole(rows[monomial]) for monomial in sorted(rows)]
+
+
+def _whole(row: Row) -> Row:
+    """An equation times what makes all its coefficients polynomials in the parameters."""
+    least: dict[Node, int] = {}
+    for coefficient in row.values():
+        for monomial in coefficient:
+            for base, e in monomial:
+                least[base] = min(e, least.get(base, 0))
+    shift = tuple((base, -e) for base, e in sorted(least.items()) if e < 0)
+    if not shift:
+        return row
+    return {k: {product(m, shift): c for m, c in x.items()} for k, x in row.items()}
 
 
 _TIME, _CYCLIC, _POINT = "time shift", "cyclic coordinate", "symmetry"

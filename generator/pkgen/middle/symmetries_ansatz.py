@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..equations import Indices, Matrix
 from .graph import ZERO
 
-WHOLE = 8  # coordinates up to which every q_j may be in every xi_i
+WHOLE = 9  # coordinates up to which every q_j may be in every xi_i
 
 
 @dataclass(frozen=True)
