@@ -23,6 +23,7 @@ ADAPTIVE = Candidate(method("dop853", 8, "adaptive"), LAND, "")
 
 def trial(candidate: Candidate, setting: float, error: float, seconds: float, **more) -> Trial:
     usual = {
+        "able": True,
         "status": "PK_DONE",
         "reason": "",
         "arrived": True,
@@ -92,7 +93,7 @@ def test_what_is_refused_or_never_arrives_says_why() -> None:
             setting,
             math.inf,
             math.inf,
-            status="PK_REFUSED",
+            able=False,
             reason="needs da/dq",
             arrived=False,
         )
