@@ -72,7 +72,7 @@ def judge(case: Case, folder: Path) -> Judged:
     said, table = _run(path)
     given = command.parser_of("run").parse_args([str(path), "--scene", SCENE])
     compilation = compile_model(
-        read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(given, swarm=False)
+        read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(given)
     )
     settings = parsing.settings(
         given, compilation, chosen=scene.chosen(compilation.declared, SCENE)

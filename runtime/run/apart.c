@@ -158,7 +158,7 @@ void apart_integrate(struct run *run)
     output_row(run, stdout, 0, a->q, a->v, a->z);
     run_sample(run);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
-        const pk_real t = k < run->count ? k * s->every : s->until, tail = t - a->t;
+        const pk_real t = run_row_time(run, k, run->count), tail = t - a->t;
         if (k >= run->count && tail < s->every - 4 * PK_EPSILON * t)
             shorten(run, tail);
         while (a->t < t) {

@@ -1,6 +1,6 @@
 /* What `accuracy` has to know of one scene: what methods at settings come to, as `pkgen run` makes
- * them, rows and all. The scene's settings come from a file (settings.h); then every line of standard
- * input is a request, and every line of standard output its answer, a JSON object:
+ * them, rows and all. The scene's settings come from a file (settings.h); then every line of
+ * standard input is a request, and every line of standard output its answer, a JSON object:
  *
  *     try METHOD SETTING ROWS SPAN LAPS CAP ACCURACY EVERY
  *               one run up to SPAN, its rows kept in place of being written; SETTING is a step or
@@ -31,7 +31,7 @@
 #include "ensemble.h"
 #include "expect.h"
 #include "numbers.h"
-#include "watch.h"
+#include "trust.h"
 #include "words.h"
 
 struct choice {
@@ -99,21 +99,22 @@ static int once(struct choice *c, const struct trial *trial)
     run->kept = &c->tried;
     expect_start(run);
     const double began = processor_now();
-    const int able = run_settle(run) == 0 && run_start(run) == 0 && watch_start(run) == 0;
+    const int able = run_settle(run) == 0 && run_start(run) == 0;
     if (able)
-        run_integrate(run);
+        run_rows(run);
     c->seconds = processor_now() - began;
     return able;
 }
 
-static void print_end(const struct choice *c)
+static void print_end(const struct choice *c, int able)
 {
     const struct pk_integrator *it = &c->run.it;
     const struct pk_counters *k = &it->count;
     char reason[512] = "";
     if (it->method)
-        pk_integrator_reason(it, reason, sizeof reason);
-    printf("{\"status\": \"%s\", \"slow\": %s, \"reason\": ", pk_status_name(it->status),
+        trust_reason(&c->run, reason, sizeof reason);
+    printf("{\"able\": %s, \"status\": \"%s\", \"slow\": %s, \"reason\": ",
+           able ? "true" : "false", pk_status_name(it->status),
            c->run.interrupted ? "true" : "false");
     output_text(stdout, it->status < 0 ? reason : "");
     fputs(", \"t\": ", stdout);
@@ -145,7 +146,7 @@ static void try(struct choice *c, const struct trial *trial)
     const int able = once(c, trial);
     cap(0);
     fastest = total = c->seconds;
-    print_end(c);
+    print_end(c, able);
     const int arrived = able && c->run.it.status >= 0 && !c->run.interrupted;
     if (c->exact.count)
         print_difference(c, trial->accuracy);

@@ -129,9 +129,9 @@ static pk_real apart(const struct rows *exact, size_t k, const struct rows *trie
     return error < PK_INFINITY ? error / scale : PK_INFINITY; /* a NaN is not less */
 }
 
-/* The row j of `tried` that is row k of the exact ones: 1, -1 if it is missing, 0 if it was not kept,
- * where one of them kept fewer. Rows by time are at the same doubles but for the last one, which may
- * be at an event; of those at crossings the third is the third. */
+/* The row j of `tried` that is row k of the exact ones: 1, -1 if it is missing, 0 if it was not
+ * kept, where one of them kept fewer. Rows by time are at the same doubles but for the last one,
+ * which may be at an event; of those at crossings the third is the third. */
 static int matching(const struct rows *exact, size_t k, const struct rows *tried, size_t *j)
 {
     const int last = k + 1 == exact->count;

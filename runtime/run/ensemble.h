@@ -17,14 +17,18 @@ int ensemble_run(struct run *run, pk_real count);
 /* Of main.c. */
 int run_interrupted(void);
 void run_interrupt(int whether);
-/* A run of settings that were read: those that depend on one another, its memory and integrator; an
- * exit code. run_free() gives all back but the settings. */
+/* A run of settings that were read, in one or in blocks apart: settings that depend on one another;
+ * its memory, integrators and events (both an exit code); all its rows. run_free() gives all back but
+ * the settings. */
 int run_settle(struct run *run);
 int run_start(struct run *run);
+void run_rows(struct run *run);
 void run_free(struct run *run);
 double run_now(void);
 void run_progress(const struct run *run, double part, int force);
 /* Of integrate.c. */
 pk_real run_intervals(pk_real whole, pk_real part);
+/* Of row k of `count`: a double in every precision, as it is written. */
+pk_real run_row_time(const struct run *run, pk_real k, pk_real count);
 
 #endif

@@ -73,8 +73,7 @@ static int steps(struct run *run, pk_real limit)
     return !run->interrupted && !run->write_failed;
 }
 
-/* A double in every precision, as it is written. */
-static pk_real row_time(const struct run *run, pk_real k, pk_real count)
+pk_real run_row_time(const struct run *run, pk_real k, pk_real count)
 {
     return k < count ? (pk_real)(double)(k * run->settings.every) : run->settings.until;
 }
@@ -85,7 +84,7 @@ static void integrate_landing(struct run *run)
     const pk_real count = run->count;
     const int fixed = !(run->settings.method->traits & PK_ADAPTIVE);
     for (pk_real k = 1; k <= count; k += 1) {
-        const pk_real t = row_time(run, k, count);
+        const pk_real t = run_row_time(run, k, count);
         if (fixed && k >= count && count > 1) {
             /* A tail that is a whole interval but for the round-off of t keeps its step. */
             const pk_real tail = t - it->t, rounding = 4 * PK_EPSILON * t;
@@ -104,9 +103,9 @@ int run_dense_rows(struct run *run, pk_real end)
     const struct pk_integrator *it = &run->it;
     pk_real *q = run->row, *v = q + it->n;
     pk_real *z = v + it->n + run->problem.system->n_observed;
-    for (; run->next <= run->count && row_time(run, run->next, run->count) <= end;
+    for (; run->next <= run->count && run_row_time(run, run->next, run->count) <= end;
          run->next += 1) {
-        const pk_real t = row_time(run, run->next, run->count);
+        const pk_real t = run_row_time(run, run->next, run->count);
         if (!(t < it->t))
             output_row(run, stdout, t, it->q, it->v, it->z);
         else if (pk_integrator_dense(&run->it, t, q, v) < 0 ||

@@ -53,7 +53,7 @@ void run_progress(const struct run *run, double part, int force)
 }
 
 /* Settings that depend on one another: the recording interval, the fixed step, landing. */
-int run_settle(struct run *run)
+static int settle(struct run *run)
 {
     struct settings *s = &run->settings;
     const int fixed = s->ensemble ? ensemble_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
@@ -93,7 +93,7 @@ int run_settle(struct run *run)
     return 0;
 }
 
-int run_start(struct run *run)
+static int start(struct run *run)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = run_system;
@@ -122,8 +122,19 @@ int run_start(struct run *run)
     return 0;
 }
 
+int run_settle(struct run *run) { return run_parts ? apart_choose(run) : settle(run); }
+
+int run_start(struct run *run)
+{
+    const int code = run_parts ? apart_start(run) : start(run);
+    return code || run_parts ? code : watch_start(run);
+}
+
+void run_rows(struct run *run) { (run_parts ? apart_integrate : run_integrate)(run); }
+
 void run_free(struct run *run)
 {
+    apart_free(run);
     watch_free(run);
     pk_integrator_free(&run->it);
     diagnose_free(run);
@@ -193,7 +204,7 @@ int main(int argc, char **argv)
     }
     int code = settings_read(&run.settings, run_system, stdin);
     if (code == 0)
-        code = run_parts ? apart_choose(&run) : run_settle(&run);
+        code = run_settle(&run);
     if (code) {
         settings_free(&run.settings);
         return code;
@@ -208,22 +219,15 @@ int main(int argc, char **argv)
         settings_free(&run.settings);
         return code;
     }
-    code = run_parts ? apart_start(&run) : run_start(&run);
-    if (run_parts && code == 0) {
+    code = run_start(&run);
+    if (code == 0 || run.it.state)
         output_header(&run, stdout);
-        apart_integrate(&run);
-    } else if (run.it.state) {
-        output_header(&run, stdout);
-        if (code == 0)
-            code = watch_start(&run);
-        if (code == 0)
-            run_integrate(&run);
-    }
+    if (code == 0)
+        run_rows(&run);
     run.seconds = run_now() - began;
     code = diagnose_run(&run, code);
     run_progress(&run, (double)(run.it.t / run.settings.until), 1);
     code = finish(&run, code);
-    apart_free(&run);
     run_free(&run);
     settings_free(&run.settings);
     return code;

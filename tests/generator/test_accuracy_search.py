@@ -23,6 +23,7 @@ ADAPTIVE = Candidate(method("dop853", 8, "adaptive"), LAND, "")
 
 def trial(candidate: Candidate, setting: float, error: float, seconds: float, **more) -> Trial:
     usual = {
+        "able": True,
         "status": "PK_DONE",
         "reason": "",
         "arrived": True,
@@ -85,6 +86,17 @@ def test_a_method_that_would_be_slower_is_given_up_by_a_trial() -> None:
     assert faster.kept is not None and faster.kept.setting == pytest.approx(0.1)
 
 
+def test_a_first_step_whose_equations_take_long_is_not_the_last() -> None:
+    implicit = Candidate(method("radau5", 5, "implicit"), LAND, "")
+
+    def made(candidate: Candidate, setting: float) -> Trial:
+        return trial(candidate, setting, setting**5, 1.0 if setting > 0.2 else 1e-3 / setting)
+
+    found = search.loosest(implicit, 1e-6, 0.5, 0.5, 0.05, made)
+    assert found.kept is not None and 0.04 < found.kept.setting < 0.064
+    assert search.loosest(FIXED, 1e-6, 0.5, 0.5, 0.05, made).verdict == "slower"
+
+
 def test_what_is_refused_or_never_arrives_says_why() -> None:
     def refused(candidate: Candidate, setting: float) -> Trial:
         return trial(
@@ -92,7 +104,7 @@ def test_what_is_refused_or_never_arrives_says_why() -> None:
             setting,
             math.inf,
             math.inf,
-            status="PK_REFUSED",
+            able=False,
             reason="needs da/dq",
             arrived=False,
         )

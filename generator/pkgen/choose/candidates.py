@@ -41,6 +41,7 @@ TABLE = (
     Line("blanes_moan6", LAND, KEEPS),
     Line("kahan_li8", LAND, KEEPS),
     Line("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
+    Line("gauss2", LAND, STIFF, if_not=("variational",)),
     Line("gauss4", LAND, STIFF, if_not=("variational",)),
     Line("radau5", LAND, STIFF, if_not=("variational",)),
     Line("radau", LAND, STIFF, if_not=("variational",)),

@@ -21,7 +21,9 @@ LOST = 0.1  # an error above it says nothing of how errors fall
 BLIND = 3.0  # how much tighter a step then is
 GAIN = 1.05  # in time, for which another trial is made
 LOOSEST, TIGHTEST = 0.5, 2.0**-51
-LOOSENED = 100.0  # a tolerance at which a method was slower than others
+# What is tried where a method's first setting was slower than others: a looser tolerance, since
+# errors may be far below it; a shorter step, since the equations of long ones take long to solve.
+LOOSENED, SHORTENED = 100.0, 0.25
 ITERATIONS = 40  # their number falls so slowly: as the tolerance to one over this
 FURTHEST = 1e5  # that a tolerance is moved at once
 
@@ -57,8 +59,9 @@ def loosest(
     for _ in range(TRIALS):
         trial = attempt(candidate, setting)
         found.tried.append(trial)
-        if trial.slow and len(found.tried) == 1 and not candidate.method.fixed:
-            setting = steps.allowed(setting * LOOSENED)  # errors may be below tolerances
+        first = len(found.tried) == 1
+        if trial.slow and first and steps.other:
+            setting = steps.allowed(setting * steps.other)
             continue
         if trial.refused or trial.slow:
             found.verdict = trial.reason if trial.refused else "slower"
@@ -73,6 +76,8 @@ def loosest(
             break
         if not found.kept and trial.arrived:
             setting = steps.affordable(trial, setting, limit)
+            if setting is None and first and steps.other and candidate.method.fixed:
+                setting = steps.between(trial.setting * steps.other, None, trial)
             if setting is None:
                 found.verdict = "slower"
                 break
@@ -84,7 +89,8 @@ def loosest(
 
 
 def scale(candidate: Candidate, interval: float) -> _Steps | _Tolerances:
-    return _Steps(interval) if candidate.method.fixed else _Tolerances(candidate.method)
+    method = candidate.method
+    return _Steps(interval, method) if method.fixed else _Tolerances(method)
 
 
 def next_setting(found: Found, accuracy: float) -> float:
@@ -116,8 +122,9 @@ def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
 class _Steps:
     """Whole parts of the time between rows."""
 
-    def __init__(self, interval: float):
+    def __init__(self, interval: float, method: Method):
         self.interval = interval
+        self.other = SHORTENED if "implicit" in method.flags else None
 
     def allowed(self, setting: float) -> float:
         return self.interval / max(1, math.ceil(self.interval / setting * (1 - 1e-9)))
@@ -149,6 +156,8 @@ class _Steps:
 
 
 class _Tolerances:
+    other: float | None = LOOSENED
+
     def __init__(self, method: Method):
         self.order, self.implicit = max(method.order, 1), "implicit" in method.flags
 

@@ -20,6 +20,7 @@ class Trial:
     method: str
     rows: str  # LAND or DENSE
     setting: float
+    able: bool  # the method applies
     status: str
     reason: str
     arrived: bool
@@ -37,7 +38,7 @@ class Trial:
 
     @property
     def refused(self) -> bool:
-        return self.status == "PK_REFUSED"
+        return not self.able
 
 
 class Trials(Program):
@@ -65,8 +66,9 @@ class Trials(Program):
             method=method,
             rows=rows,
             setting=_number(found["setting"]),
+            able=found["able"],
             status=found["status"],
-            reason=found["reason"],
+            reason=found["reason"] or ("" if found["able"] else "does not apply"),
             arrived=arrived,
             slow=found["slow"],
             t=_number(found["t"]),
