@@ -71,9 +71,7 @@ def judge(case: Case, folder: Path) -> Judged:
     path.write_text(case.text(), encoding="utf-8")
     said, table = _run(path)
     given = command.parser_of("run").parse_args([str(path), "--scene", SCENE])
-    compilation = compile_model(
-        read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(given)
-    )
+    compilation = compile_model(read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(given))
     settings = parsing.settings(
         given, compilation, chosen=scene.chosen(compilation.declared, SCENE)
     )

@@ -4,6 +4,7 @@
  */
 #include "apart.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,6 +56,27 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
     return c;
 }
 
+enum { MANY = 16 }; /* steps of a part between two rows */
+
+/* Drifts are seen where all parts are at one time. Rows may be so far apart that a motion looks at
+ * rest in each, as one recorded at its turning points does: then a third of the way is looked at
+ * too. Fixed steps, so many of them, are made to end there. */
+static pk_real in_thirds(pk_real count)
+{
+    return count < MANY ? count : 3 * PK_F(ceil)(count / 3);
+}
+
+static int look_between(const struct run *run, unsigned long steps)
+{
+    for (size_t k = 0; k < run_n_parts; k++) {
+        const struct pk_choice *c = &run->choices[k];
+        const pk_real fixed = run->settings.every / c->options.h;
+        if (!(c->method->traits & (PK_ADAPTIVE | PK_EXACT)) && fixed < MANY - PK_C(0.5))
+            return 0;
+    }
+    return run->rows < 2 || steps > MANY * run_n_parts;
+}
+
 int apart_choose(struct run *run)
 {
     struct settings *s = &run->settings;
@@ -89,7 +111,7 @@ int apart_choose(struct run *run)
                     c->method->name);
             return 2;
         }
-        c->options.h = s->every / run_intervals(s->every, c->options.h);
+        c->options.h = s->every / in_thirds(run_intervals(s->every, c->options.h));
     }
     return 0;
 }
@@ -155,14 +177,18 @@ void apart_integrate(struct run *run)
 {
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
+    unsigned long before = 0;
     output_row(run, stdout, 0, a->q, a->v, a->z);
     run_sample(run);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
         const pk_real t = run_row_time(run, k, run->count), tail = t - a->t;
         if (k >= run->count && tail < s->every - 4 * PK_EPSILON * t)
             shorten(run, tail);
-        while (a->t < t) {
-            pk_apart_to(a, expect_limit(run, t));
+        const int between = look_between(run, run->it.count.steps - before);
+        pk_real limit = between ? a->t + tail / 3 : t;
+        before = run->it.count.steps;
+        for (; a->t < t; limit = t) {
+            pk_apart_to(a, expect_limit(run, limit));
             look(run);
             if (a->status != PK_DONE)
                 return;
