@@ -467,7 +467,7 @@ pk_real coupled_oscillators_potential(const struct coupled_oscillators_params *p
 }
 
 const char coupled_oscillators_source_hash[65] =
-    "72b8820b04662603b3750eb045183306dfecc77113ab15e650db57591a3a9de9";
+    "e54bf04d84ed9926f901c826a43c79f43727b7955a596ac32763581c17f38954";
 
 const struct coupled_oscillators_parameter coupled_oscillators_parameters[3] = {
     {{"m", "kg", "each mass"}, offsetof(struct coupled_oscillators_params, m), 0, 1, 1},
