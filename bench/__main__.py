@@ -1,5 +1,6 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
 `python -m bench accuracy [--quick] [--only TEXT] [--docs]` judges what scenes promise: accuracy.py
+`python -m bench reductions [--quick] [--docs]` measures what scenes save: reductions.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
 Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
@@ -27,6 +28,7 @@ from . import (
     machine,
     measure,
     models,
+    reductions,
     reference,
     tables,
     targets,
@@ -39,8 +41,9 @@ PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 
 def main() -> int:
-    if sys.argv[1:2] == ["accuracy"]:
-        return accuracy.main(sys.argv[2:])
+    alone = {"accuracy": accuracy, "reductions": reductions}
+    if sys.argv[1:] and sys.argv[1] in alone:
+        return alone[sys.argv[1]].main(sys.argv[2:])
     arguments = _arguments()
     effort = measure.QUICK if arguments.quick else measure.FULL
     effort = measure.ALONE if arguments.own else effort

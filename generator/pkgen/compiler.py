@@ -103,9 +103,9 @@ def stages(
     model, lines = use.model(declared) if use else (declared, ())
     yield declared, model, warnings
     needs = use.needs(model) if use else None
-    kernels = use.kernels(model) if use and kernels is None else kernels
+    called = use.kernels(model) if use and kernels is None else kernels
     with _no_collection():
-        equations = _equations(model, kernels, self_test, unroll, needs)
+        equations = _equations(model, kernels, called, self_test, unroll, needs)
         if isinstance(equations, LoopEquations):
             equations = with_proofs(equations, file, use.model if use else None, symmetric)
     yield equations
@@ -117,6 +117,7 @@ def stages(
         yield loops, ()
         yield loops_render.render_loops(loops)
         return
+    kernels = called  # loops have all
     structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure
     check_claims(equations.model, structure.claims)
@@ -172,6 +173,7 @@ def check_model(
 def _equations(
     model: Model,
     kernels: frozenset[str] | None,
+    called: frozenset[str] | None,
     self_test: bool,
     unroll: int | None,
     needs: Needs | None,
@@ -190,7 +192,7 @@ def _equations(
         except Unrolled as cannot:
             reason = str(cannot)
     # What is reduced is derived again, with all kernels that are asked for.
-    now = kernels if needs is None else reduce.ENOUGH
+    now = called if needs is None else reduce.ENOUGH
     return replace(derive.derive(model, now, reason), unrolled=reason)
 
 
