@@ -165,7 +165,7 @@ def test_every_method_of_the_table_exists_and_none_stands_twice() -> None:
 
 
 def test_a_part_of_a_scene_is_of_whole_intervals() -> None:
-    assert reference.part(100.0, 1.0) == (90.0, 0.0)
+    assert reference.part(100.5, 1.0) == (90.0, 0.0)
     span, interval = reference.part(3.0, 100.0)
     assert interval > 0 and 100.0 / interval == 2 ** round(math.log2(100.0 / interval))
     assert 8 <= round(span / interval) == span / interval and span <= 3.0

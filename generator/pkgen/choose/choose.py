@@ -164,6 +164,8 @@ class _Chooser:
         best = self._cheapest(kept)
         if whole:
             return self._kept(best.candidate, best.kept, found)
+        if self._floor() > FLOOR * self.accuracy:
+            return self._tightest(found, MARGIN * self.accuracy)
         return self._verify(best, found)
 
     def _race(self, check: Check) -> list[Found]:
@@ -193,10 +195,16 @@ class _Chooser:
         energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or where
         the motion is damped; else with the square."""
         ratio = self.until / self.check.span
-        steady = "symplectic" in candidate.method.flags or not getattr(
-            self.structure, "variational", False
-        )
+        steady = "symplectic" in candidate.method.flags or self._damped()
         return ratio if steady else ratio**2
+
+    def _damped(self) -> bool:
+        return not getattr(self.structure, "variational", False)
+
+    def _floor(self) -> float:
+        """What the reference's own error grows to: two tight runs of one method over the whole
+        scene would agree by more, for they share what their steps do to the energy."""
+        return self.check.floor * (self.until / self.check.span) ** (1 if self._damped() else 2)
 
     def _start(self, candidate: Candidate, aim: float) -> float:
         if not candidate.method.fixed:
@@ -244,7 +252,7 @@ class _Chooser:
         cheapest. Where they differ by too much both are tightened, for the part that was tried may
         have been an easy one."""
         judge = min((f for f in found if f.kept), key=_tighter_cost)
-        candidate, aim = best.candidate, MARGIN * self.accuracy - 2 * self.check.floor
+        candidate, aim = best.candidate, MARGIN * self.accuracy - 2 * self._floor()
         whole = Found(candidate)
         scale = search.scale(candidate, self.every)
         setting, judged = scale.allowed(best.kept.setting), self._tighter(judge, 1.0)
