@@ -4,7 +4,6 @@
  */
 #include "apart.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,27 +55,6 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
     return c;
 }
 
-enum { MANY = 16 }; /* steps of a part between two rows */
-
-/* Drifts are seen where all parts are at one time. Rows may be so far apart that a motion looks at
- * rest in each, as one recorded at its turning points does: then a third of the way is looked at
- * too. Fixed steps, so many of them, are made to end there. */
-static pk_real in_thirds(pk_real count)
-{
-    return count < MANY ? count : 3 * PK_F(ceil)(count / 3);
-}
-
-static int look_between(const struct run *run, unsigned long steps)
-{
-    for (size_t k = 0; k < run_n_parts; k++) {
-        const struct pk_choice *c = &run->choices[k];
-        const pk_real fixed = run->settings.every / c->options.h;
-        if (!(c->method->traits & (PK_ADAPTIVE | PK_EXACT)) && fixed < MANY - PK_C(0.5))
-            return 0;
-    }
-    return run->rows < 2 || steps > MANY * run_n_parts;
-}
-
 int apart_choose(struct run *run)
 {
     struct settings *s = &run->settings;
@@ -111,7 +89,7 @@ int apart_choose(struct run *run)
                     c->method->name);
             return 2;
         }
-        c->options.h = s->every / in_thirds(run_intervals(s->every, c->options.h));
+        c->options.h = s->every / run_intervals(s->every, c->options.h);
     }
     return 0;
 }
@@ -173,26 +151,63 @@ static void shorten(struct run *run, pk_real tail)
     }
 }
 
+/* Rows may be so far apart that a motion looks at rest in each, as one recorded at its turning
+ * points does. So what an energy is measured by is seen at each step of each part. */
+static void stepped(void *context, size_t k)
+{
+    struct run *run = (struct run *)context;
+    const struct pk_integrator *it = &run->apart.parts[k].it;
+    pk_monitor_update(&run->part_monitors[k], it->t, it->q, it->v);
+}
+
+static void scale(struct run *run)
+{
+    pk_real sum = 0;
+    for (size_t k = 0; k < run_n_parts; k++)
+        sum += run->part_monitors[k].energy.scale;
+    if (run->monitor.has_energy && run->monitor.energy.scale < sum)
+        run->monitor.energy.scale = sum;
+}
+
+static void watch_parts(struct run *run)
+{
+    struct pk_apart *a = &run->apart;
+    size_t size = 0;
+    for (size_t k = 0; k < a->count; k++)
+        size += pk_monitor_size(&a->parts[k].it.problem);
+    run->part_monitors =
+        (struct pk_monitor *)words_allocate(a->count, sizeof *run->part_monitors);
+    run->part_block = words_allocate(size, 1);
+    char *block = (char *)run->part_block;
+    for (size_t k = 0; k < a->count; k++) {
+        const struct pk_problem *problem = &a->parts[k].it.problem;
+        size = pk_monitor_size(problem);
+        pk_monitor_init(&run->part_monitors[k], problem, block, size);
+        block += size;
+        stepped(run, k);
+    }
+    a->stepped = stepped;
+    a->context = run;
+}
+
 void apart_integrate(struct run *run)
 {
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
-    unsigned long before = 0;
+    watch_parts(run);
     output_row(run, stdout, 0, a->q, a->v, a->z);
     run_sample(run);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
         const pk_real t = run_row_time(run, k, run->count), tail = t - a->t;
         if (k >= run->count && tail < s->every - 4 * PK_EPSILON * t)
             shorten(run, tail);
-        const int between = look_between(run, run->it.count.steps - before);
-        pk_real limit = between ? a->t + tail / 3 : t;
-        before = run->it.count.steps;
-        for (; a->t < t; limit = t) {
-            pk_apart_to(a, expect_limit(run, limit));
+        while (a->t < t) {
+            pk_apart_to(a, expect_limit(run, t));
             look(run);
             if (a->status != PK_DONE)
                 return;
             run_sample(run);
+            scale(run);
             trust_step(run);
         }
         output_row(run, stdout, t, a->q, a->v, a->z);
@@ -232,4 +247,6 @@ void apart_free(struct run *run)
 {
     pk_apart_free(&run->apart);
     free(run->choices);
+    free(run->part_monitors);
+    free(run->part_block);
 }

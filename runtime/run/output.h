@@ -19,8 +19,10 @@ struct run {
     struct pk_problem problem;
     struct pk_integrator it;
     struct pk_monitor monitor;
-    struct pk_apart apart;     /* of blocks integrated apart, */
-    struct pk_choice *choices; /* by these */
+    struct pk_apart apart;            /* of blocks integrated apart, */
+    struct pk_choice *choices;        /* by these, */
+    struct pk_monitor *part_monitors; /* each watched */
+    void *part_block;
     void *block, *monitor_block;
     struct pk_events events;
     void *events_block;

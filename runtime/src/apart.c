@@ -244,11 +244,16 @@ enum pk_status pk_apart_to(struct pk_apart *a, pk_real t)
     if (a->status < 0)
         return a->status;
     for (size_t k = 0; k < a->count; k++) {
-        a->status = pk_integrator_to(&a->parts[k].it, t);
-        if (a->status != PK_DONE) {
-            a->failed = k + 1;
-            return a->status;
-        }
+        struct pk_integrator *it = &a->parts[k].it;
+        do {
+            a->status = pk_integrator_step(it, t);
+            if (a->status != PK_DONE) {
+                a->failed = k + 1;
+                return a->status;
+            }
+            if (a->stepped)
+                a->stepped(a->context, k);
+        } while (it->t < t || it->t > t);
     }
     assemble(a);
     a->t = t;

@@ -50,6 +50,9 @@ struct pk_apart {
     size_t failed;         /* 1 + the part that it is about, 0: none */
     struct pk_apart_part *parts;
     size_t count;
+    /* To be set behind init, or NULL: called after each step of part number k. */
+    void (*stepped)(void *context, size_t k);
+    void *context;
 
     /* For the runtime alone. */
     struct pk_problem whole;
