@@ -41,7 +41,7 @@ class _Run:
     ensemble: Ensemble | None
     threads: int | None
     scene: Scene | None
-    choice: Choice | None = None  # where the scene promises an accuracy
+    choices: tuple[Choice, ...] = ()  # where the scene promises an accuracy, one of each part
 
 
 def run(options: argparse.Namespace) -> int:
@@ -73,10 +73,9 @@ def run(options: argparse.Namespace) -> int:
         settings = replace(settings, watched=expected)
     if chosen is not None and chosen.accuracy is not None and settings.accuracy is None:
         print(f"pkgen: {choose.NOT_PROMISED}", file=sys.stderr)
-    choice = choose.for_scene(compilation, settings, ensemble)
-    if choice is not None:
-        settings = choice.settings(settings)
-    asked = _Run(compilation, settings, ensemble, threads, chosen, choice)
+    choices = choose.chosen(compilation, settings, ensemble)
+    settings = choose.with_choices(settings, choices)
+    asked = _Run(compilation, settings, ensemble, threads, chosen, choices)
     note = rows.note(options, settings, compilation)
     if note:
         print(f"pkgen: {note}", file=sys.stderr)
@@ -86,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         outcome = _to_file(options, asked, output)
     time = "" if compilation.model.dimensionless else "s"
-    if choice is not None:
+    for choice in choices:
         for line in choose.lines(choice, time, options.json):
             print(line, file=sys.stderr)
     _tell(options, outcome, time)
@@ -126,8 +125,9 @@ def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
     if asked.scene is not None:
         found["scene"] = asked.scene.name
         found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
-    if asked.choice is not None:
-        found["accuracy"] = choose.record(asked.choice)
+    if asked.choices:
+        made = [choose.record(choice) for choice in asked.choices]
+        found["accuracy"] = made[0] if len(made) == 1 else {"parts": made}
     return found
 
 

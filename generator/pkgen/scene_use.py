@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from . import scene as scenes
@@ -106,6 +107,13 @@ def shown(model: Model, scene: Scene) -> frozenset[str]:
     return frozenset({"energy"} & wanted)
 
 
+def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:
+    """Whether an accuracy can be promised part by part: not of what may be made of several."""
+    coordinates = {item.name for item in model.coordinates}
+    plain = all(column.rstrip("'").split("[")[0] in coordinates for column in columns)
+    return scene.accuracy is None or plain
+
+
 def switched_off(text: str | None) -> frozenset[str]:
     """`--no-reduce`, or `--no-reduce=cyclic,fold`."""
     if text is None:
@@ -147,7 +155,7 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
             frozenset(columns) | scene_model.needed(scene),
             frozenset((at,)) | scene_model.events(scene),
             asked.quadratures,
-            asked.apart and scene.swarm is None and scene.accuracy is None,
+            asked.apart and scene.swarm is None and _divided(used, scene, columns),
             asked.off,
         )
 

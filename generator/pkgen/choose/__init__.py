@@ -6,10 +6,12 @@ candidates  the methods that are tried, a table
 search      the loosest setting of one that keeps the accuracy
 sample      the members of an ensemble that are tried
 choose      all of it, to a Choice
+parts       a Choice for each block of coordinates that is integrated apart
 report      what is said of it
 """
 
-from .choose import Choice, for_scene
+from .choose import Choice
+from .parts import chosen, with_choices
 from .report import NOT_PROMISED, lines, record
 
-__all__ = ["NOT_PROMISED", "Choice", "for_scene", "lines", "record"]
+__all__ = ["NOT_PROMISED", "Choice", "chosen", "lines", "record", "with_choices"]

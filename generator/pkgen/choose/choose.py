@@ -59,6 +59,7 @@ class Choice:
     compiled_for: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()  # columns that are zero but for errors
     sampled: int = 0  # members that were tried, of an ensemble
+    of: tuple[str, ...] = ()  # the coordinates of a part; none: it is of all
 
     def settings(self, given: Settings) -> Settings:
         """What is run, by the program that the trials were made with."""

@@ -18,8 +18,8 @@ def lines(choice: Choice, time: str, brief: bool) -> list[str]:
     setting = f"{'step' if choice.fixed else 'rtol'} {choice.setting:.3g}"
     if not brief:
         said.append(
-            f"accuracy {choice.accuracy:g}: {choice.method}, {setting}, expected error "
-            f"{choice.expected:.1e}, {choice.seconds:.2g} s of trials{_sampled(choice)}"
+            f"accuracy {choice.accuracy:g}{_of(choice)}: {choice.method}, {setting}, expected "
+            f"error {choice.expected:.1e}, {choice.seconds:.2g} s of trials{_sampled(choice)}"
         )
     if choice.left_out:
         said.append(
@@ -35,6 +35,10 @@ def lines(choice: Choice, time: str, brief: bool) -> list[str]:
     return said
 
 
+def _of(choice: Choice) -> str:
+    return f" of {', '.join(choice.of)}" if choice.of else ""
+
+
 def _sampled(choice: Choice) -> str:
     return f" of {choice.sampled} members" if choice.sampled else ""
 
@@ -42,6 +46,7 @@ def _sampled(choice: Choice) -> str:
 def record(choice: Choice) -> dict[str, object]:
     check = choice.check
     return {
+        **({"of": list(choice.of)} if choice.of else {}),
         "asked": choice.accuracy,
         "method": choice.method,
         "rows": choice.rows,
