@@ -1,6 +1,6 @@
 """`python -m bench reductions [--quick] [--docs]`: what a scene of each model saves.
 
-Two scenes of each model run as `pkgen run` makes them and with `--no-reduce`, in turns: degrees of
+The scenes of each model run as `pkgen run` makes them and with `--no-reduce`, in turns: degrees of
 freedom, operations a step, bytes of the C (gcc -O2, text), time of the run with its rows, and the
 largest difference of a recorded quantity, relative to its largest magnitude.
 
@@ -112,7 +112,7 @@ def main(words: list[str]) -> int:
     rounds = QUICK_ROUNDS if arguments.quick else ROUNDS
     rows = []
     for path in sorted((ROOT / "models").rglob("*.lag")):
-        for name in _scenes(path)[:2]:
+        for name in _scenes(path):
             rows.append(_row(path, name, rounds))
             print(_line(rows[-1]), file=sys.stderr)
     text = _table(rows)
