@@ -24,6 +24,8 @@ def dump(
 ) -> str:
     """What a stage makes of a model, as text; the later stages are not run."""
     made = next(islice(stages(source, sizes, kernels, libm=libm), STAGES.index(stage), None))
+    if stage == "lower":  # without a scene there are no parts
+        made, _ = made
     return as_text(made, source)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .source import Source, Span
+from .source import Diagnostic, Source, Span
 from .tree import Expr, Range
 
 
@@ -207,6 +207,7 @@ class Scene:
     accuracy: Expr | None = None
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
+    misfits: tuple[Diagnostic, ...] = ()  # errors that other sizes than the file's have made
 
 
 @dataclass(frozen=True)

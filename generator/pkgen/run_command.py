@@ -89,7 +89,8 @@ def run(options: argparse.Namespace) -> int:
         for line in choose.lines(choice, time, options.json):
             print(line, file=sys.stderr)
     _tell(options, outcome, time)
-    _hint(options, compilation.declared)
+    if outcome.code == DONE and not options.diagnose:
+        _hint(options, compilation.declared)
     return _judge(options, asked, outcome)
 
 

@@ -14,7 +14,7 @@ from .exits import UsageError
 from .front.scene_values import Key, Values, WrongValue
 from .model import Model, Record, Scene
 from .option_values import unknown
-from .source import Span
+from .source import ModelError, Span
 
 
 def chosen(model: Model, name: str) -> Scene:
@@ -22,6 +22,8 @@ def chosen(model: Model, name: str) -> Scene:
     scenes = {scene.name: scene for scene in model.scenes}
     if name not in scenes:
         raise UsageError(unknown("--scene", name, scenes, "scene"))
+    if scenes[name].misfits:
+        raise ModelError(model.source, list(scenes[name].misfits))
     return scenes[name]
 
 

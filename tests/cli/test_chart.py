@@ -273,6 +273,7 @@ def test_families_follow_from_what_a_method_says_of_itself() -> None:
         points.IMPLICIT_ADAPTIVE: Method("any", 16, ("implicit", "adaptive")),
         points.DISSIPATIVE: Method("any", 5, ("implicit",)),
         points.FOREIGN: Method("gsl_any", 5, ("adaptive",)),
+        points.EXACT: Method("any", 0, ("exact",), ("affine",)),
     }
     assert {family: m.family for family, m in of.items()} == {f: f for f in draw.STYLES}
 

@@ -21,6 +21,7 @@ OF_MODELS = {
     "double_pendulum": [],
     "elastic_pendulum": [("l0 + s", CHART)],
     "heavy_top": [("sin(theta)", CHART)],
+    "two_pendulums": [],
 }
 
 

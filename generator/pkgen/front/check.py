@@ -8,6 +8,7 @@ must have, and the limit on how much is said.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from .. import limits
 from .. import model as m
@@ -118,10 +119,29 @@ class _Checker:
             self._inertia()
         if not self.report.errors and not self.file.diagnostics:
             self._unused()
+        misfits = self._misfits()
         model = self._model()
-        if model is not None:
-            check_scene_values(model, self.report)
-        return model
+        if model is None:
+            return None
+        check_scene_values(model, self.report)
+        for name, errors in self._misfits().items():
+            misfits.setdefault(name, []).extend(errors)
+        scenes = (replace(s, misfits=tuple(misfits.get(s.name, ()))) for s in model.scenes)
+        return replace(model, scenes=tuple(scenes))
+
+    def _misfits(self) -> dict[str, list[Diagnostic]]:
+        """With other sizes than the file's a scene may name members that are not there: that is
+        its own error, of which only who chooses it hears."""
+        found: dict[str, list[Diagnostic]] = {}
+        scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
+        for scene in scenes if self.given else ():
+            mine = [
+                e for e in self.report.errors if scene.span.start <= e.span.start < scene.span.end
+            ]
+            if mine:
+                found[scene.name] = mine
+                self.report.errors = [e for e in self.report.errors if e not in mine]
+        return found
 
     def _check(self, statement: st.Statement) -> None:
         keyword = getattr(statement, "keyword", "")
