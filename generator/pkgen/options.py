@@ -164,10 +164,11 @@ def _recorded(
     compilation = values.compilation
     show = at = None
     if chosen is not None and chosen.record is not None:
-        show = [values.shown(name) for name in scene_model.columns(chosen)]
         at = chosen.record.at or None
     if options.record is not None:
         show = [values.shown_as(text) for text in options.record.split(",")]
+    elif chosen is not None and chosen.record is not None:
+        show = [values.shown(name) for name in scene_model.columns(chosen)]
     if options.at is not None:
         at = options.at
     if several and at:

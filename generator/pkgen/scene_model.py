@@ -108,7 +108,7 @@ def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
         for item in scene.assignments
         if item.name in {i.name for i in model.inputs} and item.name not in given
     }
-    functions = {name: item for name, item in driven.items() if item.varies}
+    functions = driven
     if not functions:
         return model
     inputs = {item.name: item for item in model.inputs}

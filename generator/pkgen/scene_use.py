@@ -32,6 +32,7 @@ class Asked:
     run_time: frozenset[str]
     off: frozenset[str]
     quadratures: bool
+    method: str  # "" without
     apart: bool
     judged: bool = True  # what the scene expects is measured
 
@@ -52,6 +53,7 @@ def of_run(options: argparse.Namespace) -> Use | None:
         frozenset(text.partition("=")[0].strip() for text in options.set),
         off,
         True,
+        options.method or "",
         options.ensemble is None,
     )
     return _use(options.scene, asked)
@@ -62,7 +64,7 @@ def whole(options: argparse.Namespace) -> Use | None:
     if options.scene is None:
         return None
     run_time = frozenset(text.partition("=")[0].strip() for text in options.set)
-    return _use(options.scene, Asked(None, None, run_time, EVERY, False, False), swarm=False)
+    return _use(options.scene, Asked(None, None, run_time, EVERY, False, "", False), swarm=False)
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
@@ -75,7 +77,9 @@ def of_compile(options: argparse.Namespace) -> Use | None:
 def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
     """For C to be embedded: named after model and scene, and no more kernels than the scene's
     method calls."""
-    asked = Asked(None, None, frozenset(), off, quadratures=True, apart=True, judged=False)
+    asked = Asked(
+        None, None, frozenset(), off, quadratures=True, method="", apart=True, judged=False
+    )
     use = _use(name, asked, swarm=True)
 
     def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
@@ -87,6 +91,14 @@ def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
         return called(scene.method) | shown(used, scene)
 
     return Use(named, use.needs, kernels)
+
+
+def carries_quadratures(method: str) -> bool:
+    """Whether a method has the trait PK_QUADRATURE ("": the default one)."""
+    without = ("exponential", "adaptive_verlet")
+    return not (
+        method in without or method.startswith("gsl_") or INLINED.get(method) == "SPLITTING"
+    )
 
 
 def called(method: str) -> frozenset[str]:
@@ -140,7 +152,8 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
         used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)
-        used, of_holds = held(used, scene)
+        at = asked.event or (scene.record.at if scene.record else "")
+        used, of_holds = held(used, scene, scene_model.events(scene) | {at})
         return used, (*lines, *of_holds)
 
     def needs(used: Model) -> Needs | None:
@@ -154,7 +167,7 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
         return Needs(
             frozenset(columns) | scene_model.needed(scene),
             frozenset((at,)) | scene_model.events(scene),
-            asked.quadratures,
+            asked.quadratures and carries_quadratures(asked.method or scene.method),
             asked.apart and scene.swarm is None and _divided(used, scene, columns),
             asked.off,
         )

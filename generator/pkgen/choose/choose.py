@@ -98,6 +98,8 @@ def of_members(
 ) -> Choice:
     """By trials of a few members: the method of that which takes longest, at the tightest setting
     that any of them needs, with some to spare for those that were not tried."""
+    # Without an interval members have two rows, and so have their trials.
+    settings = replace(settings, every=settings.every or settings.until)
     some = sample.members(settings, ensemble)
     accuracy = sample.SPARE * settings.accuracy
     tried = [choose(program, one, structure, able, accuracy) for one in some]

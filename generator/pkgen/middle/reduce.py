@@ -250,6 +250,8 @@ def cyclic(state: State, needs: Needs) -> State:
             lines.append(Line("cyclic", f"{name} kept", f"it is in {used[name]}"))
         elif name in needs.columns and not needs.quadratures:
             lines.append(Line("cyclic", f"{name} kept", "the method makes no quadratures"))
+        elif name in needs.columns and state.structure.affine:
+            lines.append(Line("cyclic", f"{name} kept", "a linear system has an exact flow"))
         else:
             chosen.append(i)
             angles += [i] if name in needs.columns else []

@@ -42,19 +42,37 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
     return replace(used, parameters=kept), lines
 
 
-def held(model: Model, scene: Scene) -> tuple[Model, list[Line]]:
-    """Without the coordinates that the scene holds. Raises ModelError where one cannot be."""
+def held(
+    model: Model, scene: Scene, asked_events: frozenset[str] = frozenset()
+) -> tuple[Model, list[Line]]:
+    """Without the coordinates that the scene holds, and without events that are not asked for.
+    Raises ModelError where one cannot be held."""
     lines = []
     if scene.holds and model.conserved:
         names = ", ".join(item.name for item in model.conserved)
         lines.append(Line("hold", names, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
+    if scene.holds:  # of what is held events may become constant, of which none is an error here
+        kept = tuple(e for e in model.events if e.stop or e.name in asked_events)
+        model = replace(model, events=kept)
     for item in scene.holds:
         for index, value in _motions(model, item):
+            _refuse_momentum(model, scene, f"p_{item.name}")
             model = _without(model, item, index, value)
             name = indexed(item.name, index)
             lines.append(Line("hold", name, "its motion is given, so it has no equation"))
     return model, lines
+
+
+def _refuse_momentum(model: Model, scene: Scene, momentum: str) -> None:
+    """What is held is no coordinate, and so without a momentum."""
+    asked = [column.value for column in scene.record.columns] if scene.record else []
+    asked += [side for item in scene.expects for side in (item.a, item.b)]
+    for expr in asked:
+        if momentum in _names(expr):
+            name = momentum.removeprefix("p_")
+            message = f"'{momentum}': {name} is held here, and has no momentum"
+            raise error(model, message, expr.span, f"'{name}' and its rate can be recorded")
 
 
 def _motions(model: Model, item: Hold) -> Iterable[tuple[int | None, Expr]]:
