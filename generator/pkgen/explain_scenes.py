@@ -36,8 +36,11 @@ def _shown(whole: Compilation, sizes: Mapping[str, int], name: str, description:
     before = {} if whole.looped else _operations(whole.program.kernels)
     try:
         made = compile_model(whole.declared.source, sizes=sizes, use=scene_use.of_scene(name))
-    except (UsageError, ModelError) as error:
+    except UsageError as error:
         return SceneShown(name, description, (str(error),), before, {})
+    except ModelError as error:
+        said = tuple(d.text(error.source) for d in error.diagnostics)
+        return SceneShown(name, description, said, before, {})
     if made.looped:
         return SceneShown(name, description, tuple(map(str, made.report.lines)), before, {})
     kernels = [*made.program.kernels, *(k for part in made.parts for k in part.program.kernels)]
