@@ -76,6 +76,10 @@ def run(options: argparse.Namespace) -> int:
     choices = choose.chosen(compilation, settings, ensemble)
     settings = choose.with_choices(settings, choices)
     asked = _Run(compilation, settings, ensemble, threads, chosen, choices)
+    time = "" if compilation.model.dimensionless else "s"
+    for choice in choices:
+        for line in choose.lines(choice, time, options.json):
+            print(line, file=sys.stderr)
     note = rows.note(options, settings, compilation)
     if note:
         print(f"pkgen: {note}", file=sys.stderr)
@@ -84,10 +88,6 @@ def run(options: argparse.Namespace) -> int:
         outcome = _simulate(asked, sys.stdout.fileno())
     else:
         outcome = _to_file(options, asked, output)
-    time = "" if compilation.model.dimensionless else "s"
-    for choice in choices:
-        for line in choose.lines(choice, time, options.json):
-            print(line, file=sys.stderr)
     _tell(options, outcome, time)
     if outcome.code == DONE and not options.diagnose:
         _hint(options, compilation.declared)

@@ -37,6 +37,7 @@ SLOWER = 1.3  # than the cheapest: not followed any further
 NEAR = (3.0, 1.3, 1.3)  # times the cheapest: timed again, in so many rounds
 TIE = 1.05
 LAPS = 0.002  # seconds
+WHOLE_SECONDS = 5.0  # that a trial of the whole scene may take; else what is chosen is not verified
 TIGHTER = 0.03  # of the accuracy: the error of what a choice is compared with over the whole
 MENDED = 4  # times that the setting is mended there
 
@@ -60,6 +61,7 @@ class Choice:
     left_out: tuple[str, ...] = ()  # columns that are zero but for errors
     sampled: int = 0  # members that were tried, of an ensemble
     of: tuple[str, ...] = ()  # the coordinates of a part; none: it is of all
+    unverified: float | None = None  # until when it was tried, where the whole takes too long
 
     def settings(self, given: Settings) -> Settings:
         """What is run, by the program that the trials were made with."""
@@ -134,6 +136,10 @@ def choose(
         return _Chooser(trials, settings, structure, able, accuracy).choose()
 
 
+class TooLong(Exception):
+    """A trial of the whole scene was given up."""
+
+
 class _Chooser:
     def __init__(
         self,
@@ -167,9 +173,16 @@ class _Chooser:
         best = self._cheapest(kept)
         if whole:
             return self._kept(best.candidate, best.kept, found)
-        if self._floor() > FLOOR * self.accuracy:
-            return self._tightest(found, MARGIN * self.accuracy)
-        return self._verify(best, found)
+        try:
+            if self._floor() > FLOOR * self.accuracy:
+                return self._tightest(found, MARGIN * self.accuracy)
+            return self._verify(best, found)
+        except TooLong:
+            growth = self.until / check.span
+            seconds = best.kept.seconds * growth
+            setting = best.kept.setting
+            made = self._choice(best.candidate, setting, math.inf, seconds, found, None)
+            return replace(made, unverified=check.span)
 
     def _race(self, check: Check) -> list[Found]:
         """Each candidate's loosest setting over the span of the reference."""
@@ -281,9 +294,16 @@ class _Chooser:
 
     def _whole(self, candidate: Candidate, setting: float) -> Trial:
         trial = self.trials.attempt(
-            candidate.name, setting, candidate.rows, self.until, accuracy=self.accuracy
+            candidate.name,
+            setting,
+            candidate.rows,
+            self.until,
+            accuracy=self.accuracy,
+            cap=WHOLE_SECONDS,
         )
         self.spent += trial.took
+        if trial.slow:
+            raise TooLong
         return trial
 
     def _tighter(self, found: Found, more: float) -> float:

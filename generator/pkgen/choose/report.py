@@ -16,10 +16,18 @@ def lines(choice: Choice, time: str, brief: bool) -> list[str]:
     """The choice, unless `brief`, and a warning where it does not hold."""
     said = []
     setting = f"{'step' if choice.fixed else 'rtol'} {choice.setting:.3g}"
+    expected = f"expected error {choice.expected:.1e}, "
+    if choice.unverified is not None:
+        expected = ""
+        said.append(
+            f"pkgen: warning: accuracy {choice.accuracy:g} was tried until t = "
+            f"{choice.unverified:.6g} {time}".rstrip()
+            + " alone, for trials of all of it take too long; behind that it is not promised"
+        )
     if not brief:
         said.append(
-            f"accuracy {choice.accuracy:g}{_of(choice)}: {choice.method}, {setting}, expected "
-            f"error {choice.expected:.1e}, {choice.seconds:.2g} s of trials{_sampled(choice)}"
+            f"accuracy {choice.accuracy:g}{_of(choice)}: {choice.method}, {setting}, {expected}"
+            f"{choice.seconds:.2g} s of trials{_sampled(choice)}"
         )
     if choice.left_out:
         said.append(
@@ -53,6 +61,7 @@ def record(choice: Choice) -> dict[str, object]:
         "step" if choice.fixed else "rtol": choice.setting,
         "expected": _finite(choice.expected),
         "horizon": choice.horizon,
+        "unverified_from": choice.unverified,
         "run_seconds": _finite(choice.run_seconds),
         "trial_seconds": choice.seconds,
         "members_tried": choice.sampled,
