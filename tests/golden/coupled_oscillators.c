@@ -467,7 +467,7 @@ pk_real coupled_oscillators_potential(const struct coupled_oscillators_params *p
 }
 
 const char coupled_oscillators_source_hash[65] =
-    "e54bf04d84ed9926f901c826a43c79f43727b7955a596ac32763581c17f38954";
+    "0360e74cfb070a2d0eead4d008e5dac7ba29ea924f21bd7aa9106285a436827a";
 
 const struct coupled_oscillators_parameter coupled_oscillators_parameters[3] = {
     {{"m", "kg", "each mass"}, offsetof(struct coupled_oscillators_params, m), 0, 1, 1},
