@@ -12,6 +12,7 @@ from dataclasses import replace
 from . import expects
 from .indices import integer
 from .middle.quantities import indexed, sizes
+from .middle.specialise import with_definitions
 from .model import Definition, Input, Model, Scene
 from .tree import Expr, Name, Prime, names, replaced
 
@@ -102,35 +103,19 @@ def _claims(model: Model, value: Expr) -> Expr:
 
 
 def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
-    """Inputs that are functions of t become definitions, so that their derivatives are theirs."""
+    """Inputs that the scene gives become definitions, so that their derivatives are theirs."""
     driven = {
         item.name: item
         for item in scene.assignments
         if item.name in {i.name for i in model.inputs} and item.name not in given
     }
-    functions = driven
-    if not functions:
+    if not driven:
         return model
     inputs = {item.name: item for item in model.inputs}
-    lets = [_let(inputs[name], item.value, item.span) for name, item in functions.items()]
-    # Definitions are entered in order: constants that the functions use come before these.
-    first = _needed(model, lets)
-    return replace(
-        model,
-        inputs=tuple(item for item in model.inputs if item.name not in functions),
-        definitions=(*first, *lets, *(d for d in model.definitions if d not in first)),
-    )
+    lets = [_let(inputs[name], item.value, item.span) for name, item in driven.items()]
+    kept = tuple(item for item in model.inputs if item.name not in driven)
+    return with_definitions(replace(model, inputs=kept), lets)
 
 
 def _let(item: Input, value: Expr, span) -> Definition:
     return Definition(item.name, None, None, value, item.units[0], item.description, span)
-
-
-def _needed(model: Model, lets: list[Definition]) -> list[Definition]:
-    wanted = frozenset().union(*(names(item.value) for item in lets))
-    found = []
-    for item in reversed(model.definitions):
-        if item.name in wanted:
-            wanted |= names(item.value)
-            found.append(item)
-    return found[::-1]

@@ -95,10 +95,12 @@ def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
 
 def carries_quadratures(method: str) -> bool:
     """Whether a method has the trait PK_QUADRATURE ("": the default one)."""
-    without = ("exponential", "adaptive_verlet")
-    return not (
-        method in without or method.startswith("gsl_") or INLINED.get(method) == "SPLITTING"
-    )
+    return not (_is_linear(method) or INLINED.get(method) == "SPLITTING")
+
+
+def _is_linear(method: str) -> bool:
+    """Whether it may call the derivatives of the acceleration."""
+    return method in ("exponential", "adaptive_verlet") or method.startswith("gsl_")
 
 
 def called(method: str) -> frozenset[str]:
@@ -106,7 +108,7 @@ def called(method: str) -> frozenset[str]:
     always = {"acceleration", "guard", "event", "observe", "quadrature"}
     if not method or method in INLINED:
         return frozenset(always)
-    if method.startswith("gsl_") or method == "exponential":
+    if _is_linear(method):
         return frozenset(always | {"mass", "linear"})
     return frozenset(always | {"canonical", "mass", "jacobian"})
 

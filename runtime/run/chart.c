@@ -238,13 +238,7 @@ int chart_run(const char *settings)
 {
     static struct chart c;
     char text[4096];
-    FILE *file = fopen(settings, "r");
-    if (!file) {
-        fprintf(stderr, "run: cannot read %s\n", settings);
-        return 2;
-    }
-    int code = settings_read(&c.s, run_system, file);
-    fclose(file);
+    int code = settings_file(&c.s, run_system, settings);
     if (code == 0) {
         c.problem = settings_motion(&c.s);
         c.monitor_block = words_allocate(pk_monitor_size(&c.problem), 1);

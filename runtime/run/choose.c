@@ -232,13 +232,7 @@ int choose_run(const char *settings)
 {
     static struct choice c;
     char text[4096];
-    FILE *file = fopen(settings, "r");
-    if (!file) {
-        fprintf(stderr, "run: cannot read %s\n", settings);
-        return 2;
-    }
-    int code = settings_read(&c.s, run_system, file);
-    fclose(file);
+    int code = settings_file(&c.s, run_system, settings);
     c.absolute = 1;
     if (code == 0) {
         c.ignored = (unsigned char *)words_allocate(rows_columns(&c.s), 1);

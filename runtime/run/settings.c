@@ -268,3 +268,15 @@ void settings_free(struct settings *s)
     expect_free(s);
     free(s->parts);
 }
+
+int settings_file(struct settings *s, const struct pk_system *system, const char *path)
+{
+    FILE *file = fopen(path, "r");
+    if (!file) {
+        fprintf(stderr, "run: cannot read %s\n", path);
+        return 2;
+    }
+    const int code = settings_read(s, system, file);
+    fclose(file);
+    return code;
+}

@@ -107,6 +107,7 @@ struct settings {
 
 /* 0, or the process's exit code, with a message on standard error. */
 int settings_read(struct settings *settings, const struct pk_system *system, FILE *file);
+int settings_file(struct settings *settings, const struct pk_system *system, const char *path);
 /* Of the model with these parameters, its inputs constant; the settings must stay where they are.
  * settings_motion(): without its quadratures, which no measure of methods is of, nor a run that
  * does not show them. */

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build
+from pkgen import build, scene_use
 from pkgen.inlined import INLINED
 from pkgen.resources import ResourcesExceeded, bounded
 
@@ -69,6 +69,16 @@ def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_pa
     assert len(tools.target) == 24 and ("-march=native" in tools.flags or not build.NATIVE)
     elsewhere = replace(tools, target="another processor")
     assert build.runtime_library(tools) != build.runtime_library(elsewhere)
+
+
+def test_what_a_method_calls_and_carries_is_as_the_runtime_says() -> None:
+    """The generator knows it without a C compiler."""
+    for method in build.driver_methods():
+        name, flags = method["name"], set(method["flags"])
+        called = scene_use.called(name)
+        assert ("quadrature" in flags) == scene_use.carries_quadratures(name), name
+        assert "jacobian" in called or "jacobians" not in flags, name
+        assert "linear" in called or "linear" not in flags, name
 
 
 def test_every_method_but_newtons_is_compiled_with_the_model() -> None:

@@ -185,9 +185,8 @@ def unconnected(state: State, needs: Needs) -> State:
     e = state.equations
     kept = set(_wanted(e, needs))
     waiting = list(kept)
-    influences = _influences(e)
     while waiting:
-        new = influences[waiting.pop()] - kept
+        new = set(state.structure.influences[waiting.pop()]) - kept
         kept |= new
         waiting += new
     gone = [i for i in range(len(e.coordinates)) if i not in kept]
@@ -216,19 +215,6 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
 
 def _named(quantities: tuple) -> dict[str, int]:
     return {q.name: i for i, q in enumerate(quantities)}
-
-
-def _influences(e: Equations) -> list[set[int]]:
-    """Of each coordinate, those in its equation of motion."""
-    g = e.graph
-    if e.acceleration is not None:
-        return [{s.index for s in symbols_in(g, [a], STATE)} for a in e.acceleration]
-    rows = [
-        {s.index for s in symbols_in(g, [f, *row], STATE)}
-        | {j for j, entry in enumerate(row) if entry != ZERO}
-        for f, row in zip(e.force, e.mass, strict=True)
-    ]
-    return rows
 
 
 # -- cyclic coordinates --------------------------------------------------------------------------

@@ -7,13 +7,12 @@ end of a family it becomes a fixed end.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 
 from ..indices import integer
 from ..model import Coordinate, Definition, End, Hold, Model, Scene
-from ..tree import Add, Expr, Name, Number, children
+from ..tree import Add, Expr, Number, names
 from .quantities import Family, error, families, indexed, sizes
 from .report import Line
 
@@ -29,14 +28,14 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
             continue
         if parameter.range is not None or item.index is not None:
             continue  # members of a family stay in their array
-        if _names(item.value) & {later.name for later in scene.assignments[k:]}:
+        if names(item.value) & {later.name for later in scene.assignments[k:]}:
             continue  # it takes the value from before that is set: a number of the run
         fixed[item.name] = Definition(
             item.name, None, None, item.value, parameter.unit, parameter.description, item.span
         )
     if not fixed:
         return model, []
-    used = _with_constants(model, list(fixed.values()))
+    used = with_definitions(model, list(fixed.values()))
     kept = tuple(p for p in model.parameters if p.name not in fixed)
     lines = [Line("fold", ", ".join(fixed), "fixed by the scene, so a number in the C")]
     return replace(used, parameters=kept), lines
@@ -56,11 +55,11 @@ def held(
         kept = tuple(e for e in model.events if e.stop or e.name in asked_events)
         model = replace(model, events=kept)
     for item in scene.holds:
-        for index, value in _motions(model, item):
-            _refuse_momentum(model, scene, f"p_{item.name}")
-            model = _without(model, item, index, value)
-            name = indexed(item.name, index)
-            lines.append(Line("hold", name, "its motion is given, so it has no equation"))
+        _refuse_momentum(model, scene, f"p_{item.name}")
+        index, value = _motion(model, item)
+        model = _without(model, item, index, value)
+        name = indexed(item.name, index)
+        lines.append(Line("hold", name, "its motion is given, so it has no equation"))
     return model, lines
 
 
@@ -69,14 +68,14 @@ def _refuse_momentum(model: Model, scene: Scene, momentum: str) -> None:
     asked = [column.value for column in scene.record.columns] if scene.record else []
     asked += [side for item in scene.expects for side in (item.a, item.b)]
     for expr in asked:
-        if momentum in _names(expr):
+        if momentum in names(expr):
             name = momentum.removeprefix("p_")
             message = f"'{momentum}': {name} is held here, and has no momentum"
             raise error(model, message, expr.span, f"'{name}' and its rate can be recorded")
 
 
-def _motions(model: Model, item: Hold) -> Iterable[tuple[int | None, Expr]]:
-    """Each member that is held, and its motion."""
+def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
+    """Which member is held, and its motion."""
     if item.range is not None:
         raise error(
             model,
@@ -85,7 +84,7 @@ def _motions(model: Model, item: Hold) -> Iterable[tuple[int | None, Expr]]:
             "hold its first or last members, one by one, or leave the family out of the model",
         )
     index = None if item.index is None else integer(item.index, sizes(model))
-    yield index, item.value if item.value is not None else _start(model, item, index)
+    return index, item.value if item.value is not None else _start(model, item, index)
 
 
 def _start(model: Model, item: Hold, index: int | None) -> Expr:
@@ -116,7 +115,7 @@ def _without(model: Model, item: Hold, index: int | None, value: Expr) -> Model:
         gone = Definition(
             item.name, None, None, value, declared.unit, declared.description, item.span
         )
-        model = _with_constants(model, [gone])
+        model = with_definitions(model, [gone])
         coordinates = tuple(c for c in model.coordinates if c is not declared)
     else:
         model, shorter = _shorter(model, item, family, declared, index, value)
@@ -196,25 +195,14 @@ def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
     return tuple(found)
 
 
-def _with_constants(model: Model, new: list[Definition]) -> Model:
-    """With definitions of parameters and t alone, before those that may use them."""
-    names = {d.name for d in model.definitions}
-    moving = {c.name for c in model.coordinates} | {i.name for i in model.inputs}
-    moving |= {p.name for p in model.parameters} | {"t"}
-    constant: set[str] = set()
-    for item in model.definitions:
-        if all(n in constant or n not in names | moving for n in _names(item.value)):
-            constant.add(item.name)
-    first = [d for d in model.definitions if d.name in constant]
-    rest = [d for d in model.definitions if d.name not in constant]
+def with_definitions(model: Model, new: list[Definition]) -> Model:
+    """With definitions that may use earlier ones and be used by any: they are entered in order, so
+    what these use comes first."""
+    wanted = frozenset().union(*(names(item.value) for item in new))
+    first: list[Definition] = []
+    for item in reversed(model.definitions):
+        if item.name in wanted:
+            wanted |= names(item.value)
+            first.insert(0, item)
+    rest = (item for item in model.definitions if item not in first)
     return replace(model, definitions=(*first, *new, *rest))
-
-
-def _names(expr: Expr) -> set[str]:
-    found, waiting = set(), [expr]
-    while waiting:
-        part = waiting.pop()
-        waiting += children(part)
-        if isinstance(part, Name):
-            found.add(part.id)
-    return found
