@@ -2,7 +2,8 @@
 
 The scenes of each model run as `pkgen run` makes them and with `--no-reduce`, in turns: degrees of
 freedom, operations a step, bytes of the C (gcc -O2, text), time of the run with its rows, and the
-largest difference of a recorded quantity, relative to its largest magnitude.
+largest difference of a recorded quantity, relative to its largest magnitude. Methods with a
+tolerance take TIGHT for that: what is compared are the equations, not the errors of a method.
 
 Operations a step are those of the kernels that it evaluates, as pkgen counts them, and those of the
 method for each number of the state, as FLOPS says.
@@ -37,6 +38,7 @@ ROOT = Path(__file__).resolve().parent.parent
 MARK = "<!-- python -m bench reductions --docs -->\n"
 ROUNDS, QUICK_ROUNDS = 15, 3
 LAPS = 0.02  # seconds
+TIGHT = "3e-15"
 # Of a step, for each number of the state: a product and a sum for each coefficient of the tableau
 # that is not 0. For gauss, of an iteration: its two 8 x 8 matrices, for positions and rates.
 FLOPS = {
@@ -168,13 +170,10 @@ def _row(path: Path, name: str, rounds: int) -> Row:
     if ways[0].settings.method == "exponential" != ways[1].settings.method:
         ways = ways[0], _way(path, name, "--no-reduce", "--rtol", "1e-13")  # as near as can be
     times: tuple[list[float], list[float]] = ([], [])
-    tables: list[np.ndarray] = []
-    for number in range(rounds):
+    for _ in range(rounds):
         for k, way in enumerate(ways):
             times[k].append(_time(way))
-            if not number:
-                tables.append(_rows(way))
-    one, other = tables
+    one, other = _tight_rows(path, name, ways[0]), _tight_rows(path, name, ways[1], "--no-reduce")
     if one.shape != other.shape:
         raise SystemExit(f"bench: {path.stem} {name}: {one.shape} rows and {other.shape}")
     scale = np.abs(other[:, 1:]).max(axis=0)
@@ -182,6 +181,12 @@ def _row(path: Path, name: str, rounds: int) -> Row:
     ratio = statistics.median(a / b for a, b in zip(*times, strict=True))
     fastest = min(times[0]), min(times[1])
     return Row(f"{path.stem} {name}", ways[0], ways[1], fastest, ratio, float(off.max()))
+
+
+def _tight_rows(path: Path, name: str, way: Way, *options: str) -> np.ndarray:
+    if way.settings.step is None and way.settings.method != "exponential":
+        way = _way(path, name, *options, "--rtol", TIGHT)
+    return _rows(way)
 
 
 def _rows(way: Way) -> np.ndarray:
