@@ -117,8 +117,7 @@ def shown(model: Model, scene: Scene) -> frozenset[str]:
     """The kernels of what it records: all where it says nothing about that."""
     if scene.record is None:
         return frozenset({"energy", "conserve"})
-    wanted = {*scene_model.columns(scene), *scene_model.needed(scene)}
-    return frozenset({"energy"} & wanted)
+    return frozenset({"energy"} & set(scene_model.columns(scene)))
 
 
 def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:

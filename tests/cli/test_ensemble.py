@@ -175,6 +175,7 @@ def test_a_family_too_long_for_an_ensemble_says_why(pkgen, ensemble) -> None:
     assert "members of an ensemble run in lanes, which loops do not have" in done.stderr
 
 
+@pytest.mark.long  # a runtime of its own is built
 def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:
     """A compiler that cannot link OpenMP still runs ensembles; a new cache is filled, and used."""
     compiler = tmp_path / "cc"

@@ -112,6 +112,13 @@ run run_pair "method rk4\nuntil 1\nevery 0.3\nstep 0.07\n"
 check "steps divide the last interval as alone" [ "$(tail -1 "$tmp/out.csv" | cut -d, -f2)" = "$alone" ]
 check "the last interval is shorter" [ "$(cut -d, -f1 "$tmp/out.csv" | tr '\n' ' ')" = \
     "t 0 0.29999999999999999 0.59999999999999998 0.89999999999999991 1 " ]
+# Half a period from a right angle to the next, 2 K(1/sqrt 2): in each row the energy is 0.
+run run_pair "method gauss\nuntil 14.832597418410976\nevery 3.7081493546027438\nrtol 1e-12\nparam 0 1
+start q 0 1.5707963267948966\nstart v 0 0\nstart q 1 0\nreport $tmp/r.json\n"
+check "an energy that rows see at turning points alone has a scale" python3 -c "
+import json
+d = json.load(open('$tmp/r.json'))['drifts'][0]
+assert d['scale'] > 1 and d['max'] < 1e-11, d"
 run run_pair "method gauss\nuntil 10\nevery 5\nh_min 2\npart 0 method rk4\npart 0 step 0.1\nreport $tmp/r.json\n"
 check "one fails: exit 4" [ $code -eq 4 ]
 check "with its reason" grep -q 'run: part 2 (x): the step size fell .* the whole is at t = 0$' "$tmp/err"
