@@ -151,6 +151,8 @@ PAIR = dict(coords=("p", "q", "r"), kinetic="(D(p)**2 + D(q)**2 + D(r)**2)/2")
         # M depends on a rate, and no force does.
         (dict(lagrangian="D(p)**2*D(r)**2", potential="r"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
         (dict(lagrangian="D(p)*D(q)/2 + cos(q)"), ((1,), (1,), ()), ((0, 1), (2,))),
+        # An inertia that two share, in which neither occurs.
+        (dict(lagrangian="D(p)*D(q)/2"), ((), (), ()), ((0, 1), (2,))),
         # Through M, though not in any force.
         (dict(lagrangian="r**2*D(p)**2"), ((0, 2), (), (0, 2)), ((0, 2), (1,))),
         # q drops out by an identity.

@@ -199,6 +199,27 @@ def test_blocks_apart_move_as_in_the_whole():
     assert parts_of(whole, analyze(whole), ENOUGH) == ()
 
 
+@pytest.mark.parametrize(
+    "terms", ["potential x^2 + z^2", "force x = cos(t)", "potential x^2\nforce y = z*cos(t)"]
+)
+def test_inertia_that_is_shared_counts_where_no_acceleration_depends_on_the_coordinate(terms):
+    """x'' = F/(M_xx - M_xy^2/M_yy), which has nothing of y in it and is not F/M_xx."""
+    whole = equations_of(
+        f"model inert\ncoord x, y, z\nkinetic x'^2 + y'^2 + z'^2 + x'*y'\n{terms}\n"
+    )
+    state = somewhere(whole, 11)
+    one = evaluate(whole.graph, whole.acceleration, state)
+    found = [reduced(whole, "x", off=frozenset({"cyclic"})).equations]
+    found += [part.equations for part in parts_of(whole, analyze(whole), ENOUGH)]
+    for part in found:
+        names = [q.name for q in part.coordinates]
+        assert ("x" in names) <= ("y" in names)
+        kept = ["xyz".index(name) for name in names]
+        known = state | renumbered(state, kept)
+        alone = evaluate(part.graph, part.acceleration, known)
+        assert alone == pytest.approx([one[i] for i in kept], rel=1e-13)
+
+
 def scene_of(text: str, clauses: str):
     text += "scene one\n" + "".join(f"  {line}\n" for line in clauses.split("\n")) + "end\n"
     model, _ = check.check(parse.parse_all(Source("a.lag", text)), {})

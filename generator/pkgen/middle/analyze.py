@@ -53,7 +53,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         mass_blocks=coupled,
         mass_band=mass_band(equations),
         influences=influence,
-        blocks=blocks_of(influence),
+        blocks=blocks_of(influence, coupled),
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
         symmetries=symmetries(equations, coupled, influence) if symmetric and not jumping else None,
     )

@@ -58,9 +58,12 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
     return tuple(found)
 
 
-def blocks_of(influence: Indices) -> Indices:
-    """The finest partition such that no coordinate influences one of another part."""
-    return partition(len(influence), ((i, j) for i, row in enumerate(influence) for j in row))
+def blocks_of(influence: Indices, blocks: Indices) -> Indices:
+    """The finest partition such that no coordinate influences one of another part, nor shares an
+    entry of M with it: `blocks` are those of M."""
+    pairs = [(i, j) for i, row in enumerate(influence) for j in row]
+    pairs += [(block[0], j) for block in blocks for j in block]
+    return partition(len(influence), pairs)
 
 
 def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:

@@ -181,12 +181,18 @@ def outputs(state: State, needs: Needs) -> State:
 
 
 def unconnected(state: State, needs: Needs) -> State:
-    """A coordinate in whose absence all that is recorded moves the same is left at its start."""
-    e = state.equations
+    """A coordinate in whose absence all that is recorded moves the same is left at its start.
+
+    One that shares a block of M with what is kept is not such a one, though no acceleration
+    depends on it: its inertia has a part in them.
+    """
+    e, facts = state.equations, state.structure
     kept = set(_wanted(e, needs))
     waiting = list(kept)
     while waiting:
-        new = set(state.structure.influences[waiting.pop()]) - kept
+        i = waiting.pop()
+        mates = next(block for block in facts.mass_blocks if i in block)
+        new = {*facts.influences[i], *mates} - kept
         kept |= new
         waiting += new
     gone = [i for i in range(len(e.coordinates)) if i not in kept]
