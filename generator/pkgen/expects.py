@@ -40,8 +40,8 @@ class Compared:
             when = f"t {self.at.hex()}"
         elif self.event is not None:
             when = f"event {self.event}"
-        allowed = "-" if self.within is None else self.within
-        return f"expect {self.relation} {self.a} {self.b} {allowed} {when}"
+        allowed = "-" if self.within is None else f"o{self.within}"
+        return f"expect {self.relation} o{self.a} o{self.b} {allowed} {when}"
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,7 @@ static void show(struct run *run, int has_row, pk_real t, const pk_real *q, cons
     if (run->monitor_block)
         pk_monitor_update(&run->monitor, t, q, v);
     expect_sample(run, t, q, v);
-    expect_landed(run, t, q, v);
+    expect_landed(run, t, q, v, z);
 }
 
 /* All rows of a member, as far as it came; the driver's own columns take its parameters and inputs.

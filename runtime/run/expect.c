@@ -8,9 +8,9 @@
 #include "words.h"
 
 /* What is off by the most so far: above 0 it is a miss, and no number is one as well. */
-static void compare(struct run *run, struct expected *x, pk_real t, const pk_real *out)
+static void compare(struct run *run, struct expected *x, pk_real t, pk_real a, pk_real b,
+                    pk_real within)
 {
-    const pk_real a = out[x->a], b = out[x->b], within = x->has_within ? out[x->within] : 0;
     const pk_real d = x->relation == '>' ? b - a : a - b;
     const pk_real off = x->relation == '=' ? PK_F(fabs)(d) - within : d;
     const int met = x->relation == '=' ? off <= 0 : off < 0;
@@ -30,7 +30,8 @@ static void compare(struct run *run, struct expected *x, pk_real t, const pk_rea
 static const pk_real *outputs(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
 {
     const struct settings *s = &run->settings;
-    run_system->observe(s->params, t, q, v, s->u, run->expected);
+    if (run_system->n_observed)
+        run_system->observe(s->params, t, q, v, s->u, run->expected);
     return run->expected;
 }
 
@@ -55,7 +56,7 @@ pk_real expect_limit(const struct run *run, pk_real limit)
 
 /* Those of a kind, and of that time or event. */
 static void compare_all(struct run *run, char when, size_t event, pk_real t, const pk_real *q,
-                        const pk_real *v)
+                        const pk_real *v, const pk_real *z)
 {
     const pk_real *out = NULL;
     for (size_t i = 0; i < run->settings.n_expected; i++) {
@@ -65,23 +66,26 @@ static void compare_all(struct run *run, char when, size_t event, pk_real t, con
             continue;
         if (!out)
             out = outputs(run, t, q, v);
-        compare(run, x, t, out);
+        compare(run, x, t, output_value(run, &x->a, t, q, v, z, out),
+                output_value(run, &x->b, t, q, v, z, out),
+                x->has_within ? output_value(run, &x->within, t, q, v, z, out) : 0);
     }
 }
 
-void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *z)
 {
-    compare_all(run, 't', 0, t, q, v);
+    compare_all(run, 't', 0, t, q, v, z);
 }
 
-void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z)
 {
-    compare_all(run, 'r', 0, t, q, v);
+    compare_all(run, 'r', 0, t, q, v, z);
 }
 
-void expect_event(struct run *run, size_t event, pk_real t, const pk_real *q, const pk_real *v)
+void expect_event(struct run *run, const struct pk_events *at)
 {
-    compare_all(run, 'e', event, t, q, v);
+    compare_all(run, 'e', at->which, at->t, at->q, at->v, at->z);
 }
 
 void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
@@ -130,14 +134,13 @@ static int read_expected(struct settings *s, const struct pk_system *system, siz
                          char *const word[])
 {
     struct expected x = {0};
-    const size_t outputs = system->n_observed;
     if (!word[1] || !strchr("=<>", word[1][0]))
         return words_usage(line, "a relation is =, < or >", word[1]);
     x.relation = word[1][0];
     x.has_within = word[4] && strcmp(word[4], "-") != 0;
-    if (!words_index(word[2], outputs, &x.a) || !words_index(word[3], outputs, &x.b) ||
-        (x.has_within && !words_index(word[4], outputs, &x.within)))
-        return words_usage(line, "no such output", word[2]);
+    if (!settings_column(s, system, word[2], &x.a) || !settings_column(s, system, word[3], &x.b) ||
+        (x.has_within && !settings_column(s, system, word[4], &x.within)))
+        return words_usage(line, "no such column", word[2]);
     x.when = word[4] && word[5] ? word[5][0] : '\0';
     if (!x.when || !strchr("rte", x.when) ||
         (x.when == 't' && !words_real(word[6], &x.at)) ||

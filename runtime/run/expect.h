@@ -1,4 +1,4 @@
-/* What a scene expects of its run: outputs compared at times, at events or in all rows, and drifts
+/* What a scene expects of its run: columns compared at times, at events or in all rows, and drifts
  * of outputs. The driver measures; what is said of it is pkgen's.
  */
 #ifndef RUN_EXPECT_H
@@ -15,10 +15,11 @@ int expect_hides(const struct settings *s, size_t output);
 void expect_start(struct run *run);
 /* The next time up to `limit` at which something is expected: a step ends there. */
 pk_real expect_limit(const struct run *run, pk_real limit);
-/* A state at a time t: what is expected then; in rows; at an event. */
-void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
-void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
-void expect_event(struct run *run, size_t event, pk_real t, const pk_real *q, const pk_real *v);
+/* A state at a time t: what is expected then; in rows; at an event. z: as of output_row(). */
+void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *z);
+void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
+void expect_event(struct run *run, const struct pk_events *at);
 /* A sample for the drifts; what has drifted so far is of one member, and the next one begins. */
 void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
 void expect_member(struct run *run, const struct pk_drift *energy);

@@ -31,7 +31,7 @@ void run_sample(struct run *run)
     const struct pk_integrator *it = &run->it;
     pk_monitor_update(&run->monitor, it->t, it->q, it->v);
     expect_sample(run, it->t, it->q, it->v);
-    expect_landed(run, it->t, it->q, it->v);
+    expect_landed(run, it->t, it->q, it->v, it->z);
 }
 
 static int step(struct run *run, pk_real limit)

@@ -28,7 +28,7 @@ struct run {
     void *events_block;
     struct crossed *crossed; /* of each event */
     pk_real *event_values;   /* work of watch.c */
-    pk_real *expected; /* outputs, work of expect.c */
+    pk_real *expected;       /* outputs, work of expect.c */
     size_t member;     /* of an ensemble, whose state is looked at */
     pk_real *row;      /* q, v, observed, quadratures of a row */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
@@ -56,6 +56,9 @@ void output_header(struct run *run, FILE *file);
 /* z: the quadratures, where the system has any. */
 void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v,
                 const pk_real *z);
+/* A column's value; `out` are the outputs there, where the system has any. */
+pk_real output_value(const struct run *run, const struct shown *column, pk_real t,
+                     const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out);
 /* 0, or a message on standard error. */
 int output_report(struct run *run, const char *path);
 /* Pieces of JSON. */

@@ -32,6 +32,10 @@ int settings_shows_z(const struct settings *s)
     for (size_t i = 0; i < s->n_show; i++)
         if (s->show[i].kind == 'z')
             return 1;
+    for (size_t i = 0; i < s->n_expected; i++)
+        if (s->expected[i].a.kind == 'z' || s->expected[i].b.kind == 'z' ||
+            s->expected[i].within.kind == 'z')
+            return 1;
     return s->n_show == 0;
 }
 

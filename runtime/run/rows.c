@@ -67,6 +67,24 @@ static void cell(FILE *file, pk_real x)
         fprintf(file, ",%.17g", (double)x);
 }
 
+pk_real output_value(const struct run *run, const struct shown *column, pk_real t,
+                     const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out)
+{
+    const size_t i = column->index;
+    switch (column->kind) {
+    case 'q':
+        return q[i];
+    case 'v':
+        return v[i];
+    case 'o':
+        return out[i];
+    case 'z':
+        return z[i];
+    default:
+        return run->problem.system->energy(run->settings.params, t, q, v, run->settings.u);
+    }
+}
+
 /* The columns that were asked for; the name of the first that is not finite, or NULL. */
 static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
                              const pk_real *v, const pk_real *z, pk_real *out)
@@ -78,11 +96,7 @@ static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_re
         system->observe(s->params, t, q, v, s->u, out);
     for (size_t i = 0; i < s->n_show; i++) {
         const struct shown *show = &s->show[i];
-        const pk_real x = show->kind == 'q'   ? q[show->index]
-                          : show->kind == 'v' ? v[show->index]
-                          : show->kind == 'o' ? out[show->index]
-                          : show->kind == 'z' ? z[show->index]
-                                              : system->energy(s->params, t, q, v, s->u);
+        const pk_real x = output_value(run, show, t, q, v, z, out);
         cell(file, x);
         if (!is_finite(x) && !bad)
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
@@ -135,7 +149,7 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         run->bad_t = (double)t;
     }
     diagnose_row(run, t, q, v);
-    expect_row(run, t, q, v);
+    expect_row(run, t, q, v, z);
     if (ferror(file))
         run->write_failed = errno ? errno : EIO;
 }

@@ -51,6 +51,18 @@ static int set_start(struct settings *s, const struct pk_system *system, size_t 
     return 0;
 }
 
+int settings_column(const struct settings *s, const struct pk_system *system, const char *word,
+                    struct shown *column)
+{
+    const char kind = word ? word[0] : '\0';
+    const size_t count = kind == 'q' || kind == 'v' ? s->n
+                         : kind == 'o'              ? system->n_observed
+                         : kind == 'z'              ? system->n_quadratures
+                         : kind == 'e' && system->energy;
+    column->kind = kind;
+    return count && words_index(word + 1, count, &column->index);
+}
+
 static int set_show(struct settings *s, const struct pk_system *system, size_t line,
                     char *const word[])
 {

@@ -47,11 +47,12 @@ struct shown {
     size_t index;
 };
 
-/* A relation between outputs, and by how much it was missed at the worst. */
+/* A relation between columns, and by how much it was missed at the worst. */
 struct expected {
     char relation; /* =, <, > */
     char when;     /* r in all rows, t at a time, e at an event */
-    size_t a, b, within, event;
+    struct shown a, b, within;
+    size_t event;
     int has_within;
     pk_real at;
     unsigned long count, missed;
@@ -110,9 +111,12 @@ int settings_read(struct settings *settings, const struct pk_system *system, FIL
 int settings_file(struct settings *settings, const struct pk_system *system, const char *path);
 /* Of the model with these parameters, its inputs constant; the settings must stay where they are.
  * settings_motion(): without its quadratures, which no measure of methods is of, nor a run that
- * does not show them. */
+ * neither shows nor expects them. */
 struct pk_problem settings_problem(struct settings *settings);
 struct pk_problem settings_motion(struct settings *settings);
+/* Whether a word, as "q0", "o2" or "e0", is a column. */
+int settings_column(const struct settings *settings, const struct pk_system *system,
+                    const char *word, struct shown *column);
 int settings_shows_z(const struct settings *settings);
 /* Quadratures at the start: those given, the others as the parameters say; and into an integrator. */
 void settings_z(const struct settings *settings, const struct pk_system *system,

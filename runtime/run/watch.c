@@ -16,7 +16,7 @@ static int found(void *context, const struct pk_events *events)
     if (crossed->count < MOST_TIMES)
         crossed->t[crossed->count] = events->t;
     crossed->count++;
-    expect_event(run, events->which, events->t, events->q, events->v);
+    expect_event(run, events);
     if (!run->settings.land && !run_dense_rows(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {
