@@ -124,7 +124,7 @@ def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:
     """Whether an accuracy can be promised part by part: not of what may be made of several."""
     coordinates = {item.name for item in model.coordinates}
     plain = all(column.rstrip("'").split("[")[0] in coordinates for column in columns)
-    return scene.accuracy is None or plain
+    return scene.accuracy is None or (plain and not scene.expects)
 
 
 def switched_off(text: str | None) -> frozenset[str]:

@@ -8,7 +8,8 @@
  *               Then runs again for LAPS seconds, of which the fastest is told; given up after CAP
  *               seconds. Where there are exact rows, how far it is from these, and until when it
  *               holds ACCURACY
- *     exact     the rows of the last run are exact from now on
+ *     exact     the rows of the last run are exact from now on; whether they are the start and the
+ *               end, for want of crossings to have rows at
  *     absolute X    atol is rtol times X from now on
  *     ignore N  column N of the rows does not count
  *     save PATH, load PATH    exact rows to and from a file, of another precision too
@@ -103,6 +104,8 @@ static int once(struct choice *c, const struct trial *trial)
     if (able)
         run_rows(run);
     c->seconds = processor_now() - began;
+    if (able)
+        rows_keep_ends(run);
     return able;
 }
 
@@ -166,7 +169,8 @@ static void make_exact(struct choice *c)
     c->tried = exact;
     free(c->tried.low);
     c->tried.low = NULL;
-    printf("{\"rows\": %zu, \"scales\": [", c->exact.count);
+    printf("{\"rows\": %zu, \"without\": %s, \"scales\": [", c->exact.count,
+           c->exact.without ? "true" : "false");
     for (size_t i = 0; i < c->exact.columns; i++) {
         fputs(i ? ", " : "", stdout);
         output_real(stdout, rows_scale(&c->exact, i));

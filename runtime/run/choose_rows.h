@@ -9,7 +9,8 @@ struct rows {
     pk_real *t;
     pk_real *x;   /* count * columns */
     double *low;  /* what x lacks of more digits, as read from a file; else NULL */
-    int by_number; /* they are at crossings, whose times differ: the third is the third */
+    int by_number; /* they are at crossings, whose times differ: the third is the third; */
+    int without;   /* there were none: the start and the end are in their place */
     size_t stride, seen; /* every so many rows are kept, but the last always is */
 };
 
@@ -24,6 +25,10 @@ struct difference {
 /* As output_row(), into run->kept: what it shows in a row. `out` has room for what is observed. */
 void rows_keep(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z,
                pk_real *out);
+/* In place of rows at crossings of which there were none. */
+void rows_keep_ends(struct run *run);
+/* Columns: what it shows, and behind it the outputs that are hidden, for they are expected to be
+ * something. */
 size_t rows_columns(const struct settings *s);
 void rows_clear(struct rows *rows);
 void rows_free(struct rows *rows);

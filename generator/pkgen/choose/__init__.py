@@ -4,13 +4,16 @@ trials      runs of the scene, made and measured in C (runtime/run/choose.c)
 reference   the motion by the tightest runs, and how far it can be trusted
 candidates  the methods that are tried, a table
 search      the loosest setting of one that keeps the accuracy
+race        the candidates at these settings, and the cheapest of them
+whole       that one over a scene of which a part was tried
+choose      all of it, of what is `Asked`, to a Choice
+prepared    the program by which choices are made
 sample      the members of an ensemble that are tried
-choose      all of it, to a Choice
-parts       a Choice for each block of coordinates that is integrated apart
+parts       the Choice for a scene, or one for each block of coordinates that is integrated apart
 report      what is said of it
 """
 
-from .choose import Choice
+from .choice import Choice
 from .parts import chosen, with_choices
 from .report import NOT_PROMISED, lines, record
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ..chart.chart import methods as all_methods
 from ..chart.points import Method
 from .trials import DENSE, LAND
 
@@ -71,6 +72,11 @@ def candidates(structure: object, methods: Iterable[Method]) -> list[Candidate]:
         for line in TABLE
         if line.method in known and _applies(line, known[line.method], structure)
     ]
+
+
+def alone(name: str) -> Candidate:
+    """What is chosen though it is not in the table."""
+    return Candidate(all_methods([name])[0], LAND, "the reference itself")
 
 
 def _applies(line: Line, method: Method, structure: object) -> bool:

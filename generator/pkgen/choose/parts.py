@@ -1,29 +1,28 @@
-"""A choice for each block of coordinates that is integrated apart."""
+"""The choice for a scene, or one for each block of coordinates that is integrated apart."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..build import build_program
-from ..chart.chart import methods as all_methods
+from .. import named
 from ..compiler import Compilation, CompiledPart
 from ..ensemble import Ensemble
-from ..expects import NOTHING
-from ..simulate import PartSettings, Settings, Shown
-from .candidates import candidates
-from .choose import Choice, choose, for_scene
-from .trials import LAND
+from ..simulate import PartSettings, Settings, Shown, columns
+from .choice import Choice
+from .prepared import Prepared
+from .sample import of_members
 
 
 def chosen(
     compilation: Compilation, settings: Settings, ensemble: Ensemble | None
 ) -> tuple[Choice, ...]:
     """The choice for a scene, one for each part, or none where nothing is promised."""
-    if settings.accuracy is not None and compilation.parts:
+    if settings.accuracy is None:
+        return ()
+    if compilation.parts:
         return tuple(_of_part(compilation, part, settings) for part in compilation.parts)
-    one = for_scene(compilation, settings, ensemble)
-    return () if one is None else (one,)
+    return (_of_all(compilation, settings, ensemble),)
 
 
 def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
@@ -38,18 +37,42 @@ def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
     return replace(given, method=choices[0].method, parts=tuple(parts))
 
 
+def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Choice:
+    prepared = Prepared.of(
+        compilation.files,
+        compilation.model.name,
+        compilation.structure,
+        land=ensemble is not None,
+        events=bool(named.events(compilation)),
+    )
+    if ensemble is not None:
+        return of_members(prepared, settings, ensemble)
+    found = prepared.choose(settings, settings.accuracy)
+    return replace(
+        found,
+        compiled_for=prepared.methods,
+        left_out=_named(compilation, settings, found.check.ignored),
+        unsure=_named(compilation, settings, found.check.unsure),
+    )
+
+
+def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -> tuple[str, ...]:
+    """Columns of a trial: those of the rows, behind them what is expected to be something."""
+    names = [c.name for c in columns(compilation, show=settings.show)[1:]]
+    outputs = named.observed(compilation)
+    for i in sorted(settings.watched.hidden):
+        names.append(f"expectation {outputs[i].name.partition('_')[0]}")
+    return tuple(dict.fromkeys(names[i] for i in which))
+
+
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
     """By trials of the part alone, of what is recorded of it; parts land on rows."""
-    able = [c for c in candidates(part.structure, all_methods(None)) if c.rows == LAND]
-    names = dict.fromkeys(c.name for c in able)
-    program = build_program(compilation.files, part.name, *names)
-    found = choose(
-        program, _alone(compilation, part, settings), part.structure, able, settings.accuracy
-    )
+    prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
+    found = prepared.choose(alone(part, settings), settings.accuracy)
     return replace(found, of=tuple(q.name for q in part.equations.coordinates))
 
 
-def _alone(compilation: Compilation, part: CompiledPart, settings: Settings) -> Settings:
+def alone(part: CompiledPart, settings: Settings) -> Settings:
     """The settings by the part's own numbers of coordinates; parameters have those of the whole."""
     place = {whole: k for k, whole in enumerate(part.coordinates)}
 
@@ -63,13 +86,10 @@ def _alone(compilation: Compilation, part: CompiledPart, settings: Settings) -> 
             show.append(Shown(column.kind, place[column.index], column.name))
         elif column.kind == "z" and column.name in angles:
             show.append(Shown("z", angles.index(column.name), column.name))
-    if not show:  # something is expected of it, and nothing recorded
-        show = [Shown("q", k, q.name) for k, q in enumerate(part.equations.coordinates)]
     return replace(
         settings,
         start_q=mine(settings.start_q),
         start_v=mine(settings.start_v),
         show=tuple(show),
-        watched=NOTHING,
         parts=(),
     )

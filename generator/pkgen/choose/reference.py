@@ -4,20 +4,26 @@ and how far it can be trusted.
 Two runs of one method at tolerances near round-off differ by what round-off makes of the motion,
 which no double-precision run is without; a method of another family says whether the two are both
 wrong (as gauss is across a kink). The smaller of these differences is the reference's own error.
+Linear equations have an exact flow: there the two runs are of one step a row, and of two.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .trials import LAND, Trial, Trials
+from .asked import Asked
+from .trials import LAND, Trial
 
+EXACT = "exponential"
 TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: no tighter
 USUAL = (1e-15, 1e-14)
 NOISE = 0.1  # a column is nothing but errors where two references differ by that much of it,
 TINY = 1e-10  # and it is that small beside others
+FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it
 SMALL_UNITS = 1e-3  # where what is recorded is no larger, absolute tolerances are cut likewise
-WRONG = 1e3  # times that two runs of one method differ, another method must not differ by
+UNIT = 2.0**-53  # by which a double errs
+WRONG = 1e3  # times that two runs of one method differ, another method must not differ by,
+# nor by so many times its own tolerance
 
 
 @dataclass(frozen=True)
@@ -33,55 +39,65 @@ class Check:
     holds: float
     seconds: float
     against: str  # what the floor is from
-    ignored: tuple[int, ...]  # columns that are zero but for errors
-    small: float  # absolute tolerances over relative ones
+    ignored: tuple[int, ...] = ()  # columns that are zero but for errors
+    unsure: tuple[int, ...] = ()  # of what is expected, not of what is recorded: errors are too
+    # large beside them
+    small: float = 1.0  # absolute tolerances over relative ones
+    ends: str = ""  # why no method arrives
 
 
-def tight(method: str) -> float:
-    return TOLERANCES.get(method, USUAL)[0]
+def tight(method: str, every: float) -> float:
+    return every if method == EXACT else TOLERANCES.get(method, USUAL)[0]
 
 
-def loose(method: str) -> float:
-    return TOLERANCES.get(method, USUAL)[1]
+def loose(method: str, every: float) -> float:
+    return every / 2 if method == EXACT else TOLERANCES.get(method, USUAL)[1]
 
 
-def methods(structure: object) -> tuple[str, ...]:
-    """What may be exact, in turns until one arrives."""
+def methods(structure: object, events: bool) -> tuple[str, ...]:
+    """What may be exact, in turns until one arrives. Steps as long as rows would miss events."""
     if not getattr(structure, "smooth", False):
         return ("dop853", "dopri5")
-    if not getattr(structure, "variational", False):
-        return ("gauss", "radau", "dop853")
-    return ("gauss", "dop853")
+    exact = (EXACT,) if getattr(structure, "affine", False) and not events else ()
+    stiff = () if getattr(structure, "variational", False) else ("radau",)
+    return (*exact, "gauss", *stiff, "dop853")
 
 
 class _Finder:
-    def __init__(self, trials: Trials, until: float, every: float, accuracy: float):
-        self.trials, self.until, self.every, self.accuracy = trials, until, every, accuracy
-        self.span, self.interval = until, 0.0
-        self.made: list[Trial] = []
+    def __init__(self, asked: Asked):
+        self.asked, self.trials = asked, asked.trials
+        self.span, self.interval = asked.until, 0.0
 
     def attempt(self, name: str, setting: float, cap: float = 0.0) -> Trial:
-        trial = self.trials.attempt(
+        return self.trials.attempt(
             name,
             setting,
             LAND,
             self.span,
-            accuracy=self.accuracy,
+            accuracy=self.asked.accuracy,
             cap=cap,
             every=self.interval,
         )
-        self.made.append(trial)
-        return trial
 
-    def farthest(self, names: tuple[str, ...], cap: float) -> Trial:
+    def tight(self, name: str, cap: float = 0.0) -> Trial:
+        return self.attempt(name, tight(name, self.interval or self.asked.every), cap)
+
+    def loose(self, name: str, cap: float = 0.0) -> Trial:
+        return self.attempt(name, loose(name, self.interval or self.asked.every), cap)
+
+    def farthest(self, cap: float) -> Trial:
         """The first method that arrives, or a part of the way by that which came farthest: what is
         stiff stops one long before another."""
-        for name in names:
-            if self.attempt(name, tight(name), cap).arrived:
-                return self.made[-1]
-        first = max(self.made, key=lambda t: t.t if t.slow else 0.0)
-        self.span, self.interval = part(first.t, self.every)
-        return self.attempt(first.method, first.setting) if self.span > 0 else first
+        made = []
+        for name in self.asked.exact:
+            made.append(self.tight(name, cap))
+            if made[-1].arrived:
+                return made[-1]
+        slow = [t for t in made if t.slow]
+        first = max(slow or made, key=lambda t: t.t)
+        if slow:
+            self.span, self.interval = part(first.t, self.asked.every)
+        return self.tight(first.method) if slow and self.span > 0 else first
 
     def scaled(self, exact: Trial) -> tuple[Trial, tuple[float, ...], float]:
         """With absolute tolerances that are small beside what is recorded, made exact."""
@@ -93,37 +109,54 @@ class _Finder:
         exact = self.attempt(exact.method, exact.setting)
         return exact, self.trials.keep_as_exact(), small
 
+    def beside(self, name: str, cap: float) -> Trial:
+        """Another method: that which goes to the tightest tolerances of those that arrive."""
+        others = [other for other in reversed(self.asked.exact) if other != name]
+        for other in others:
+            trial = self.loose(other, cap)
+            if trial.arrived:
+                break
+        return trial
 
-def find(
-    trials: Trials, names: tuple[str, ...], until: float, every: float, accuracy: float, cap: float
-) -> tuple[Check | None, list[Trial]]:
-    """Over the whole duration, or as far as `cap` seconds reach; exact rows stay in `trials`."""
-    finder = _Finder(trials, until, every, accuracy)
-    exact = finder.farthest(names, cap)
+
+def find(asked: Asked, cap: float) -> Check:
+    """Over the whole duration, or as far as `cap` seconds reach; exact rows stay in the trials."""
+    finder = _Finder(asked)
+    exact = finder.farthest(cap)
     if not exact.arrived:
-        return None, finder.made
+        return _ended(exact)
     exact, scales, small = finder.scaled(exact)
     name = exact.method
-    again = finder.attempt(name, loose(name))
-    other = next(n for n in names if n != name)
-    beside = finder.attempt(other, loose(other), max(5 * exact.seconds, cap))
-    ignored = _noise([again, beside], scales)
-    for column in ignored:
-        trials.ignore(column)
-    judge = _judge(again, beside, ignored, accuracy)
-    check = Check(
+    again = finder.loose(name)
+    beside = finder.beside(name, max(5 * exact.seconds, cap))
+    recorded = len(scales) - len(asked.trials.settings.watched.hidden)
+    ignored, expected = _noise([again, beside], scales), tuple(range(recorded, len(scales)))
+    judge = _judge(again, beside, (*ignored, *expected), asked.accuracy)
+    unsure = tuple(
+        i for i in expected if i not in ignored and not judge.columns[i] <= FLOOR * asked.accuracy
+    )
+    for column in (*ignored, *unsure):
+        asked.trials.ignore(column)
+    if ignored or unsure:  # what it holds is without them
+        judge = finder.attempt(judge.method, judge.setting)
+    return Check(
         method=name,
         setting=exact.setting,
         span=finder.span,
         every=finder.interval,
-        floor=_error(judge, ignored),
+        floor=max(_error(judge, (*ignored, *unsure)), UNIT),
         holds=judge.holds,
         seconds=exact.seconds,
         against=judge.method,
         ignored=ignored,
+        unsure=unsure,
         small=small,
     )
-    return check, finder.made
+
+
+def _ended(trial: Trial) -> Check:
+    inf = float("inf")
+    return Check(trial.method, trial.setting, trial.t, 0.0, inf, 0.0, inf, "", ends=trial.reason)
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:
@@ -131,7 +164,8 @@ def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: floa
     own, other = _error(again, ignored), _error(beside, ignored)
     if not beside.arrived:
         return again
-    if other > max(WRONG * own, accuracy):
+    able = beside.setting if beside.method != EXACT else 0.0
+    if other > max(WRONG * own, WRONG * able, accuracy):
         return beside
     return again if own <= other else beside
 
@@ -149,14 +183,12 @@ def part(t: float, every: float) -> tuple[float, float]:
 
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:
-    columns = [t.columns for t in agree if t.arrived]
-    if not columns:
-        return ()
-    return tuple(
-        i
-        for i, scale in enumerate(scales)
-        if scale < TINY * max(scales) and min(c[i] for c in columns) > NOISE
-    )
+    def differ(i: int) -> float:
+        """Of runs that are the same in all digits no one can tell."""
+        return min((t.columns[i] for t in agree if t.arrived and t.columns[i] > 0), default=0.0)
+
+    tiny = TINY * max(scales, default=0.0)
+    return tuple(i for i, scale in enumerate(scales) if scale < tiny and differ(i) > NOISE)
 
 
 def _error(trial: Trial, ignored: tuple[int, ...]) -> float:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
-from .choose import Choice
+from .choice import Choice
+from .reference import EXACT
 from .search import Found
 
+SHOWN = 0.1  # seconds of compiling, of which is said
 NOT_PROMISED = (
     "the scene's accuracy is not promised: --method, --step, --rtol or --atol choose in its place"
 )
@@ -16,31 +18,52 @@ def lines(choice: Choice, time: str, brief: bool) -> list[str]:
     """The choice, unless `brief`, and a warning where it does not hold."""
     said = []
     setting = f"{'step' if choice.fixed else 'rtol'} {choice.setting:.3g}"
-    expected = f"expected error {choice.expected:.1e}, "
-    if choice.unverified is not None:
-        expected = ""
-        said.append(
-            f"pkgen: warning: accuracy {choice.accuracy:g} was tried until t = "
-            f"{choice.unverified:.6g} {time}".rstrip()
-            + " alone, for trials of all of it take too long; behind that it is not promised"
-        )
+    expected = f"expected error {choice.expected:.1e}, " if math.isfinite(choice.expected) else ""
     if not brief:
+        compiled = f", {choice.compile_seconds:.2g} s to compile them"
         said.append(
             f"accuracy {choice.accuracy:g}{_of(choice)}: {choice.method}, {setting}, {expected}"
             f"{choice.seconds:.2g} s of trials{_sampled(choice)}"
+            f"{compiled if choice.compile_seconds >= SHOWN else ''}"
         )
     if choice.left_out:
         said.append(
             f"pkgen: {', '.join(choice.left_out)}: zero but for errors of round-off, so no "
             "accuracy is promised of it"
         )
-    if choice.horizon is not None:
-        until = f"t = {choice.horizon:.6g} {time}".rstrip()
+    if choice.unsure:
         said.append(
-            f"pkgen: warning: accuracy {choice.accuracy:g} holds until {until}: two of the "
-            "tightest runs differ by more from there on, for errors of round-off have grown to it"
+            f"pkgen: {', '.join(choice.unsure)}: round-off is beyond {choice.accuracy:g} of what "
+            "it compares, so no accuracy is promised of that"
         )
-    return said
+    if choice.without:
+        said.append(
+            "pkgen: the event that has rows does not happen in trials: the accuracy is of what is "
+            "recorded at the end"
+        )
+    warning = _warning(choice, time)
+    return [*said, f"pkgen: warning: accuracy {choice.accuracy:g} {warning}"] if warning else said
+
+
+def _warning(choice: Choice, time: str) -> str:
+    def at(t: float) -> str:
+        return f"t = {t:.6g} {time}".rstrip()
+
+    if choice.check.ends:
+        return "is not promised: no method arrives at the end"
+    if choice.came is not None:
+        return (
+            f"was tried until {at(choice.check.span)} alone: trials of all of it take too long, "
+            f"one was given up at {at(choice.came)}; what was not tried is not promised"
+        )
+    if choice.horizon is None:
+        return ""
+    if choice.without:
+        return "of what is recorded at the end is not kept: two of the tightest runs differ by more"
+    return (
+        f"holds until {at(choice.horizon)}: two of the tightest runs differ by more from there on, "
+        "for errors of round-off have grown to it"
+    )
 
 
 def _of(choice: Choice) -> str:
@@ -61,17 +84,20 @@ def record(choice: Choice) -> dict[str, object]:
         "step" if choice.fixed else "rtol": choice.setting,
         "expected": _finite(choice.expected),
         "horizon": choice.horizon,
-        "unverified_from": choice.unverified,
+        "unverified_from": None if choice.came is None else check.span,
+        "ends": check.ends or None,
         "run_seconds": _finite(choice.run_seconds),
         "trial_seconds": choice.seconds,
+        "compile_seconds": choice.compile_seconds,
         "members_tried": choice.sampled,
         "reference": {
             "method": check.method,
-            "rtol": check.setting,
+            "step" if check.method == EXACT else "rtol": check.setting,
             "until": check.span,
             "error": _finite(check.floor),
             "from": check.against,
-            "left_out": list(choice.left_out),
+            "left_out": [*choice.left_out, *choice.unsure],
+            "without_rows": choice.without,
         },
         "evidence": [_evidence(f, choice) for f in choice.found],
     }

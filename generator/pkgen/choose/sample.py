@@ -1,4 +1,4 @@
-"""Members of an ensemble or a swarm, each as the settings of a run of its own."""
+"""An ensemble or a swarm: a few of its members are tried, each as a run of its own."""
 
 from __future__ import annotations
 
@@ -7,11 +7,40 @@ from dataclasses import replace
 
 from ..ensemble import Ensemble
 from ..simulate import Settings
+from .choice import Choice
+from .prepared import Prepared
 
 MOST = 5  # members that are tried
 SPARE = 0.3  # of the accuracy, that they keep: others may need more
 # The settings that a kind of column is in.
 FIELDS = {"p": "parameters", "i": "inputs", "q": "start_q", "v": "start_v"}
+
+
+def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Choice:
+    """The method of the member that takes longest, at the tightest setting that any of them needs,
+    with some to spare for those that were not tried."""
+    # Without an interval members have two rows, and so have their trials.
+    settings = replace(settings, every=settings.every or settings.until)
+    some = members(settings, ensemble)
+    accuracy = SPARE * settings.accuracy
+    tried = [prepared.choose(one, accuracy) for one in some]
+    longest = max(tried, key=lambda c: c.run_seconds)
+    only = prepared.only(longest.method)
+    same = [
+        c if c.method == longest.method else only.choose(one, accuracy)
+        for one, c in zip(some, tried, strict=True)
+    ]
+    horizons = [c.horizon for c in same if c.horizon is not None]
+    again = [c for c in same if c not in tried]
+    return replace(
+        longest,
+        accuracy=settings.accuracy,
+        setting=min(c.setting for c in same),
+        expected=max(c.expected for c in same),
+        horizon=min(horizons, default=None),
+        seconds=sum(c.seconds for c in (*tried, *again)),
+        sampled=len(some),
+    )
 
 
 def members(settings: Settings, ensemble: Ensemble) -> list[Settings]:

@@ -45,6 +45,8 @@ class Trials(Program):
     """A context manager."""
 
     mode = "--choose"
+    spent = 0.0  # seconds of the processor, for all so far
+    without = False  # the exact rows are the start and the end: there were no crossings to be at
 
     def attempt(
         self,
@@ -61,6 +63,7 @@ class Trials(Program):
         """One run up to `span`, and laps of it for so many seconds; `cap` 0: never given up;
         `every` 0: rows as in the scene."""
         found = self.ask("try", method, setting, rows, span, laps, cap, accuracy, every)
+        self.spent += found["took"]
         arrived = found["arrived"]
         return Trial(
             method=method,
@@ -85,7 +88,9 @@ class Trials(Program):
 
     def keep_as_exact(self) -> tuple[float, ...]:
         """The rows of the last run; the largest magnitude of each column."""
-        return _numbers(self.ask("exact")["scales"])
+        found = self.ask("exact")
+        self.without = found["without"]
+        return _numbers(found["scales"])
 
     def absolute(self, share: float) -> None:
         """Absolute tolerances from now on are so much of the relative ones."""

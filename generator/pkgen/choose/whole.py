@@ -1,0 +1,105 @@
+"""What was chosen by trials of a part of a scene, over all of it: beside a tighter run, and mended
+until it is kept. Where even the tightest runs differ by too much, until when they agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import reference, search
+from .asked import Asked
+from .candidates import Candidate, alone
+from .race import MARGIN, growth
+from .reference import FLOOR, Check
+from .search import Found
+from .trials import Trial
+
+SECONDS = 5.0  # that a trial of the whole scene may take; else what is chosen is not verified
+TIGHTER = 0.03  # of the accuracy: the error of what a choice is compared with
+MENDED = 4  # times that the setting is mended
+
+
+@dataclass(frozen=True)
+class Kept:
+    """`trial` keeps the accuracy, up to the `horizon` if there is one."""
+
+    candidate: Candidate
+    trial: Trial
+    horizon: float | None = None
+
+
+class TooLong(Exception):
+    """A trial was given up; how far it came."""
+
+    def __init__(self, t: float):
+        self.t = t
+
+
+class Whole:
+    """Its methods raise TooLong where a trial takes more than so many `seconds`."""
+
+    def __init__(self, asked: Asked, check: Check, seconds: float):
+        self.asked, self.check, self.seconds = asked, check, seconds
+
+    def verified(self, best: Found, found: list[Found]) -> Kept:
+        # Two tight runs of one method over the whole scene would agree by more than what the
+        # reference's own error grows to, for they share what their steps do to the energy.
+        floor = self.check.floor * growth(self.asked, self.check, steady=False)
+        if floor > FLOOR * self.asked.accuracy:
+            return self._tightest(MARGIN * self.asked.accuracy)
+        return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
+
+    def _mended(self, best: Found, found: list[Found], aim: float) -> Kept:
+        """Beside the tighter run that is foreseen to be the cheapest. Where they differ by too
+        much both are tightened, for the part that was tried may have been an easy one."""
+        judge = min((f for f in found if f.kept), key=_tighter_cost)
+        candidate = best.candidate
+        whole = Found(candidate)
+        scale = search.scale(candidate, self.asked.every)
+        setting, judged = scale.allowed(best.kept.setting), self._tighter(judge, 1.0)
+        for _ in range(MENDED):
+            if not self._run(judge.candidate, judged).arrived:
+                break
+            self.asked.trials.keep_as_exact()
+            trial = self._run(candidate, setting)
+            whole.tried.append(trial)
+            if trial.arrived and trial.error <= aim:
+                return Kept(candidate, trial)
+            setting = scale.allowed(search.next_setting(whole, aim))
+            judged = self._tighter(judge, best.kept.setting / setting)
+        return self._tightest(aim)
+
+    def _tightest(self, aim: float) -> Kept:
+        """The reference's method, near round-off twice."""
+        candidate, every = alone(self.check.method), self.asked.every
+        exact = self._run(candidate, reference.tight(candidate.name, every))
+        if not exact.arrived:
+            return Kept(candidate, exact)
+        self.asked.trials.keep_as_exact()
+        trial = self._run(candidate, reference.loose(candidate.name, every))
+        keeps = trial.arrived and trial.error <= aim
+        return Kept(candidate, trial, None if keeps else trial.holds)
+
+    def _run(self, candidate: Candidate, setting: float) -> Trial:
+        asked = self.asked
+        trial = asked.trials.attempt(
+            candidate.name,
+            setting,
+            candidate.rows,
+            asked.until,
+            accuracy=asked.accuracy,
+            cap=self.seconds,
+        )
+        if trial.slow:
+            raise TooLong(trial.t)
+        return trial
+
+    def _tighter(self, found: Found, more: float) -> float:
+        """A setting at which the error is much smaller, and the setting that times `more`."""
+        method = found.candidate.method
+        power = max(method.order, 1) if method.fixed else 1
+        setting = found.kept.setting * TIGHTER ** (1 / power) / more
+        return search.scale(found.candidate, self.asked.every).allowed(setting)
+
+
+def _tighter_cost(found: Found) -> float:
+    return found.kept.seconds * TIGHTER ** (-1 / max(found.candidate.method.order, 1))
