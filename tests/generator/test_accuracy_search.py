@@ -4,7 +4,7 @@ that are made up: errors and times are formulas."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import pytest
@@ -214,11 +214,13 @@ def test_only_what_is_tiny_beside_others_is_taken_for_zero() -> None:
 
 @dataclass
 class Motion:
-    """Trials of one that takes so long, and may end; errors are as the tolerance."""
+    """Trials of one that takes so long, and may end; errors are as the tolerance, but of some
+    methods, which do not arrive where theirs is infinite."""
 
     until: float
     rate: float  # seconds of the processor for a unit of time
     ends: float = math.inf
+    errors: dict[str, float] = field(default_factory=dict)
     spent: float = 0.0
     without: bool = False
 
@@ -231,14 +233,15 @@ class Motion:
     ) -> Trial:
         candidate = Candidate(method(name, 8, "adaptive"), rows, "")
         t = min(span, self.ends, cap / self.rate if cap else math.inf)
-        slow, error = t < min(span, self.ends), setting if t == span else math.inf
+        slow, own = t < min(span, self.ends), self.errors.get(name, setting)
+        error = own if t == span else math.inf
         self.spent += t * self.rate
         return trial(
             candidate,
             setting,
             error,
             t * self.rate,
-            arrived=t == span,
+            arrived=error < math.inf,
             slow=slow,
             t=t,
             reason="" if slow or t == span else "the step size fell to round-off",
@@ -251,6 +254,15 @@ class Motion:
 
 def chosen(motion: Motion, **more: float) -> Choice:
     return choose(Asked(motion, (ADAPTIVE,), ("dop853", "gauss"), True, 1e-6), **more)
+
+
+def test_where_one_method_of_another_family_does_not_arrive_the_next_is_asked() -> None:
+    stiff = Motion(1.0, 1e-4, errors={"dop853": math.inf, "radau": 1e-3})
+    found = reference.find(Asked(stiff, (), ("gauss", "radau", "dop853"), True, 1e-6), 1.0)
+    assert (found.method, found.against, found.floor) == ("gauss", "radau", 1e-3)
+    stiff.errors["radau"] = 1e-10
+    found = reference.find(Asked(stiff, (), ("gauss", "radau", "dop853"), True, 1e-6), 1.0)
+    assert (found.against, found.floor) == ("gauss", 1e-14)
 
 
 def test_what_takes_too_long_as_a_whole_is_tried_in_part_and_said_to_be() -> None:

@@ -45,12 +45,13 @@ def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | N
         land=ensemble is not None,
         events=bool(named.events(compilation)),
     )
-    if ensemble is not None:
-        return of_members(prepared, settings, ensemble)
-    found = prepared.choose(settings, settings.accuracy)
+    if ensemble is None:
+        found = prepared.choose(settings, settings.accuracy)
+        found = replace(found, compiled_for=prepared.methods)
+    else:
+        found = of_members(prepared, settings, ensemble)
     return replace(
         found,
-        compiled_for=prepared.methods,
         left_out=_named(compilation, settings, found.check.ignored),
         unsure=_named(compilation, settings, found.check.unsure),
     )
