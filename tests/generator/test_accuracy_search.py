@@ -265,6 +265,14 @@ def test_where_one_method_of_another_family_does_not_arrive_the_next_is_asked() 
     assert (found.against, found.floor) == ("gauss", 1e-14)
 
 
+def test_the_coefficients_of_an_exact_flow_are_rounded_once() -> None:
+    flow = Motion(1.0, 1e-4, errors={"exponential": 0.0})
+    asked = Asked(flow, (), ("exponential", "gauss"), True, 1e-15)
+    assert reference.find(asked, 1.0).floor == 2.0**-49
+    said = lines(choose(asked), "s", brief=False)
+    assert "1e-15 is not kept: for round-off the tightest run is known to 1.8e-15" in said[1]
+
+
 def test_what_takes_too_long_as_a_whole_is_tried_in_part_and_said_to_be() -> None:
     short = chosen(Motion(1000.0, 1e-4))
     assert short.came is None and short.check.span == 270.0 and 1e-7 < short.expected < 1e-6

@@ -21,7 +21,7 @@ NOISE = 0.1  # a column is nothing but errors where two references differ by tha
 TINY = 1e-10  # and it is that small beside others
 FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it
 SMALL_UNITS = 1e-3  # where what is recorded is no larger, absolute tolerances are cut likewise
-UNIT = 2.0**-53  # by which a double errs
+ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
 WRONG = 1e3  # times that two runs of one method differ, another method must not differ by,
 # nor by so many times its own tolerance
 
@@ -139,13 +139,14 @@ def find(asked: Asked, cap: float) -> Check:
         asked.trials.ignore(column)
     if ignored or unsure:  # what it holds is without them
         judge = finder.attempt(judge.method, judge.setting)
+    floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if name == EXACT else 0.0
     return Check(
         method=name,
         setting=exact.setting,
         span=finder.span,
         every=finder.interval,
-        floor=max(_error(judge, (*ignored, *unsure)), UNIT),
-        holds=judge.holds,
+        floor=max(floor, rounded),
+        holds=judge.holds if floor >= rounded else 0.0,
         seconds=exact.seconds,
         against=judge.method,
         ignored=ignored,

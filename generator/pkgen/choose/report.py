@@ -60,6 +60,8 @@ def _warning(choice: Choice, time: str) -> str:
         return ""
     if choice.without:
         return "of what is recorded at the end is not kept: two of the tightest runs differ by more"
+    if choice.horizon == 0:
+        return f"is not kept: for round-off the tightest run is known to {choice.check.floor:.1e}"
     return (
         f"holds until {at(choice.horizon)}: two of the tightest runs differ by more from there on, "
         "for errors of round-off have grown to it"
