@@ -18,7 +18,7 @@ from dataclasses import replace
 
 from . import reference
 from .asked import Asked
-from .candidates import Candidate, alone
+from .candidates import alone
 from .choice import Choice
 from .race import Race
 from .reference import FLOOR, Check
@@ -53,49 +53,27 @@ def choose(asked: Asked, whole_seconds: float = SECONDS) -> Choice:
     return _choice(asked, check, made, found)
 
 
-def _reference(asked: Asked, check: Check, found: list[Found]) -> Choice:
+def _reference(asked: Asked, check: Check, found: Sequence[Found]) -> Choice:
     """No run keeps it: the reference itself, and until when two of them agree."""
-    return _made(
-        asked,
-        check,
-        alone(check.method),
-        found,
-        setting=check.setting,
-        expected=check.floor,
-        run_seconds=check.seconds * asked.until / check.span if check.span > 0 else math.inf,
-        horizon=None if check.ends else check.holds,
-    )
+    seconds = math.inf if check.ends else check.exact.seconds * asked.until / check.span
+    trial = replace(check.exact, error=check.floor, seconds=seconds)
+    horizon = None if check.ends else check.holds
+    return _choice(asked, check, Kept(alone(check.method), trial, horizon), found)
 
 
 def _choice(asked: Asked, check: Check, kept: Kept, found: Sequence[Found]) -> Choice:
-    trial = kept.trial
-    return _made(
-        asked,
-        check,
-        kept.candidate,
-        found,
-        setting=trial.setting,
-        expected=max(trial.error, check.floor),  # it is known no better than that
-        run_seconds=trial.seconds,
-        horizon=kept.horizon,
-    )
-
-
-def _made(
-    asked: Asked,
-    check: Check,
-    candidate: Candidate,
-    found: Sequence[Found],
-    **said: float | None,
-) -> Choice:
+    candidate, trial = kept.candidate, kept.trial
     return Choice(
         accuracy=asked.accuracy,
         method=candidate.name,
         rows=candidate.rows,
+        setting=trial.setting,
         fixed=candidate.method.fixed,
+        expected=max(trial.error, check.floor),  # it is known no better than that
+        horizon=kept.horizon,
         check=check,
         found=tuple(found),
         seconds=asked.trials.spent,
+        run_seconds=trial.seconds,
         without=asked.trials.without,
-        **said,
     )

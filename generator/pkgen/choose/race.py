@@ -51,7 +51,7 @@ class Race:
         return sorted(found, key=lambda f: asked.able.index(f.candidate))
 
     def _attempt(self, candidate: Candidate, setting: float) -> Trial:
-        cap = max(LEAST_CAP, 2 * SLOWER * min(self.best, 4 * self.check.seconds))
+        cap = max(LEAST_CAP, 2 * SLOWER * min(self.best, 4 * self.check.exact.seconds))
         return self.asked.trials.attempt(
             candidate.name,
             setting,

@@ -28,22 +28,24 @@ WRONG = 1e3  # times that two runs of one method differ, another method must not
 
 @dataclass(frozen=True)
 class Check:
-    """A reference up to `span`. `floor` is its own error, `holds` until when two runs agreed to the
-    accuracy."""
+    """A reference up to `span`, the run `exact`. `floor` is its own error, `holds` until when two
+    runs agreed to the accuracy."""
 
-    method: str
-    setting: float
+    exact: Trial
     span: float
     every: float  # between rows of trials; 0: the scene's
     floor: float
     holds: float
-    seconds: float
     against: str  # what the floor is from
     ignored: tuple[int, ...] = ()  # columns that are zero but for errors
     unsure: tuple[int, ...] = ()  # of what is expected, not of what is recorded: errors are too
     # large beside them
     small: float = 1.0  # absolute tolerances over relative ones
     ends: str = ""  # why no method arrives
+
+    @property
+    def method(self) -> str:
+        return self.exact.method
 
 
 def tight(method: str, every: float) -> float:
@@ -124,11 +126,10 @@ def find(asked: Asked, cap: float) -> Check:
     finder = _Finder(asked)
     exact = finder.farthest(cap)
     if not exact.arrived:
-        return _ended(exact)
+        return Check(exact, exact.t, 0.0, float("inf"), 0.0, "", ends=exact.reason)
     exact, scales, small = finder.scaled(exact)
-    name = exact.method
-    again = finder.loose(name)
-    beside = finder.beside(name, max(5 * exact.seconds, cap))
+    again = finder.loose(exact.method)
+    beside = finder.beside(exact.method, max(5 * exact.seconds, cap))
     recorded = len(scales) - len(asked.trials.settings.watched.hidden)
     ignored, expected = _noise([again, beside], scales), tuple(range(recorded, len(scales)))
     judge = _judge(again, beside, (*ignored, *expected), asked.accuracy)
@@ -139,25 +140,18 @@ def find(asked: Asked, cap: float) -> Check:
         asked.trials.ignore(column)
     if ignored or unsure:  # what it holds is without them
         judge = finder.attempt(judge.method, judge.setting)
-    floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if name == EXACT else 0.0
+    floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
     return Check(
-        method=name,
-        setting=exact.setting,
+        exact=exact,
         span=finder.span,
         every=finder.interval,
         floor=max(floor, rounded),
         holds=judge.holds if floor >= rounded else 0.0,
-        seconds=exact.seconds,
         against=judge.method,
         ignored=ignored,
         unsure=unsure,
         small=small,
     )
-
-
-def _ended(trial: Trial) -> Check:
-    inf = float("inf")
-    return Check(trial.method, trial.setting, trial.t, 0.0, inf, 0.0, inf, "", ends=trial.reason)
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:

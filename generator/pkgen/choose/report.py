@@ -94,7 +94,7 @@ def record(choice: Choice) -> dict[str, object]:
         "members_tried": choice.sampled,
         "reference": {
             "method": check.method,
-            "step" if check.method == EXACT else "rtol": check.setting,
+            "step" if check.method == EXACT else "rtol": check.exact.setting,
             "until": check.span,
             "error": _finite(check.floor),
             "from": check.against,
