@@ -4,7 +4,7 @@ that are made up: errors and times are formulas."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import pytest
@@ -15,7 +15,7 @@ from pkgen.choose.candidates import TABLE, Candidate, candidates
 from pkgen.choose.choice import Choice
 from pkgen.choose.choose import choose
 from pkgen.choose.trials import DENSE, LAND, Trial
-from pkgen.expects import NOTHING
+from pkgen.expects import NOTHING, Watched
 from pkgen.simulate import Settings, Shown
 
 
@@ -263,6 +263,29 @@ def test_where_one_method_of_another_family_does_not_arrive_the_next_is_asked() 
     stiff.errors["radau"] = 1e-10
     found = reference.find(Asked(stiff, (), ("gauss", "radau", "dop853"), True, 1e-6), 1.0)
     assert (found.against, found.floor) == ("gauss", 1e-14)
+
+
+def test_an_expectation_that_round_off_blurs_does_not_forbid_what_is_recorded() -> None:
+    class Blurred(Motion):
+        """Behind what is recorded stands one expectation, known to 1e-3 of itself."""
+
+        ignored: tuple[int, ...] = ()
+        settings = SimpleNamespace(until=1.0, every=1.0, watched=Watched(hidden=(0,)))
+
+        def ignore(self, column: int) -> None:
+            self.ignored += (column,)
+
+        def keep_as_exact(self) -> tuple[float, ...]:
+            return (1.0, 1.0)
+
+        def attempt(self, *words: object, **more: float) -> Trial:
+            made = super().attempt(*words, **more)
+            holds = 1.0 if self.ignored else 0.0
+            return replace(made, columns=(*made.columns, 1e-3), holds=holds)
+
+    found = reference.find(Asked(Blurred(1.0, 1e-4), (), ("gauss", "dop853"), True, 1e-6), 1.0)
+    assert (found.ignored, found.unsure) == ((), (1,))
+    assert found.floor == 1e-14 and found.holds == 1.0
 
 
 def test_the_coefficients_of_an_exact_flow_are_rounded_once() -> None:
