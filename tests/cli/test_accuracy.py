@@ -76,54 +76,6 @@ scene small
   record theta every 1
 end
 """
-LINEAR = """model damped
-coord q
-kinetic q'^2/2
-potential 1.69*q^2/2
-dissipation 0.1*q'^2/2
-observe none = (q + 1)^2 - q^2 - 2*q - 1
-start q = 1
-scene s
-  until 30
-  accuracy 1e-10
-  record q, none every 1
-end
-"""
-PAIR = """model pair
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential 2*(x^2 + (x - y)^2)
-dissipation 0.15*y'^2
-force x = 0.7
-start x = 1, y = 0.5
-scene s
-  until 30
-  accuracy 1e-14
-  record x, y every 0.5
-end
-"""
-ENDS = """model ends
-coord x
-kinetic x'^2/2
-potential -x^4
-start x = 1
-scene s
-  until 20
-  accuracy 1e-8
-  record x every 0.1
-end
-"""
-CHAOS = """model tangle
-coord a, b
-kinetic   a'^2 + b'^2/2 + cos(a - b)*a'*b'
-potential -9.81*(2*cos(a) + cos(b))
-start a = 3, b = 3.1
-scene s
-  until 60
-  accuracy 1e-8
-  record a, b every 0.1
-end
-"""
 
 
 def run(
@@ -222,57 +174,6 @@ def test_what_is_expected_is_judged_beside_what_is_recorded(tmp_path) -> None:
     # What is made of errors alone does not forbid the accuracy of all else, and is named.
     assert said["accuracy"]["reference"]["left_out"] == ["expectation 4"]
     assert messages.count("expectation 4: ") == 1 and "expectation 2" not in messages
-
-
-@pytest.mark.long
-def test_a_linear_motion_is_made_by_its_exponential(tmp_path) -> None:
-    said, rows, messages = run(tmp_path, LINEAR, "s")
-    damping, w = 0.05, math.sqrt(1.69 - 0.05**2)
-    for t, q, _ in rows:
-        exact = math.exp(-damping * t) * (math.cos(w * t) + damping / w * math.sin(w * t))
-        assert abs(q - exact) < 1e-10
-    assert said["accuracy"]["method"] == "exponential" and said["settings"]["step"] == 1.0
-    # What is recorded beside it is zero, made of errors: promised is what can be.
-    assert said["accuracy"]["reference"]["left_out"] == ["none"]
-    assert "none: zero but for errors of round-off" in messages
-    assert said["accuracy"]["horizon"] is None
-
-
-@pytest.mark.long
-def test_linear_motions_are_judged_by_their_exponential(tmp_path) -> None:
-    said, rows, messages = run(tmp_path, PAIR, "s")
-    found = said["accuracy"]
-    assert found["method"] == found["reference"]["method"] == "exponential"
-    assert found["horizon"] is None and "warning" not in messages
-    assert 1e-16 < found["expected"] < 2e-15
-    _, other, _ = run(tmp_path, PAIR, "s", "--method", "dop853", "--rtol", "1e-13")
-    for i in (1, 2):
-        apart = [abs(mine[i] - its[i]) for mine, its in zip(rows, other, strict=True)]
-        assert 0 < max(apart) < 1e-10
-
-
-@pytest.mark.long
-def test_a_motion_that_ends_has_its_true_cause_alone(tmp_path) -> None:
-    path, rows = tmp_path / "model.lag", tmp_path / "rows.csv"
-    path.write_text(ENDS)
-    done = run_pkgen("run", path, "--scene", "s", "-o", rows)
-    assert done.returncode == 4 and "last valid time 0.927037" in done.stderr
-    assert "accuracy 1e-08 is not promised: no method arrives" in done.stderr
-    assert "holds until" not in done.stderr and len(rows.read_text().splitlines()) == 11
-
-
-@pytest.mark.long
-def test_chaos_warns_with_its_horizon(tmp_path) -> None:
-    said, rows, messages = run(tmp_path, CHAOS, "s")
-    horizon = said["accuracy"]["horizon"]
-    assert f"warning: accuracy 1e-08 holds until t = {horizon:g}" in messages
-    assert 15 < horizon < 40 and rows[-1][0] == 60
-    # A method that has no part in the run that was chosen leaves it behind the horizon alone.
-    assert said["accuracy"]["method"] == "gauss"
-    _, other, note = run(tmp_path, CHAOS, "s", "--method", "gauss8", "--step", "0.005")
-    assert "the scene's accuracy is not promised: --method" in note
-    apart = [abs(x[1] - y[1]) for x, y in zip(rows, other, strict=True)]
-    assert max(apart[: int(10 * horizon) - 20]) < 1e-6 < 1e-2 < max(apart)
 
 
 @pytest.mark.long

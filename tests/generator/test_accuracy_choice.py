@@ -1,0 +1,153 @@
+"""Whole choices, of motions that are made up: what is tried, given up, left out and said."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+
+import pytest
+from pkgen.choose import lines, parts, record, reference
+from pkgen.choose.asked import Asked
+from pkgen.choose.candidates import Candidate
+from pkgen.choose.choice import Choice
+from pkgen.choose.choose import choose
+from pkgen.choose.trials import Trial
+from pkgen.expects import NOTHING, Watched
+from pkgen.simulate import Settings, Shown
+from test_accuracy_search import ADAPTIVE, method, trial
+
+
+@dataclass
+class Motion:
+    """Trials of one that takes so long, and may end; errors are as the tolerance, but of some
+    methods, which do not arrive where theirs is infinite."""
+
+    until: float
+    rate: float  # seconds of the processor for a unit of time
+    ends: float = math.inf
+    errors: dict[str, float] = field(default_factory=dict)
+    spent: float = 0.0
+    without: bool = False
+
+    @property
+    def settings(self) -> SimpleNamespace:
+        return SimpleNamespace(until=self.until, every=1.0, watched=NOTHING)
+
+    def attempt(
+        self, name: str, setting: float, rows: str, span: float, *, cap: float = 0.0, **_: float
+    ) -> Trial:
+        candidate = Candidate(method(name, 8, "adaptive"), rows, "")
+        t = min(span, self.ends, cap / self.rate if cap else math.inf)
+        slow, own = t < min(span, self.ends), self.errors.get(name, setting)
+        error = own if t == span else math.inf
+        self.spent += t * self.rate
+        return trial(
+            candidate,
+            setting,
+            error,
+            t * self.rate,
+            arrived=error < math.inf,
+            slow=slow,
+            t=t,
+            reason="" if slow or t == span else "the step size fell to round-off",
+            columns=(error,),
+        )
+
+    def keep_as_exact(self) -> tuple[float, ...]:
+        return (1.0,)
+
+
+def chosen(motion: Motion, **more: float) -> Choice:
+    return choose(Asked(motion, (ADAPTIVE,), ("dop853", "gauss"), True, 1e-6), **more)
+
+
+def test_where_one_method_of_another_family_does_not_arrive_the_next_is_asked() -> None:
+    stiff = Motion(1.0, 1e-4, errors={"dop853": math.inf, "radau": 1e-3})
+    found = reference.find(Asked(stiff, (), ("gauss", "radau", "dop853"), True, 1e-6), 1.0)
+    assert (found.method, found.against, found.floor) == ("gauss", "radau", 1e-3)
+    stiff.errors["radau"] = 1e-10
+    found = reference.find(Asked(stiff, (), ("gauss", "radau", "dop853"), True, 1e-6), 1.0)
+    assert (found.against, found.floor) == ("gauss", 1e-14)
+
+
+def test_an_expectation_that_round_off_blurs_does_not_forbid_what_is_recorded() -> None:
+    class Blurred(Motion):
+        """Behind what is recorded stands one expectation, known to 1e-3 of itself."""
+
+        ignored: tuple[int, ...] = ()
+        settings = SimpleNamespace(until=1.0, every=1.0, watched=Watched(hidden=(0,)))
+
+        def ignore(self, column: int) -> None:
+            self.ignored += (column,)
+
+        def keep_as_exact(self) -> tuple[float, ...]:
+            return (1.0, 1.0)
+
+        def attempt(self, *words: object, **more: float) -> Trial:
+            made = super().attempt(*words, **more)
+            holds = 1.0 if self.ignored else 0.0
+            return replace(made, columns=(*made.columns, 1e-3), holds=holds)
+
+    found = reference.find(Asked(Blurred(1.0, 1e-4), (), ("gauss", "dop853"), True, 1e-6), 1.0)
+    assert (found.ignored, found.unsure) == ((), (1,))
+    assert found.floor == 1e-14 and found.holds == 1.0
+
+
+def test_the_coefficients_of_an_exact_flow_are_rounded_once() -> None:
+    flow = Motion(1.0, 1e-4, errors={"exponential": 0.0})
+    asked = Asked(flow, (), ("exponential", "gauss"), True, 1e-15)
+    assert reference.find(asked, 1.0).floor == 2.0**-49
+    said = lines(choose(asked), "s", brief=False)
+    assert "1e-15 is not kept: for round-off the tightest run is known to 1.8e-15" in said[1]
+
+
+def test_what_takes_too_long_as_a_whole_is_tried_in_part_and_said_to_be() -> None:
+    short = chosen(Motion(1000.0, 1e-4))
+    assert short.came is None and short.check.span == 270.0 and 1e-7 < short.expected < 1e-6
+    assert not any("warning" in line for line in lines(short, "s", brief=False))
+    long = chosen(Motion(1000.0, 1e-4), whole_seconds=0.05)
+    assert long.came == pytest.approx(500.0) and long.method == "dop853"
+    # It is that of the part, of which errors grow to the accuracy; what it comes to is not known.
+    assert 1e-7 < long.setting * 1000 / 270 < 1e-6 and long.expected == math.inf
+    assert long.run_seconds == pytest.approx(0.1) and long.horizon is None
+    said = lines(long, "s", brief=False)
+    assert "expected error" not in said[0]
+    assert "tried until t = 270 s alone" in said[1] and "given up at t = 500 s;" in said[1]
+    assert record(long)["unverified_from"] == 270.0
+
+
+@pytest.mark.parametrize("rate", [1e-4, 1e-7])
+def test_of_a_motion_that_ends_is_said_no_more_than_that(rate) -> None:
+    ended = chosen(Motion(1000.0, rate, ends=900.0))
+    assert ended.check.ends == "the step size fell to round-off" and ended.horizon is None
+    assert ended.setting == 1e-15 and ended.expected == math.inf
+    said = lines(ended, "s", brief=False)
+    assert len(said) == 2 and "is not promised: no method arrives" in said[1]
+
+
+def test_a_part_starts_as_the_whole_does_by_its_own_numbers() -> None:
+    equations = SimpleNamespace(quadrature_names=(SimpleNamespace(name="phi"),))
+    part = SimpleNamespace(coordinates=(1, 3), equations=equations)
+    show = (Shown("q", 3, "d"), Shown("v", 0, "a'"), Shown("z", 5, "phi"), Shown("v", 1, "b'"))
+    whole = Settings(
+        method="gauss",
+        until=1.0,
+        every=0.1,
+        step=None,
+        rtol=1e-9,
+        atol=1e-9,
+        iteration="newton",
+        max_steps=10,
+        max_step=None,
+        parameters=((1, 2.5),),
+        members=(),
+        inputs=(),
+        start_q=((0, 0.1), (1, 0.2), (3, 0.4)),
+        start_v=((2, 3.0), (3, 4.0)),
+        show=show,
+    )
+    alone = parts.alone(part, whole)
+    assert alone.start_q == ((0, 0.2), (1, 0.4)) and alone.start_v == ((1, 4.0),)
+    assert alone.parameters == whole.parameters
+    assert [(c.kind, c.index) for c in alone.show] == [("q", 1), ("z", 0), ("v", 0)]
