@@ -79,9 +79,10 @@ def outputs(scene: Scene) -> dict[str, tuple[Expr, Span]]:
     return found
 
 
-def drifts_of_energy(scene: Scene) -> bool:
+def drifting(scene: Scene) -> frozenset[str]:
+    """The names whose drift is asked for."""
     drifts = (call for item in scene.expects for call in calls(item, "drift"))
-    return any(_is_energy(call.arguments[0]) for call in drifts)
+    return frozenset(_shown(call.arguments[0]) for call in drifts) - {""}
 
 
 def events(scene: Scene) -> frozenset[str]:

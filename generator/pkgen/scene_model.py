@@ -46,10 +46,8 @@ def columns(scene: Scene) -> list[str]:
 
 
 def needed(scene: Scene) -> frozenset[str]:
-    """Outputs that it needs besides what it records."""
-    return frozenset(expects.outputs(scene)) | (
-        {"energy"} if expects.drifts_of_energy(scene) else frozenset()
-    )
+    """Outputs that it needs besides what it records. A claim whose drift is expected is watched."""
+    return frozenset(expects.outputs(scene)) | expects.drifting(scene)
 
 
 def events(scene: Scene) -> frozenset[str]:
