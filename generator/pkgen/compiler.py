@@ -33,7 +33,7 @@ from .middle.apart import Part
 from .middle.loops import Facts, LoopEquations, Unrolled
 from .middle.proofs import check_claims
 from .middle.quantities import families
-from .middle.reduce import Needs
+from .middle.reduction import ENOUGH, Needs
 from .middle.report import Line, Report
 from .model import Model
 from .source import Diagnostic, Source
@@ -192,7 +192,7 @@ def _equations(
         except Unrolled as cannot:
             reason = str(cannot)
     # What is reduced is derived again, with all kernels that are asked for.
-    now = called if needs is None else reduce.ENOUGH
+    now = called if needs is None else ENOUGH
     return replace(derive.derive(model, now, reason), unrolled=reason)
 
 

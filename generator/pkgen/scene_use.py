@@ -11,7 +11,8 @@ from . import scene_model
 from .compiler import Use
 from .exits import UsageError
 from .inlined import INLINED
-from .middle.reduce import APART, REDUCTIONS, Needs
+from .middle.reduce import APART, REDUCTIONS
+from .middle.reduction import Needs
 from .middle.report import Line
 from .middle.specialise import folded, held
 from .model import Model, Scene

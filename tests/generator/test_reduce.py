@@ -13,7 +13,8 @@ from pkgen.middle.apart import parts_of
 from pkgen.middle.derive import derive
 from pkgen.middle.evaluate import evaluate
 from pkgen.middle.graph import Kind, Symbol
-from pkgen.middle.reduce import ENOUGH, Needs, reduce
+from pkgen.middle.reduce import reduce
+from pkgen.middle.reduction import ENOUGH, Needs
 from pkgen.middle.specialise import folded, held
 from pkgen.source import ModelError, Source
 
