@@ -16,7 +16,7 @@ from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
 
 BITS = 200
-LARGE = 10_000  # an exponential of more is given up
+LARGE = 10_000  # a power of more is given up
 
 
 class Ball(NamedTuple):
@@ -44,8 +44,8 @@ class Balls:
         self.mp.prec = bits
         self.tiny = self.mp.ldexp(1, 4 - bits)
         self.calls: dict[str, Callable[..., Ball | None]] = {
-            "sin": lambda x: self._slope(self.mp.sin, x, 1),
-            "cos": lambda x: self._slope(self.mp.cos, x, 1),
+            "sin": lambda x: self._turning(self.mp.sin, x),
+            "cos": lambda x: self._turning(self.mp.cos, x),
             "tan": lambda x: self._quotient(self.calls["sin"](x), self.calls["cos"](x)),
             "atan": lambda x: self._slope(self.mp.atan, x, 1),
             "tanh": lambda x: self._slope(self.mp.tanh, x, 1),
@@ -139,8 +139,11 @@ class Balls:
     def _slope(self, function: Callable, x: Ball, steepest: Any) -> Ball | None:
         return self._rounded(function(x.mid), x.rad * steepest)
 
+    def _turning(self, function: Callable, x: Ball) -> Ball | None:
+        return self._slope(function, x, 1) if x.rad < 1 else None  # it could be any sine
+
     def _growing(self, function: Callable, slope: Callable, x: Ball) -> Ball | None:
-        if x.most > LARGE:
+        if x.rad > 1:
             return None
         end = x.mid + x.rad if function is self.mp.exp else x.most
         return self._slope(function, x, slope(end) * (1 + self.tiny))

@@ -2,10 +2,11 @@
 
 The atoms of `normal.py` are sines of whole arguments and inverses of whole sums. Here sin(x + y)
 is written in sin(x), cos(x), sin(y) and cos(y), tan as sin/cos, sinh and the like in exp,
-pow(x, n - 1) as pow(x, n)/x; and several expressions are brought over one denominator. What is left
-are polynomials in generators with the relations sin^2 = 1 - cos^2 and root^n = what is under it, so
-an expression is zero wherever it is defined if its numerator is. A reciprocal counts as a division:
-what is said here is said of places where nothing is divided by zero.
+pow(x, n - 1) as pow(x, n)/x, abs, min, max and step in sign; and several expressions are brought
+over one denominator. What is left are polynomials in generators with the relations
+sin^2 = 1 - cos^2, sign^2 = 1 and root^n = what is under it, so an expression is zero wherever it is
+defined if its numerator is. A reciprocal counts as a division, and a sign as one by what it is of:
+what is said here is said of places where nothing is divided by zero, beside kinks and jumps.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from math import lcm
 
 from .graph import Graph, Kind, Node, Op, Symbol
 from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
+from .ranges import Ranges
 
 WORK = 60_000  # products of two terms: some half a second
 TERMS = 3_000  # of one polynomial
@@ -30,8 +32,9 @@ class _Finer(Exception):
 class Exact(Normal):
     """Normal forms of nodes of one graph, which grows; see above."""
 
-    def __init__(self, g: Graph, work: int = WORK):
+    def __init__(self, g: Graph, work: int = WORK, ranges: Ranges | None = None):
         super().__init__(g, work=work, terms=TERMS)
+        self.ranges = ranges  # of the parameters
         self.parts: dict[Monomial, int] = {}  # an angle or exponent is used in such fractions
         self.roots: dict[Node, tuple[int, Node]] = {}  # x^(1/n): n and x, n > 2
         self.pi = g.symbol(Symbol(Kind.PI))
@@ -107,6 +110,9 @@ class Exact(Normal):
 
     def _reduced(self, monomial: Monomial) -> Polynomial | None:
         for base, exponent in monomial:
+            if self._is_sign(base) and exponent not in (0, 1):
+                left = {**dict(monomial), base: exponent % 2}
+                return self._monomial(tuple((b, e) for b, e in left.items() if e))
             n, under = self.roots.get(base, (0, 0))
             if n and exponent >= n:
                 rest = dict(monomial) | {base: exponent - n}
@@ -116,6 +122,28 @@ class Exact(Normal):
                 left = tuple(sorted((b, e) for b, e in rest.items() if e))
                 return self.multiplied(square, self._monomial(left))
         return super()._reduced(monomial)
+
+    def _is_sign(self, node: Node) -> bool:
+        return self.graph.op[node] is Op.CALL and self.graph.data[node] == "sign"
+
+    def sign(self, of: Polynomial) -> Polynomial:
+        """Of a product, the product of signs; of a sum, of that with 1 as its first coefficient."""
+        if not of:
+            return {}
+        first, g = of[min(of)], self.graph
+        if len(of) > 1:
+            whole = self.plain({m: c / abs(Fraction(first)) for m, c in of.items()})
+            if first < 0:
+                whole = g.negate(whole)
+            signs = [g.call("sign", whole)]
+        else:
+            odd = [base for base, e in min(of) if e % 2]
+            bases = [x for x in odd if not (self.ranges and self.ranges(x).positive)]
+            signs = [x if self._is_sign(x) else g.call("sign", x) for x in bases]
+        found: Polynomial = {(): 1 if first > 0 else -1}
+        for sign in signs:
+            found = self.multiplied(found, {((sign, 1),): 1})
+        return found
 
     def _polynomial(self, node: Node) -> Polynomial:
         g = self.graph
@@ -232,7 +260,19 @@ def _pow(x: Exact, base: Polynomial, exponent: Polynomial) -> Polynomial | None:
     return x.multiplied(power, x._power(base, Fraction(whole))) if whole else power
 
 
+def _larger(x: Exact, a: Polynomial, b: Polynomial, sign: int) -> Polynomial:
+    """max(a, b) = (a + b + |a - b|)/2, and min with a minus sign."""
+    apart = x.added(a, {m: -c for m, c in b.items()})
+    size = {m: sign * c for m, c in x.multiplied(apart, x.sign(apart)).items()}
+    return {m: c * Fraction(1, 2) for m, c in x.added(x.added(a, b), size).items()}
+
+
 _CALLS = {
+    "sign": lambda x, a: x.sign(a),
+    "step": lambda x, a: {m: c * Fraction(1, 2) for m, c in x.added({(): 1}, x.sign(a)).items()},
+    "abs": lambda x, a: x.multiplied(a, x.sign(a)),
+    "max": lambda x, a, b: _larger(x, a, b, 1),
+    "min": lambda x, a, b: _larger(x, a, b, -1),
     "cos": _cos,
     "sin": _sin,
     "tan": _tan,

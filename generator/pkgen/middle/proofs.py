@@ -7,7 +7,8 @@ Not proved: neither; then how far it holds at the states that were tried.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 from ..equations import Claim, Equations, Indices
 from ..model import Model
@@ -17,12 +18,17 @@ from .balls import Balls
 from .differentiate import reachable
 from .exact import Exact
 from .graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from .guards import DIVISOR, about, bounds_of, dangerous, squared, zeros
 from .normal import Normal
+from .ranges import Ranges
 from .samples import Sample, samples
+from .wording import wording
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
 SHOWN = 12  # values of a counterexample
+VISIBLE = 1e-300
 # Whose derivative does not say where they jump.
+_BRANCHED = {"abs", "min", "max", "sqrt", "asin", "acos", "atan"}  # one of several values
 _JUMPING = {"step": "step jumps", "sign": "sign jumps", "atan2": "atan2 jumps by 2 pi"}
 
 
@@ -31,7 +37,8 @@ def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Cla
     if not equations.conserved:
         return ()
     along = Along(equations, blocks)
-    exact = Exact(along.graph)
+    ranges = Ranges(along.graph, [bounds_of(along.graph, x) for x in equations.parameters])
+    exact = Exact(along.graph, ranges=ranges)
     return tuple(
         _claim(along, exact, quantity.name, node, jumping)
         for quantity, node in zip(equations.conserved_names, equations.conserved, strict=True)
@@ -41,7 +48,7 @@ def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Cla
 def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> Claim:
     g = along.graph
     terms = along.terms(node)
-    obstacle = "L jumps at a step" if jumping else _jumps(g, node)
+    obstacle = "L jumps at a step" if jumping else _jumps(along, exact.ranges, node)
     proof = "" if obstacle else vanishes(g, exact, terms)
     if proof:
         return Claim(name, PROVED, proof)
@@ -59,13 +66,34 @@ def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
     if Normal(g)(total) == {}:
         return "by its normal form"
     if exact.is_zero(total):
-        return "by its numerator, angles and roots taken apart"
+        return "by its numerator, angles, roots and signs taken apart"
     return ""
 
 
-def _jumps(g: Graph, node: Node) -> str:
-    calls = (g.data[n] for n in reachable(g, [node], VARIABLE) if g.op[n] is Op.CALL)
-    return next((_JUMPING[function] for function in calls if function in _JUMPING), "")
+def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
+    """Why a quantity may jump, which its derivative does not say. One that is continuous and whose
+    derivative vanishes beside kinks is constant. |x|/x is not, nor is atan(1/x) + atan(x)."""
+    g = along.graph
+    below = reachable(g, [node], VARIABLE)
+    calls = {g.data[n] for n in below if g.op[n] is Op.CALL}
+    jumps = sorted(_JUMPING[function] for function in calls & _JUMPING.keys())
+    if jumps:
+        return jumps[0]
+    roots = any(g.op[n] is Op.POWER and g.data[n].denominator > 1 for n in below)
+    if not roots and not calls & _BRANCHED:
+        return ""
+    e = along.equations
+    motion = _divisors(g, ranges, [*e.force, *sum(e.mass, ()), *(e.acceleration or ())])
+    for zero in _divisors(g, ranges, [node]) - motion:
+        return f"it may jump where {wording(g, about(g, zero), names(e))} vanishes"
+    return ""
+
+
+def _divisors(g: Graph, ranges: Ranges, nodes: list[Node]) -> set[Node]:
+    """What may vanish and is divided by: where the motion does that, it ends."""
+    divisors = [base for base, use in dangerous(g, ranges, nodes) if use == DIVISOR]
+    found = {zero for base in divisors for zero, _ in zeros(g, ranges, base)}
+    return found | {square for zero in found for square in squared(g, zero)}
 
 
 class _Tried:
@@ -74,31 +102,32 @@ class _Tried:
     def __init__(self, along: Along, name: str, terms: list[Node]):
         self.along, self.name = along, name
         self.against: Sample | None = None
-        self.count, self.relative, self.held = 0, 0.0, False
-        balls = Balls()
+        self.count, self.relative, self.held = 0, 0, False
+        self.balls = balls = Balls()
         total = along.graph.sum(terms)
-        worst = 0.0
+        best: tuple = ()
         for sample in samples(along.equations, balls, along.graph, terms):
             rate, *parts = balls.values(along.graph, [total, *terms], sample.values)
             if rate is None or None in parts:
                 continue
-            size = max(sum(part.most for part in parts), balls.tiny)
             self.count += 1
-            self.relative = max(self.relative, float(rate.most / size))
+            # Rounding tells how large the parts of a term are of which nothing is left.
+            size = sum(part.most for part in parts)
+            most = max(size, rate.rad / balls.tiny)
+            self.relative = max(self.relative, rate.most / most if most else 0)
             self.held |= not sample.varied and not rate.least > 0
-            # With parameters at their defaults it is easier to check.
-            if rate.least / size > worst and not (
-                self.against and sample.varied and not self.against.varied
-            ):
-                worst = rate.least / size
-                self.against, self.rate, self.size = sample, float(rate.mid), float(size)
+            # Easier to check are parameters at their defaults, and a rate that a double can hold.
+            rank = (not sample.varied, rate.least > VISIBLE, rate.least / most if most else 0)
+            if rate.least > 0 and rank > best:
+                best, self.against, self.rate, self.size = rank, sample, rate.mid, size
 
     def counterexample(self) -> str:
         values = list(self._named(self.against))
         if len(values) > SHOWN:
             values[SHOWN:] = [f"and {len(values) - SHOWN} more"]
         at = ", ".join(values)
-        text = f"d{self.name}/dt = {self.rate:.4g}, where its terms are {self.size:.4g} in size"
+        rate, size = self._number(self.rate), self._number(self.size)
+        text = f"d{self.name}/dt = {rate}, where its terms are {size} in size"
         text += f", at {at}" if at else ""
         if self.held and self.against.varied:
             text += " (it does hold with the parameters' defaults: should they be const?)"
@@ -106,31 +135,42 @@ class _Tried:
 
     def how_far(self) -> str:
         if not self.count:
-            return "and it could be evaluated at no state tried"
+            return "it has a value at no state tried"
+        if not self.relative:
+            return f"d{self.name}/dt is 0 at {self.count} states tried"
         return (
             f"at {self.count} states tried |d{self.name}/dt| is below "
-            f"{self.relative:.1e} of the size of its terms"
+            f"{self._number(self.relative)} of the size of its terms"
         )
 
+    def _number(self, x: Any) -> str:
+        """Whether or not a double can hold it."""
+        return self.balls.mp.nstr(x, 4)
+
     def _named(self, sample: Sample) -> Iterable[str]:
-        e = self.along.equations
-        names = {
-            Kind.COORDINATE: e.coordinates,
-            Kind.RATE: e.rates,
-            Kind.INPUT: e.inputs,
-            Kind.PARAMETER: [slot.quantity for slot in e.parameters],
-        }
+        name = names(self.along.equations)
         for symbol, value in sample.chosen.items():
-            yield f"{_name(names, symbol)} = {float(value):.10g}"
+            yield f"{name(symbol)} = {float(value):.10g}"
 
 
-def _name(names: dict, symbol: Symbol) -> str:
-    if symbol.kind is Kind.TIME:
-        return "t"
-    row = names[symbol.kind]
-    if symbol.index >= len(row):  # the derivative of an input's last one
-        return _name(names, Symbol(symbol.kind, symbol.index - len(row))) + "'"
-    return row[symbol.index].name
+def names(e: Equations) -> Callable[[Symbol], str]:
+    """What symbols are called."""
+    rows = {
+        Kind.COORDINATE: e.coordinates,
+        Kind.RATE: e.rates,
+        Kind.INPUT: e.inputs,
+        Kind.PARAMETER: [slot.quantity for slot in e.parameters],
+    }
+
+    def name(symbol: Symbol) -> str:
+        if symbol.kind is Kind.TIME:
+            return "t"
+        row = rows[symbol.kind]
+        if symbol.index >= len(row):  # the derivative of an input's last one
+            return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
+        return row[symbol.index].name
+
+    return name
 
 
 def check_claims(model: Model, claims: tuple[Claim, ...]) -> None:

@@ -11,12 +11,13 @@ from ..equations import Equations
 from .balls import Ball, Balls
 from .differentiate import reachable
 from .evaluate import evaluate
-from .graph import Graph, Kind, Node, Op, Symbol
+from .graph import VARIABLE, Graph, Kind, Node, Op, Symbol
 from .guards import bounds_of
 from .solved import accelerations
 
-TRIED = 24  # states, the first half with parameters at their defaults,
+TRIED = 72  # states, the first half with parameters at their defaults,
 EFFORT = 100_000  # or fewer, for so many values of nodes: some 2 s
+LEAST, MOST = 1e-3, 1e6  # numbers that are looked near
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,8 @@ class Sample:
 
 
 def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
-    """States for the symbols that occur in the nodes, near the start and anywhere; accelerations
-    that do are found for them."""
+    """States for the symbols that occur in the nodes, near the start, about 1, and near constants
+    of the nodes; accelerations that occur are found for them."""
     draw = random.Random(2385)
     below = reachable(g, nodes)
     if any(g.op[n] is Op.SYMBOL and g.data[n].kind is Kind.ACCELERATION for n in below):
@@ -40,11 +41,17 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
     apart = (Kind.PI, Kind.PARAMETER, Kind.ACCELERATION)
     symbols = sorted(s for s in found if s.kind not in apart)
     used = {s.index for s in found if s.kind is Kind.PARAMETER}
-    start = _starts(equations)
+    fixed = _defaults(equations)
+    start, numbers = _starts(equations, fixed), _numbers(g, below, fixed)
     effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)
     tried = max(2, min(TRIED, EFFORT // effort))
     for k in range(tried):
-        chosen = {s: _drawn(draw, start.get(s, Fraction(0)), k % 2 == 0) for s in symbols}
+        turn, how = divmod(k, 3)
+        chosen = {}
+        for i, s in enumerate(symbols):
+            at = start.get(s, Fraction(0)) * Fraction(draw.randint(12, 20), 16)
+            at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
+            chosen[s] = at + _apart(draw) / (16, 8, 16)[how]
         varied = {}
         if k >= tried // 2:
             varied = _varied(equations, draw, used)
@@ -60,24 +67,38 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
             yield Sample(values | more, chosen, bool(varied))
 
 
-def _drawn(draw: random.Random, start: Fraction, near: bool) -> Fraction:
+def _apart(draw: random.Random) -> Fraction:
     """Not 0, where things vanish that do not elsewhere."""
-    apart = Fraction(draw.choice((-1, 1)) * draw.randint(1, 16), 8)
-    return start * Fraction(draw.randint(12, 20), 16) + apart / 2 if near else apart
+    return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
 
 
-def _starts(equations: Equations) -> dict[Symbol, Fraction]:
-    """Where the motion begins, to a few digits."""
-    g = equations.graph
+def _defaults(equations: Equations) -> dict[Symbol, float]:
     fixed: dict[Symbol, float] = {}
     for k, slot in enumerate(equations.parameters):
-        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
+        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(equations.graph, [slot.default], fixed)
+    return fixed
+
+
+def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fraction]:
+    """What is constant in the nodes: where x - 7 occurs, x is worth a try near 7."""
+    values = evaluate(g, [n for n in below if not g.depends[n] & VARIABLE], fixed)
+    sizes = {abs(_short(value)) for value in values if LEAST < abs(value) < MOST} | {Fraction(8)}
+    return sorted(sign * size for size in sizes for sign in (-1, 1))
+
+
+def _starts(equations: Equations, fixed: dict[Symbol, float]) -> dict[Symbol, Fraction]:
+    """Where the motion begins."""
     found = {}
     for kind, row in ((Kind.COORDINATE, equations.start_q), (Kind.RATE, equations.start_v)):
-        for i, value in enumerate(evaluate(g, row, fixed)):
+        for i, value in enumerate(evaluate(equations.graph, row, fixed)):
             finite = abs(value) < float("inf")  # nor nan
-            found[Symbol(kind, i)] = Fraction(f"{value:.3g}") if finite else Fraction(0)
+            found[Symbol(kind, i)] = _short(value) if finite else Fraction(0)
     return found
+
+
+def _short(value: float) -> Fraction:
+    """To a few digits."""
+    return Fraction(f"{value:.3g}")
 
 
 def _varied(equations: Equations, draw: random.Random, used: set[int]) -> dict[Symbol, Fraction]:

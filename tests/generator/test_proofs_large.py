@@ -1,0 +1,103 @@
+"""`conserve` where accelerations are not written out, and of families."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import islice
+
+from claims import claims, outcomes
+from pkgen.compiler import check_model, stages
+from pkgen.middle.combination import combination
+from pkgen.middle.graph import ONE, Graph, Kind, Symbol
+from pkgen.middle.residues import Residues
+from pkgen.source import Source
+
+
+def test_momenta_and_the_energy_need_no_acceleration():
+    """Of six links, whose accelerations no normal form is found of."""
+    n = range(1, 7)
+    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
+    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
+    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}"
+    text += "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\n" for i in n)
+    total = " + ".join(f"p_a{i}" for i in n)
+    assert (
+        outcomes(text + f"conserve P = {total}\nconserve h = energy^2 + t - t\n") == ["proved"] * 2
+    )
+    found = claims(text + f"potential y6\nconserve P = {total}\nconserve h = energy*({total})^0\n")
+    assert [claim.outcome for claim in found] == ["refuted", "proved"]
+
+
+def test_large_systems_without_written_accelerations(monkeypatch):
+    """The angular momentum of five links, by Cartesian lets: M x = w has the numbers x = 1."""
+    monkeypatch.setattr("pkgen.middle.along.solve", lambda *_: None)
+    n = range(1, 6)
+    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
+    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
+    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}"
+    text += "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\n" for i in n)
+    turned = " + ".join(f"x{i}*y{i}' - y{i}*x{i}'" for i in n)
+    text += f"conserve J = {turned}\nconserve W = {turned} + x5*y5'\nconserve S = ({turned})^2\n"
+    made = stages(Source("x.lag", text), {}, frozenset({"conserve"}))
+    *_, structure = islice(made, 4)
+    first, second, third = structure.claims
+    assert (first.outcome, second.outcome, third.outcome) == ("proved", "refuted", "not proved")
+    assert float(third.says.split("below ")[1].split()[0]) < 1e-50
+
+
+def test_a_combination_modulo_a_prime_is_only_a_guess():
+    g = Graph()
+    x, y = (g.symbol(Symbol(Kind.COORDINATE, i)) for i in range(2))
+    rows = [[g.add(x, ONE), y], [y, g.number(2)]]
+    wanted = [
+        g.add(g.add(x, ONE), g.multiply(g.number(Fraction(-3, 2)), y)),
+        g.subtract(y, g.number(3)),
+    ]
+    assert combination(g, rows, wanted) == [1, Fraction(-3, 2)]
+    # x less its own residue is 0 in that world alone.
+    wanted[0] = g.add(wanted[0], g.subtract(x, g.number(Residues(g)(x))))
+    assert combination(g, rows, wanted) is None
+
+
+def test_too_large_is_not_proved_and_does_not_hang():
+    """The energy of five links by other angles: true, and beyond the work that is allowed."""
+    n = range(1, 6)
+    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
+    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
+    energies = "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\npotential y{i}\n" for i in n)
+    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}{energies}"
+    total = " + ".join(f"(x{i}'^2 + y{i}'^2)/2 + 1 - 2*cos(a{i}/2)^2*{6 - i}" for i in n)
+    (found,) = claims(f"{text}conserve c = {total}\n")
+    assert found.outcome == "not proved" and "at 72 states" in found.says
+    assert float(found.says.split("below ")[1].split()[0]) < 1e-50
+
+
+CHAIN = """\
+model chain
+size N = 9
+param m[i = 1..N] = 1 + 0.1*i in (0, inf)
+coord q[1..N]
+free q
+kinetic sum(m[i]*q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 0..N)
+conserve P = sum(m[i]*q[i]', i = 1..N)
+"""
+
+
+def test_families_kept_as_loops():
+    (claim,) = claims(CHAIN)
+    assert claim.outcome == "proved" and claim.says.endswith("with N = 9")
+    assert check_model(Source("x.lag", CHAIN)) == ()
+    wrong = CHAIN.replace("m[i]*q[i]'", "q[i]'").replace(
+        "kinetic sum(q[i]'", "kinetic sum(m[i]*q[i]'"
+    )
+    assert outcomes(wrong) == outcomes(wrong, N=1000) == ["refuted"]
+
+
+def test_a_family_too_large_to_unroll_is_proved_for_few_and_says_so():
+    (claim,) = claims(CHAIN, {"N": 1000})
+    assert claim.outcome == "proved" and claim.says.endswith("with N = 5")
+    (warning,) = check_model(Source("x.lag", CHAIN), sizes={"N": 1000})
+    assert "with N = 5, but not with N = 1000" in warning.message
+    far = CHAIN.replace("i = 1..N)\n", "i = 1..N) + 0*q[7]\n")
+    assert [c.outcome for c in claims(far, {"N": 1000})] == ["not proved"]
