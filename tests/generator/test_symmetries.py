@@ -79,7 +79,10 @@ def proved(equations, structure):
     [
         (PLANE + CENTRAL, ["energy", "x*p_y - y*p_x"]),
         (SPACE + "potential -1/norm([x, y, z])\n", ["energy", *ANGULAR]),
-        (PLANE + "param k = 2\npotential k/2*(x^2 + y^2)\n", ["energy", "x*p_y - y*p_x"]),
+        (
+            PLANE + "param k = 2\npotential k/2*(x^2 + y^2)\n",
+            ["energy", "energy(x)", "energy(y)", "x*p_y - y*p_x"],
+        ),
         (SPHERE, ["energy", "p_phi"]),
         (TOP, ["energy", "p_phi", "p_psi"]),
         (CYLINDER + HELIX, ["energy", "k*p_phi + p_z"]),
@@ -105,7 +108,8 @@ def proved(equations, structure):
         ),
         (
             SPACE + "potential x^4\n",
-            ["energy", "p_y", "p_z", "t*p_y - m*y", "t*p_z - m*z", "y*p_z - z*p_y"],
+            # That of y alone is p_y^2/2.
+            ["energy", "energy(x)", "p_y", "p_z", "t*p_y - m*y", "t*p_z - m*z", "y*p_z - z*p_y"],
         ),
         (  # a throw: the boost needs a gauge term that is quadratic in t
             "coord z\nparam m = 2\nparam g = 9.81\nkinetic m/2*z'^2\npotential m*g*z\n",
@@ -161,6 +165,14 @@ def test_three_bodies_whose_common_denominator_is_too_large():
         (PLANE + CENTRAL.replace("-mu", "-mu*(1 + t)"), ["x*p_y - y*p_x"]),
         (PLANE + CENTRAL.replace("-mu", "-mu*x*sin(t)"), []),
         (PLANE + CENTRAL + "dissipation x'^2/9\n", []),
+        # What each block has by itself, the others driven or damped.
+        (PLANE + "potential x^4 + t*y^4 + sin(t)\n", ["energy(x)"]),
+        (SPACE + "potential x^4 + y^4 - y*z\ndissipation x'^2/9\n", ["energy(y, z)"]),
+        (PLANE + "potential x^4 + y^4\nforce x = -y'\nforce y = x'\n", ["energy"]),
+        (
+            PLANE + "potential x^4\nlagrangian x*y' + y*x'\n",
+            ["energy", "p_y - x", "t*p_y - y - t*x"],
+        ),
         (PLANE + CENTRAL + "force x = y\n", []),
         (PLANE + CENTRAL + "force x = -y\nforce y = x\n", []),  # it turns
         (PLANE + CENTRAL + "input u\npotential u*y\n", []),

@@ -21,20 +21,22 @@ from collections.abc import Callable
 
 from ..equations import Equations, Indices, Invariant, Symmetries
 from .along import Along
+from .analyze_coupling import blocks_of
 from .exact import Exact
 from .graph import MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
 from .normal import Monomial, Normal, Polynomial, TooMuch, product
 from .nullspace import Row, Vector, null_space
 from .symmetries_ansatz import KINDS, Unknown, ansatz
+from .symmetries_blocks import BLOCK, block_energies
 from .wording import wording
 
 WORK = 100_000  # products of two terms
 ENTRIES = 60_000  # of the matrix
 
 
-def symmetries(equations: Equations, blocks: Indices, influences: Indices) -> Symmetries:
-    """What is found; `blocks` and `influences` are those of Structure."""
-    along = Along(equations, blocks)
+def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> Symmetries:
+    """What is found; `coupled` are the blocks of M, `influences` those of Structure."""
+    along = Along(equations, coupled)
     g = along.graph
     unknowns, searched = ansatz(len(equations.coordinates), equations.mass, influences)
     columns = _columns(equations, along, unknowns)
@@ -50,10 +52,11 @@ def symmetries(equations: Equations, blocks: Indices, influences: Indices) -> Sy
     else:
         searched = "shifts of time and of single coordinates only: the model is large"
     said = _Said(equations, g, unknowns)
-    order = [_TIME, _CYCLIC, _POINT]
-    invariants = sorted(
-        map(said.invariant, found), key=lambda x: (order.index(x.reason), len(x.terms))
-    )
+    invariants = [said.invariant(vector) for vector in found]
+    known = {x.name for x in invariants}
+    invariants += block_energies(equations, along, blocks_of(influences), known)
+    order = [_TIME, BLOCK, _CYCLIC, _POINT]
+    invariants.sort(key=lambda x: (order.index(x.reason), len(x.terms)))
     return Symmetries(g, tuple(said.parameters), searched, tuple(invariants))
 
 
