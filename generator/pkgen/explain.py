@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .back.facts import facts, found, invariants
+from .back.facts import facts, found, invariants, shortened
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
@@ -221,6 +221,8 @@ def constants_text(rows: list[tuple[str, str]], symmetries: Symmetries | None) -
     if symmetries is not None:
         lines = lines or ["Constants of the motion"]
         lines.append(f"  (searched: {symmetries.searched or NOTHING})")
+        if any(shortened(x.name) != x.name for x in symmetries.invariants):
+            lines.append("  (long sums are whole in --json)")
     return "\n".join(lines)
 
 

@@ -148,6 +148,8 @@ def _constants(structure: Structure | Facts, known: list[tuple[str, str]]) -> It
         yield f"<table><tr><th></th><th>why it is constant</th></tr>{cells}</table>"
     if symmetries is not None:
         yield f"<p>Searched: {escape(symmetries.searched or NOTHING)}.</p>"
+        if any(len(x.terms) > TERMS for x in symmetries.invariants):
+            yield "<p>Long sums are whole in what <code>explain --json</code> says.</p>"
 
 
 def _why(x: Invariant) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,9 +12,9 @@ import pytest
 import sympy
 from conftest import ROOT
 from pkgen import mathml
-from pkgen.back.facts import facts, invariants
+from pkgen.back.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model
-from pkgen.equations import Symmetries
+from pkgen.equations import Invariant, Symmetries
 from pkgen.explain import constants_text, proofs_record
 from pkgen.explain_html import SceneShown, html, scene_section
 from pkgen.source import Source
@@ -85,6 +86,31 @@ def test_explain_shows_how_each_is_proved(helix) -> None:
 def test_that_nothing_was_searched_is_said(helix) -> None:
     text = constants_text([], Symmetries(helix.equations.graph, (), "", ()))
     assert "searched: no symmetries, for the model is too large" in text
+
+
+def test_long_sums_are_cut_and_it_says_where_they_are_whole(helix) -> None:
+    name = " + ".join(f"p_q[{i}]" for i in range(12))
+    graph = helix.equations.graph
+    long = Symmetries(graph, (), "all", (Invariant(name, "symmetry", name, (), 0),))
+    text = constants_text(found_by_symmetry(long), long)
+    assert "p_q[0] + ... + p_q[11] (12 terms)  symmetry" in text
+    assert text.endswith("\n  (long sums are whole in --json)")
+    assert "--json" not in constants_text([], replace(long, invariants=()))
+
+
+@pytest.mark.parametrize(
+    ("kinetic", "said"),
+    [
+        ("(2 + sin(t))*a'^2", "diagonal, depends on t"),
+        ("(2 + sin(t*a))*a'^2", "diagonal, depends on the coordinates and t"),
+        ("(2 + u^2)*a'^2", "diagonal, depends on the inputs"),
+        ("(2 + cos(a))*a'^2", "diagonal, depends on the coordinates"),
+    ],
+)
+def test_what_a_mass_matrix_varies_with(kinetic: str, said: str) -> None:
+    text = f"model m\ncoord a\ninput u\nkinetic {kinetic}\npotential sin(t)*a\n"
+    made = compile_model(Source("m.lag", text), kernels=frozenset({"mass"}))
+    assert dict(facts(made.equations, made.structure))["mass matrix"] == said
 
 
 def test_explain_as_json_has_structure_and_claims(pkgen) -> None:

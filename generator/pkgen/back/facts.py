@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..equations import Equations, Indices, Invariant, Structure, Symmetries
+from ..middle.graph import BIT, Kind
 from ..middle.loops import Facts, LoopEquations
 
 SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
@@ -95,9 +96,20 @@ def _mass(equations: Equations, structure: Structure) -> str:
         shape = f"in blocks {_listed(equations, structure.mass_blocks)}"
     if structure.mass_constant:
         return f"{shape}, constant: factored once"
-    if structure.quadratic:
-        return f"{shape}, depends on the coordinates"
-    return f"{shape}, depends on the rates too (L is not of second degree in them)"
+    if not structure.quadratic:
+        return f"{shape}, depends on the rates too (L is not of second degree in them)"
+    return f"{shape}, depends on {_varying(equations, structure)}"
+
+
+def _varying(equations: Equations, structure: Structure) -> str:
+    """What a mass matrix varies with."""
+    mask = 0
+    for node in sum(equations.mass, ()):
+        mask |= equations.graph.depends[node]
+    kinds = {Kind.COORDINATE: "the coordinates"}
+    if not structure.autonomous:
+        kinds |= {Kind.TIME: "t", Kind.INPUT: "the inputs"}
+    return " and ".join(text for kind, text in kinds.items() if mask & BIT[kind])
 
 
 def _definite(structure: Structure) -> str:
