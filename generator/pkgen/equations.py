@@ -80,6 +80,7 @@ class Equations:
     lagrangian: Node
     kinetic: Node | None  # None, like potential, where the model states L itself
     potential: Node | None
+    written: Node  # L as the model states it, before its operations are made fewer
     energy: Node
     momenta: Row
     gradient: Row  # dL/dq

@@ -154,6 +154,7 @@ def make(
         observed_names=quantities(list(outputs), "{}"),
         conserved_names=(),
         lagrangian=lagrangian,
+        written=lagrangian,
         kinetic=kinetic,
         potential=potential,
         energy=g.subtract(g.sum(map(g.multiply, world.v, momenta)), lagrangian),

@@ -181,6 +181,44 @@ def test_definite_is_proved_from_bounds():
     assert with_bounds(0).definite and not with_bounds(-1).definite
 
 
+LINKS = """\
+model links
+param m = 1 in (0, inf)
+param n = 0 in [0, inf)
+coord a, b, c
+let x = sin(a) + sin(b)
+let y = cos(a) + cos(b)
+let u = x + sin(c)
+let v = y + cos(c)
+kinetic a'^2
+"""
+SECOND = "m/2*(x'^2 + y'^2)"
+
+
+@pytest.mark.parametrize(
+    ("kinetic", "definite"),
+    [
+        (f"{SECOND} + m/3*(u'^2 + v'^2)", True),
+        (f"{SECOND} + m/3*((u + t^2)'^2 + (v - sin(t*b))'^2) - n*t", True),  # driven
+        (f"{SECOND} + n/3*(u'^2 + v'^2)", False),  # massless
+        (f"{SECOND} + m/3*(u'^2 - v'^2)", False),  # v.M v could be 0 anyhow
+        (f"{SECOND} + m/3*u'^2", False),  # is 0 where cos(c) is
+        (f"{SECOND} + m/3*(u'^2 + v'^2) - m*a'^2", False),
+        ("(a'^2 + 1)*b'^2 + c'^2", False),  # of fourth degree
+        ("m/3*(u'^2 + v'^2)", False),  # two at once, but folded
+        ("m*((a' + b' + c')^2 + (b' - (2 + n)*c')^2)", True),  # two at once
+        ("m*((a' + b' + c')^2 + (b' - n*c')^2)", True),
+        ("m*((a' + b' + c')^2 + (b' + n*c')^2)", False),  # where n = 1
+    ],
+)
+def test_definite_by_squares(kinetic, definite):
+    """Three links, of whose pivots nothing is seen."""
+    kernels = frozenset({"force", "lagrangian"})
+    text = f"{LINKS}kinetic {kinetic}\n"
+    *_, structure = islice(stages(Source("x.lag", text), {}, kernels), 4)
+    assert structure.definite == definite
+
+
 def test_where_the_mass_matrix_may_be_singular():
     found = facts(params={"m": 1}, coords=("r", "a"), kinetic="m/2*(D(r)**2 + r**2*D(a)**2)")
     assert found.singular == ("r",) and not found.definite

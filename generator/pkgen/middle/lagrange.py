@@ -33,6 +33,7 @@ class Derived:
     motion: Motion
     solution: Solution | None
     energies: Energies
+    written: Node  # L as it was given
     energy: Node
     jacobians: tuple
     linear: object
@@ -43,6 +44,7 @@ class Derived:
             "lagrangian": energies.lagrangian,
             "kinetic": energies.kinetic,
             "potential": energies.potential,
+            "written": self.written,
             "energy": self.energy,
             "momenta": motion.momenta,
             "gradient": motion.gradient,
@@ -78,7 +80,8 @@ def derived(
     jacobians = jacobians_of(g, motion) if wanted("jacobian") else (None, None, None)
     linear = linear_of(g, motion) if wanted.linear(len(forces)) else None
     energy = energy_of(g, energies, motion, wanted)
-    return Derived(motion, solution, shorter(g, energies, wanted), energy, jacobians, linear)
+    shown = shorter(g, energies, wanted)
+    return Derived(motion, solution, shown, energies.lagrangian, energy, jacobians, linear)
 
 
 def guards(
