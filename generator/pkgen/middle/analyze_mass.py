@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from ..equations import Equations
 from .along import determinant
-from .differentiate import gradient, reachable
+from .differentiate import Columns, reachable
 from .graph import BIT, ZERO, Graph, Kind, Node, Op, Symbol
 from .guards import COORDINATES, bounds_of
 from .normal import Normal, squares_merged
@@ -80,9 +80,9 @@ def _quadratic(g: Graph, nodes: list[Node]) -> bool:
 def _definite_in(g: Graph, ranges: Ranges, term: Node, rates: list[int]) -> bool:
     """By the second derivatives of a term that is nowhere negative: their determinant decides."""
     v = [g.symbol(Symbol(Kind.RATE, i)) for i in rates]
-    slopes = gradient(g, term, RATES)
-    rows = [gradient(g, slopes[x], RATES) for x in v]
-    matrix = [[row.get(x, ZERO) for x in v] for row in rows]
+    slopes = [Columns(g, [term], RATES).column(x)[term] for x in v]
+    again = Columns(g, slopes, RATES)
+    matrix = [[again.column(x).get(slope, ZERO) for x in v] for slope in slopes]
     return _positive(g, ranges, Normal(g, work=WORK), determinant(g, matrix))
 
 
