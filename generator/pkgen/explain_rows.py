@@ -18,7 +18,7 @@ from .middle.graph import ZERO, Kind, Node, Op, Symbol
 from .middle.loops import Group, LoopEquations, Part, Slot
 from .middle.loops_expand import unlike_loops
 from .middle.quantities import input_quantities
-from .middle.sympy_bridge import to_sympy, written_size
+from .middle.sympy_bridge import plain, to_sympy, written_size
 
 if TYPE_CHECKING:
     import sympy
@@ -55,14 +55,8 @@ class Style:
     plus: Callable[[list[str]], str]
 
 
-def _plain(expr: sympy.Expr) -> str:
-    import sympy as sp
-
-    return sp.sstr(expr).replace("**", "^")
-
-
 PLAIN = Style(
-    expression=_plain,
+    expression=plain,
     large="({} operations)".format,
     total=lambda over, body: f"sum({body}, {over})",
     plus=" + ".join,

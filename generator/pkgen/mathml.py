@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 INVISIBLE_TIMES = "\u2062"
 _ENTITY = re.compile(r"&(?!amp;|lt;|gt;)\w+;")  # HTML has them; XML has not, nor need we
-_NAME = re.compile(r"([^\W\d]+?)_?(\d*)(?:_(\w+))?('*)")
+_NAME = re.compile(r"([^\W\d]+?)(?:_?(\d+))?(?:_(\w+))?('*)")
 _MEMBER = re.compile(r"(\w+)\[(.*)\]('*)")
 # What the language spells out, by its letters.
 _GREEK = {greek(c): c for c in map(chr, range(ord("Α"), ord("ω") + 1)) if greek(c)}
@@ -116,10 +116,14 @@ def expression(expr: sympy.Expr) -> str:
 
 @cache
 def _printer():
+    import sympy as sp
     from sympy.printing.mathml import MathMLPresentationPrinter
 
     class Printer(MathMLPresentationPrinter):
         def _print_Symbol(self, symbol, style: str = "plain"):
             return parseString(name(symbol.name)).documentElement
+
+        def _print_Heaviside(self, call):
+            return self._print(sp.Function("step")(call.args[0]))
 
     return Printer({"mul_symbol": INVISIBLE_TIMES})

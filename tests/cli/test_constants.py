@@ -17,6 +17,7 @@ from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
 from pkgen.explain import constants_text, proofs_record
 from pkgen.explain_html import SceneShown, html, scene_section
+from pkgen.middle.sympy_bridge import plain
 from pkgen.source import Source
 
 TOP = ROOT / "models/heavy_top.lag"
@@ -184,9 +185,19 @@ def test_names() -> None:
         return letters(ElementTree.fromstring(mathml.name(text)))
 
     assert said("theta1'") == "θ˙1" and said("p_Omega") == "pΩ" and said("x''") == "x¨"
+    assert said("E_") == "E_" and said("_x") == "_x" and said("T12_a'") == "T˙12a"
     assert (
         said("q[i+1]") == "qi+1" and said("M[q[i], phi]") == "Mqi,φ" and said("k_wall") == "kwall"
     )
+
+
+def test_expressions_are_in_the_words_of_the_language() -> None:
+    x, y, z = sympy.symbols("x y z")
+    expr = sympy.E + sympy.Abs(x) ** 2 * sympy.Max(x, y, z) - sympy.Min(x, z)
+    assert plain(expr) == "abs(x)^2*max(x, max(y, z)) - min(x, z) + exp(1)"
+    step = sympy.Heaviside(x - y, 1)
+    assert plain(step) == "step(x - y)"
+    assert letters(ElementTree.fromstring(mathml.expression(step))) == "step(x-y)"
 
 
 def test_entities_are_characters() -> None:

@@ -51,7 +51,8 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
         for i, s in enumerate(symbols):
             at = start.get(s, Fraction(0)) * Fraction(draw.randint(12, 20), 16)
             at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
-            chosen[s] = at + _apart(draw) / (16, 8, 16)[how]
+            apart = _apart(draw) / (16, 8, 16)[how]
+            chosen[s] = at + apart or apart  # at 0 things vanish that do not elsewhere
         varied = {}
         if k >= tried // 2:
             varied = _varied(equations, draw, used)
@@ -68,7 +69,6 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
 
 
 def _apart(draw: random.Random) -> Fraction:
-    """Not 0, where things vanish that do not elsewhere."""
     return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING
 
 from ..equations import Equations
@@ -20,12 +21,44 @@ COMBINED_COORDINATES = 8  # n^2 entries of M would take minutes
 
 def text(equations: Equations, node: Node, limit: int) -> str:
     """The expression in the model's names; of one with more operations than `limit`, its size."""
-    import sympy as sp
-
     found = expression(equations, node, limit)
     if isinstance(found, int):
         return f"({found} operations)"
-    return sp.sstr(found).replace("**", "^")
+    return plain(found)
+
+
+def plain(expr: sympy.Expr) -> str:
+    """In the words of the language."""
+    return _printer().doprint(expr).replace("**", "^")
+
+
+@cache
+def _printer():
+    from sympy.printing.str import StrPrinter
+
+    class Printer(StrPrinter):
+        def _print_Abs(self, expr) -> str:
+            return f"abs({self._print(expr.args[0])})"
+
+        def _print_Heaviside(self, expr) -> str:
+            return f"step({self._print(expr.args[0])})"
+
+        def _print_Exp1(self, expr) -> str:
+            return "exp(1)"
+
+        def _print_Max(self, expr) -> str:
+            return self._nested("max", expr.args)
+
+        def _print_Min(self, expr) -> str:
+            return self._nested("min", expr.args)
+
+        def _nested(self, name: str, args) -> str:
+            """SymPy has one of many arguments, the language of two."""
+            first, *rest = args
+            other = self._nested(name, rest) if len(rest) > 1 else self._print(rest[0])
+            return f"{name}({self._print(first)}, {other})"
+
+    return Printer()
 
 
 def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int:
