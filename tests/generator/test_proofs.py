@@ -41,6 +41,7 @@ from pkgen.source import ModelError, Source
         (PAIR + "input u\nkinetic (x' + u)^2/2\n", "conserve c = x' + u/2"),  # u' cancels
         (PAIR, "conserve c = max(x, -x) + min(x*y, -x*y) - abs(x)*(1 - abs(y))"),
         (PAIR, "conserve c = max(x + y, -x - y) - abs(-3*x - 3*y)/3"),
+        (PAIR, "conserve c = max(x, y) + max(-x, -y) - abs(x - y)"),
         (PAIR + "potential abs(x)\n", "conserve c = x'^2 + 2*max(x, -x)"),
         (
             PAIR + "param k = 2 in (0, inf)\npotential abs(k*x)\n",
@@ -131,7 +132,11 @@ def test_of_parameters_too():
     ("model", "claim", "why"),
     [
         # True wherever the model is defined, but not everywhere where the claim is.
-        (PAIR + "potential sqrt(x)*sqrt(y)\n", "(x'^2 + y'^2)/2 + sqrt(x*y)", "at 35 states"),
+        (
+            PAIR + "potential sqrt(x)*sqrt(y)\n",
+            "(x'^2 + y'^2)/2 + sqrt(x*y)",
+            "states tried |dc/dt| is below 1",
+        ),
         (PAIR, "step(x)", "step jumps"),
         (PAIR + "potential step(x)\n", "x'", "L jumps"),
         # d/dt is 0, yet phi grows by what atan2 falls back each turn.

@@ -132,10 +132,7 @@ class Exact(Normal):
             return {}
         first, g = of[min(of)], self.graph
         if len(of) > 1:
-            whole = self.plain({m: c / abs(Fraction(first)) for m, c in of.items()})
-            if first < 0:
-                whole = g.negate(whole)
-            signs = [g.call("sign", whole)]
+            signs = [g.call("sign", self.plain({m: c / Fraction(first) for m, c in of.items()}))]
         else:
             odd = [base for base, e in min(of) if e % 2]
             bases = [x for x in odd if not (self.ranges and self.ranges(x).positive)]
