@@ -54,7 +54,7 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
     said = _Said(equations, g, unknowns)
     invariants = [said.invariant(vector) for vector in found]
     known = {x.name for x in invariants}
-    invariants += block_energies(equations, along, blocks_of(influences), known)
+    invariants += block_energies(equations, along, blocks_of(influences, coupled), known)
     order = [_TIME, BLOCK, _CYCLIC, _POINT]
     invariants.sort(key=lambda x: (order.index(x.reason), len(x.terms)))
     return Symmetries(g, tuple(said.parameters), searched, tuple(invariants))
