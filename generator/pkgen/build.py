@@ -22,7 +22,7 @@ from pathlib import Path
 import pkgen_runtime
 
 from .cache import cache_directory
-from .inlined import inline_flags
+from .methods import inline_flags
 
 RUNTIME = Path(pkgen_runtime.__file__).parent
 # No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and

@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from . import diagnostics, limits, named, rows, scene, scene_model, scene_use
-from .build import driver_methods
 from .compiler import Compilation
 from .equations import Structure
 from .exits import UsageError
-from .inlined import INLINED
+from .methods import METHODS
 from .middle.loops import Facts, LoopEquations
 from .middle.quantities import indexed
 from .model import Model, Scene
@@ -183,15 +182,10 @@ def _recorded(
 
 
 def _method(options: argparse.Namespace, of_scene: str) -> str:
-    """The method asked for, "" if none is. Which there are only the compiled runtime can list."""
-    name = options.method or of_scene
-    if not name or name in INLINED:
-        return name
-    known = [str(m["name"]) for m in driver_methods()]
-    if name not in known:
-        option = "--method" if options.method else f"--scene {options.scene}: method"
-        raise UsageError(unknown(option, name, known, "method"))
-    return name
+    """The method asked for, "" if none is."""
+    if options.method is not None and options.method not in METHODS:
+        raise UsageError(unknown("--method", options.method, METHODS, "method"))
+    return options.method or of_scene
 
 
 def default_method(

@@ -10,8 +10,8 @@ from . import scene as scenes
 from . import scene_model
 from .compiler import Use
 from .exits import UsageError
-from .inlined import INLINED
-from .middle.reduce import APART, REDUCTIONS, Needs
+from .methods import called, carries_quadratures
+from .middle.reduce import APART, ENOUGH, REDUCTIONS, Needs
 from .middle.report import Line
 from .middle.specialise import folded, held
 from .model import Model, Scene
@@ -67,6 +67,12 @@ def whole(options: argparse.Namespace) -> Use | None:
     return _use(options.scene, Asked(None, None, run_time, EVERY, False, "", False), swarm=False)
 
 
+def as_written(name: str) -> Use:
+    """For what is to be known of a scene without options; no C is made of it."""
+    use = _use(name, Asked(None, None, frozenset(), frozenset(), True, "", True))
+    return Use(use.model, use.needs, lambda _: ENOUGH)
+
+
 def of_compile(options: argparse.Namespace) -> Use | None:
     """For C of a scene."""
     if options.scene is None:
@@ -91,26 +97,6 @@ def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
         return called(scene.method) | shown(used, scene)
 
     return Use(named, use.needs, kernels)
-
-
-def carries_quadratures(method: str) -> bool:
-    """Whether a method has the trait PK_QUADRATURE ("": the default one)."""
-    return not (_is_linear(method) or INLINED.get(method) == "SPLITTING")
-
-
-def _is_linear(method: str) -> bool:
-    """Whether it may call the derivatives of the acceleration."""
-    return method in ("exponential", "adaptive_verlet") or method.startswith("gsl_")
-
-
-def called(method: str) -> frozenset[str]:
-    """The kernels that a method calls, beside those that every run does ("": the default one)."""
-    always = {"acceleration", "guard", "event", "observe", "quadrature"}
-    if not method or method in INLINED:
-        return frozenset(always)
-    if _is_linear(method):
-        return frozenset(always | {"mass", "linear"})
-    return frozenset(always | {"canonical", "mass", "jacobian"})
 
 
 def shown(model: Model, scene: Scene) -> frozenset[str]:

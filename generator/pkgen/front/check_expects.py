@@ -117,5 +117,14 @@ class Expects:
             )
 
 
+def calls(item: m.Expect, function: str) -> list[Call]:
+    return [
+        part
+        for side in (item.a, item.b)
+        for part in within(side)
+        if isinstance(part, Call) and part.function == function
+    ]
+
+
 def _of_run(expr: Expr) -> bool:
     return isinstance(expr, Call) and expr.function in OF_RUN

@@ -12,7 +12,7 @@ from ..model import Model, Parameter, Scene
 from ..source import Span
 from .check_names import Report
 from .check_params import ends_of, interval, number, within
-from .scene_values import Values, WrongValue
+from .scene_values import Values, WrongValue, has_row
 
 
 def check_scene_values(model: Model, report: Report) -> None:
@@ -31,8 +31,9 @@ class _Numbers:
         until = self._of(lambda: values.positive("until", scene.until))
         self._of(lambda: values.positive("step", scene.step))
         self._of(lambda: values.positive("rtol", scene.rtol))
+        every = None
         if scene.record is not None:
-            self._of(lambda: values.positive("every", scene.record.every))
+            every = self._of(lambda: values.positive("every", scene.record.every))
         for item in scene.expects:
             self._of(lambda item=item: values.not_negative("within", item.within))
             at = self._of(lambda item=item: values.not_negative("at", item.at))
@@ -41,6 +42,12 @@ class _Numbers:
                     f"t = {number(at)} is not reached: the scene runs until {number(until)}",
                     item.at.span,
                     "expect it earlier, or run longer",
+                )
+            elif scene.swarm and at and until and not has_row(at, every, until):
+                self.report.error(
+                    f"members of a swarm have no row at t = {number(at)}",
+                    item.at.span,
+                    "expect it at a recorded time",
                 )
 
     def _of(self, value: Callable[[], float | None]) -> float | None:
