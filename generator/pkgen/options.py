@@ -37,10 +37,20 @@ def sizes(assignments: Iterable[str]) -> dict[str, int]:
             raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
         if not digits.strip("0"):
             raise UsageError(f"--size {text}: a size is at least 1")
+        if name.strip() in found:
+            raise UsageError(f"--size {text}: it is given twice")
         if len(digits.lstrip("0")) > 10 or int(digits) > limits.FAMILY:
             raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
         found[name.strip()] = int(digits)
     return found
+
+
+def _once(option: str, names: Iterable[str]) -> None:
+    seen = set()
+    for name in names:
+        if name in seen:
+            raise UsageError(f"{option} {name}: it is given twice")
+        seen.add(name)
 
 
 def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
@@ -84,6 +94,9 @@ def settings(
     rtol = values.positive("--rtol", options.rtol, "")
     starts, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in options.set]
+    _once("--set", (values.flat_name("--set", name) for name, _ in sets))
+    lefts = (assignment("--start", text)[0] for text in options.start)
+    _once("--start", (values.flat_name("--start", left) for left in lefts))
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
@@ -166,6 +179,7 @@ def _recorded(
         at = chosen.record.at or None
     if options.record is not None:
         show = [values.shown_as(text) for text in options.record.split(",")]
+        _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]
     if options.at is not None:

@@ -101,3 +101,16 @@ def test_options_that_make_a_scene_wrong_are_named(pkgen, tmp_path: Path, option
         assert done.returncode == 0 and "expected: 1 of 1 met" in done.stderr
     else:
         assert done.returncode == 2 and f"damped.lag:{said}" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--set", "c=1", "--set", "c = 2"], "--set c: it is given twice"),
+        (["--start", "x'=1", "--start", "x' = 2"], "--start x': it is given twice"),
+        (["--record", "x, y, x"], "--record x: it is given twice"),
+    ],
+)
+def test_options_are_not_silently_overridden(pkgen, tmp_path: Path, options, said) -> None:
+    done = pkgen("run", damped(tmp_path, "record x"), *options)
+    assert done.returncode == 2 and done.stderr == f"pkgen: {said}\n"

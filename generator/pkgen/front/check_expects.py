@@ -49,7 +49,7 @@ class Expects:
             if bare.bare and bare.dimension in (None, NONE) and other.dimension is not None:
                 return other.dimension
         sides = (clause.a, clause.b)
-        shared = self.expressions.mismatch.common(sides, [a, b], "'expect'")
+        shared = self.expressions.mismatch.common(sides, [a, b], "'expect'", numbers=True)
         return NONE if shared is None else shared
 
     def _within(self, clause: st.Expect, dimension: Dimension | None) -> Expr | None:

@@ -108,10 +108,16 @@ class _Scene:
     # record
 
     def _record(self, clause: st.Record) -> None:
-        columns = [self._column(item) for item in clause.items]
+        columns: dict[str, m.Definition] = {}
+        for item in clause.items:
+            column = self._column(item)
+            if column is not None and column.name in columns:
+                self.report.error(f"'{column.name}' is recorded already", item.span)
+            elif column is not None:
+                columns[column.name] = column
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
         self.record = m.Record(
-            columns=tuple(c for c in columns if c is not None),
+            columns=tuple(columns.values()),
             every=self.settings.time("every", clause.every),
             at=event,
             span=clause.span,
