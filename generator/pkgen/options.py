@@ -130,7 +130,8 @@ def settings(
         numbers = 2 * values.coordinates.count + len(observed) + 2
     if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
-    rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members or 1)
+    count = until / every + 1 if every else 1
+    rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
     method = _method(options, said.method)
     # No setting of an adaptive method, or of its rows, is meant for one that is exact.
     free = options.rtol is None and said.rtol is None and step is None and at is None

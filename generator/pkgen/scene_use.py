@@ -136,6 +136,8 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
         if scene.swarm is not None and not swarm:
             place = scenes.place(declared, scene.swarm.span)
             raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
+        if asked.columns is not None:
+            scene = scene_model.recording(declared, scene, asked.columns)
         used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)

@@ -114,3 +114,17 @@ def test_options_that_make_a_scene_wrong_are_named(pkgen, tmp_path: Path, option
 def test_options_are_not_silently_overridden(pkgen, tmp_path: Path, options, said) -> None:
     done = pkgen("run", damped(tmp_path, "record x"), *options)
     assert done.returncode == 2 and done.stderr == f"pkgen: {said}\n"
+
+
+@pytest.mark.parametrize(
+    ("clauses", "said"),
+    [
+        ("record x every 1e-9", "12:3: scene 'one': 1,000,000,001 rows of 2 numbers are some 40 GB;"
+         " take a longer interval"),
+        ("record x every 0.01\n  swarm k = 1..9000000\n  start x = k", "13:9: scene 'one': "
+         "9,000,000 members of 101 rows of 2 numbers are some 36 GB; take fewer members"),
+    ],
+)  # fmt: skip
+def test_too_many_rows_are_blamed_on_what_asks_for_them(pkgen, tmp_path: Path, clauses, said):
+    done = pkgen("run", damped(tmp_path, clauses), "--scene", "one")
+    assert done.returncode == 2 and f"damped.lag:{said}" in done.stderr
