@@ -19,7 +19,6 @@ from .simulate import PartSettings, Settings, Shown
 
 UNTIL = 10.0
 RTOL = 1e-10
-ROUND_OFF = 2.0**-52
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
 THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
@@ -114,10 +113,10 @@ def settings(
         inputs_set = {**of_scene, **inputs_set}
     parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
-    if rtol is not None and rtol < ROUND_OFF and options.atol is None:
-        # No step is short enough: it would be halved for ever.
+    least = limits.ROUND_OFF
+    if rtol is not None and rtol < least and options.atol is None:
         raise UsageError(
-            f"--rtol {options.rtol}: no double is that exact; the smallest is {ROUND_OFF:.1e}"
+            f"--rtol {options.rtol}: no double is that exact; the smallest is {least:.1e}"
         )
     rtol = rtol or said.rtol or RTOL
     step = values.positive("--step", options.step, values.time) or said.step
@@ -200,7 +199,13 @@ def _method(options: argparse.Namespace, of_scene: str) -> str:
     """The method asked for, "" if none is."""
     if options.method is not None and options.method not in METHODS:
         raise UsageError(unknown("--method", options.method, METHODS, "method"))
-    return options.method or of_scene
+    name = options.method or of_scene
+    if name and "adaptive" not in METHODS[name].traits:
+        for option in ("rtol", "atol", "max_step"):
+            if getattr(options, option) is not None:
+                shown = "--" + option.replace("_", "-")
+                raise UsageError(f"{shown} is for adaptive methods, which {name} is not")
+    return name
 
 
 def default_method(

@@ -43,10 +43,9 @@ def members(
         if name in known and name not in given and of_swarm(scene, start[0].value)
     }
     if not chosen:
-        why = "--start sets what differs" if given else "what differs is not in what is recorded"
         raise UsageError(
             f"{place(model, swarm.span)}: scene '{scene.name}': all members of the swarm would be "
-            f"the same: {why}"
+            "the same: --start sets what differs"
         )
     if len(count) * len(chosen) > limits.SWARM_VALUES:
         raise UsageError(

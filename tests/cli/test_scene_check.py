@@ -37,6 +37,11 @@ WRONG = [
         "rows of a swarm's members are by time, not at an event",
         "record x at hit",
     ),
+    (
+        "swarm k = 1..3\n  start x = k, x' = 2*k\n  record z",
+        "all members of the swarm would be the same: nothing recorded depends",
+        "k = 1..3",
+    ),
     (f"{SWARM}\n  expect x < 1 at 0.3", "members of a swarm have no row at t = 0.3", "0.3"),
     (
         f"{SWARM}\n  expect time(hit) < 1",
@@ -78,6 +83,16 @@ def test_check_reports_all_scenes_and_explain_each_in_its_place(pkgen, tmp_path:
     assert not list(tmp_path.glob("*.c"))
 
 
+def test_a_swarm_whose_members_options_make_the_same(pkgen, tmp_path: Path) -> None:
+    path = damped(tmp_path, "swarm k = 1..3\n  start x = k\n  record x")
+    same = "damped.lag:12:9: scene 'one': all members of the swarm would be the same"
+    done = pkgen("run", path, "--scene", "one", "--start", "x=3")
+    assert done.returncode == 2 and f"{same}: --start sets what differs" in done.stderr
+    done = pkgen("run", path, "--scene", "one", "--record", "z")
+    assert done.returncode == 2 and same in done.stderr
+    assert done.stderr.endswith("differ: --record asks for other columns\n")
+
+
 FOLDED = "set c = 0\n  method verlet step 0.1\n  record y\n  expect drift(energy) < 1"
 
 
@@ -109,9 +124,11 @@ def test_options_that_make_a_scene_wrong_are_named(pkgen, tmp_path: Path, option
         (["--set", "c=1", "--set", "c = 2"], "--set c: it is given twice"),
         (["--start", "x'=1", "--start", "x' = 2"], "--start x': it is given twice"),
         (["--record", "x, y, x"], "--record x: it is given twice"),
+        ([*BY_RK4, "--rtol", "1e-9"], "--rtol is for adaptive methods, which rk4 is not"),
+        ([*BY_RK4, "--max-step", "1"], "--max-step is for adaptive methods, which rk4 is not"),
     ],
 )
-def test_options_are_not_silently_overridden(pkgen, tmp_path: Path, options, said) -> None:
+def test_options_are_not_silently_without_effect(pkgen, tmp_path: Path, options, said) -> None:
     done = pkgen("run", damped(tmp_path, "record x"), *options)
     assert done.returncode == 2 and done.stderr == f"pkgen: {said}\n"
 
