@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build
+from pkgen import build, toolchain
 from pkgen.methods import METHODS, called
 from pkgen.resources import ResourcesExceeded, bounded
 
@@ -65,8 +65,8 @@ def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_pa
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
     monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: directory.mkdir())
     (tmp_path / "runtime").mkdir()
-    tools = build.find_toolchain()
-    assert len(tools.target) == 24 and ("-march=native" in tools.flags or not build.NATIVE)
+    tools = toolchain.find_toolchain()
+    assert len(tools.target) == 24 and ("-march=native" in tools.flags or not toolchain.NATIVE)
     elsewhere = replace(tools, target="another processor")
     assert build.runtime_library(tools) != build.runtime_library(elsewhere)
 
