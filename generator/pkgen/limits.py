@@ -22,4 +22,3 @@ CONSTANT_BITS = 4_096  # of a constant's exact numerator or denominator
 DIAGNOSTICS = 50  # shown of one run
 CPU_SECONDS = 8  # of deriving one model; --max-seconds overrides
 MEMORY_BYTES = 1 << 30  # address space added while compiling
-ROUND_OFF = 2.0**-52  # the smallest relative tolerance: steps would be halved for ever

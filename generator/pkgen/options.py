@@ -10,6 +10,7 @@ from . import diagnostics, limits, named, rows, scene, scene_model, scene_use
 from .compiler import Compilation
 from .equations import Structure
 from .exits import UsageError
+from .front.scene_values import ROUND_OFF
 from .methods import METHODS
 from .middle.loops import Facts, LoopEquations
 from .middle.quantities import indexed
@@ -113,7 +114,7 @@ def settings(
         inputs_set = {**of_scene, **inputs_set}
     parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
-    least = limits.ROUND_OFF
+    least = ROUND_OFF
     if rtol is not None and rtol < least and options.atol is None:
         raise UsageError(
             f"--rtol {options.rtol}: no double is that exact; the smallest is {least:.1e}"

@@ -9,13 +9,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from ..limits import ROUND_OFF
 from ..model import Model, Parameter, Scene
 from ..source import Span
 from ..tree import Expr
 from .check_names import Report
 from .check_params import ends_of, interval, number, within
-from .scene_values import Values, WrongValue, has_row
+from .scene_values import ROUND_OFF, Values, WrongValue, has_row
 
 
 def check_scene_values(model: Model, report: Report) -> None:

@@ -13,6 +13,7 @@ from ..source import Span
 from ..tree import Expr
 from .check_values import NoValue, evaluate
 
+ROUND_OFF = 2.0**-52  # the smallest 'rtol': below it steps would be halved for ever
 Number = Fraction | float
 Key = tuple[str, int | None]  # a name and the index of a member
 
