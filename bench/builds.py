@@ -40,7 +40,7 @@ class Build:
         return " ".join((self.cc, *self.flags))
 
 
-# As `pkgen run` compiles (FLAGS in its build.py): scalar statements not joined, no contraction.
+# As `pkgen run` compiles (FLAGS in its toolchain.py): scalar statements not joined, no contraction.
 RUN_FLAGS = (*WIDE, "-fno-tree-slp-vectorize", "-ffp-contract=off", *SAFE)
 FUSED = (*WIDE, "-ffp-contract=fast", *SAFE)
 COMPILERS = tuple(cc for cc in ("gcc", "clang") if shutil.which(cc))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, run_pkgen
-from pkgen import build, limits
+from pkgen import build, limits, toolchain
 
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 
@@ -112,11 +112,11 @@ def test_the_example_of_events_runs(tmp_path: Path) -> None:
     assert model.read_text().startswith(text)
     run_pkgen(model, "-o", tmp_path)
     (tmp_path / "main.c").write_text(program)
-    library = build.runtime_library(build.find_toolchain()) / "libpk.a"
+    library = build.runtime_library(toolchain.find_toolchain()) / "libpk.a"
     flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-DPK_RUNTIME"]
     command = ["gcc", *flags, f"-I{ROOT}/runtime/include", "main.c", "thrown_stone.c", library]
-    if build.find_toolchain().has_gsl:
-        command += build.find_toolchain().gsl_libs
+    if toolchain.find_toolchain().has_gsl:
+        command += toolchain.find_toolchain().gsl_libs
     subprocess.run([*command, "-lm", "-o", "main"], cwd=tmp_path, check=True)
     said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
     assert blocks(page, "text") == [said]

@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable
 
 from . import __version__, arguments, commands, run_command
-from .build import BuildError
 from .chart import command as chart_command
 from .compiler import STAGES
 from .exits import (
@@ -29,6 +28,7 @@ from .exits import (
 from .resources import ResourcesExceeded
 from .source import ModelError
 from .stability import command as stability_command
+from .toolchain import BuildError
 
 
 def parser_of(command: str) -> argparse.ArgumentParser:

@@ -16,104 +16,14 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-import pkgen_runtime
-
 from .cache import cache_directory
-from .inlined import inline_flags
+from .methods import inline_flags
+from .toolchain import RUNTIME, STANDARD, BuildError, Toolchain, compile_c, find_toolchain, run
 
-RUNTIME = Path(pkgen_runtime.__file__).parent
-# No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
-# clang differ in their defaults; it is off, since lanes and scalars then agree to the bit and
-# compilers nearly so, and it would gain 2 to 6 % (inlined rk4, dop853). -O3 for the loops over
-# lanes; but joining scalar statements to vectors costs 5 % in small steps, whose numbers have
-# just been stored one by one.
-FLAGS = (
-    "-O3",
-    "-fno-tree-slp-vectorize",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-)
-# For this very processor; the first that the compiler accepts.
-NATIVE = (("-march=native",), ("-mcpu=native",), ())
-STANDARD = "-std=c11"
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
-TIMEOUT_SECONDS = 300
 KEPT_PROGRAMS = 100
-
-
-class BuildError(Exception):
-    """No C compiler, or it refused; the text is what it said."""
-
-
-@dataclass(frozen=True)
-class Toolchain:
-    """A C compiler with its flags, and GSL's where it is installed."""
-
-    cc: tuple[str, ...]
-    flags: tuple[str, ...]
-    gsl_cflags: tuple[str, ...] | None
-    gsl_libs: tuple[str, ...]
-    version: str
-    target: str  # digest of what the compiler says of the processor
-
-    @property
-    def has_gsl(self) -> bool:
-        return self.gsl_cflags is not None
-
-
-def find_toolchain() -> Toolchain:
-    """`$CC` if set, else gcc, clang or cc, whichever comes first."""
-    wanted = os.environ.get("CC")
-    candidates = [shlex.split(wanted)] if wanted else [["gcc"], ["clang"], ["cc"]]
-    for candidate in candidates:
-        if candidate and shutil.which(candidate[0]):
-            version = _output([*candidate, "--version"]) or ""
-            native, macros = _native(candidate)
-            flags = FLAGS + native + tuple(shlex.split(os.environ.get("CFLAGS", "")))
-            cflags, libs = _find_gsl()
-            return Toolchain(
-                tuple(candidate),
-                flags,
-                cflags,
-                libs,
-                version.partition("\n")[0],
-                hashlib.sha256(macros.encode()).hexdigest()[:24],
-            )
-    raise BuildError(
-        f"no C compiler found (looked for {', '.join(c[0] for c in candidates if c)}); "
-        "install gcc, or name one with the environment variable CC"
-    )
-
-
-def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
-    """Flags for the processor at hand, and the macros by which the compiler describes it."""
-    for flags in NATIVE:
-        macros = _output([*cc, *flags, "-dM", "-E", "-x", "c", os.devnull])
-        if macros is not None:
-            return flags, macros
-    return (), ""
-
-
-def _find_gsl() -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    config = shutil.which("gsl-config")
-    if config is None:
-        return None, ()
-    cflags = shlex.split(_output([config, "--cflags"]) or "")
-    libs = shlex.split(_output([config, "--libs"]) or "-lgsl -lgslcblas")
-    # /usr/include is searched anyway, and named as -I would come before the compiler's own.
-    return tuple(f for f in cflags if f != "-I/usr/include"), tuple(libs)
-
-
-def _output(command: list[str]) -> str | None:
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout
 
 
 def runtime_library(tools: Toolchain) -> Path:
@@ -144,8 +54,8 @@ def _build_runtime(tools: Toolchain, directory: Path) -> None:
             for path in (p for part in parts for p in sorted((RUNTIME / part).glob("*.c"))):
                 objects.append(f"{path.stem}.o")
                 more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
-                _compile(tools, ["-c", *more, str(path), "-o", objects[-1]], staging)
-            _run([ar, "rcs", library, *objects], staging)
+                compile_c(tools, ["-c", *more, str(path), "-o", objects[-1]], staging)
+            run([ar, "rcs", library, *objects], staging)
         _publish(staging, directory)
 
 
@@ -156,7 +66,7 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
         encoding="utf-8",
     )
     try:
-        _compile(tools, ["-fopenmp", "omp.c", "-o", "omp"], directory)
+        compile_c(tools, ["-fopenmp", "omp.c", "-o", "omp"], directory)
     except BuildError:
         return []
     return ["-fopenmp"]
@@ -230,10 +140,10 @@ def build_program(
             integrated = [f"{part}.c" for part, _ in parts] or [f"{name}.c"]
             sources = ["choice.c", *integrated]
             if parts:
-                _compile(tools, ["-DPK_RUNTIME", "-I.", "-c", f"{name}.c"], staging)
+                compile_c(tools, ["-DPK_RUNTIME", "-I.", "-c", f"{name}.c"], staging)
                 sources.append(f"{name}.o")
             linked = [*sources, "-o", "program", *libraries]
-            _compile(tools, ["-DPK_RUNTIME", *inlined, "-I.", *linked], staging)
+            compile_c(tools, ["-DPK_RUNTIME", *inlined, "-I.", *linked], staging)
             _publish(staging, directory)
         _prune(directory.parent)
     os.utime(directory)
@@ -257,27 +167,6 @@ def driver_methods() -> list[dict[str, object]]:
             (staging / "methods").write_text(done.stdout, encoding="utf-8")
             os.replace(staging / "methods", listed)
     return [json.loads(line) for line in listed.read_text(encoding="utf-8").splitlines()]
-
-
-def _compile(tools: Toolchain, arguments: list[str], directory: Path) -> None:
-    include = f"-I{RUNTIME / 'include'}"
-    _run([*tools.cc, STANDARD, *tools.flags, include, *arguments], directory)
-
-
-def _run(command: list[str], directory: Path) -> None:
-    try:
-        done = subprocess.run(
-            command, cwd=directory, capture_output=True, text=True, timeout=TIMEOUT_SECONDS
-        )
-    except OSError as error:
-        raise BuildError(f"cannot run {command[0]}: {error.strerror}") from None
-    except subprocess.TimeoutExpired:
-        raise BuildError(
-            f"{command[0]} took more than {TIMEOUT_SECONDS} s: the model is too large"
-        ) from None
-    if done.returncode != 0:
-        said = done.stderr.strip()[-4000:]
-        raise BuildError(f"{shlex.join(command)}\nfailed:\n{said}")
 
 
 class _staging:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from . import explain as explanation
-from . import explain_scenes, limits, scene_use
+from . import explain_scenes, limits, scene, scene_check, scene_use
 from . import options as parsing
 from .back.kernels import KERNELS
 from .build import driver_methods
@@ -22,7 +22,7 @@ from .explain_scenes import scenes_shown
 from .front.read import read
 from .methods_table import methods_text
 from .resources import bounded
-from .source import Diagnostic, Source
+from .source import Diagnostic, ModelError, Source
 
 
 def compile_within_limits(
@@ -61,6 +61,9 @@ def compile_to_c(options: argparse.Namespace) -> int:
         use=scene_use.of_compile(options),
         symmetric=True,
     )
+    if options.scene:
+        chosen = scene.chosen(compilation.declared, options.scene)
+        scene_check.refuse_method(compilation, chosen)
     directory = Path(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
     for name, text in compilation.files.items():
@@ -85,8 +88,14 @@ def _replace(path: Path, text: str) -> None:
 def check(options: argparse.Namespace) -> int:
     """Report the errors and warnings of a model, and write nothing."""
     source = read(options.model)
+    sizes = parsing.sizes(options.size)
     with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
-        warnings = check_model(source, sizes=parsing.sizes(options.size))
+        model, warnings = check_model(source, sizes=sizes)
+        # What other sizes than the file's make wrong of a scene, who chooses it hears.
+        scenes = [item for item in model.scenes if not item.misfits]
+        wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]
+    if wrong:
+        raise ModelError(source, wrong)
     if options.json:
         print(json.dumps({"diagnostics": [w.record(source) for w in warnings]}))
     else:

@@ -160,14 +160,14 @@ def _no_collection() -> Iterator[None]:
 
 def check_model(
     source: Source, *, sizes: Mapping[str, int] | None = None
-) -> tuple[Diagnostic, ...]:
-    """The warnings about a model of which there are no errors; no C is made of it.
+) -> tuple[Model, tuple[Diagnostic, ...]]:
+    """A model of which there are no errors, and the warnings about it; no C is made.
 
     Raises ModelError as compile_model() does: what comes after `reduce` finds nothing more.
     """
     made = stages(source, sizes or {})
     _, (_, model, warnings), _, facts, _ = islice(made, STAGES.index("reduce") + 1)
-    return warnings + partly_proved(model, facts)
+    return model, warnings + partly_proved(model, facts)
 
 
 def _equations(

@@ -7,19 +7,18 @@ numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the ru
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .exits import UsageError
-from .front.check_expects import OF_RUN
+from .front.check_expects import OF_RUN, calls
+from .front.scene_values import has_row
 from .middle.quantities import indexed
 from .model import Expect, Scene
-from .source import Span
-from .tree import Call, Expr, Name, Number, within
+from .source import Source, Span
+from .tree import Expr, Name, Number, Prime
 
 if TYPE_CHECKING:
-    from .compiler import Compilation
     from .simulate import Settings
 
 
@@ -82,7 +81,17 @@ def outputs(scene: Scene) -> dict[str, tuple[Expr, Span]]:
 def drifting(scene: Scene) -> frozenset[str]:
     """The names whose drift is asked for."""
     drifts = (call for item in scene.expects for call in calls(item, "drift"))
-    return frozenset(_shown(call.arguments[0]) for call in drifts) - {""}
+    return frozenset(column(call.arguments[0]) for call in drifts) - {""}
+
+
+def column(expr: Expr) -> str:
+    """The name of a column, of an expression that is no more than that: x, x', q[2]; or ""."""
+    if isinstance(expr, Prime):
+        of = column(expr.of)
+        return of and of + "'"
+    if not isinstance(expr, Name) or not isinstance(expr.index, Number | None):
+        return ""
+    return indexed(expr.id, None if expr.index is None else int(expr.index.value))
 
 
 def events(scene: Scene) -> frozenset[str]:
@@ -115,58 +124,22 @@ def of_run(item: Expect) -> bool:
     return any(calls(item, name) for name in OF_RUN)
 
 
-def calls(item: Expect, function: str) -> list[Call]:
-    return [
-        part
-        for side in (item.a, item.b)
-        for part in within(side)
-        if isinstance(part, Call) and part.function == function
-    ]
-
-
-def refuse(
-    compilation: Compilation,
-    scene: Scene,
-    times: tuple[float | None, ...],
-    settings: Settings,
-    ensemble: bool,
+def refuse_of_members(
+    source: Source, scene: Scene, times: tuple[float | None, ...], settings: Settings
 ) -> None:
-    """What cannot be expected of this model, or of so many members. Raises UsageError."""
-    model, structure = compilation.model, compilation.structure
-    momenta = () if compilation.looped else compilation.equations.momenta_names
-    cyclic = () if compilation.looped else structure.cyclic
-    free = {q.name for q, constant in zip(momenta, cyclic, strict=True) if not constant}
+    """What cannot be expected of many members together. Raises UsageError."""
     for item, at in zip(scene.expects, times, strict=True):
-        why = ""
-        for call in calls(item, "drift"):
-            shown = _shown(call.arguments[0])
-            if shown == "energy" and not structure.conservative:
-                why = "the energy is not constant here: record it, or what it loses"
-            elif shown in free:
-                why = f"{shown} is not constant here: its coordinate is not cyclic"
-        if ensemble:
-            why = why or _not_of_members(item, at, settings)
+        why = _not_of_members(item, at, settings)
         if why:
-            raise UsageError(f"{model.source.place(item.span)}: scene '{scene.name}': {why}")
+            raise UsageError(f"{source.place(item.span)}: scene '{scene.name}': {why}")
 
 
 def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
     if item.event or calls(item, "time"):
         return "events of a swarm or an ensemble are not watched yet: expect it at a time"
-    if at in (None, 0, settings.until):
+    if at is None or has_row(at, settings.every, settings.until):
         return ""
-    if settings.every is not None:
-        off = abs(at / settings.every - round(at / settings.every)) * settings.every
-        if off <= 8 * sys.float_info.epsilon * settings.until:
-            return ""
     return f"members have no row at t = {at:.12g}: expect it at a recorded time"
-
-
-def _shown(expr: Expr) -> str:
-    if not isinstance(expr, Name):
-        return ""
-    index = expr.index.value if isinstance(expr.index, Number) else None
-    return indexed(expr.id, index)
 
 
 def _is_energy(expr: Expr) -> bool:

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .expects import calls, of_run
+from .expects import of_run
+from .front.check_expects import calls
 from .front.scene_values import Values, WrongValue
 from .model import Expect, Model, Scene
 from .source import Diagnostic, Span

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from . import scene_use
+from . import scene_check, scene_use
 from .back.program import Kernel
 from .compiler import Compilation, compile_model
-from .exits import UsageError
-from .source import ModelError
+from .model import Scene
 
 
 @dataclass(frozen=True)
@@ -26,21 +25,17 @@ class SceneShown:
 
 def scenes_shown(compilation: Compilation, sizes: Mapping[str, int]) -> list[SceneShown]:
     """Each scene, compiled by itself; of one that cannot be, why."""
-    return [
-        _shown(compilation, sizes, scene.name, scene.description)
-        for scene in compilation.declared.scenes
-    ]
+    return [_shown(compilation, sizes, scene) for scene in compilation.declared.scenes]
 
 
-def _shown(whole: Compilation, sizes: Mapping[str, int], name: str, description: str) -> SceneShown:
+def _shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
     before = {} if whole.looped else _operations(whole.program.kernels)
-    try:
-        made = compile_model(whole.declared.source, sizes=sizes, use=scene_use.of_scene(name))
-    except UsageError as error:
-        return SceneShown(name, description, (str(error),), before, {})
-    except ModelError as error:
-        said = tuple(d.text(error.source) for d in error.diagnostics)
+    name, description, source = scene.name, scene.description, whole.declared.source
+    wrong = scene_check.wrong(whole.declared, sizes, scene)
+    if wrong:
+        said = tuple(finding.text(source) for finding in wrong)
         return SceneShown(name, description, said, before, {})
+    made = compile_model(source, sizes=sizes, use=scene_use.of_scene(name))
     if made.looped:
         return SceneShown(name, description, tuple(map(str, made.report.lines)), before, {})
     kernels = [*made.program.kernels, *(k for part in made.parts for k in part.program.kernels)]

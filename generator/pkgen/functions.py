@@ -48,4 +48,7 @@ FUNCTIONS: dict[str, Function] = {
     "reciprocal": Function(1, "any", ":reciprocal", internal=True),
 }
 
+ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})
+EVEN = frozenset({"cos", "cosh", "abs"})
+
 VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}

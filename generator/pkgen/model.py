@@ -207,6 +207,7 @@ class Scene:
     accuracy: Expr | None = None
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
+    method_span: Span | None = None
     misfits: tuple[Diagnostic, ...] = ()  # errors that other sizes than the file's have made
 
 

@@ -7,11 +7,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from . import diagnostics, limits, named, rows, scene, scene_model, scene_use
-from .build import driver_methods
 from .compiler import Compilation
 from .equations import Structure
 from .exits import UsageError
-from .inlined import INLINED
+from .front.scene_values import ROUND_OFF
+from .methods import METHODS
 from .middle.loops import Facts, LoopEquations
 from .middle.quantities import indexed
 from .model import Model, Scene
@@ -20,7 +20,6 @@ from .simulate import PartSettings, Settings, Shown
 
 UNTIL = 10.0
 RTOL = 1e-10
-ROUND_OFF = 2.0**-52
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
 THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
@@ -38,10 +37,20 @@ def sizes(assignments: Iterable[str]) -> dict[str, int]:
             raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
         if not digits.strip("0"):
             raise UsageError(f"--size {text}: a size is at least 1")
+        if name.strip() in found:
+            raise UsageError(f"--size {text}: it is given twice")
         if len(digits.lstrip("0")) > 10 or int(digits) > limits.FAMILY:
             raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
         found[name.strip()] = int(digits)
     return found
+
+
+def _once(option: str, names: Iterable[str]) -> None:
+    seen = set()
+    for name in names:
+        if name in seen:
+            raise UsageError(f"{option} {name}: it is given twice")
+        seen.add(name)
 
 
 def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
@@ -85,6 +94,9 @@ def settings(
     rtol = values.positive("--rtol", options.rtol, "")
     starts, start_parameters = values.starts(options.start)
     sets = [assignment("--set", text) for text in options.set]
+    _once("--set", (values.flat_name("--set", name) for name, _ in sets))
+    lefts = (assignment("--start", text)[0] for text in options.start)
+    _once("--start", (values.flat_name("--start", left) for left in lefts))
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
@@ -102,10 +114,10 @@ def settings(
         inputs_set = {**of_scene, **inputs_set}
     parameters_set |= start_parameters
     single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
-    if rtol is not None and rtol < ROUND_OFF and options.atol is None:
-        # No step is short enough: it would be halved for ever.
+    least = ROUND_OFF
+    if rtol is not None and rtol < least and options.atol is None:
         raise UsageError(
-            f"--rtol {options.rtol}: no double is that exact; the smallest is {ROUND_OFF:.1e}"
+            f"--rtol {options.rtol}: no double is that exact; the smallest is {least:.1e}"
         )
     rtol = rtol or said.rtol or RTOL
     step = values.positive("--step", options.step, values.time) or said.step
@@ -118,7 +130,8 @@ def settings(
         numbers = 2 * values.coordinates.count + len(observed) + 2
     if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
-    rows.refuse_too_many(options, until / every + 1 if every else 1, numbers, members or 1)
+    count = until / every + 1 if every else 1
+    rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
     method = _method(options, said.method)
     # No setting of an adaptive method, or of its rows, is meant for one that is exact.
     free = options.rtol is None and said.rtol is None and step is None and at is None
@@ -167,6 +180,7 @@ def _recorded(
         at = chosen.record.at or None
     if options.record is not None:
         show = [values.shown_as(text) for text in options.record.split(",")]
+        _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]
     if options.at is not None:
@@ -183,14 +197,15 @@ def _recorded(
 
 
 def _method(options: argparse.Namespace, of_scene: str) -> str:
-    """The method asked for, "" if none is. Which there are only the compiled runtime can list."""
+    """The method asked for, "" if none is."""
+    if options.method is not None and options.method not in METHODS:
+        raise UsageError(unknown("--method", options.method, METHODS, "method"))
     name = options.method or of_scene
-    if not name or name in INLINED:
-        return name
-    known = [str(m["name"]) for m in driver_methods()]
-    if name not in known:
-        option = "--method" if options.method else f"--scene {options.scene}: method"
-        raise UsageError(unknown(option, name, known, "method"))
+    if name and "adaptive" not in METHODS[name].traits:
+        for option in ("rtol", "atol", "max_step"):
+            if getattr(options, option) is not None:
+                shown = "--" + option.replace("_", "-")
+                raise UsageError(f"{shown} is for adaptive methods, which {name} is not")
     return name
 
 

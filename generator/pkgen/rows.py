@@ -8,6 +8,7 @@ import math
 from . import named
 from .compiler import Compilation
 from .exits import UsageError
+from .model import Model, Scene
 from .simulate import Settings
 
 ROWS = 1000
@@ -23,20 +24,33 @@ def interval(until: float, step: float | None, numbers: int) -> float:
     return step * math.ceil(until / (rows * step)) if step else until / rows
 
 
-def refuse_too_many(options: argparse.Namespace, rows: float, numbers: int, members: int) -> None:
-    """No disk would hold what somebody asks for by mistake."""
-    total = rows * numbers * members
+def refuse_too_many(
+    options: argparse.Namespace,
+    model: Model,
+    scene: Scene | None,
+    rows: float,
+    numbers: int,
+    members: int | None,
+) -> None:
+    """No disk would hold what somebody asks for by mistake. `members`: of several together."""
+    total = rows * numbers * (members or 1)
     if total <= NUMBERS_MOST:
         return
     if options.every is not None:
-        option, advice = f"--every {options.every}", "take a longer interval"
+        what, advice = f"--every {options.every}", "take a longer interval"
     elif options.ensemble is not None:
-        option, advice = f"--ensemble {options.ensemble}", "take fewer members"
+        what, advice = f"--ensemble {options.ensemble}", "take fewer members"
+    elif scene is not None and scene.swarm is not None:
+        what = f"{model.source.place(scene.swarm.span)}: scene '{scene.name}'"
+        advice = "take fewer members"
+    elif scene is not None and scene.record is not None and scene.record.every is not None:
+        what = f"{model.source.place(scene.record.span)}: scene '{scene.name}'"
+        advice = "take a longer interval"
     else:
-        option, advice = "--size", "take smaller families"
-    each = f"{members:,} members of " if options.ensemble is not None else ""
+        what, advice = "--size", "take smaller families"
+    each = f"{members:,} members of " if members is not None else ""
     raise UsageError(
-        f"{option}: {each}{rows:,.0f} rows of {numbers:,} numbers are some "
+        f"{what}: {each}{rows:,.0f} rows of {numbers:,} numbers are some "
         f"{total * BYTES * 1e-9:,.0f} GB; {advice}"
     )
 

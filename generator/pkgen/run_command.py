@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
-from . import choose, diagnostics, rows, scene, scene_run, scene_use
+from . import choose, diagnostics, rows, scene, scene_check, scene_run, scene_use
 from . import ensemble as members
 from . import options as parsing
 from .choose import Choice
@@ -56,6 +56,8 @@ def run(options: argparse.Namespace) -> int:
         options, libm=options.libm, unroll=unroll, kernels=kernels, use=scene_use.of_run(options)
     )
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    if chosen is not None:
+        scene_check.refuse(options, compilation, chosen)
     if several:
         parsing.refuse_stops(compilation.model)
     threads = parsing.threads(options, several)

@@ -6,15 +6,17 @@ do, and rows have no column of them.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import replace
+from fractions import Fraction
 
 from . import expects
+from .front.options_text import LeftSide, OptionError, left_side
 from .indices import integer
-from .middle.quantities import indexed, sizes
+from .middle.quantities import ends, indexed, sizes
 from .middle.specialise import with_definitions
-from .model import Definition, Input, Model, Scene
-from .tree import Expr, Name, Prime, names, replaced
+from .model import Coordinate, Definition, Input, Model, Record, Scene
+from .tree import Expr, Name, Number, Prime, names, replaced
 
 
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
@@ -33,6 +35,52 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
         starts=(*model.starts, *(s for s in scene.starts if not of_swarm(scene, s.value))),
         observed=(*model.observed, *outputs),
     )
+
+
+def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
+    """The scene with other columns. A name that can be none is left out: it is reported where
+    columns are looked up among those of the run."""
+    held = _held(model, scene)
+    found: list[Definition] = []
+    for text in columns:
+        try:
+            side = left_side(text, sizes(model))
+        except OptionError:
+            continue
+        unit = _unit(model, side)
+        name = indexed(side.name, side.index)
+        if unit is None or (name.startswith("p_") and name[2:] in held):
+            continue
+        index = None if side.index is None else Number(Fraction(side.index), scene.span)
+        value: Expr = Name(side.name, index, scene.span)
+        for _ in range(side.order):
+            value = Prime(value, scene.span)
+        name += "'" * side.order
+        found.append(Definition(name, None, None, value, unit, "", scene.span))
+    record = scene.record or Record((), None, "", scene.span)
+    return replace(scene, record=replace(record, columns=tuple(found)))
+
+
+def _unit(model: Model, side: LeftSide) -> str | None:
+    """Of what can be a column, besides outputs, which each run has."""
+    energies = ("L",) if model.lagrangian else ("L", "T", "V")
+    if side.name in energies and side.index is None and not side.order:
+        return "" if model.dimensionless else "J"
+    for item in model.coordinates:
+        units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
+        units[f"p_{item.name}", 0] = item.momentum_unit
+        if (side.name, side.order) in units and _has(model, item, side.index):
+            return units[side.name, side.order]
+    claims = (item for item in model.conserved if item.name == side.name and not side.order)
+    return next((item.unit for item in claims if _has(model, item, side.index)), None)
+
+
+def _has(model: Model, item: Coordinate | Definition, index: int | None) -> bool:
+    if item.range is not None:
+        lo, hi = ends(model, item.range)
+        return index is not None and lo <= index <= hi
+    own = item.index if isinstance(item, Definition) else None
+    return index == (None if own is None else integer(own, sizes(model)))
 
 
 def of_swarm(scene: Scene, value: Expr) -> bool:

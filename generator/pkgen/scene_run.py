@@ -77,7 +77,8 @@ def watched(
     except WrongValue as wrong:
         at = compilation.declared.source.place(wrong.span)
         raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
-    expects.refuse(compilation, scene, times, settings, several)
+    if several:
+        expects.refuse_of_members(compilation.declared.source, scene, times, settings)
     observed = [quantity.name for quantity in named.observed(compilation)]
     return expects.watched(scene, observed, named.events(compilation), times)
 

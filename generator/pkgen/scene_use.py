@@ -10,8 +10,8 @@ from . import scene as scenes
 from . import scene_model
 from .compiler import Use
 from .exits import UsageError
-from .inlined import INLINED
-from .middle.reduce import APART, REDUCTIONS
+from .methods import called, carries_quadratures
+from .middle.reduce import APART, ENOUGH, REDUCTIONS
 from .middle.reduction import Needs
 from .middle.report import Line
 from .middle.specialise import folded, held
@@ -68,6 +68,12 @@ def whole(options: argparse.Namespace) -> Use | None:
     return _use(options.scene, Asked(None, None, run_time, EVERY, False, "", False), swarm=False)
 
 
+def as_written(name: str) -> Use:
+    """For what is to be known of a scene without options; no C is made of it."""
+    use = _use(name, Asked(None, None, frozenset(), frozenset(), True, "", True))
+    return Use(use.model, use.needs, lambda _: ENOUGH)
+
+
 def of_compile(options: argparse.Namespace) -> Use | None:
     """For C of a scene."""
     if options.scene is None:
@@ -92,26 +98,6 @@ def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
         return called(scene.method) | shown(used, scene)
 
     return Use(named, use.needs, kernels)
-
-
-def carries_quadratures(method: str) -> bool:
-    """Whether a method has the trait PK_QUADRATURE ("": the default one)."""
-    return not (_is_linear(method) or INLINED.get(method) == "SPLITTING")
-
-
-def _is_linear(method: str) -> bool:
-    """Whether it may call the derivatives of the acceleration."""
-    return method in ("exponential", "adaptive_verlet") or method.startswith("gsl_")
-
-
-def called(method: str) -> frozenset[str]:
-    """The kernels that a method calls, beside those that every run does ("": the default one)."""
-    always = {"acceleration", "guard", "event", "observe", "quadrature"}
-    if not method or method in INLINED:
-        return frozenset(always)
-    if _is_linear(method):
-        return frozenset(always | {"mass", "linear"})
-    return frozenset(always | {"canonical", "mass", "jacobian"})
 
 
 def shown(model: Model, scene: Scene) -> frozenset[str]:
@@ -151,6 +137,8 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
         if scene.swarm is not None and not swarm:
             place = scenes.place(declared, scene.swarm.span)
             raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
+        if asked.columns is not None:
+            scene = scene_model.recording(declared, scene, asked.columns)
         used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)

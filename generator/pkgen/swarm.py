@@ -42,6 +42,11 @@ def members(
         for name, start in starts.items()
         if name in known and name not in given and of_swarm(scene, start[0].value)
     }
+    if not chosen:
+        raise UsageError(
+            f"{place(model, swarm.span)}: scene '{scene.name}': all members of the swarm would be "
+            "the same: --start sets what differs"
+        )
     if len(count) * len(chosen) > limits.SWARM_VALUES:
         raise UsageError(
             f"{place(model, swarm.span)}: scene '{scene.name}': {len(count):,} members with "

@@ -18,7 +18,7 @@ from conftest import run_pkgen
 from pkgen.chart import answer, chart, draw, labels, points, spectrum, sweep, table
 from pkgen.chart.panel import Curve
 from pkgen.chart.points import Method, Point, Track
-from pkgen.inlined import inline_flags
+from pkgen.methods import inline_flags
 
 PENDULUM = """model pendulum
 param w = 1.8 in (0, inf)

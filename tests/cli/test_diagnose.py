@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build, simulate
+from pkgen import build, simulate, toolchain
 from pkgen.__main__ import main
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
@@ -124,7 +124,7 @@ def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
     text = (ROOT / "docs/lyapunov.c").read_text()
     assert text in (ROOT / "docs/diagnostics.md").read_text()
     assert pkgen(DOUBLE, "-o", tmp_path).returncode == 0
-    library = build.runtime_library(build.find_toolchain()) / "libpk.a"
+    library = build.runtime_library(toolchain.find_toolchain()) / "libpk.a"
     flags = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     include = [f"-I{tmp_path}", f"-I{ROOT / 'runtime/include'}", "-DPK_RUNTIME"]
     sources = [ROOT / "docs/lyapunov.c", tmp_path / "double_pendulum.c", library]

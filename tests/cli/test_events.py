@@ -157,13 +157,6 @@ def test_a_scene_drives_an_input_and_a_chain(pkgen, tmp_path: Path) -> None:
     )
 
 
-def test_what_is_not_compiled_is_refused(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "m.lag"
-    path.write_text(PENDULUM.replace("until 40", "method nosuch"))
-    done = pkgen("run", path, "--scene", "swings")
-    assert done.returncode == 2 and "method nosuch: there is no such method" in done.stderr
-
-
 USAGE = {
     "scene": (["--scene", "mooon"], "did you mean 'moon'?"),
     "event": (["--at", "apexx"], "--at apexx: the model has no such event; did you mean 'apex'?"),

@@ -135,36 +135,6 @@ def test_options_change_what_is_compared(pkgen, swing: Path) -> None:
     assert verdicts[1]["said"] == "there was no such time: the run ended at t = 2"
 
 
-SWARM = "until 1\n  swarm k = 1..3\n  start x = k\n  record x every 0.25\n  "
-DAMPED = """model damped
-coord x, y
-kinetic   (x'^2 + y'^2)/2
-potential x^2/2
-dissipation 0.1*x'^2
-event hit: x falling
-scene {}
-end
-"""
-
-
-@pytest.mark.parametrize(
-    ("clauses", "said"),
-    [
-        ("until 1\n  record x\n  expect drift(energy) < 1", "the energy is not constant here"),
-        ("until 1\n  record x\n  expect drift(p_x) < 1", "p_x is not constant here"),
-        (SWARM + "expect x < 1 at 0.3", "members have no row at t = 0.3"),
-        (SWARM + "expect time(hit) < 1", "events of a swarm or an ensemble are not watched"),
-    ],
-)
-def test_what_cannot_be_expected_has_its_place(pkgen, tmp_path: Path, clauses: str, said: str):
-    path = tmp_path / "damped.lag"
-    path.write_text(DAMPED.format("one\n  " + clauses))
-    line = DAMPED[: DAMPED.index("{}")].count("\n") + 2 + clauses.count("\n")
-    done = pkgen("run", path, "--scene", "one")
-    assert done.returncode == 2
-    assert f"damped.lag:{line}:3: scene 'one': {said}" in done.stderr
-
-
 def test_members_of_a_file_are_held_to_the_scene(pkgen, swing: Path, tmp_path: Path) -> None:
     """Rows of what the scene records, the worst member named; at the start too, without its row."""
     (tmp_path / "w.csv").write_text("w,x\n1,1\n2,1.5\n3,0.5\n")

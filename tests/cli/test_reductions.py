@@ -126,6 +126,24 @@ def test_a_held_motion_is_recorded(pkgen, models):
     assert rows[-1][1] == pytest.approx(run(pkgen, models, "pair", "both")[1][-1][1], rel=1e-10)
 
 
+def test_columns_asked_for_are_compiled_though_the_scene_records_others(pkgen, models):
+    """Momenta, energies and claims too, which no run has of itself; and what is held."""
+    asked = ("top", "nods", "--record", "p_psi,V,axial,theta")
+    head, rows = run(pkgen, models, *asked)
+    assert head == ["t", "p_psi", "V", "axial", "theta"]
+    spin = 0.45 * (11 + 0.4 * math.cos(0.7))
+    _, all_kept = run(pkgen, models, *asked, "--no-reduce")
+    for (_, *row), (_, *whole) in zip(rows, all_kept, strict=True):
+        assert row == pytest.approx(whole, rel=1e-9)
+        assert row[:3] == pytest.approx([spin, 9.81 * math.cos(row[3]), spin], rel=1e-9)
+    assert rows[0][4] != rows[-1][4]
+    head, rows = run(pkgen, models, "pair", "led", "--record", "b',p_a")
+    assert head == ["t", "b'", "p_a"] and rows[0][1:] == [pytest.approx(0.3), 0]
+    for name in ("p_b", "p_a'", "T'", "a''", "1+"):
+        done = pkgen("run", models / "pair.lag", "--scene", "led", "--record", name)
+        assert done.returncode == 2 and f"--record {name}: " in done.stderr
+
+
 def test_each_reduction_can_be_switched_off_by_name(pkgen, models, tmp_path):
     found = {}
     for off in ("", "cyclic", "fold"):

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build, scene_use
-from pkgen.inlined import INLINED
+from pkgen import build, toolchain
+from pkgen.methods import METHODS, called
 from pkgen.resources import ResourcesExceeded, bounded
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
@@ -65,26 +65,36 @@ def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_pa
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
     monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: directory.mkdir())
     (tmp_path / "runtime").mkdir()
-    tools = build.find_toolchain()
-    assert len(tools.target) == 24 and ("-march=native" in tools.flags or not build.NATIVE)
+    tools = toolchain.find_toolchain()
+    assert len(tools.target) == 24 and ("-march=native" in tools.flags or not toolchain.NATIVE)
     elsewhere = replace(tools, target="another processor")
     assert build.runtime_library(tools) != build.runtime_library(elsewhere)
 
 
-def test_what_a_method_calls_and_carries_is_as_the_runtime_says() -> None:
+def test_what_is_known_of_methods_is_as_the_runtime_says() -> None:
     """The generator knows it without a C compiler."""
-    for method in build.driver_methods():
-        name, flags = method["name"], set(method["flags"])
-        called = scene_use.called(name)
-        assert ("quadrature" in flags) == scene_use.carries_quadratures(name), name
-        assert "jacobian" in called or "jacobians" not in flags, name
-        assert "linear" in called or "linear" not in flags, name
+    found = {m["name"]: m for m in build.driver_methods()}
+    gsl = {name for name in METHODS if name.startswith("gsl_")}
+    assert set(METHODS) - set(found) in (set(), gsl) and len(METHODS) > 30
+    assert set(found) <= set(METHODS)
+    noted = {trait for method in METHODS.values() for trait in method.traits}
+    for name, method in found.items():
+        assert METHODS[name].traits == noted & set(method["flags"]), name
+        assert set(METHODS[name].requires) == set(method["requires"]), name
+
+
+def test_kernels_that_a_method_calls() -> None:
+    """See pk_missing_kernel() in runtime/src/check.c; exponential takes `linear` as its matrix."""
+    always = called("rk4")
+    assert called("") == called("gsl_rkf45") == always and "acceleration" in always
+    assert called("gauss4") == always | {"canonical", "mass", "jacobian"}
+    assert called("exponential") == called("gsl_msbdf") == always | {"mass", "linear"}
 
 
 def test_every_method_but_newtons_is_compiled_with_the_model() -> None:
     mine = [m for m in build.driver_methods() if not m["name"].startswith("gsl_")]
     # Newton's method and what takes `linear` go through function pointers; one that is exact
     # evaluates nothing.
-    called = {m["name"] for m in mine if {"jacobians", "linear", "exact"} & set(m["flags"])}
-    inlined = {m["name"] for m in mine} - called
-    assert inlined == set(INLINED) and len(inlined) >= 8
+    others = {m["name"] for m in mine if {"jacobians", "linear", "exact"} & set(m["flags"])}
+    inlined = {name for name, method in METHODS.items() if method.inlined}
+    assert inlined == {m["name"] for m in mine} - others and len(inlined) >= 8

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from pkgen import build, named
+from pkgen import build, named, toolchain
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
@@ -62,7 +62,7 @@ def library(name: str, sizes: tuple[tuple[str, int], ...] = ()) -> tuple[ctypes.
     """The model's C, the core and the probe in one shared object; and names of q, then of v."""
     path = model_path(name)
     made = compile_model(Source(str(path), path.read_text()), sizes=dict(sizes), unroll=16)
-    tools = build.find_toolchain()
+    tools = toolchain.find_toolchain()
     core = build.runtime_library(tools)
     sources = [HERE / "probe.c", HERE / "misused.c"]
     texts = [repr((core.name, sizes, sorted(made.files.items())))]
@@ -75,9 +75,9 @@ def library(name: str, sizes: tuple[tuple[str, int], ...] = ()) -> tuple[ctypes.
             for file, text in made.files.items():
                 (Path(folder) / file).write_text(text)
             # -Bsymbolic: the library's objects, made for programs, then link into a shared object.
-            command = [*tools.cc, build.STANDARD, *tools.flags, "-O1", "-shared", "-fPIC"]
+            command = [*tools.cc, toolchain.STANDARD, *tools.flags, "-O1", "-shared", "-fPIC"]
             command += ["-Wl,-Bsymbolic", "-DPK_RUNTIME", f"-DMODEL={made.model.name}"]
-            command += [f"-I{build.RUNTIME / 'include'}", f"-I{HERE}", f"{made.model.name}.c"]
+            command += [f"-I{toolchain.RUNTIME / 'include'}", f"-I{HERE}", f"{made.model.name}.c"]
             command += [*map(str, sources), str(core / "libpk.a"), *tools.gsl_libs, "-lm"]
             subprocess.run([*command, "-o", "probe.so"], cwd=folder, check=True)
             os.replace(Path(folder) / "probe.so", target)

@@ -15,10 +15,11 @@ import shutil
 import sys
 from dataclasses import dataclass, replace
 
-from ..build import BuildError, Toolchain, build_program, find_toolchain
+from ..build import build_program
 from ..compiler import Compilation
 from ..exits import NumericsFailed, UsageError
 from ..simulate import Settings
+from ..toolchain import BuildError, Toolchain, find_toolchain
 from .measure import Exact, Program, difference
 
 TIMES = 100

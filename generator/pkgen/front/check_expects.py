@@ -49,7 +49,7 @@ class Expects:
             if bare.bare and bare.dimension in (None, NONE) and other.dimension is not None:
                 return other.dimension
         sides = (clause.a, clause.b)
-        shared = self.expressions.mismatch.common(sides, [a, b], "'expect'")
+        shared = self.expressions.mismatch.common(sides, [a, b], "'expect'", numbers=True)
         return NONE if shared is None else shared
 
     def _within(self, clause: st.Expect, dimension: Dimension | None) -> Expr | None:
@@ -115,6 +115,15 @@ class Expects:
                 expects[0].span,
                 "add to the scene: until 10",
             )
+
+
+def calls(item: m.Expect, function: str) -> list[Call]:
+    return [
+        part
+        for side in (item.a, item.b)
+        for part in within(side)
+        if isinstance(part, Call) and part.function == function
+    ]
 
 
 def _of_run(expr: Expr) -> bool:

@@ -109,13 +109,13 @@ class Expressions:
             parts = [self.check(term, scope) for term in expr.terms]
             if not all(f.bare and f.dimension in (None, NONE) for _, f in parts):
                 for part, (_, facts) in zip(expr.terms, parts, strict=True):
-                    self._against(part, facts, replace(target, bare=False))
+                    self._against(part, facts, replace(target, bare=False), numbers=True)
             return self.operators.summed(expr, parts, target.dimension)
         new, facts = self.check(expr, scope)
-        self._against(expr, facts, target)
+        self._against(expr, facts, target, numbers=target.bare)
         return new, facts
 
-    def _against(self, expr: Expr, facts: Facts, target: Target) -> None:
+    def _against(self, expr: Expr, facts: Facts, target: Target, numbers: bool) -> None:
         if facts.vector:
             self.report.error(
                 f"{self.mismatch.text(expr)} is a vector, {target.needs}",
@@ -125,7 +125,7 @@ class Expressions:
         elif target.dimension is None or facts.dimension in (None, target.dimension):
             return
         elif not (target.bare and facts.bare and facts.dimension == NONE):
-            self.mismatch.against(expr, facts, target.dimension, target.needs, target.bare)
+            self.mismatch.against(expr, facts, target.dimension, target.needs, numbers)
 
     # leaves
 
@@ -164,7 +164,7 @@ class Expressions:
             return None
         if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.coordinates):
             return self._built_in(name, expr)
-        self.names.unknown(name, expr.span)
+        self.names.unknown(name, expr.span, missing=scope.place.missing)
         return None
 
     def _built_in(self, name: str, expr: Name) -> Entry | None:

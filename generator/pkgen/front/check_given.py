@@ -14,7 +14,7 @@ from . import units
 from .check_dynamics import Dynamics
 from .check_expr import Target
 from .check_names import KIND_TEXT, Entry, Members
-from .check_scope import PLACES, Scope
+from .check_scope import DECLARED, PLACES, Scope
 from .check_shared import Shared, name_span
 
 Taken = dict[str, Members]  # of each coordinate the members; of a single one, 0
@@ -32,6 +32,7 @@ class Given:
         self.holds: list[m.Hold] = []
         self.started: Taken = {}
         self.held: Taken = {}
+        self.given: dict[str, set[tuple[int, int]]] = {}  # the members that each clause gives
         self.wrong_start = False
         self.swarm = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
@@ -92,6 +93,7 @@ class Given:
             taken = self._members(left)
             if taken is None:
                 continue
+            self._once(left.name + "'" * item.order, "started", taken, left.span)
             self.started.setdefault(left.name, Members()).add(*taken)
             if self._touches(self.held, left.name, taken):
                 self._held_and_started(name_span(left), left.name)
@@ -105,7 +107,8 @@ class Given:
                 self.holds.append(checked)
 
     def _hold(self, left: st.Left, value: Expr | None) -> m.Hold | None:
-        entry = self.assigned(left, ("coordinate",), "'hold' is for coordinates")
+        coordinates = f"the coordinates are: {', '.join(sorted(self.names.coordinates)[:12])}"
+        entry = self.assigned(left, ("coordinate",), "'hold' is for coordinates", coordinates)
         if entry is None or entry.kind == "poisoned":
             return None
         scope = self.shared.member_scope(left, entry, Scope(PLACES["held"]))
@@ -143,6 +146,14 @@ class Given:
         index = integer(left.index, self.shared.sizes)
         return index, index
 
+    def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
+        """One member may differ from what its family is given, but nothing is given in vain."""
+        given, (lo, hi) = self.given.setdefault(name, set()), members
+        if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
+            shown = f"a member of '{name}'" if lo < hi else f"'{name}'"
+            self.report.error(f"{shown} is {what} already", span, "leave one of them out")
+        given.add(members)
+
     @staticmethod
     def _touches(taken: Taken, name: str, members: tuple[int, int]) -> bool:
         return name in taken and taken[name].touch(*members)
@@ -156,7 +167,8 @@ class Given:
                 self.assignments.append(checked)
 
     def _assignment(self, left: st.Left, value: Expr) -> m.Assignment | None:
-        entry = self.assigned(left, ("parameter", "input"), "'set' gives parameters and inputs")
+        kinds, message = ("parameter", "input"), "'set' gives parameters and inputs"
+        entry = self.assigned(left, kinds, message, DECLARED)
         if entry is None or entry.kind == "poisoned":
             return None
         scope: Scope | None = Scope(PLACES["setting" if entry.kind == "parameter" else "driving"])
@@ -173,12 +185,17 @@ class Given:
         kind = "" if dimension is None else units.described(dimension)
         target = Target(dimension, f"{left.name} is {kind}", bare=True)
         new, facts = self.expressions.wanted(value, scope, target)
+        taken = self._members(left)
+        if taken is not None:
+            self._once(left.name, "set", taken, left.span)
         return m.Assignment(left.name, left.index, left.range, new, facts.time, left.span)
 
-    def assigned(self, left: st.Left, kinds: tuple[str, ...], message: str) -> Entry | None:
+    def assigned(
+        self, left: st.Left, kinds: tuple[str, ...], message: str, missing: str
+    ) -> Entry | None:
         entry = self.names.table.get(left.name)
         if entry is None:
-            self.names.unknown(left.name, name_span(left))
+            self.names.unknown(left.name, name_span(left), missing=missing)
             return None
         entry.used = True
         if entry.kind not in (*kinds, "poisoned"):

@@ -161,6 +161,8 @@ class Indices:
             help = f"an index touches the name: {expr.id}{apart.group(1)}"
         elif self.is_family_left(scope):
             help = f"write {expr.id}[{first}] = … or {expr.id}[i = {first}..{last}] = …"
+        elif scope.place is PLACES["record"]:
+            help = f"name its members one by one, e.g. {expr.id}[{first}]"
         else:
             help = f"e.g. {expr.id}[{first}], or {expr.id}[i] in a sum over i"
         self.report.error(f"'{expr.id}' is a family: it needs an index", expr.span, help)

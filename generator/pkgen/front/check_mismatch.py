@@ -11,6 +11,8 @@ from .check_names import Entry, Facts, Names, Report
 from .units import NONE, Dimension, described, si_text
 
 _LONGEST = 40
+_NUMBERS = ("parameter", "constant")
+_FACTORS = (*_NUMBERS, "coordinate", "definition")
 _HEIGHTS = ("y", "z", "h", "x")
 
 
@@ -23,16 +25,23 @@ class Mismatch:
         text = " ".join(self.source.text[expr.span.start : expr.span.end].split())
         return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
 
-    def against(self, expr: Expr, facts: Facts, needed: Dimension, needs: str, bare: bool) -> None:
-        """A whole expression, or a term of a sum, where one dimension is needed."""
+    def against(
+        self, expr: Expr, facts: Facts, needed: Dimension, needs: str, numbers: bool
+    ) -> None:
+        """A whole expression, or a term of a sum, where one dimension is needed. `numbers`: of a
+        value that is no motion, so that no hint should make it one."""
         self.report.error(
             f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}",
             expr.span,
-            self._hint(expr, facts, needed, needs, bare),
+            self._hint(expr, facts, needed, needs, numbers),
         )
 
     def common(
-        self, parts: tuple[Expr, ...], facts: list[Facts], where: str = "a sum"
+        self,
+        parts: tuple[Expr, ...],
+        facts: list[Facts],
+        where: str = "a sum",
+        numbers: bool = False,
     ) -> Dimension | None:
         """The one dimension of all parts; those in the minority are reported."""
         dims = [f.dimension for f in facts if f.dimension is not None]
@@ -49,7 +58,7 @@ class Mismatch:
                     f"unit mismatch in {where}: {self.text(part)} is {described(fact.dimension)},"
                     f" {self.text(reference)} is {described(shared)}",
                     part.span,
-                    self._hint(part, fact, shared, "", False, within=True),
+                    self._hint(part, fact, shared, "", numbers, within=True),
                 )
         return shared
 
@@ -75,7 +84,7 @@ class Mismatch:
         facts: Facts,
         needed: Dimension,
         needs: str,
-        bare: bool,
+        numbers: bool,
         within: bool = False,
     ) -> str:
         """`within` a larger expression, where a unit ends the whole but for brackets."""
@@ -91,7 +100,7 @@ class Mismatch:
             return ""
         factor = units.over(needed, facts.dimension)
         for ratio, verb, sign in ((factor, "multiply", "*"), (_inverse(factor), "divide", "/")):
-            name = self._fitting(ratio, expr, needs)
+            name = self._fitting(ratio, expr, needs, numbers)
             if name is not None:
                 what = units.KINDS.get(ratio, f"something in [{si_text(ratio)}]")
                 if ratio == units.LENGTH and "potential" in needs and verb == "multiply":
@@ -102,9 +111,12 @@ class Mismatch:
         if unitless is not None:
             return f"'{unitless}' is declared without a unit; a pure number unless it says [unit]"
         kind = units.KINDS.get(factor)
+        if numbers and facts.dimension == NONE:
+            shown = f"({text})" if isinstance(expr, Add) else text
+            return f"give it its unit: (1 [{si_text(factor)}])*{shown}"
         return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
 
-    def _fitting(self, ratio: Dimension, expr: Expr, needs: str) -> str | None:
+    def _fitting(self, ratio: Dimension, expr: Expr, needs: str, numbers: bool) -> str | None:
         """A declared name with this dimension; one with the expression's own number first."""
         if ratio == NONE:
             return None
@@ -113,7 +125,7 @@ class Mismatch:
         fitting = [
             e
             for e in self.names.table.values()
-            if e.kind in ("parameter", "coordinate", "definition", "constant")
+            if e.kind in (_NUMBERS if numbers else _FACTORS)
             and e.facts.dimension == ratio
             and e.facts.vector is False
             and e.facts.known
@@ -133,7 +145,8 @@ class Mismatch:
         best = min(fitting, key=liking, default=None)
         if best is not None:
             return best.name
-        return next((f"{n}'" for n in own if self._rate_dimension(n) == ratio), None)
+        rates = () if numbers else own
+        return next((f"{n}'" for n in rates if self._rate_dimension(n) == ratio), None)
 
     def _rate_dimension(self, name: str) -> Dimension | None:
         entry = self.names.table.get(name)

@@ -188,10 +188,13 @@ class Names:
         return not why
 
     coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
-    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # the last hint
+    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # if nothing else helps
 
-    def unknown(self, name: str, span: Span, called: bool = False, help: str = "") -> None:
-        """Reports a name that there is not, once, with what may have been meant."""
+    def unknown(
+        self, name: str, span: Span, called: bool = False, help: str = "", missing: str = ""
+    ) -> None:
+        """Reports a name that there is not, once, with what may have been meant. `missing` is what
+        helps where no name is near, in a scene, where products of two names are rarely meant."""
         if name in self.reported:
             return
         self.reported.add(name)
@@ -208,9 +211,9 @@ class Names:
             message = f"unknown {what} '{name}'"
             if called and name in self.table:
                 message = f"'{name}' is {KIND_TEXT[self.table[name].kind]}, not a function"
-            self.report.error(message, span, help or self._hint(name, called))
+            self.report.error(message, span, help or self._hint(name, called, missing))
 
-    def _hint(self, name: str, called: bool) -> str:
+    def _hint(self, name: str, called: bool, missing: str) -> str:
         if self.report.full:
             return ""
         if called and name in self.table:
@@ -221,14 +224,14 @@ class Names:
         if not called and name in _UNITS:
             return f"a unit stands in square brackets after a value: 2 [{name}]"
         near = get_close_matches(name, known, 1, 0.6)
-        product = None if called else self._product(name)
+        product = None if called or missing else self._product(name)
         if product and (not near or len(name) <= 3):
             return f"did you mean {product}? a product needs its *"
         if near:
             return f"did you mean '{near[0]}'?"
         if called:
             return "functions: " + " ".join(sorted(CALLABLE | {"sum"}))
-        return self.missing.format(name=name)
+        return (missing or self.missing).format(name=name)
 
     def _product(self, name: str) -> str:
         """`m*g` for `mg` where m and g are names."""

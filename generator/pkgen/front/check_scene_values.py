@@ -6,18 +6,23 @@ Numbers here are those of the model as it stands; options of the command line ma
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
 from ..model import Model, Parameter, Scene
 from ..source import Span
+from ..tree import Expr
 from .check_names import Report
 from .check_params import ends_of, interval, number, within
-from .scene_values import Values, WrongValue
+from .scene_values import ROUND_OFF, Values, WrongValue, has_row
 
 
 def check_scene_values(model: Model, report: Report) -> None:
     for scene in model.scenes:
         _Numbers(model, scene, report).check()
+
+
+SHORTEST = 10 * sys.float_info.epsilon  # a step and an interval, of the whole time: as in main.c
 
 
 class _Numbers:
@@ -29,10 +34,11 @@ class _Numbers:
         self._assignments()
         scene, values = self.scene, self.values
         until = self._of(lambda: values.positive("until", scene.until))
-        self._of(lambda: values.positive("step", scene.step))
-        self._of(lambda: values.positive("rtol", scene.rtol))
+        self._interval("step", scene.step, until)
+        self._rtol()
+        every = None
         if scene.record is not None:
-            self._of(lambda: values.positive("every", scene.record.every))
+            every = self._interval("every", scene.record.every, until)
         for item in scene.expects:
             self._of(lambda item=item: values.not_negative("within", item.within))
             at = self._of(lambda item=item: values.not_negative("at", item.at))
@@ -42,6 +48,41 @@ class _Numbers:
                     item.at.span,
                     "expect it earlier, or run longer",
                 )
+            elif scene.swarm and at and until and not has_row(at, every, until):
+                self.report.error(
+                    f"members of a swarm have no row at t = {number(at)}",
+                    item.at.span,
+                    "expect it at a recorded time",
+                )
+
+    def _interval(self, name: str, expr: Expr | None, until: float | None) -> float | None:
+        """A part of the time that the scene runs."""
+        found = self._of(lambda: self.values.positive(name, expr))
+        if found is None or until is None:
+            return found
+        if found > until:
+            self.report.error(
+                f"'{name}' is {number(found)}: the scene runs no longer than {number(until)}",
+                expr.span,
+            )
+        elif found < SHORTEST * until:
+            least = number(SHORTEST * until)
+            self.report.error(f"'{name}' is below the round-off of the time, {least}", expr.span)
+        return found
+
+    def _rtol(self) -> None:
+        expr = self.scene.rtol
+        rtol = self._of(lambda: self.values.positive("rtol", expr))
+        if rtol is not None and rtol < ROUND_OFF:
+            self.report.error(
+                f"no double is that exact; the smallest 'rtol' is {ROUND_OFF:.1e}", expr.span
+            )
+        elif rtol is not None and rtol >= 1:
+            self.report.error(
+                "an 'rtol' of 1 or more controls nothing: it is relative to what moves",
+                expr.span,
+                "e.g. rtol 1e-9",
+            )
 
     def _of(self, value: Callable[[], float | None]) -> float | None:
         try:

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from .. import model as m
 from ..indices import NotAnInteger, integer
 from ..source import Span
-from ..tree import Expr, Name, Prime
+from ..tree import Expr, Name, Prime, Range
 from . import statements as st
 from .check_dynamics import Dynamics
-from .check_expects import Expects
+from .check_expects import Expects, calls
 from .check_given import Given
 from .check_scope import PLACES, Scope
 from .check_settings import Settings
@@ -59,6 +59,7 @@ class _Scene:
         self.until: Expr | None = None
         self.accuracy: Expr | None = None
         self.method, self.step, self.rtol = "", None, None
+        self.method_span: Span | None = None
         self.record: m.Record | None = None
         self.expects: list[m.Expect] = []
         self.seen: set[str] = set()
@@ -84,7 +85,8 @@ class _Scene:
             self._one_of_both(clause.span)
 
     def _method(self, clause: st.Method) -> None:
-        self.method = clause.name
+        self.method, self.method_span = clause.name, clause.name_span
+        self.settings.method(clause)
         self.step = self.settings.time("step", clause.step)
         if clause.rtol is not None:
             self.rtol = self.settings.setting("rtol", clause.rtol, NONE)[0]
@@ -106,10 +108,16 @@ class _Scene:
     # record
 
     def _record(self, clause: st.Record) -> None:
-        columns = [self._column(item) for item in clause.items]
+        columns: dict[str, m.Definition] = {}
+        for item in clause.items:
+            column = self._column(item)
+            if column is not None and column.name in columns:
+                self.report.error(f"'{column.name}' is recorded already", item.span)
+            elif column is not None:
+                columns[column.name] = column
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
         self.record = m.Record(
-            columns=tuple(c for c in columns if c is not None),
+            columns=tuple(columns.values()),
             every=self.settings.time("every", clause.every),
             at=event,
             span=clause.span,
@@ -150,8 +158,34 @@ class _Scene:
 
     # all of it
 
+    def _swarm(self, swarm: Range) -> None:
+        """What many members together cannot do yet."""
+        for event in self.scenes.shared.parts["event"]:
+            if event.stop:
+                self.report.error(
+                    f"event '{event.name}' stops a run; members of a swarm cannot stop at events"
+                    " yet",
+                    swarm.span,
+                    f"declare '{event.name}' without 'stop'",
+                )
+        if self.record is not None and self.record.at:
+            self.report.error(
+                "rows of a swarm's members are by time, not at an event",
+                self.record.span,
+                "give an interval: every 0.1",
+            )
+        for item in self.expects:
+            if item.event or calls(item, "time"):
+                self.report.error(
+                    "events of a swarm's members are not watched yet",
+                    item.span,
+                    "expect it at a time",
+                )
+
     def made(self, scene: st.Scene) -> m.Scene:
         self.given.finish()
+        if self.given.swarm is not None:
+            self._swarm(self.given.swarm)
         if "until" not in self.seen:
             self.scenes.expects.without_until(self.expects)
         return m.Scene(
@@ -169,6 +203,7 @@ class _Scene:
             accuracy=self.accuracy,
             swarm=self.given.swarm,
             expects=tuple(self.expects),
+            method_span=self.method_span,
         )
 
 

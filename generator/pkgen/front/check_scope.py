@@ -16,8 +16,11 @@ class Place:
     kinds: frozenset[str]
     may_use: str
     derivatives: bool = False
+    missing: str = ""  # what to do where a name is not there; "": what helps anywhere
 
 
+DECLARED = "declare it: param {name} = 1"
+_RECORDED = "what is recorded is declared above the scene: observe {name} = …"
 _NUMBERS = frozenset(("loop variable", "size", "constant", "not compiled"))
 _PARAMETERS = _NUMBERS | {"parameter"}
 _DRIVEN = _PARAMETERS | {"time", "input", "definition"}
@@ -31,7 +34,9 @@ PLACES: dict[str, Place] = {
     "param": Place(
         "a parameter's default", _PARAMETERS, "numbers, sizes, constants and earlier parameters"
     ),
-    "start": Place("a start", _PARAMETERS, "numbers, sizes, constants and parameters"),
+    "start": Place(
+        "a start", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
+    ),
     "fixed": Place("a fixed end", _DRIVEN, "parameters, inputs and t", derivatives=True),
     "let": Place("a definition", _MOTION, "all but outputs", derivatives=True),
     "energy": Place("an energy", _MOTION, "all but outputs", derivatives=True),
@@ -40,15 +45,21 @@ PLACES: dict[str, Place] = {
     "event": Place(
         "an event", _MOTION | {"built-in", "output"}, "names of the motion", derivatives=True
     ),
-    "setting": Place("a scene", _PARAMETERS, "numbers, sizes, constants and parameters"),
+    "setting": Place(
+        "a scene", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
+    ),
     "driving": Place(
-        "an input", _PARAMETERS | {"time"}, "numbers, sizes, constants, parameters and t"
+        "an input",
+        _PARAMETERS | {"time"},
+        "numbers, sizes, constants, parameters and t",
+        missing=DECLARED,
     ),
     "accuracy": Place("an accuracy", _NUMBERS, "numbers and constants"),
     "held": Place(
         "a held coordinate",
         _PARAMETERS | {"time"},
         "numbers, sizes, constants, parameters and t",
+        missing=DECLARED,
     ),
     "expect": Place(
         "an expectation",
@@ -57,7 +68,7 @@ PLACES: dict[str, Place] = {
         derivatives=True,
     ),
     "record": Place(
-        "a record", _MOTION | {"built-in", "output"}, "names of the motion", derivatives=True
+        "a record", _MOTION | {"built-in", "output"}, "names of the motion", True, _RECORDED
     ),
 }
 

@@ -1,10 +1,12 @@
-"""Numbers of a scene: times, tolerances, an accuracy; and the events that it names."""
+"""Settings of a scene: times, tolerances, an accuracy, a method; and the events that it names."""
 
 from __future__ import annotations
 
 from difflib import get_close_matches
 
+from ..methods import METHODS
 from ..tree import Expr, Name
+from . import statements as st
 from . import units
 from .check_expr import Checked, Target
 from .check_names import KIND_TEXT
@@ -57,6 +59,26 @@ class Settings:
                 "e.g. accuracy 1e-6",
             )
         return new
+
+    def method(self, clause: st.Method) -> None:
+        """Which there is, with the settings that it takes."""
+        name, method = clause.name, METHODS.get(clause.name)
+        if method is None:
+            near = get_close_matches(name, METHODS, 1, 0.6)
+            help = f"did you mean '{near[0]}'?" if near else "'pkgen methods' lists them"
+            self.report.error(f"there is no method '{name}'", clause.name_span, help)
+            return
+        if method.fixed and clause.step is None:
+            self.report.error(
+                f"{name} has a fixed step: say how long it is",
+                clause.span,
+                f"e.g. method {name} step 0.01",
+            )
+        if clause.rtol is not None and "adaptive" not in method.traits:
+            why = "has a fixed step" if method.fixed else "is exact"
+            self.report.error(
+                f"{name} {why}: 'rtol' is for adaptive methods", clause.rtol.span, "leave it out"
+            )
 
     def event(self, at: Expr, clause: str) -> str:
         """The name of an event, "" after an error."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -12,8 +13,19 @@ from ..source import Span
 from ..tree import Expr
 from .check_values import NoValue, evaluate
 
+ROUND_OFF = 2.0**-52  # the smallest 'rtol': below it steps would be halved for ever
 Number = Fraction | float
 Key = tuple[str, int | None]  # a name and the index of a member
+
+
+def has_row(t: float, every: float | None, until: float) -> bool:
+    """Whether a member of a swarm has a row at t: at the ends, and as often as is recorded."""
+    if t in (0, until):
+        return True
+    if every is None:
+        return False
+    off = abs(t / every - round(t / every)) * every
+    return off <= 8 * sys.float_info.epsilon * until
 
 
 class WrongValue(Exception):

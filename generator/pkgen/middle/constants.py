@@ -6,6 +6,13 @@ from collections.abc import Callable
 from fractions import Fraction
 from math import isqrt
 
+NUMBER_BITS = 512  # numbers beyond are left to the C as a product
+
+
+def fits(value: Fraction) -> bool:
+    """Whether a number is short enough to be worked out."""
+    return max(value.numerator.bit_length(), value.denominator.bit_length()) <= NUMBER_BITS
+
 
 def root(value: Fraction) -> Fraction | None:
     """The exact square root, or None."""
@@ -14,6 +21,16 @@ def root(value: Fraction) -> Fraction | None:
     n, d = isqrt(value.numerator), isqrt(value.denominator)
     exact = n * n == value.numerator and d * d == value.denominator
     return Fraction(n, d) if exact else None
+
+
+def raised(value: Fraction, exponent: Fraction) -> Fraction | None:
+    """The exact power, or None where there is none or it is long."""
+    if exponent.denominator == 2:
+        value, exponent = root(value), Fraction(exponent.numerator)
+    if value is None or exponent.denominator != 1 or (value == 0 and exponent < 0):
+        return None
+    bits = max(value.numerator.bit_length(), value.denominator.bit_length())
+    return value**exponent.numerator if bits * abs(exponent.numerator) <= NUMBER_BITS else None
 
 
 def square_part(value: Fraction) -> Fraction:

@@ -16,14 +16,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from functools import reduce
 
-from .constants import folded, root, square_part
+from ..functions import EVEN, ODD
+from .constants import fits, folded, raised, square_part
 from .like_terms import merge
+from .monomials import merged, without_reciprocals
 from .nodes import (
     BIT,
     CONSTANT,
     MINUS_ONE,
-    NUMBER_BITS,
     ONE,
     VARIABLE,
     WORLD,
@@ -35,7 +37,6 @@ from .nodes import (
     Op,
     Symbol,
     TooLarge,
-    merged,
 )
 
 __all__ = [
@@ -54,8 +55,6 @@ __all__ = [
     "TooLarge",
 ]
 
-ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})
-EVEN = frozenset({"cos", "cosh", "abs"})
 _SHAPED = ODD | EVEN | {"sqrt"}
 _HALF = Fraction(1, 2)
 
@@ -81,7 +80,7 @@ class Graph(Nodes):
     def _added(self, a: Node, b: Node, domain: int) -> Node:
         if domain == 0:
             value = self.data[a] + self.data[b]
-            return self.number(value) if _fits(value) else self._sum_node(a, b)
+            return self.number(value) if fits(value) else self._sum_node(a, b)
         rest = self._rest[a]
         if rest == self._rest[b] and self.op[rest] is not Op.ADD:
             return self._scaled(self.add(self._scale[a], self._scale[b]), rest)
@@ -114,10 +113,7 @@ class Graph(Nodes):
         return result
 
     def sum(self, nodes: Iterable[Node]) -> Node:
-        result = ZERO
-        for node in nodes:
-            result = self.add(result, node)
-        return result
+        return reduce(self.add, nodes, ZERO)
 
     def _join(self, a: Node, b: Node, domain: int) -> Node:
         """a + b, with a scale in common taken out."""
@@ -162,7 +158,7 @@ class Graph(Nodes):
             return rest if scale == ONE else self._scaled_node(scale, rest)
         if domain == 0:
             value = self.data[a] * self.data[b]
-            if _fits(value):
+            if fits(value):
                 return self.number(value)
             return self._product_node((a, b) if a < b else (b, a))
         p, s = self._scale[a], self._scale[b]
@@ -171,10 +167,7 @@ class Graph(Nodes):
         return rest if scale == ONE else self._scaled(scale, rest)
 
     def product(self, nodes: Iterable[Node]) -> Node:
-        result = ONE
-        for node in nodes:
-            result = self.multiply(result, node)
-        return result
+        return reduce(self.multiply, nodes, ONE)
 
     def divide(self, a: Node, b: Node) -> Node:
         return self.multiply(a, self.power(b, -1))
@@ -198,30 +191,13 @@ class Graph(Nodes):
         left, right = self._factors[a], self._factors[b]
         factors = merged(left, right)
         if self._reciprocals:
-            factors = self._without_reciprocals(factors)
+            factors = without_reciprocals(factors, self._reciprocals)
         if len(factors) == len(left) + len(right):
             return self._product_node(args, factors)
         return self._product_of(factors)
 
     def _product_of(self, factors: Factors) -> Node:
         return self.product(self._power_of(base, exponent) for base, exponent in factors)
-
-    def _without_reciprocals(self, factors: Factors) -> Factors:
-        """x^k reciprocal(x) -> x^(k-1), which is the same at 0 too unless k is 1."""
-        powers = dict(factors)
-        for reciprocal, times in factors:
-            found = self._reciprocals.get(reciprocal)
-            if found is None or times < 1 or times != int(times):
-                continue
-            base, exponent = found
-            there = powers.get(base, 0)
-            left = there - times * exponent
-            if there < 0 or (left > 0 and there > 0):
-                del powers[reciprocal]
-                powers[base] = left
-        if len(powers) == len(factors):
-            return factors
-        return tuple(sorted((b, e) for b, e in powers.items() if e))
 
     # -- powers -------------------------------------------------------------------------------
 
@@ -269,17 +245,8 @@ class Graph(Nodes):
         return base if exponent == 1 else self._power_node(base, exponent)
 
     def _number_power(self, base: Node, exponent: Fraction | int) -> Node:
-        value = self.data[base]
-        bits = max(value.numerator.bit_length(), value.denominator.bit_length())
-        power = Fraction(exponent)
-        if power.denominator == 2 and value >= 0:
-            exact = root(value)
-            if exact is not None:
-                return self.power(self.number(exact), power.numerator)
-        small = power.denominator == 1 and bits * abs(power.numerator) <= NUMBER_BITS
-        if small and (value or power > 0):
-            return self.number(value**power.numerator)
-        return self._power_node(base, power)
+        exact = raised(self.data[base], Fraction(exponent))
+        return self._power_node(base, Fraction(exponent)) if exact is None else self.number(exact)
 
     # -- functions ----------------------------------------------------------------------------
 
@@ -294,12 +261,9 @@ class Graph(Nodes):
             if function == "sqrt":
                 return self._sqrt(argument)
             if function in ODD and self._negative(argument):
-                return self.negate(self._call(function, self._opposite(argument)))
+                return self.negate(self._call_node(function, (self._opposite(argument),)))
             if function in EVEN and self._negative(argument):
-                return self._call(function, self._opposite(argument))
-        return self._call(function, *arguments)
-
-    def _call(self, function: str, *arguments: Node) -> Node:
+                return self._call_node(function, (self._opposite(argument),))
         return self._call_node(function, arguments)
 
     def _sqrt(self, argument: Node) -> Node:
@@ -310,8 +274,8 @@ class Graph(Nodes):
             outside = square_part(self.data[number])
             if outside != 1:
                 inside = self.multiply(self.number(1 / outside**2), argument)
-                return self.multiply(self.number(outside), self._call("sqrt", inside))
-        return self._call("sqrt", argument)
+                return self.multiply(self.number(outside), self._call_node("sqrt", (inside,)))
+        return self._call_node("sqrt", (argument,))
 
     def _negative(self, node: Node) -> bool:
         """Whether it is written with a sign in front; of a - b and b - a, one is."""
@@ -330,8 +294,3 @@ class Graph(Nodes):
             a, b = self.args[node]
             return self._sum_node(self.negate(a), self.negate(b))
         return self.negate(node)
-
-
-def _fits(value: Fraction) -> bool:
-    """Whether a number is short enough to be worked out here."""
-    return max(value.numerator.bit_length(), value.denominator.bit_length()) <= NUMBER_BITS

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from .nodes import TERMS, ZERO, Factors, Node, Terms, merged
+from .monomials import Factors, Node, merged
+from .nodes import TERMS, ZERO, Terms
 
 if TYPE_CHECKING:
     from .graph import Graph

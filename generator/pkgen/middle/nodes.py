@@ -10,8 +10,8 @@ from fractions import Fraction
 from sys import maxsize
 from typing import NamedTuple, Self
 
-Node = int
-Factors = tuple[tuple[Node, Fraction | int], ...]
+from .monomials import Factors, Node
+
 Terms = tuple[tuple[Node, Node], ...]  # of a sum: (scale, rest) each
 
 
@@ -52,7 +52,6 @@ BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]
 VARIABLE = ~CONSTANT & ((1 << len(KINDS)) - 1)
 
-NUMBER_BITS = 512  # numbers beyond are left to the C as a product
 FACTORS = 16  # a product of more is one factor of any larger product
 TERMS = 4  # a sum of more is not searched for like terms
 # The domains, so that the higher of two is their union.
@@ -298,19 +297,3 @@ class Nodes:
             inner = self._factors[arguments[0]]
             if self._scale[arguments[0]] == ONE and len(inner) == 1:
                 self._reciprocals[node] = inner[0]
-
-
-def merged(left: Factors, right: Factors) -> Factors:
-    """The product of two monomials."""
-    if not left:
-        return right
-    if not right:
-        return left
-    if left[-1][0] < right[0][0]:
-        return left + right
-    if right[-1][0] < left[0][0]:
-        return right + left
-    powers = dict(left)
-    for base, exponent in right:
-        powers[base] = powers.get(base, 0) + exponent
-    return tuple(sorted((b, e) for b, e in powers.items() if e))

@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from ..functions import FUNCTIONS
-from .graph import BIT, EVEN, ODD, Graph, Node, Op
+from ..functions import EVEN, FUNCTIONS, ODD
+from .graph import BIT, Graph, Node, Op
 from .nodes import SQUARES
 
 PRIME = 2**61 - 1  # 3 modulo 4, so that -1 has no root and 1 + x^2 is never 0

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from .. import arguments as shared
 from .. import options as parsing
-from ..build import BuildError, find_toolchain
 from ..commands import compile_within_limits
 from ..compiler import Compilation
 from ..exits import DONE, UsageError
 from ..progress import progress
 from ..scene_use import whole
+from ..toolchain import BuildError, find_toolchain
 from . import map as maps
 from . import plan, text
 from .map import Asked, StabilityMap
