@@ -11,8 +11,8 @@ from . import scene_model
 from .compiler import Use
 from .exits import UsageError
 from .methods import called, carries_quadratures
-from .middle.reduce import APART, ENOUGH, REDUCTIONS
-from .middle.reduction import Needs
+from .middle.reduce import APART, REDUCTIONS
+from .middle.reduction import ENOUGH, Needs
 from .middle.report import Line
 from .middle.specialise import folded, held
 from .model import Model, Scene
