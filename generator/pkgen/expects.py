@@ -7,7 +7,8 @@ numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the ru
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from .exits import UsageError
@@ -19,17 +20,18 @@ from .source import Source, Span
 from .tree import Expr, Name, Number, Prime
 
 if TYPE_CHECKING:
-    from .simulate import Settings
+    from .simulate import Settings, Shown
 
 
 @dataclass(frozen=True)
 class Compared:
-    """A relation between outputs, by their indices, as the driver reads it."""
+    """A relation between columns, as the driver reads it."""
 
+    number: int  # of the expectation
     relation: str
-    a: int
-    b: int
-    within: int | None
+    a: Shown
+    b: Shown
+    within: Shown | None
     at: float | None  # a time
     event: int | None  # with neither: in all rows
 
@@ -39,17 +41,23 @@ class Compared:
             when = f"t {self.at.hex()}"
         elif self.event is not None:
             when = f"event {self.event}"
-        allowed = "-" if self.within is None else f"o{self.within}"
-        return f"expect {self.relation} o{self.a} o{self.b} {allowed} {when}"
+        allowed = "-" if self.within is None else self.within.word
+        return f"expect {self.relation} {self.a.word} {self.b.word} {allowed} {when}"
 
 
 @dataclass(frozen=True)
 class Watched:
-    """What the driver is to measure; a drift is of an output, or of the energy (None)."""
+    """What the driver is to measure; a drift is of an output, or of the energy (None). Outputs that
+    are hidden are made for this alone."""
 
     compared: tuple[Compared, ...] = ()
     drifts: tuple[int | None, ...] = ()
     hidden: tuple[int, ...] = ()
+
+    def columns(self) -> list[Shown]:
+        """Both sides of each relation, named after it."""
+        sides = ((c.number, side) for c in self.compared for side in (c.a, c.b))
+        return [replace(side, name=f"expectation {number}") for number, side in sides]
 
     def lines(self) -> list[str]:
         drifts = ("energy" if d is None else d for d in self.drifts)
@@ -63,8 +71,10 @@ class Watched:
 NOTHING = Watched()
 
 
-def outputs(scene: Scene) -> dict[str, tuple[Expr, Span]]:
-    """What the model is to have as outputs, under their names."""
+def outputs(
+    scene: Scene, has: Callable[[str], bool] = lambda _: False
+) -> dict[str, tuple[Expr, Span]]:
+    """What the model is to have as outputs, under their names; `has` knows what is a column."""
     found = {}
     for i, item in enumerate(scene.expects, 1):
         for k, call in enumerate(calls(item, "drift"), 1):
@@ -73,9 +83,15 @@ def outputs(scene: Scene) -> dict[str, tuple[Expr, Span]]:
         if not of_run(item):
             for side in ("a", "b", "within"):
                 value = getattr(item, side)
-                if value is not None:
+                if value is not None and not has(column(value)):
                     found[f"{i}_{side}"] = (value, item.span)
     return found
+
+
+def columns(scene: Scene) -> frozenset[str]:
+    """The names of columns that it compares."""
+    sides = (side for item in scene.expects if not of_run(item) for side in (item.a, item.b))
+    return frozenset(map(column, sides)) - {""}
 
 
 def drifting(scene: Scene) -> frozenset[str]:
@@ -102,21 +118,31 @@ def events(scene: Scene) -> frozenset[str]:
 
 
 def watched(
-    scene: Scene, observed: list[str], events: list[str], times: tuple[float | None, ...]
+    scene: Scene,
+    observed: list[str],
+    events: list[str],
+    times: tuple[float | None, ...],
+    shown: Callable[[str], Shown],
 ) -> Watched:
-    """`observed` and `events` are those of what was compiled, `times` those of the expectations."""
+    """`observed` and `events` are those of what was compiled, and `shown` looks up its columns;
+    `times` are those of the expectations."""
     index = {name: k for k, name in enumerate(observed)}
     compared, drifts = [], []
+
+    def side(number: int, name: str, value: Expr) -> Shown:
+        own = f"{number}_{name}"
+        return shown(own if own in index else column(value))
+
     for i, item in enumerate(scene.expects, 1):
         for k, call in enumerate(calls(item, "drift"), 1):
             energy = _is_energy(call.arguments[0])
             drifts.append(None if energy else index[f"{i}_drift_{k}"])
         if not of_run(item):
-            allowed = None if item.within is None else index[f"{i}_within"]
+            allowed = None if item.within is None else side(i, "within", item.within)
             event = events.index(item.event) if item.event else None
-            sides = index[f"{i}_a"], index[f"{i}_b"], allowed
-            compared.append(Compared(item.relation, *sides, times[i - 1], event))
-    hidden = tuple(index[name] for name in outputs(scene))
+            sides = side(i, "a", item.a), side(i, "b", item.b), allowed
+            compared.append(Compared(i, item.relation, *sides, times[i - 1], event))
+    hidden = tuple(index[name] for name in outputs(scene) if name in index)
     return Watched(tuple(compared), tuple(drifts), hidden)
 
 

@@ -24,10 +24,14 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
     yet. Inputs in `given` are set by an option and so not driven."""
     held = _held(model, scene)
     extra: dict[str, Definition] = {}
+
+    def has(name: str) -> bool:
+        return name in extra or (_is_column(model, name) and name.removesuffix("'") not in held)
+
     for item in scene.record.columns if scene.record else ():
-        if not _is_column(model, item) or item.name.rstrip("'") in held:
+        if not has(item.name):
             extra[item.name] = item
-    for name, (value, span) in expects.outputs(scene).items():
+    for name, (value, span) in expects.outputs(scene, has).items():
         extra[name] = Definition(name, None, None, value, "", "", span)
     outputs = (replace(item, value=_claims(model, item.value)) for item in extra.values())
     return replace(
@@ -94,8 +98,8 @@ def columns(scene: Scene) -> list[str]:
 
 
 def needed(scene: Scene) -> frozenset[str]:
-    """Outputs that it needs besides what it records. A claim whose drift is expected is watched."""
-    return frozenset(expects.outputs(scene)) | expects.drifting(scene)
+    """What it needs besides what it records. A claim whose drift is expected is watched."""
+    return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
 
 
 def events(scene: Scene) -> frozenset[str]:
@@ -116,15 +120,13 @@ def _held(model: Model, scene: Scene) -> set[str]:
     }
 
 
-def _is_column(model: Model, item: Definition) -> bool:
+def _is_column(model: Model, name: str) -> bool:
     """Whether each run has it."""
-    rate = isinstance(item.value, Prime)
-    value = item.value.of if rate else item.value
-    if not isinstance(value, Name):
-        return False
-    coordinates = {c.name for c in model.coordinates}
-    outputs = {o.name for o in model.observed}
-    return value.id in coordinates or (not rate and value.id in outputs) or item.name == "energy"
+    once = name.removesuffix("'")
+    base = once.partition("[")[0]
+    if base in {c.name for c in model.coordinates}:
+        return "'" not in once
+    return name == once and base in {"energy", *(o.name for o in model.observed)}
 
 
 def _claims(model: Model, value: Expr) -> Expr:

@@ -80,7 +80,8 @@ def watched(
     if several:
         expects.refuse_of_members(compilation.declared.source, scene, times, settings)
     observed = [quantity.name for quantity in named.observed(compilation)]
-    return expects.watched(scene, observed, named.events(compilation), times)
+    shown = option_values.Values(compilation).shown
+    return expects.watched(scene, observed, named.events(compilation), times, shown)
 
 
 def verdicts(

@@ -51,9 +51,14 @@ LISTED = 10_000  # members of a family that are described one by one
 class Shown:
     """A column of the rows: the driver's word for its kind, the index there."""
 
-    kind: str  # q, v, observed, energy
+    kind: str  # q, v, observed, z, energy
     index: int
     name: str
+
+    @property
+    def word(self) -> str:
+        """One word for both, as lines of what is expected have it."""
+        return f"{self.kind[0]}{self.index}"
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ enum { MOST_ROWS = 20000, MOST_NUMBERS = 4000000 }; /* kept; of more, every othe
 
 size_t rows_columns(const struct settings *s)
 {
-    size_t hidden = 0;
-    for (size_t i = 0; i < run_system->n_observed; i++)
-        hidden += (size_t)expect_hides(s, i);
+    size_t count = 2 * s->n + run_system->n_quadratures + 1;
     if (s->n_show)
-        return s->n_show + hidden;
-    return 2 * s->n + run_system->n_observed + run_system->n_quadratures + 1;
+        return s->n_show;
+    for (size_t i = 0; i < run_system->n_observed; i++)
+        count += !expect_hides(s, i);
+    return count;
 }
 
 static void grow(struct rows *rows)
@@ -45,16 +45,7 @@ static void thin(struct rows *rows)
     rows->stride *= 2;
 }
 
-/* The outputs that are hidden or are not. */
-static pk_real *outputs(const struct settings *s, int hidden, const pk_real *out, pk_real *x)
-{
-    for (size_t i = 0; i < run_system->n_observed; i++)
-        if (expect_hides(s, i) == hidden)
-            *x++ = out[i];
-    return x;
-}
-
-/* The columns of the row, in the order of rows.c, and behind them what is expected to be something. */
+/* The columns of the row, in the order of rows.c. */
 static void shown(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *z, const pk_real *out, pk_real *x)
 {
@@ -66,15 +57,17 @@ static void shown(const struct settings *s, pk_real t, const pk_real *q, const p
         *x++ = kind ? of[kind - kinds][s->show[i].index]
                     : system->energy(s->params, t, q, v, s->u);
     }
-    if (!s->n_show) {
-        memcpy(x, q, s->n * sizeof *x);
-        memcpy(x += s->n, v, s->n * sizeof *x);
-        x = outputs(s, 0, out, x + s->n);
-        for (size_t i = 0; i < system->n_quadratures; i++)
-            *x++ = z[i];
-        *x++ = system->energy(s->params, t, q, v, s->u);
-    }
-    outputs(s, 1, out, x);
+    if (s->n_show)
+        return;
+    memcpy(x, q, s->n * sizeof *x);
+    memcpy(x += s->n, v, s->n * sizeof *x);
+    x += s->n;
+    for (size_t i = 0; i < system->n_observed; i++)
+        if (!expect_hides(s, i))
+            *x++ = out[i];
+    for (size_t i = 0; i < system->n_quadratures; i++)
+        *x++ = z[i];
+    *x = system->energy(s->params, t, q, v, s->u);
 }
 
 void rows_keep(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z,

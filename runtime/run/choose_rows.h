@@ -27,8 +27,6 @@ void rows_keep(struct run *run, pk_real t, const pk_real *q, const pk_real *v, c
                pk_real *out);
 /* In place of rows at crossings of which there were none. */
 void rows_keep_ends(struct run *run);
-/* Columns: what it shows, and behind it the outputs that are hidden, for they are expected to be
- * something. */
 size_t rows_columns(const struct settings *s);
 void rows_clear(struct rows *rows);
 void rows_free(struct rows *rows);

@@ -161,3 +161,22 @@ def test_without_a_scene_it_says_which_there_are(pkgen, swing: Path) -> None:
         done.stderr.splitlines()[-1]
         == "scenes of this model, by --scene: met, all_columns, ensemble, missed"
     )
+
+
+def test_an_angle_that_is_expected_is_a_quadrature_as_one_that_is_recorded(pkgen, tmp_path: Path):
+    model = tmp_path / "orbit.lag"
+    model.write_text(
+        "model orbit\ncoord r, phi\nkinetic (r'^2 + r^2*phi'^2)/2\npotential -1/r\n"
+        "start r = 1, phi' = 1\nevent tick: sin(3*t) + 0*r rising\nscene s\nuntil 7\n"
+        "method gauss rtol 1e-13\nrecord r every 0.5\n"
+        "expect phi = t within 1e-11\nexpect t = phi within 1e-11 at 0.77\n"
+        "expect phi > 2 at tick\nexpect phi' = 1 within 1e-11\nend\n"
+    )
+    done = pkgen("run", model, "--scene", "s", "--json")
+    verdicts = json.loads(done.stdout)
+    assert [v["met"] for v in verdicts["expects"]] == [True] * 4, done.stderr
+    (a, b), (c, d), *_ = ((x["a"], x["b"]) for x in verdicts["settings"]["watched"]["compared"])
+    assert [x["kind"] for x in (a, b, c, d)] == ["z", "observed", "observed", "z"]
+    done = pkgen("run", model, "--scene", "s", "--start", "phi=1")
+    assert done.returncode == 4
+    assert "of 4 met" in done.stderr and "is off" in done.stderr

@@ -13,7 +13,7 @@ from pkgen.choose.candidates import Candidate
 from pkgen.choose.choice import Choice
 from pkgen.choose.choose import choose
 from pkgen.choose.trials import Trial
-from pkgen.expects import NOTHING, Watched
+from pkgen.expects import NOTHING
 from pkgen.simulate import Settings, Shown
 from test_accuracy_search import ADAPTIVE, method, trial
 
@@ -76,7 +76,8 @@ def test_an_expectation_that_round_off_blurs_does_not_forbid_what_is_recorded() 
         """Behind what is recorded stands one expectation, known to 1e-3 of itself."""
 
         ignored: tuple[int, ...] = ()
-        settings = SimpleNamespace(until=1.0, every=1.0, watched=Watched(hidden=(0,)))
+        watched = SimpleNamespace(columns=lambda: ["expectation 1"])
+        settings = SimpleNamespace(until=1.0, every=1.0, watched=watched)
 
         def ignore(self, column: int) -> None:
             self.ignored += (column,)

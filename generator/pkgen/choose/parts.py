@@ -8,6 +8,8 @@ from dataclasses import replace
 from .. import named
 from ..compiler import Compilation, CompiledPart
 from ..ensemble import Ensemble
+from ..option_values import Values
+from ..scene_model import hidden
 from ..simulate import PartSettings, Settings, Shown, columns
 from .choice import Choice
 from .prepared import Prepared
@@ -45,6 +47,7 @@ def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | N
         land=ensemble is not None,
         events=bool(named.events(compilation)),
     )
+    settings = _with_expected(compilation, settings)
     if ensemble is None:
         found = prepared.choose(settings, settings.accuracy)
         found = replace(found, compiled_for=prepared.methods)
@@ -58,12 +61,25 @@ def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | N
 
 
 def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -> tuple[str, ...]:
-    """Columns of a trial: those of the rows, behind them what is expected to be something."""
-    names = [c.name for c in columns(compilation, show=settings.show)[1:]]
-    outputs = named.observed(compilation)
-    for i in sorted(settings.watched.hidden):
-        names.append(f"expectation {outputs[i].name.partition('_')[0]}")
+    names = [c.name for c in settings.show or columns(compilation)[1:]]
     return tuple(dict.fromkeys(names[i] for i in which))
+
+
+def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
+    """What is expected to be something is judged too, behind what is recorded."""
+    expected = settings.watched.columns()
+    if not expected:
+        return settings
+    return replace(settings, show=(*(settings.show or _all(compilation)), *expected))
+
+
+def _all(compilation: Compilation) -> list[Shown]:
+    """The columns of rows that have all of them."""
+    shown = Values(compilation).shown
+    q, v = (named.coordinates(compilation, rates=rates) for rates in (False, True))
+    outputs = (o for o in named.observed(compilation) if not hidden(o.name))
+    every = (*q.columns(q.count), *v.columns(v.count), *outputs, *named.quadratures(compilation))
+    return [*(shown(quantity.name) for quantity in every), shown("energy")]
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:

@@ -130,7 +130,7 @@ def find(asked: Asked, cap: float) -> Check:
     exact, scales, small = finder.scaled(exact)
     again = finder.loose(exact.method)
     beside = finder.beside(exact.method, max(5 * exact.seconds, cap))
-    recorded = len(scales) - len(asked.trials.settings.watched.hidden)
+    recorded = len(scales) - len(asked.trials.settings.watched.columns())
     ignored, expected = _noise([again, beside], scales), tuple(range(recorded, len(scales)))
     judge = _judge(again, beside, (*ignored, *expected), asked.accuracy)
     unsure = tuple(
