@@ -19,10 +19,13 @@ from .builds import OUTPUT
 
 FOLDER = OUTPUT.parent / "accuracy"
 SCALAR = "__float128"
-# Methods in turn, the next where one takes too long (gauss on what is stiff): a tolerance, the one
-# that it is checked with, and how many seconds. dop853 needs h ~ tolerance^(1/8).
-METHODS = (("gauss", 1e-22, 1e-19, 20.0), ("dop853", 1e-18, 1e-16, 20.0))
-STIFF = ("gauss8", 64, 32, 300.0)  # steps between rows
+# Methods in turn, the next where one takes too long: a tolerance, the one that it is checked with,
+# and how many seconds. dop853 needs h ~ tolerance^(1/8); gauss again is for what is stiff.
+METHODS = (
+    ("gauss", 1e-22, 1e-19, 20.0),
+    ("dop853", 1e-18, 1e-16, 20.0),
+    ("gauss", 1e-20, 1e-18, 300.0),
+)
 NOTHING = 1e-18  # a column of no larger numbers is zero
 
 
@@ -74,20 +77,17 @@ def find(compilation: Compilation, settings: Settings, columns: int) -> Rows:
 
 
 def _make(trials: Trials, settings: Settings, smooth: bool, path: Path) -> float:
-    methods = METHODS if smooth else METHODS[1:]
-    for method, tight, loose, slowest in methods:
+    why = ""
+    for method, tight, loose, slowest in METHODS:
+        if method == "gauss" and not smooth:
+            continue
         exact = trials.attempt(method, tight, LAND, settings.until, cap=slowest)
         if exact.arrived:
             trials.keep_as_exact()
             trials.save(path)
             return trials.attempt(method, loose, LAND, settings.until).error
-    method, many, fewer, slowest = STIFF
-    exact = trials.attempt(method, settings.every / many, LAND, settings.until, cap=slowest)
-    if not exact.arrived:
-        raise RuntimeError(f"no reference: {exact.reason or 'it takes too long'}")
-    trials.keep_as_exact()
-    trials.save(path)
-    return trials.attempt(method, settings.every / fewer, LAND, settings.until).error
+        why = exact.reason or "it takes too long"
+    raise RuntimeError(f"no reference: {why}")
 
 
 def _read(path: Path, columns: int, error: float) -> Rows:
