@@ -101,6 +101,16 @@ static int embedded_stage(struct pk_integrator *it, int i, struct pk_stage *stag
     return pk_explicit_stage(it, table_of(it->method), *w.h_made, w.k, i, stage, room);
 }
 
+/* As pk_embedded_error() of one component. */
+static pk_real embedded_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
+{
+    const pk_real blend = sums[0] * sums[0] + PK_C(0.01) * sums[1] * sums[1];
+    (void)size;
+    if (!table_of(it->method)->e3)
+        return pk_abs(sums[0]);
+    return blend > 0 ? sums[0] * sums[0] / PK_F(sqrt)(blend) : 0;
+}
+
 const struct pk_tableau *pk_embedded_table(const struct pk_method *method)
 {
     return method->step == embedded_step ? table_of(method) : NULL;
@@ -165,7 +175,8 @@ static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_rea
                                           .init = embedded_init,              \
                                           .step = embedded_step,              \
                                           .dense = embedded_dense,            \
-                                          .stage = embedded_stage}
+                                          .stage = embedded_stage,            \
+                                          .stage_error = embedded_error}
 
 EMBEDDED(dopri5,
          "Dormand-Prince 5(4), PI control; J. Comp. Appl. Math. 6 (1980) 19, HNW II.5", 5, 6, 4);

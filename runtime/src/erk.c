@@ -25,12 +25,18 @@ static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
 int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
                       const pk_real *k, int i, struct pk_stage *stage, pk_real *room)
 {
-    if (i >= table->stages)
+    const int ends = table->e && !table->e3; /* the end has a part in the estimate */
+    if (i >= table->stages + ends)
         return 0;
+    const pk_real e = table->e ? h * table->e[i] : 0, e3 = table->e3 ? h * table->e3[i] : 0;
+    if (i == table->stages) {
+        *stage = (struct pk_stage){it->next_t, 0, it->next, it->next + it->n, {e, 0}};
+        return 1;
+    }
     if (i > 0)
         pk_erk_combine(room, it->state, h, table->a + i * (i - 1) / 2, i, k, 2 * it->n);
     const pk_real *y = i > 0 ? room : it->state;
-    *stage = (struct pk_stage){it->t + table->c[i] * h, h * table->b[i], y, y + it->n};
+    *stage = (struct pk_stage){it->t + table->c[i] * h, h * table->b[i], y, y + it->n, {e, e3}};
     return 1;
 }
 

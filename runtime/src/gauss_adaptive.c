@@ -36,7 +36,20 @@ static int stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_rea
     if (k == 0)
         generic_gauss_stages(it, &w, &y, 1);
     pk_gauss_lane(&w, n, k, it->t + y.hc[k], y.h * pk_gauss8_b[k], stage, room);
+    stage->error[0] = y.h * pk_gauss8_legendre6[k];
+    stage->error[1] = y.h * pk_gauss8_legendre7[k];
     return 1;
+}
+
+/* As of the accelerations: |h g| theta^16, where the last two Legendre coefficients tell theta. */
+static pk_real stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
+{
+    const pk_real six = pk_abs(sums[0]) / (size + PK_TINY), seven = pk_abs(sums[1]) / (size + PK_TINY);
+    const pk_real theta =
+        pk_max(PK_F(pow)(six, PK_C(1.0) / 6), PK_F(pow)(seven, PK_C(1.0) / 7));
+    const pk_real theta2 = theta * theta, theta4 = theta2 * theta2, theta8 = theta4 * theta4;
+    (void)it;
+    return size * theta8 * theta8 / (PK_GAUSS_SHARE * PK_F(exp)(PK_GAUSS_ACCEPT_LOG));
 }
 
 const struct pk_method pk_gauss_adaptive = {
@@ -54,4 +67,5 @@ const struct pk_method pk_gauss_adaptive = {
     .step = step,
     .dense = pk_gauss_dense,
     .stage = stage,
+    .stage_error = stage_error,
 };

@@ -25,6 +25,6 @@ int pk_gauss_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_r
             dq += w.hA[i * w.s + j] * w.V[j * n + c];
         room[c] = it->q[c] + dq;
     }
-    *stage = (struct pk_stage){t, w.hb[i], room, w.V + i * n};
+    *stage = (struct pk_stage){t, w.hb[i], room, w.V + i * n, {0, 0}};
     return 1;
 }

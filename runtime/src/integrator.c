@@ -222,6 +222,21 @@ static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
     return it->status = status;
 }
 
+/* One step of motion and quadratures into it->next, as short as both need it. */
+static enum pk_status advance(struct pk_integrator *it, pk_real limit)
+{
+    enum pk_status status;
+    do {
+        status = it->step(it, limit);
+        if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * it->n))
+            status = PK_NOT_FINITE;
+        if (status < 0 || !it->z)
+            return status;
+        status = pk_quadrature_step(it);
+    } while (status >= 0 && pk_quadrature_rejects(it));
+    return status;
+}
+
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = it->n;
@@ -240,11 +255,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     status = pk_guard_here(it);
     if (status < 0)
         return stop(it, status);
-    status = it->step(it, limit);
-    if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * n))
-        status = PK_NOT_FINITE;
-    if (status >= 0 && it->z)
-        status = pk_quadrature_step(it);
+    status = advance(it, limit);
     status = status < 0 ? pk_guard_cause(it, status, fixed) : pk_guard_step(it);
     if (status < 0)
         return stop(it, status);

@@ -61,6 +61,8 @@ enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, i
 size_t pk_quadrature_size(const struct pk_system *system, size_t n);
 enum pk_status pk_quadrature_start(struct pk_integrator *it);
 enum pk_status pk_quadrature_step(struct pk_integrator *it);
+/* Whether the step is to be made again, shorter, for the quadratures' sake; it->h follows them. */
+int pk_quadrature_rejects(struct pk_integrator *it);
 void pk_quadrature_accept(struct pk_integrator *it);
 
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */

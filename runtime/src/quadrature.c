@@ -1,7 +1,11 @@
 /* Quadratures, z' = g(t, q, v), beside the motion: a step adds h sum b_i g at its stages, which is
  * what the method would make of z as one more coordinate, since nothing depends on it. So z has
  * the method's order, and costs nothing but g. Sums are compensated, and z is exchanged as states
- * are: a step that fails leaves no trace. /
+ * are: a step that fails leaves no trace.
+ *
+ * Nor is its error left to the motion's: g may vary faster than q and v do. An adaptive method
+ * judges it from the same stages by its own estimate, and a step that errs by more than the
+ * tolerance is made again, shorter.
  */
 #include <string.h>
 
@@ -9,7 +13,10 @@
 
 #include "internal.h"
 
-enum { NOW, LOW, NEXT, NEXT_LOW, RATE, DENSE_LOW, PARTS };
+enum { NOW, LOW, NEXT, NEXT_LOW, RATE, DENSE_LOW, SIZE, SUM, SUM_2, PARTS };
+
+#define SAFETY PK_C(0.9)
+#define SHRINK PK_C(0.2)
 
 static pk_real *part(const struct pk_integrator *it, int k)
 {
@@ -51,12 +58,17 @@ static void add(struct pk_integrator *it, const struct pk_stage *stage, pk_real 
 {
     const struct pk_system *system = it->problem.system;
     pk_real *rate = part(it, RATE);
-    if (!(stage->weight > 0) && !(stage->weight < 0))
+    if (!(pk_abs(stage->weight) + pk_abs(stage->error[0]) + pk_abs(stage->error[1]) > 0))
         return;
     system->quadrature(it->problem.params, stage->t, stage->q, stage->v,
                        pk_eval_input(it, stage->t), rate);
-    for (size_t i = 0; i < system->n_quadratures; i++)
-        z[i] = pk_sum(z[i], stage->weight * rate[i], &low[i]);
+    for (size_t i = 0; i < system->n_quadratures; i++) {
+        const pk_real added = stage->weight * rate[i];
+        z[i] = pk_sum(z[i], added, &low[i]);
+        part(it, SIZE)[i] += pk_abs(added);
+        part(it, SUM)[i] += stage->error[0] * rate[i];
+        part(it, SUM_2)[i] += stage->error[1] * rate[i];
+    }
 }
 
 enum pk_status pk_quadrature_step(struct pk_integrator *it)
@@ -64,11 +76,46 @@ enum pk_status pk_quadrature_step(struct pk_integrator *it)
     const size_t bytes = 2 * it->problem.system->n_quadratures * sizeof *it->z;
     const int now = half(it), next = NEXT - now;
     pk_real *z = part(it, next);
-    struct pk_stage stage;
+    struct pk_stage stage = {0};
     memcpy(z, part(it, now), bytes); /* with the low parts behind it */
+    memset(part(it, SIZE), 0, (PARTS - SIZE) * bytes / 2);
     for (int k = 0; it->method->stage(it, k, &stage, part(it, PARTS)); k++)
         add(it, &stage, z, part(it, next + 1));
     return pk_all_finite(z, it->problem.system->n_quadratures) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* Of the worst one, in tolerances. */
+static pk_real error_of(struct pk_integrator *it)
+{
+    const pk_real *before = part(it, half(it)), *z = part(it, NEXT - half(it));
+    pk_real worst = 0;
+    for (size_t i = 0; i < it->problem.system->n_quadratures; i++) {
+        const pk_real sums[] = {part(it, SUM)[i], part(it, SUM_2)[i]};
+        const pk_real larger = pk_max(pk_abs(before[i]), pk_abs(z[i]));
+        const pk_real rtol = pk_max(it->options.rtol, 2 * PK_EPS);
+        const pk_real error = it->method->stage_error(it, part(it, SIZE)[i], sums);
+        worst = pk_max(worst, error / (it->options.atol + rtol * larger + PK_TINY));
+    }
+    return worst;
+}
+
+int pk_quadrature_rejects(struct pk_integrator *it)
+{
+    if (!it->method->stage_error)
+        return 0;
+    const pk_real error = error_of(it), h = it->next_t - it->t;
+    const pk_real factor =
+        SAFETY * PK_F(pow)(error + PK_TINY, PK_C(-1.0) / (pk_real)it->method->order);
+    if (error <= 1) {
+        if (pk_abs(h) * factor < pk_abs(it->h))
+            it->h = h * factor;
+        return 0;
+    }
+    it->h = h * pk_max(SHRINK, factor);
+    /* What the method keeps of its last step is of this one. */
+    it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+    it->count.rejections++;
+    return 1;
 }
 
 void pk_quadrature_accept(struct pk_integrator *it) { it->z = part(it, NEXT - half(it)); }
@@ -90,7 +137,8 @@ enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real
     memcpy(low, part(it, before + 1), m * sizeof *z);
     for (int k = 0; k < 8; k++) {
         const pk_real h = t - it->last_t;
-        const struct pk_stage stage = {it->last_t + h * pk_gauss8_c[k], h * pk_gauss8_b[k], q, v};
+        const struct pk_stage stage = {
+            it->last_t + h * pk_gauss8_c[k], h * pk_gauss8_b[k], q, v, {0, 0}};
         if (pk_integrator_dense(it, stage.t, q, v) < 0)
             return it->status;
         add(it, &stage, z, low);

@@ -241,5 +241,6 @@ const struct pk_method pk_radau_adaptive = {
     .size = size,
     .init = init,
     .step = step,
-    .stage = pk_gauss_stage,
+    .stage = pk_radau_stage,
+    .stage_error = pk_radau_stage_error,
 };

@@ -18,12 +18,22 @@
 #define GAMMA PK_C(0.27488882959567736774782860359941478)
 #define SQRT6 PK_C(2.4494897427831780981972840747058914)
 
+static const pk_real E_OF_STAGE[] = {GAMMA * (-13 - 7 * SQRT6) / 3, GAMMA * (-13 + 7 * SQRT6) / 3,
+                                     -GAMMA / 3};
+
+/* What RADAU5 takes tolerances times, after the power 2/3. */
+static pk_real factor_of(const struct pk_integrator *it)
+{
+    const pk_real rtol = pk_max(it->options.rtol, 10 * PK_EPS);
+    return it->options.rtol > 0 ? PK_C(0.1) / PK_F(cbrt)(rtol) : 1;
+}
+
 void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
                          const pk_real *q, const pk_real *v)
 {
     const struct pk_options *o = &it->options;
     const pk_real rtol = pk_max(o->rtol, 10 * PK_EPS);
-    const pk_real factor = o->rtol > 0 ? PK_C(0.1) / PK_F(cbrt)(rtol) : 1;
+    const pk_real factor = factor_of(it);
     /* As in RADAU5: what is left undone has the same sign from step to step. */
     *r->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
                                       pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
@@ -38,16 +48,14 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
 static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                         const struct pk_radau_parts *r, const pk_real *v, const pk_real *pdot)
 {
-    static const pk_real e[] = {GAMMA * (-13 - 7 * SQRT6) / 3, GAMMA * (-13 + 7 * SQRT6) / 3,
-                                -GAMMA / 3};
     const size_t n = it->n, nn = n * n;
     const pk_real *J = w->jacobian, *p0 = pk_part(it->state, n, PK_P), hg = it->h * GAMMA;
     pk_real sum = 0;
     for (size_t k = 0; k < n; k++) {
         pk_real of_q = hg * v[k], of_p = hg * pdot[k];
         for (size_t i = 0; i < 3; i++) {
-            of_q += e[i] * (w->Q[i * n + k] - it->q[k]);
-            of_p += e[i] * (w->P[i * n + k] - p0[k]);
+            of_q += E_OF_STAGE[i] * (w->Q[i * n + k] - it->q[k]);
+            of_p += E_OF_STAGE[i] * (w->P[i * n + k] - p0[k]);
         }
         r->dq[k] = of_q;
         r->x[k] = of_p;
@@ -88,4 +96,28 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
         it->error = estimate(it, w, r, w->x, w->y);
     }
     return pk_finite(it->error) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* Of z' = g: gamma h g(y0) + e.z, where z_i = sum h a_ij g_j; g's own dependence on the error of the
+ * motion, which is within its tolerance, is left out. */
+int pk_radau_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
+{
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    const size_t s = w.s, j = (size_t)k;
+    if (j > s)
+        return 0;
+    if (j == s) {
+        *stage = (struct pk_stage){it->t, 0, it->q, it->v, {GAMMA * *w.h, 0}};
+        return 1;
+    }
+    pk_gauss_stage(it, k, stage, room);
+    for (size_t i = 0; i < s; i++)
+        stage->error[0] += E_OF_STAGE[i] * w.hA[i * s + j];
+    return 1;
+}
+
+pk_real pk_radau_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
+{
+    (void)size;
+    return pk_abs(sums[0]) / factor_of(it);
 }

@@ -245,3 +245,19 @@ def test_explain_says_what_each_scene_needs(pkgen, models):
     said = {scene["name"]: " ".join(scene["lines"]) for scene in scenes}
     assert "a | b: neither moves the other" in said["both"]
     assert "b: its motion is given" in said["led"]
+
+
+def test_an_angle_whose_rate_varies_faster_than_what_is_left_has_its_share_in_the_steps(
+    pkgen, tmp_path: Path
+):
+    """Of the integral of 1.9/(1 + .9 cos 5t) over ten periods the closed form."""
+    model = tmp_path / "hasty.lag"
+    model.write_text(
+        "model hasty\ncoord z, phi\nkinetic z'^2/2 + phi'^2/2*(1 + 0.9*cos(5*t))\n"
+        "potential z^2/2\nstart z = 1, phi' = 1\nscene s\nuntil 4*pi\nmethod gauss rtol 1e-12\n"
+        "record z, phi every 4*pi\nexpect phi = 1.9*4*pi/sqrt(0.19) within 1e-9 at 4*pi\n"
+        "expect z = 1 within 1e-10 at 4*pi\nend\n"
+    )
+    done = pkgen("run", model, "--scene", "s")
+    assert done.returncode == 0 and "2 of 2 met" in done.stderr, done.stderr
+    assert "drift(p_phi)" not in done.stderr  # which is a parameter now

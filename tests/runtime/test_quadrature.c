@@ -186,6 +186,39 @@ static void failure(void)
     CU_ASSERT(fabs(f.it.z[0] - 3 - (pow(1.25, 1.5) - pow(0.05, 1.5)) / 1.5) < 1e-5);
 }
 
+/* Rates that vary faster than the pendulum does: integrals over full periods in closed form. */
+static void hasty(ARGS, pk_real *z)
+{
+    (void)params, (void)q, (void)v, (void)u;
+    z[0] = 1 / (1 + 0.9 * cos(15 * t));
+    z[1] = 1 + cos(40 * t);
+}
+
+static void ending(ARGS, pk_real *z)
+{
+    (void)params, (void)q, (void)v, (void)u;
+    z[0] = 1 / ((1.25 - t) * (1.25 - t));
+    z[1] = 1;
+}
+
+static void control(void)
+{
+    static const char *const methods[] = {"gauss", "dop853", "dopri5", "radau"};
+    static struct fixture f;
+    struct pk_system system = carrying(&pendulum_system);
+    const double T = 4 * acos(-1.0);
+    for (int k = 0; k < 4; k++) {
+        system.quadrature = hasty;
+        CU_ASSERT(fixture_run(&f, &system, methods[k], 1e-9, T) == PK_DONE);
+        const double of_0 = fabs(f.it.z[0] - 3 - T / sqrt(0.19)), of_1 = fabs(f.it.z[1] - 1 - T);
+        printf("\n    %-8s of hasty z %.1e, %.1e", methods[k], of_0, of_1);
+        CU_ASSERT(of_0 < 2e-6 && of_1 < 2e-6 && f.it.count.rejections > 0);
+        system.quadrature = ending;
+        CU_ASSERT(fixture_run(&f, &system, methods[k], 1e-9, 2) == PK_STEP_UNDERFLOW);
+        CU_ASSERT(f.it.t < 1.25 && f.it.t > 1.2499);
+    }
+}
+
 static struct {
     int count;
     double t[8], z[8];
@@ -270,6 +303,7 @@ void add_quadrature(void)
     CU_add_test(suite, "order", order);
     CU_add_test(suite, "tight tolerances", tight);
     CU_add_test(suite, "refused", refused);
+    CU_add_test(suite, "step control", control);
     CU_add_test(suite, "between steps, back, reset", between);
     CU_add_test(suite, "failure", failure);
     CU_add_test(suite, "events", events);

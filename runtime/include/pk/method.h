@@ -31,10 +31,12 @@ enum pk_trait {
 
 struct pk_integrator;
 
-/* A stage of the step just made: of z' = g, the step adds weight g(t, q, v). */
+/* A stage of the step just made: of z' = g, the step adds weight g(t, q, v), and the two sums that
+ * an adaptive method judges its error by add error[] g. */
 struct pk_stage {
     pk_real t, weight;
     const pk_real *q, *v;
+    pk_real error[2];
 };
 
 struct pk_method {
@@ -59,6 +61,9 @@ struct pk_method {
     /* Stage k = 0, 1, ... of the step in it->next, with room for 2 n numbers; 0 behind the last.
      * Called before it becomes the state. NULL without PK_QUADRATURE. */
     int (*stage)(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
+    /* The error of z in that step from its two sums and from that of |weight g|, to be compared with
+     * the tolerance. NULL unless adaptive, with PK_QUADRATURE. */
+    pk_real (*stage_error)(const struct pk_integrator *it, pk_real size, const pk_real sums[2]);
     /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
     pk_real (*resolved)(const struct pk_integrator *it);
     /* Only for methods of foreign libraries that allocate; else NULL. */

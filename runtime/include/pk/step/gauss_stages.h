@@ -79,6 +79,7 @@ static inline void pk_gauss_lane(const struct pk_gauss_lanes *w, size_t n, int l
     stage->weight = weight;
     stage->q = room;
     stage->v = room + n;
+    stage->error[0] = stage->error[1] = 0;
 }
 
 /* y = M x: one sum for each lane, of two halves so that their latencies overlap. */
