@@ -16,7 +16,7 @@ from .indices import integer
 from .middle.quantities import ends, indexed, sizes
 from .middle.specialise import with_definitions
 from .model import Coordinate, Definition, Input, Model, Record, Scene
-from .tree import Expr, Name, Number, Prime, names, replaced
+from .tree import Expr, Name, Number, Prime, names, of_member, replaced
 
 
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
@@ -121,11 +121,13 @@ def _held(model: Model, scene: Scene) -> set[str]:
 
 
 def _is_column(model: Model, name: str) -> bool:
-    """Whether each run has it."""
+    """Whether each run has it. What lies beyond the ends of a family moves as they say: it is no
+    coordinate."""
     once = name.removesuffix("'")
-    base = once.partition("[")[0]
-    if base in {c.name for c in model.coordinates}:
-        return "'" not in once
+    base, _, index = once.removesuffix("]").partition("[")
+    for item in model.coordinates:
+        if item.name == base:
+            return "'" not in once and _has(model, item, int(index) if index else None)
     return name == once and base in {"energy", *(o.name for o in model.observed)}
 
 
@@ -139,12 +141,7 @@ def _claims(model: Model, value: Expr) -> Expr:
             return None
         body = claim.value
         if claim.range is not None:
-            variable, index = claim.range.variable, part.index
-
-            def member(inner: Expr) -> Expr | None:
-                return index if isinstance(inner, Name) and inner.id == variable else None
-
-            body = replaced(body, member)
+            body = of_member(body, claim.range.variable, part.index)
         return replaced(body, written)
 
     return replaced(value, written)

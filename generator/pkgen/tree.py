@@ -188,6 +188,13 @@ def replaced(expr: Expr, by: Callable[[Expr], Expr | None]) -> Expr:
     return replace(expr, **changed) if changed else expr
 
 
+def of_member(expr: Expr, variable: str, index: Expr) -> Expr:
+    """The expression of a family with a member's index for the loop variable."""
+    return replaced(
+        expr, lambda part: index if isinstance(part, Name) and part.id == variable else None
+    )
+
+
 def _inside(part: object, by: Callable[[Expr], Expr | None]) -> object:
     if isinstance(part, tuple):
         return tuple(_inside(x, by) for x in part)

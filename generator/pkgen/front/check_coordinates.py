@@ -44,7 +44,7 @@ class Coordinates:
                 self._input(item, unit, statement.description)
 
     def _coordinate(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        members, family = None, None
+        ends, members, family = None, None, None
         if item.lo is not None:
             ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
             if ends is None:
@@ -58,7 +58,7 @@ class Coordinates:
             known=unit is not None,
             coordinates=frozenset((item.name,)),
         )
-        self.names.declare(Entry(item.name, "coordinate", facts, item.name_span, members))
+        self.names.declare(Entry(item.name, "coordinate", facts, item.name_span, members, ends))
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         dimension = dimension or NONE
         angle = unit.angle if unit is not None else 0

@@ -38,6 +38,7 @@ from .check_names import (
     UNKNOWN,
     Entry,
     Facts,
+    Members,
     Names,
     Report,
 )
@@ -184,7 +185,8 @@ class Expressions:
         elif of is not None:
             action = units.times(self.energy_dimension, self.time_dimension)
             facts = replace(facts, dimension=units.over(action, of.facts.dimension))
-        return Entry(name, "built-in", facts, expr.span, of.members if of else None)
+        members = Members(of.own) if of is not None and of.own else None  # an end has no momentum
+        return Entry(name, "built-in", facts, expr.span, members)
 
     def _once(self, name: str, message: str, span: Span, help: str = "") -> None:
         if name not in self.names.reported:

@@ -153,8 +153,8 @@ class Indices:
         return True
 
     def _no_index(self, expr: Name, entry: Entry, scope: Scope) -> None:
-        first, last = 1, "N"
-        if entry.members.intervals:
+        first, last = entry.own or (1, "N")
+        if entry.own is None and entry.members.intervals:
             first, last = entry.members.intervals[0][0], entry.members.intervals[-1][1]
         apart = re.match(r"[ \t]+(\[[\w +*-]+\])", self.source.text[expr.span.end :])
         if apart and not self.is_family_left(scope):

@@ -108,7 +108,8 @@ class Entry:
     kind: str
     facts: Facts
     span: Span
-    members: Members | None = None  # of a family
+    members: Members | None = None  # of a family, what its ends say among them
+    own: tuple[int, int] | None = None  # of a family of coordinates, without its ends
     periodic: bool = False  # or not known for an error: any index will do
     used: bool = False
 

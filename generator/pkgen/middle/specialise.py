@@ -12,8 +12,8 @@ from fractions import Fraction
 
 from ..indices import integer
 from ..model import Coordinate, Definition, End, Hold, Model, Scene
-from ..tree import Add, Expr, Number, names
-from .quantities import Family, error, families, indexed, sizes
+from ..tree import Add, Expr, Name, Number, names, of_member, within
+from .quantities import Family, ends, error, families, indexed, sizes
 from .report import Line
 
 
@@ -55,23 +55,26 @@ def held(
         kept = tuple(e for e in model.events if e.stop or e.name in asked_events)
         model = replace(model, events=kept)
     for item in scene.holds:
-        _refuse_momentum(model, scene, f"p_{item.name}")
         index, value = _motion(model, item)
+        _refuse_momentum(model, scene, item.name, index)
         model = _without(model, item, index, value)
         name = indexed(item.name, index)
         lines.append(Line("hold", name, "its motion is given, so it has no equation"))
     return model, lines
 
 
-def _refuse_momentum(model: Model, scene: Scene, momentum: str) -> None:
+def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -> None:
     """What is held is no coordinate, and so without a momentum."""
     asked = [column.value for column in scene.record.columns] if scene.record else []
     asked += [side for item in scene.expects for side in (item.a, item.b)]
-    for expr in asked:
-        if momentum in names(expr):
-            name = momentum.removeprefix("p_")
-            message = f"'{momentum}': {name} is held here, and has no momentum"
-            raise error(model, message, expr.span, f"'{name}' and its rate can be recorded")
+    known = sizes(model)
+    for part in (part for expr in asked for part in within(expr)):
+        if not isinstance(part, Name) or part.id != f"p_{name}" or names(part) - {*known, part.id}:
+            continue  # within a sum its index is checked when that is expanded
+        if (None if part.index is None else integer(part.index, known)) == index:
+            momentum, held = indexed(part.id, index), indexed(name, index)
+            message = f"'{momentum}': {held} is held here, and has no momentum"
+            raise error(model, message, part.span, f"'{held}' and its rate can be recorded")
 
 
 def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
@@ -91,17 +94,16 @@ def _start(model: Model, item: Hold, index: int | None) -> Expr:
     """The last start of that coordinate; without any it is 0."""
     found: Expr = Number(Fraction(0), item.span)
     for start in model.starts:
-        if start.name != item.name or start.order:
+        if start.order:
             continue
-        if start.range is not None:
-            raise error(
-                model,
-                f"the start of '{indexed(item.name, index)}' is that of a family",
-                item.span,
-                "give its motion: hold NAME = EXPR",
-            )
-        at = None if start.index is None else integer(start.index, sizes(model))
-        found = start.value if at == index else found
+        if _is_of(model, start, item, index):
+            found = start.value
+        elif start.name == item.name and start.range is not None:
+            lo, hi = ends(model, start.range)
+            if lo <= index <= hi:
+                found = of_member(
+                    start.value, start.range.variable, Number(Fraction(index), item.span)
+                )
     return found
 
 
@@ -139,21 +141,25 @@ def _shorter(
 ) -> tuple[Model, Coordinate]:
     """A family without its first or last member, which becomes a fixed end."""
     if index not in (family.lo, family.hi) or family.count == 1:
-        why = "it is neither the first nor the last" if family.count > 1 else "none would be left"
-        raise error(model, f"'{indexed(item.name, index)}' cannot be held: {why}", item.span)
+        why, help = "none would be left", "leave the family out of the model"
+        if family.count > 1:
+            lo, hi = (indexed(item.name, end) for end in (family.lo, family.hi))
+            why = "it is neither the first nor the last"
+            help = f"members are held from an end on, in order: {lo} or {hi} first"
+        raise error(model, f"'{indexed(item.name, index)}' cannot be held: {why}", item.span, help)
     if any(end.name == item.name and end.kind == "periodic" for end in model.ends):
         raise error(model, f"'{item.name}' is periodic: it has no end to hold", item.span)
     first = index == family.lo
     at = Number(Fraction(index), item.span)
     fixed = End("fixed", item.name, index, value, item.span, at)
-    ends = [end for old in model.ends for end in _ends(model, old, item, family, fixed)]
+    changed = [end for old in model.ends for end in _ends(model, old, item, family, fixed)]
     lo, hi = declared.range.lo, declared.range.hi
     one = Number(Fraction(1 if first else -1), item.span)
     moved = Add((lo if first else hi, one), (1, 1), item.span)
     range_ = replace(declared.range, **{"lo" if first else "hi": moved})
     model = replace(
         model,
-        ends=(*ends, fixed),
+        ends=(*changed, fixed),
         starts=_shorter_too(model, model.starts, item, index),
         forces=_shorter_too(model, model.forces, item, index),
     )
