@@ -213,7 +213,9 @@ def test_c_of_two_scenes_links_and_has_no_more_than_they_need(pkgen, models, tmp
     for kernel in ("mass", "jacobian", "energy", "observe"):
         assert f"void top_nods_{kernel}(" not in nods and f"pk_real top_nods_{kernel}(" not in nods
     assert "top_turns_energy(" in turns and "top_turns_observe(" in turns
-    assert "phi: p_phi is constant" in (tmp_path / "top_nods.h").read_text()
+    header = (tmp_path / "top_nods.h").read_text()
+    assert "phi: p_phi is constant" in header
+    assert "    pk_real p_psi; /* constant momentum, follows the starts */\n" in header
     (tmp_path / "use.c").write_text(USE)
     flags = [
         "-std=c99",

@@ -192,12 +192,9 @@ enum {
 };
 
 struct coupled_oscillators_params {
-    pk_real m;
- /* each mass [kg] in (0, inf) */
-    pk_real k;
- /* the two wall springs [kg/s^2] in [0, inf) */
-    pk_real kc;
- /* the springs between masses; follows k unless set [kg/s^2] in [0, inf) */
+    pk_real m; /* each mass [kg] in (0, inf) */
+    pk_real k; /* the two wall springs [kg/s^2] in [0, inf) */
+    pk_real kc; /* the springs between masses; follows k unless set [kg/s^2] in [0, inf) */
     pk_real c_[8]; /* computed by coupled_oscillators_prepare(); do not set */
 };
 

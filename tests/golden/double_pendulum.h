@@ -194,16 +194,11 @@ enum {
 };
 
 struct double_pendulum_params {
-    pk_real m1;
- /* upper bob [kg] in (0, inf) */
-    pk_real m2;
- /* lower bob [kg] in (0, inf) */
-    pk_real l1;
- /* upper rod [m] in (0, inf) */
-    pk_real l2;
- /* lower rod [m] in (0, inf) */
-    pk_real g;
- /* gravity [m/s^2] */
+    pk_real m1; /* upper bob [kg] in (0, inf) */
+    pk_real m2; /* lower bob [kg] in (0, inf) */
+    pk_real l1; /* upper rod [m] in (0, inf) */
+    pk_real l2; /* lower rod [m] in (0, inf) */
+    pk_real g; /* gravity [m/s^2] */
     pk_real c_[13]; /* computed by double_pendulum_prepare(); do not set */
 };
 

@@ -205,16 +205,11 @@ enum {
 };
 
 struct heavy_top_params {
-    pk_real I1;
- /* about the tip, across the axis [kg*m^2] in (0, inf) */
-    pk_real I3;
- /* about the axis [kg*m^2] in (0, inf) */
-    pk_real M;
- /* [kg] in (0, inf) */
-    pk_real l;
- /* from the tip to the centre of mass [m] in (0, inf) */
-    pk_real g;
- /* [m/s^2] */
+    pk_real I1; /* about the tip, across the axis [kg*m^2] in (0, inf) */
+    pk_real I3; /* about the axis [kg*m^2] in (0, inf) */
+    pk_real M; /* [kg] in (0, inf) */
+    pk_real l; /* from the tip to the centre of mass [m] in (0, inf) */
+    pk_real g; /* [m/s^2] */
     pk_real c_[12]; /* computed by heavy_top_prepare(); do not set */
 };
 

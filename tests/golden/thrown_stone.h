@@ -195,12 +195,9 @@ enum {
 };
 
 struct thrown_stone_params {
-    pk_real m;
- /* [kg] in (0, inf) */
-    pk_real k;
- /* drag over the square of the speed [kg/m] in [0, inf) */
-    pk_real g;
- /* [m/s^2] */
+    pk_real m; /* [kg] in (0, inf) */
+    pk_real k; /* drag over the square of the speed [kg/m] in [0, inf) */
+    pk_real g; /* [m/s^2] */
     pk_real c_[3]; /* computed by thrown_stone_prepare(); do not set */
 };
 

@@ -88,33 +88,26 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def families(quantities: Sequence[Quantity]) -> list[dict[str, Any]]:
-    """Plain quantities and whole families: name, index of the (first) member, their number."""
-    rows: list[dict[str, Any]] = []
+    """Plain quantities and whole families: name, index of the (first) member, what it is. Members
+    of a family that stand apart from its first ones are found by their own names alone."""
+    rows: dict[str, tuple[int, Quantity]] = {}
+    counts: dict[str, int] = {}
     for index, quantity in enumerate(quantities):
-        plain = "[" not in quantity.name
         c_name = family_of(quantity.name).rstrip("'") + dots(quantity.name.count("'"))
-        if not plain and rows and rows[-1]["c_name"] == c_name and not rows[-1]["plain"]:
-            rows[-1]["count"] += 1
-            continue
-        rows.append(
-            {
-                "c_name": c_name,
-                "index": index,
-                "count": 1,
-                "plain": plain,
-                "quantity": quantity,
-            }
-        )
+        if c_name not in rows:
+            rows[c_name], counts[c_name] = (index, quantity), 1
+        elif index == rows[c_name][0] + counts[c_name]:
+            counts[c_name] += 1
     return [
         {
-            "c_name": row["c_name"],
-            "index": row["index"],
+            "c_name": c_name,
+            "index": index,
             "says": _says(
-                "" if row["plain"] else f"{row['quantity'].name}, the first of {row['count']}",
-                row["quantity"],
+                f"{quantity.name}, the first of {counts[c_name]}" if "[" in quantity.name else "",
+                quantity,
             ),
         }
-        for row in rows
+        for c_name, (index, quantity) in rows.items()
     ]
 
 

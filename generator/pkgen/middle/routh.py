@@ -107,8 +107,9 @@ def _momenta(
     swap = {g.symbol(s): parameters.of(s) for s in symbols_in(g, nodes, STATE)}
     swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # a run starts there
     at_start = substituted(g, nodes, swap)
+    says = "constant momentum, follows the starts"
     return parameters, {
-        i: parameters.add(equations.momenta_names[i], node)
+        i: parameters.add(replace(equations.momenta_names[i], description=says), node)
         for i, node in zip(cyclic, at_start, strict=True)
     }
 
