@@ -13,6 +13,7 @@ FAMILY = 1_000_000_000  # members of a family, terms of a sum in one range
 SAMPLED = 10_000  # members of a family of parameters whose defaults are evaluated; C tests all
 SWARM = 10_000_000  # members of a scene's swarm
 SWARM_VALUES = 50_000_000  # starts of all of them, in memory
+WRITTEN = 1_000_000_000  # numbers in all rows of a run: some 20 GB
 VISITS = 300_000  # of expressions while sums unroll, each time through one counted
 UNROLLED = 1_000_000  # nodes of the expression graph after unrolling and differentiation
 LITERAL_DIGITS = 400

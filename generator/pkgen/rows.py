@@ -8,13 +8,12 @@ import math
 from . import named
 from .compiler import Compilation
 from .exits import UsageError
+from .front.scene_values import too_much
 from .model import Model, Scene
 from .simulate import Settings
 
 ROWS = 1000
 NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
-NUMBERS_MOST = 1_000_000_000  # written at all: some 20 GB
-BYTES = 20  # of a number as text
 
 
 def interval(until: float, step: float | None, numbers: int) -> float:
@@ -33,8 +32,8 @@ def refuse_too_many(
     members: int | None,
 ) -> None:
     """No disk would hold what somebody asks for by mistake. `members`: of several together."""
-    total = rows * numbers * (members or 1)
-    if total <= NUMBERS_MOST:
+    said = too_much(rows, numbers, members)
+    if not said:
         return
     if options.every is not None:
         what, advice = f"--every {options.every}", "take a longer interval"
@@ -48,11 +47,7 @@ def refuse_too_many(
         advice = "take a longer interval"
     else:
         what, advice = "--size", "take smaller families"
-    each = f"{members:,} members of " if members is not None else ""
-    raise UsageError(
-        f"{what}: {each}{rows:,.0f} rows of {numbers:,} numbers are some "
-        f"{total * BYTES * 1e-9:,.0f} GB; {advice}"
-    )
+    raise UsageError(f"{what}: {said}; {advice}")
 
 
 def note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:

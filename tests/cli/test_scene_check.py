@@ -42,6 +42,12 @@ WRONG = [
         "all members of the swarm would be the same: nothing recorded depends",
         "k = 1..3",
     ),
+    ("record x every 1e-9", "1,000,000,001 rows of 2 numbers are some 40 GB", "1e-9"),
+    (
+        "record x every 0.01\n  swarm k = 1..9000000\n  start x = k",
+        "9,000,000 members of 101 rows of 2 numbers are some 36 GB",
+        "k = 1..9000000",
+    ),
     (f"{SWARM}\n  expect x < 1 at 0.3", "members of a swarm have no row at t = 0.3", "0.3"),
     (
         f"{SWARM}\n  expect time(hit) < 1",
@@ -136,12 +142,12 @@ def test_options_are_not_silently_without_effect(pkgen, tmp_path: Path, options,
 @pytest.mark.parametrize(
     ("clauses", "said"),
     [
-        ("record x every 1e-9", "12:3: scene 'one': 1,000,000,001 rows of 2 numbers are some 40 GB;"
+        ("record x every 1e-6", "12:3: scene 'one': 1,000,000,001 rows of 2 numbers are some 40 GB;"
          " take a longer interval"),
-        ("record x every 0.01\n  swarm k = 1..9000000\n  start x = k", "13:9: scene 'one': "
-         "9,000,000 members of 101 rows of 2 numbers are some 36 GB; take fewer members"),
+        ("record x every 0.01\n  swarm k = 1..9000\n  start x = k", "13:9: scene 'one': "
+         "9,000 members of 100,001 rows of 2 numbers are some 36 GB; take fewer members"),
     ],
 )  # fmt: skip
-def test_too_many_rows_are_blamed_on_what_asks_for_them(pkgen, tmp_path: Path, clauses, said):
-    done = pkgen("run", damped(tmp_path, clauses), "--scene", "one")
+def test_too_many_rows_by_an_option_are_blamed_on_the_scene(pkgen, tmp_path: Path, clauses, said):
+    done = pkgen("run", damped(tmp_path, clauses), "--scene", "one", "--until", "1000")
     assert done.returncode == 2 and f"damped.lag:{said}" in done.stderr

@@ -9,12 +9,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from ..model import Model, Parameter, Scene
+from ..indices import integer
+from ..model import Model, Parameter, Record, Scene
 from ..source import Span
 from ..tree import Expr
 from .check_names import Report
 from .check_params import ends_of, interval, number, within
-from .scene_values import ROUND_OFF, Values, WrongValue, has_row
+from .scene_values import ROUND_OFF, Values, WrongValue, has_row, too_much
 
 
 def check_scene_values(model: Model, report: Report) -> None:
@@ -39,6 +40,7 @@ class _Numbers:
         every = None
         if scene.record is not None:
             every = self._interval("every", scene.record.every, until)
+            self._rows(scene.record, every, until)
         for item in scene.expects:
             self._of(lambda item=item: values.not_negative("within", item.within))
             at = self._of(lambda item=item: values.not_negative("at", item.at))
@@ -69,6 +71,20 @@ class _Numbers:
             least = number(SHORTEST * until)
             self.report.error(f"'{name}' is below the round-off of the time, {least}", expr.span)
         return found
+
+    def _rows(self, record: Record, every: float | None, until: float | None) -> None:
+        """No disk would hold what somebody asks for by mistake."""
+        if until is None or (every and every < SHORTEST * until):  # said already
+            return
+        members, swarm = None, self.scene.swarm
+        if swarm is not None:
+            lo, hi = (integer(end, self.values.sizes) for end in (swarm.lo, swarm.hi))
+            members = hi - lo + 1
+        said = too_much(until / every + 1 if every else 1, len(record.columns) + 1, members)
+        if said and swarm is not None:
+            self.report.error(said, swarm.span, "take fewer members")
+        elif said:
+            self.report.error(said, record.every.span, "take a longer interval")
 
     def _rtol(self) -> None:
         expr = self.scene.rtol

@@ -14,6 +14,7 @@ from ..tree import Expr
 from .check_values import NoValue, evaluate
 
 ROUND_OFF = 2.0**-52  # the smallest 'rtol': below it steps would be halved for ever
+BYTES = 20  # of a number as text
 Number = Fraction | float
 Key = tuple[str, int | None]  # a name and the index of a member
 
@@ -26,6 +27,16 @@ def has_row(t: float, every: float | None, until: float) -> bool:
         return False
     off = abs(t / every - round(t / every)) * every
     return off <= 8 * sys.float_info.epsilon * until
+
+
+def too_much(rows: float, numbers: int, members: int | None) -> str:
+    """What is said of rows that no disk would hold; `members`: of several together."""
+    total = rows * numbers * (members or 1)
+    if total <= limits.WRITTEN:
+        return ""
+    each = f"{members:,} members of " if members is not None else ""
+    gigabytes = total * BYTES * 1e-9
+    return f"{each}{rows:,.0f} rows of {numbers:,} numbers are some {gigabytes:,.0f} GB"
 
 
 class WrongValue(Exception):
