@@ -41,17 +41,16 @@ class Given:
 
     def _swarm(self, swarm: Range) -> Scope | None:
         """The scope of the starts of all members."""
-        before = len(self.report.errors)
-        scope = self.indices.enter((swarm,), Scope(PLACES["start"]))
-        if scope is not None:
-            self._swarm_size(swarm, scope)
-        if len(self.report.errors) == before:
-            return scope
-        self.names.reported.add(swarm.variable)  # so that starts are not blamed for it
-        return None
+        scope = Scope(PLACES["start"])
+        lo, hi = (self.indices.value(end, scope) for end in (swarm.lo, swarm.hi))
+        inside = None
+        if lo is not None and hi is not None and self._swarm_fits(swarm, lo, hi):
+            inside = self.indices.enter((swarm,), scope)
+        if inside is None:
+            self.names.reported.add(swarm.variable)  # so that starts are not blamed for it
+        return inside
 
-    def _swarm_size(self, swarm: Range, scope: Scope) -> None:
-        lo, hi = scope.loops[0].interval
+    def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:
         if lo > hi:
             self.report.error(
                 f"an empty swarm: {lo}..{hi}", swarm.span, "the lower end comes first: k = 1..1000"
@@ -62,8 +61,9 @@ class Given:
                 swarm.span,
                 "their starts are all in memory: run it in several parts",
             )
+        return 0 < hi - lo + 1 <= limits.SWARM
 
-    def swarm_of(self, expressions: tuple[Expr | None, ...]) -> bool:
+    def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
         """Whether the swarm's variable is in a clause that is the same for all members."""
         if self.swarm is None:
             return False
@@ -73,7 +73,7 @@ class Given:
                 f"'{self.swarm.variable}' counts the members of the swarm: only starts differ"
                 " from one to the next",
                 expr.span,
-                "parameters that do are columns of a file: --ensemble FILE.csv",
+                help or "parameters that do are columns of a file: --ensemble FILE.csv",
             )
         return bool(wrong)
 

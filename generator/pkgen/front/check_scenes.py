@@ -65,7 +65,10 @@ class _Scene:
         self.seen: set[str] = set()
 
     def clause(self, clause: st.Clause) -> None:
-        if not isinstance(clause, st.StartAt) and self.given.swarm_of(_expressions(clause)):
+        help = ""
+        if isinstance(clause, st.Record):
+            help = "the rows' column in front says which member it is, without being recorded"
+        if not isinstance(clause, st.StartAt) and self.given.swarm_of(_expressions(clause), help):
             return
         if isinstance(clause, _ONCE):
             keyword = getattr(clause, "keyword", type(clause).__name__.lower())

@@ -39,6 +39,12 @@ FORMS = {
     "swarm": "swarm k = 1..1000",
     "expect": "expect A = B within 1e-6 at 2 [s]",
 }
+# Of each clause which other comes after it, and how both are written.
+ORDER = {
+    "every": ("at", "record a, energy every 0.01 [s] at EVENT"),
+    "step": ("rtol", "method dop853 step 0.01 [s] rtol 1e-9"),
+    "within": ("at", FORMS["expect"]),
+}
 # What the parser may have wanted.
 WHAT = {
     "EQUAL": "'='", "COLON": "':'", "DOTS": "'..'", "_COMMA": "','", "RPAREN": "')'",

@@ -14,7 +14,7 @@ from lark.lexer import Token
 
 from ..source import Source, Span
 from .lexed import Lexed
-from .parse_forms import FORMS, WHAT
+from .parse_forms import FORMS, ORDER, WHAT
 from .words import CLAUSE_WORDS, STATEMENT_WORDS
 
 _VALUE_STARTS = frozenset(("NAME", "NUMBER", "FUNCTION", "SUM", "LPAREN", "LVECTOR"))
@@ -233,6 +233,18 @@ def _comparison(spot: Spot):
     return f"'{spot.token}' is not an operator here", "step(x) is 0 below 0 and 1 from 0 on"
 
 
+def _clause_order(spot: Spot):
+    """`record x at up every 0.5`."""
+    clause = str(spot.token)
+    if clause not in ORDER:
+        return None
+    then, form = ORDER[clause]
+    before = {str(t) for t in spot.lexed.tokens if t.start_pos < spot.token.start_pos}
+    if then not in before or clause in before:
+        return None
+    return f"'{clause}' comes before '{then}'", f"the form is: {form}"
+
+
 def _value_missing(spot: Spot):
     if not spot.wants_value():
         return None
@@ -273,6 +285,7 @@ RULES: tuple[Callable[[Spot], tuple[str, str] | None], ...] = (
     _no_name_wanted,
     _comparison,
     _one_name_a_line,
+    _clause_order,
     _value_missing,
     _something_missing,
 )
