@@ -165,7 +165,8 @@ class Expressions:
             return None
         if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.coordinates):
             return self._built_in(name, expr)
-        self.names.unknown(name, expr.span, missing=scope.place.missing)
+        built_in = "built-in" in scope.place.kinds
+        self.names.unknown(name, expr.span, missing=scope.place.missing, built_in=built_in)
         return None
 
     def _built_in(self, name: str, expr: Name) -> Entry | None:

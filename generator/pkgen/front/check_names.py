@@ -192,10 +192,17 @@ class Names:
     missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # if nothing else helps
 
     def unknown(
-        self, name: str, span: Span, called: bool = False, help: str = "", missing: str = ""
+        self,
+        name: str,
+        span: Span,
+        called: bool = False,
+        help: str = "",
+        missing: str = "",
+        built_in: bool = False,
     ) -> None:
-        """Reports a name that there is not, once, with what may have been meant. `missing` is what
-        helps where no name is near, in a scene, where products of two names are rarely meant."""
+        """Reports a name that there is not, once, with what may have been meant, `built_in` names
+        too. `missing` is what helps where no name is near, in a scene, where products of two names
+        are rarely meant."""
         if name in self.reported:
             return
         self.reported.add(name)
@@ -212,9 +219,9 @@ class Names:
             message = f"unknown {what} '{name}'"
             if called and name in self.table:
                 message = f"'{name}' is {KIND_TEXT[self.table[name].kind]}, not a function"
-            self.report.error(message, span, help or self._hint(name, called, missing))
+            self.report.error(message, span, help or self._hint(name, called, missing, built_in))
 
-    def _hint(self, name: str, called: bool, missing: str) -> str:
+    def _hint(self, name: str, called: bool, missing: str, built_in: bool) -> str:
         if self.report.full:
             return ""
         if called and name in self.table:
@@ -222,6 +229,8 @@ class Names:
         if not called and name in CALLABLE | SPECIAL:
             return f"'{name}' is a function: write {name}(…)"
         known = sorted(CALLABLE | {"sum"}) if called else [*self.table, "t", "pi"]
+        if built_in:
+            known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.coordinates))]
         if not called and name in _UNITS:
             return f"a unit stands in square brackets after a value: 2 [{name}]"
         near = get_close_matches(name, known, 1, 0.6)
