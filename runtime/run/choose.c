@@ -2,10 +2,10 @@
  * them, rows and all. The scene's settings come from a file (settings.h); then every line of
  * standard input is a request, and every line of standard output its answer, a JSON object:
  *
- *     try METHOD SETTING ROWS SPAN LAPS CAP ACCURACY EVERY
+ *     try METHOD SETTING ROWS SPAN LAPS CAP ACCURACY EVERY MAX_STEP
  *               one run up to SPAN, its rows kept in place of being written; SETTING is a step or
- *               rtol; ROWS is land or dense; EVERY the time between rows, 0 that of the scene.
- *               Then runs again for LAPS seconds, of which the fastest is told; given up after CAP
+ *               rtol; ROWS is land or dense; EVERY the time between rows, 0 that of the scene;
+ *               MAX_STEP bounds adaptive steps, 0: as the scene's settings do. Then runs again for LAPS seconds, of which the fastest is told; given up after CAP
  *               seconds. Where there are exact rows, how far it is from these, and until when it
  *               holds ACCURACY
  *     exact     the rows of the last run are exact from now on; whether they are the start and the
@@ -72,7 +72,7 @@ static void cap(double seconds)
 
 struct trial {
     const struct pk_method *method;
-    pk_real setting, span, accuracy, laps, cap, every;
+    pk_real setting, span, accuracy, laps, cap, every, max_step;
     int land;
 };
 
@@ -96,6 +96,8 @@ static int once(struct choice *c, const struct trial *trial)
         s->options.h = 0;
     else
         s->options.h = trial->setting;
+    if (trial->max_step > 0 && !(s->options.h_max > 0 && s->options.h_max <= trial->max_step))
+        s->options.h_max = trial->max_step;
     rows_clear(&c->tried);
     run->kept = &c->tried;
     expect_start(run);
@@ -181,7 +183,8 @@ static void make_exact(struct choice *c)
 static int read_trial(size_t line, char *const word[], struct trial *trial)
 {
     pk_real *const numbers[] = {&trial->setting, NULL,        &trial->span,    &trial->laps,
-                                &trial->cap,     &trial->accuracy, &trial->every};
+                                &trial->cap,     &trial->accuracy, &trial->every,
+                                &trial->max_step};
     trial->method = run_method_find(word[1]);
     if (!trial->method)
         return words_usage(line, "unknown method", word[1]);
@@ -202,7 +205,7 @@ static int answer(struct choice *c, size_t line, char *text)
     text[strcspn(text, "\r\n")] = '\0';
     for (char *w = strtok(text, " "); w && count < 10; w = strtok(NULL, " "))
         word[count++] = w;
-    if (count == 9 && strcmp(word[0], "try") == 0) {
+    if (count == 10 && strcmp(word[0], "try") == 0) {
         const int code = read_trial(line, word, &trial);
         if (code)
             return code;

@@ -10,7 +10,8 @@
 struct crossed {
     unsigned long count;
     pk_real *t;
-    int leaves;    /* its function has been away from zero by more than errors, */
+    unsigned long states; /* of steps, at which its function was looked at: */
+    int leaves;    /* it has been away from zero by more than errors, */
     pk_real parts; /* beside the largest contribution to it so far */
 };
 

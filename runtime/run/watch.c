@@ -7,6 +7,7 @@
 #include <string.h>
 
 enum { MOST_TIMES = 1000 }; /* of an event, in the report */
+enum { FEW = 4 };           /* states, that say nothing: a stop at the event is one of them */
 #define NOISE PK_C(1e-8)    /* of the size of what is subtracted: no more than errors */
 
 static int found(void *context, const struct pk_events *events)
@@ -80,8 +81,10 @@ static void note_leaving(struct run *run)
             run->crossed[k].parts = PK_F(fmax)(run->crossed[k].parts,
                                                PK_F(fabs)(moved[k] - g[k]) / part);
     }
-    for (size_t k = 0; k < m; k++)
+    for (size_t k = 0; k < m; k++) {
+        run->crossed[k].states++;
         run->crossed[k].leaves |= PK_F(fabs)(g[k]) > NOISE * run->crossed[k].parts;
+    }
 }
 
 enum pk_status watch_step(struct run *run, pk_real limit)
@@ -97,7 +100,7 @@ enum pk_status watch_step(struct run *run, pk_real limit)
 void watch_warn(const struct run *run)
 {
     for (size_t k = 0; run->crossed && k < run->problem.system->n_events; k++)
-        if (run->crossed[k].count && !run->crossed[k].leaves)
+        if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
             fprintf(stderr,
                     "run: event %s: its function stays within %g of zero, beside what it is made "
                     "of: its crossings may be no more than errors\n",

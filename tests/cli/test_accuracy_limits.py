@@ -56,6 +56,29 @@ scene s
   record a, b every 0.1
 end
 """
+PULSE = """model pulse
+coord x
+kinetic x'^2/2
+potential x^2/2
+force x = 3*exp(-10000*(t - 55.3)^2)
+start x = 0.1
+scene s
+  until 60
+  accuracy 1e-8
+  record x every 1
+end
+"""
+
+
+def test_a_pulse_that_steps_leap_over_is_seen_and_kept(tmp_path) -> None:
+    said, rows, messages = run(tmp_path, PULSE, "s")
+    assert said["accuracy"]["horizon"] is None and "warning" not in messages
+    assert 0 < said["accuracy"]["expected"] <= 1e-8
+    kick = 3 * math.sqrt(math.pi / 10000) * math.exp(-1 / 40000)
+    largest = max(abs(x) for _, x in rows)
+    for t, x in rows:
+        swing = 0.1 * math.cos(t) + (kick * math.sin(t - 55.3) if t > 55.3 else 0.0)
+        assert abs(x - swing) <= 1e-8 * largest
 
 
 @pytest.mark.long

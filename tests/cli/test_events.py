@@ -61,6 +61,12 @@ def test_a_run_stops_at_its_event(pkgen) -> None:
     assert "event apex: once, at t = 2.60489647" in done.stderr
 
 
+def test_a_single_step_to_a_stop_says_nothing_of_how_far_an_event_leaves_zero(pkgen) -> None:
+    done = pkgen("run", STONE, "--method", "rk4", "--step", "10", "--until", "10")
+    assert "stopped at event ground" in done.stderr and "after 1 steps" in done.stderr
+    assert done.returncode == 0 and "stays within" not in done.stderr
+
+
 def test_the_report_lists_them(pkgen, tmp_path: Path) -> None:
     done = pkgen("run", STONE, "--rtol", "1e-13", "--json", "-o", tmp_path / "rows.csv")
     report = json.loads(done.stdout)["report"]

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from .candidates import Candidate
 from .trials import Trials
 
+STEPS = 1000  # at least, of what is to be exact, where the equations have the time in them
+
 
 @dataclass(frozen=True)
 class Asked:
@@ -15,6 +17,7 @@ class Asked:
     exact: tuple[str, ...]  # methods whose tightest runs may be exact, in turns until one arrives
     damped: bool
     accuracy: float
+    timed: bool = False  # the equations have the time in them
 
     @property
     def until(self) -> float:
@@ -24,3 +27,9 @@ class Asked:
     def every(self) -> float:
         """Between rows, or until the end."""
         return min(self.trials.settings.every or self.until, self.until)
+
+    @property
+    def max_step(self) -> float | None:
+        """Of what is to be exact: steps leap over what is shorter than they are, and where nothing
+        foretells it no control of errors sees that. None: any."""
+        return self.until / STEPS if self.timed else None

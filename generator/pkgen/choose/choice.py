@@ -10,6 +10,15 @@ from .search import Found
 
 
 @dataclass(frozen=True)
+class GivenUp:
+    """A trial of a whole scene: how far it came in how many seconds, and where it would end."""
+
+    t: float
+    seconds: float
+    until: float
+
+
+@dataclass(frozen=True)
 class Choice:
     """`expected` is the error of this very run beside a tighter one."""
 
@@ -25,7 +34,8 @@ class Choice:
     seconds: float  # of the processor, for all trials
     run_seconds: float  # foreseen
     without: bool  # what it is judged by is the start and the end: its event does not happen
-    came: float | None = None  # where a trial of the whole was given up: it was tried in part alone
+    max_step: float | None = None
+    given_up: GivenUp | None = None  # it was tried in part alone
     compiled_for: tuple[str, ...] = ()
     compile_seconds: float = 0.0
     left_out: tuple[str, ...] = ()  # columns that are zero but for errors
@@ -39,4 +49,6 @@ class Choice:
         if self.fixed:
             return replace(given, **chosen, step=self.setting)
         atol = self.check.small * self.setting
-        return replace(given, **chosen, step=None, rtol=self.setting, atol=atol)
+        bounds = [x for x in (given.max_step, self.max_step) if x is not None]
+        longest = min(bounds, default=None)
+        return replace(given, **chosen, step=None, rtol=self.setting, atol=atol, max_step=longest)

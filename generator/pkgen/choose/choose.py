@@ -36,28 +36,31 @@ def choose(asked: Asked, whole_seconds: float = SECONDS) -> Choice:
     race = Race(asked, check)
     found = race.run()
     kept = [f for f in found if f.kept is not None]
-    if not kept:
-        return _reference(asked, check, found)
-    best = race.cheapest(kept)
+    best = race.cheapest(kept) if kept else None
     if check.span == asked.until:
+        if best is None:
+            return _reference(asked, check, found)
         return _choice(asked, check, Kept(best.candidate, best.kept), found)
     try:
         made = Whole(asked, check, whole_seconds).verified(best, found)
     except TooLong as too_long:
-        foreseen = best.kept.seconds * asked.until / check.span
-        trial = replace(best.kept, error=math.inf, seconds=foreseen)
-        choice = _choice(asked, check, Kept(best.candidate, trial), found)
-        return replace(choice, came=too_long.t)
+        candidate, trial = (
+            (best.candidate, best.kept) if best else (alone(check.method), check.exact)
+        )
+        foreseen = trial.seconds * asked.until / check.span
+        trial = replace(trial, error=math.inf, seconds=foreseen)
+        choice = _choice(asked, check, Kept(candidate, trial), found)
+        return replace(choice, given_up=too_long.given_up)
     if not made.trial.arrived:
         check = replace(check, ends=made.trial.reason)
     return _choice(asked, check, made, found)
 
 
 def _reference(asked: Asked, check: Check, found: Sequence[Found]) -> Choice:
-    """No run keeps it: the reference itself, and until when two of them agree."""
+    """No other run keeps it: the reference itself, and until when two of them agree."""
     seconds = math.inf if check.ends else check.exact.seconds * asked.until / check.span
     trial = replace(check.exact, error=check.floor, seconds=seconds)
-    horizon = None if check.ends else check.holds
+    horizon = None if check.ends or check.floor <= FLOOR * asked.accuracy else check.holds
     return _choice(asked, check, Kept(alone(check.method), trial, horizon), found)
 
 
@@ -76,4 +79,5 @@ def _choice(asked: Asked, check: Check, kept: Kept, found: Sequence[Found]) -> C
         seconds=asked.trials.spent,
         run_seconds=trial.seconds,
         without=asked.trials.without,
+        max_step=trial.max_step,
     )

@@ -35,7 +35,8 @@ def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
     for choice in choices:
         atol = choice.check.small * choice.setting
         step = choice.setting if choice.fixed else None
-        parts.append(PartSettings(choice.method, step, choice.setting, atol))
+        longest = None if choice.fixed else choice.max_step
+        parts.append(PartSettings(choice.method, step, choice.setting, atol, longest))
     return replace(given, method=choices[0].method, parts=tuple(parts))
 
 

@@ -25,6 +25,7 @@ class Prepared:
     able: tuple[Candidate, ...]
     exact: tuple[str, ...]
     damped: bool
+    timed: bool
 
     @staticmethod
     def of(
@@ -42,6 +43,7 @@ class Prepared:
             tuple(c for c in able if c.rows == LAND or not land),
             reference.methods(structure, events),
             not getattr(structure, "variational", False),
+            not getattr(structure, "autonomous", True),
         )
 
     def only(self, method: str) -> Prepared:
@@ -49,5 +51,6 @@ class Prepared:
 
     def choose(self, settings: Settings, accuracy: float) -> Choice:
         with Trials(self.program, settings) as trials:
-            found = choose(Asked(trials, self.able, self.exact, self.damped, accuracy))
+            asked = Asked(trials, self.able, self.exact, self.damped, accuracy, self.timed)
+            found = choose(asked)
         return replace(found, compile_seconds=self.seconds)

@@ -22,6 +22,7 @@ TINY = 1e-10  # and it is that small beside others
 FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it
 SMALL_UNITS = 1e-3  # where what is recorded is no larger, absolute tolerances are cut likewise
 ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
+OTHER = 0.7  # of the longest step, that of a run beside
 WRONG = 1e3  # times that two runs of one method differ, another method must not differ by,
 # nor by so many times its own tolerance
 
@@ -56,6 +57,11 @@ def loose(method: str, every: float) -> float:
     return every / 2 if method == EXACT else TOLERANCES.get(method, USUAL)[1]
 
 
+def other_steps(asked: Asked) -> float | None:
+    """Of a run beside: two whose steps end at the same times leap over the same."""
+    return asked.max_step and OTHER * asked.max_step
+
+
 def methods(structure: object, events: bool) -> tuple[str, ...]:
     """What may be exact, in turns until one arrives. Steps as long as rows would miss events."""
     if not getattr(structure, "smooth", False):
@@ -70,7 +76,9 @@ class _Finder:
         self.asked, self.trials = asked, asked.trials
         self.span, self.interval = asked.until, 0.0
 
-    def attempt(self, name: str, setting: float, cap: float = 0.0) -> Trial:
+    def attempt(
+        self, name: str, setting: float, cap: float = 0.0, max_step: float | None = None
+    ) -> Trial:
         return self.trials.attempt(
             name,
             setting,
@@ -79,13 +87,16 @@ class _Finder:
             accuracy=self.asked.accuracy,
             cap=cap,
             every=self.interval,
+            max_step=max_step,
         )
 
     def tight(self, name: str, cap: float = 0.0) -> Trial:
-        return self.attempt(name, tight(name, self.interval or self.asked.every), cap)
+        setting = tight(name, self.interval or self.asked.every)
+        return self.attempt(name, setting, cap, self.asked.max_step)
 
     def loose(self, name: str, cap: float = 0.0) -> Trial:
-        return self.attempt(name, loose(name, self.interval or self.asked.every), cap)
+        setting = loose(name, self.interval or self.asked.every)
+        return self.attempt(name, setting, cap, other_steps(self.asked))
 
     def farthest(self, cap: float) -> Trial:
         """The first method that arrives, or a part of the way by that which came farthest: what is
@@ -108,7 +119,7 @@ class _Finder:
         if small >= SMALL_UNITS:
             return exact, scales, 1.0
         self.trials.absolute(small)
-        exact = self.attempt(exact.method, exact.setting)
+        exact = self.attempt(exact.method, exact.setting, max_step=exact.max_step)
         return exact, self.trials.keep_as_exact(), small
 
     def beside(self, name: str, cap: float) -> Trial:
@@ -139,7 +150,7 @@ def find(asked: Asked, cap: float) -> Check:
     for column in (*ignored, *unsure):
         asked.trials.ignore(column)
     if ignored or unsure:  # what it holds is without them
-        judge = finder.attempt(judge.method, judge.setting)
+        judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
     return Check(
         exact=exact,

@@ -18,6 +18,8 @@ def lines(choice: Choice, time: str, brief: bool) -> list[str]:
     """The choice, unless `brief`, and a warning where it does not hold."""
     said = []
     setting = f"{'step' if choice.fixed else 'rtol'} {choice.setting:.3g}"
+    if choice.max_step is not None:
+        setting += f", steps of at most {choice.max_step:.3g}"
     expected = f"expected error {choice.expected:.1e}, " if math.isfinite(choice.expected) else ""
     if not brief:
         compiled = f", {choice.compile_seconds:.2g} s to compile them"
@@ -33,8 +35,8 @@ def lines(choice: Choice, time: str, brief: bool) -> list[str]:
         )
     if choice.unsure:
         said.append(
-            f"pkgen: {', '.join(choice.unsure)}: round-off is beyond {choice.accuracy:g} of what "
-            "it compares, so no accuracy is promised of that"
+            f"pkgen: {', '.join(choice.unsure)}: the tightest runs differ by more than "
+            f"{choice.accuracy:g} of what it compares, so no accuracy is promised of that"
         )
     if choice.without:
         said.append(
@@ -51,20 +53,33 @@ def _warning(choice: Choice, time: str) -> str:
 
     if choice.check.ends:
         return "is not promised: no method arrives at the end"
-    if choice.came is not None:
+    if choice.given_up is not None:
+        came = choice.given_up
         return (
-            f"was tried until {at(choice.check.span)} alone: trials of all of it take too long, "
-            f"one was given up at {at(choice.came)}; what was not tried is not promised"
+            f"was tried until {at(choice.check.span)} alone, and what was not tried is not "
+            f"promised: a trial of all of it was given up after {came.seconds:.2g} s at "
+            f"{at(came.t)}. The run goes to {at(came.until)}, by the part that was tried in "
+            f"{choice.run_seconds:.2g} s; --until or a looser accuracy make it shorter, Ctrl-C "
+            "keeps the rows so far"
         )
     if choice.horizon is None:
         return ""
     if choice.without:
-        return "of what is recorded at the end is not kept: two of the tightest runs differ by more"
+        return f"of what is recorded at the end is not kept: {_apart(choice)}"
     if choice.horizon == 0:
-        return f"is not kept: for round-off the tightest run is known to {choice.check.floor:.1e}"
+        return f"is not kept: {_apart(choice)}"
+    return f"holds until {at(choice.horizon)}: from there on {_apart(choice)}"
+
+
+def _apart(choice: Choice) -> str:
+    """Which of the two causes it has, no comparison of runs can tell; no step of an exact flow is
+    too long."""
+    if choice.check.method == EXACT:
+        return f"for round-off the tightest run is known to {choice.expected:.1e}"
+    much = f" by {choice.expected:.1e}" if math.isfinite(choice.expected) else ""
     return (
-        f"holds until {at(choice.horizon)}: two of the tightest runs differ by more from there on, "
-        "for errors of round-off have grown to it"
+        f"two of the tightest runs differ{much}, by round-off that the motion magnifies or by "
+        "something shorter than their steps (--max-step)"
     )
 
 
@@ -84,9 +99,10 @@ def record(choice: Choice) -> dict[str, object]:
         "method": choice.method,
         "rows": choice.rows,
         "step" if choice.fixed else "rtol": choice.setting,
+        "max_step": choice.max_step,
         "expected": _finite(choice.expected),
         "horizon": choice.horizon,
-        "unverified_from": None if choice.came is None else check.span,
+        "unverified_from": None if choice.given_up is None else check.span,
         "ends": check.ends or None,
         "run_seconds": _finite(choice.run_seconds),
         "trial_seconds": choice.seconds,

@@ -30,12 +30,14 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
         c if c.method == longest.method else only.choose(one, accuracy)
         for one, c in zip(some, tried, strict=True)
     ]
+    bounds = [c.max_step for c in same if c.max_step is not None]
     horizons = [c.horizon for c in same if c.horizon is not None]
     again = [c for c in same if c not in tried]
     return replace(
         longest,
         accuracy=settings.accuracy,
         setting=min(c.setting for c in same),
+        max_step=min(bounds, default=None),
         expected=max(c.expected for c in same),
         horizon=min(horizons, default=None),
         seconds=sum(c.seconds for c in (*tried, *again)),

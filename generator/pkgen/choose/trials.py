@@ -34,6 +34,7 @@ class Trial:
     compared: int  # rows
     error: float
     holds: float  # until when it held the accuracy
+    max_step: float | None = None  # that its adaptive steps were bounded by
     columns: tuple[float, ...] = field(default=(), repr=False)
 
     @property
@@ -59,10 +60,13 @@ class Trials(Program):
         laps: float = 0.0,
         cap: float = 0.0,
         every: float = 0.0,
+        max_step: float | None = None,
     ) -> Trial:
         """One run up to `span`, and laps of it for so many seconds; `cap` 0: never given up;
         `every` 0: rows as in the scene."""
-        found = self.ask("try", method, setting, rows, span, laps, cap, accuracy, every)
+        found = self.ask(
+            "try", method, setting, rows, span, laps, cap, accuracy, every, max_step or 0.0
+        )
         self.spent += found["took"]
         arrived = found["arrived"]
         return Trial(
@@ -83,6 +87,7 @@ class Trials(Program):
             compared=found.get("compared", 0),
             error=_number(found.get("error")) if arrived else math.inf,
             holds=_number(found.get("holds", 0.0)),
+            max_step=max_step,
             columns=_numbers(found.get("columns", ())),
         )
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from . import reference, search
 from .asked import Asked
 from .candidates import Candidate, alone
+from .choice import GivenUp
 from .race import MARGIN, growth
 from .reference import FLOOR, Check
 from .search import Found
@@ -28,10 +29,10 @@ class Kept:
 
 
 class TooLong(Exception):
-    """A trial was given up; how far it came."""
+    """A trial was given up."""
 
-    def __init__(self, t: float):
-        self.t = t
+    def __init__(self, given_up: GivenUp):
+        self.given_up = given_up
 
 
 class Whole:
@@ -40,11 +41,12 @@ class Whole:
     def __init__(self, asked: Asked, check: Check, seconds: float):
         self.asked, self.check, self.seconds = asked, check, seconds
 
-    def verified(self, best: Found, found: list[Found]) -> Kept:
+    def verified(self, best: Found | None, found: list[Found]) -> Kept:
+        """`best` is None where no candidate keeps the accuracy of the part."""
         # Two tight runs of one method over the whole scene would agree by more than what the
         # reference's own error grows to, for they share what their steps do to the energy.
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
-        if floor > FLOOR * self.asked.accuracy:
+        if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest(MARGIN * self.asked.accuracy)
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
@@ -57,7 +59,7 @@ class Whole:
         scale = search.scale(candidate, self.asked.every)
         setting, judged = scale.allowed(best.kept.setting), self._tighter(judge, 1.0)
         for _ in range(MENDED):
-            if not self._run(judge.candidate, judged).arrived:
+            if not self._run(judge.candidate, judged, self.asked.max_step).arrived:
                 break
             self.asked.trials.keep_as_exact()
             trial = self._run(candidate, setting)
@@ -71,15 +73,17 @@ class Whole:
     def _tightest(self, aim: float) -> Kept:
         """The reference's method, near round-off twice."""
         candidate, every = alone(self.check.method), self.asked.every
-        exact = self._run(candidate, reference.tight(candidate.name, every))
+        setting = reference.tight(candidate.name, every)
+        exact = self._run(candidate, setting, self.asked.max_step)
         if not exact.arrived:
             return Kept(candidate, exact)
         self.asked.trials.keep_as_exact()
-        trial = self._run(candidate, reference.loose(candidate.name, every))
+        setting = reference.loose(candidate.name, every)
+        trial = self._run(candidate, setting, reference.other_steps(self.asked))
         keeps = trial.arrived and trial.error <= aim
         return Kept(candidate, trial, None if keeps else trial.holds)
 
-    def _run(self, candidate: Candidate, setting: float) -> Trial:
+    def _run(self, candidate: Candidate, setting: float, max_step: float | None = None) -> Trial:
         asked = self.asked
         trial = asked.trials.attempt(
             candidate.name,
@@ -88,9 +92,10 @@ class Whole:
             asked.until,
             accuracy=asked.accuracy,
             cap=self.seconds,
+            max_step=max_step,
         )
         if trial.slow:
-            raise TooLong(trial.t)
+            raise TooLong(GivenUp(trial.t, trial.took, asked.until))
         return trial
 
     def _tighter(self, found: Found, more: float) -> float:
