@@ -1,7 +1,6 @@
 /* The integrator: its memory, its checks, and the loop over steps. A method's step() writes the
  * new state into it->next; here it is checked and only then becomes the state, so a step that
- * fails leaves no trace. Time on a fixed step is anchor + k h, rounded twice, never a sum of k
- * roundings.
+ * fails leaves no trace. Time on a fixed step is anchor + k h, rounded twice: no sum of roundings.
  */
 #include <string.h>
 
