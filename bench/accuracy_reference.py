@@ -19,13 +19,7 @@ from .builds import OUTPUT
 
 FOLDER = OUTPUT.parent / "accuracy"
 SCALAR = "__float128"
-# Methods in turn, the next where one takes too long: a tolerance, the one that it is checked with,
-# and how many seconds. dop853 needs h ~ tolerance^(1/8); gauss again is for what is stiff.
-METHODS = (
-    ("gauss", 1e-22, 1e-19, 20.0),
-    ("dop853", 1e-18, 1e-16, 20.0),
-    ("gauss", 1e-20, 1e-18, 300.0),
-)
+Way = tuple[str, float, float, float]  # a method, its setting, one to check it with, seconds
 NOTHING = 1e-18  # a column of no larger numbers is zero
 
 
@@ -64,7 +58,8 @@ class Rows:
 
 def find(compilation: Compilation, settings: Settings, columns: int) -> Rows:
     """`settings` have every parameter and start written out as doubles."""
-    said = repr((sorted(compilation.files.items()), settings.lines(), METHODS))
+    ways = _ways(settings.every or settings.until, compilation.structure.smooth)
+    said = repr((sorted(compilation.files.items()), settings.lines(), ways))
     path = FOLDER / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.rows"
     note = path.with_suffix(".error")
     if not note.exists():
@@ -72,20 +67,30 @@ def find(compilation: Compilation, settings: Settings, columns: int) -> Rows:
         tools = precise_tools(SCALAR)[0]
         program = build_program(compilation.files, compilation.model.name, tools=tools)
         with Trials(program, settings) as trials:
-            note.write_text(repr(_make(trials, settings, compilation.structure.smooth, path)))
+            note.write_text(repr(_make(trials, ways, settings.until, path)))
     return _read(path, columns, float(note.read_text()))
 
 
-def _make(trials: Trials, settings: Settings, smooth: bool, path: Path) -> float:
+def _ways(every: float, smooth: bool) -> list[Way]:
+    """In turns, the next where one takes too long. dop853 needs h ~ tolerance^(1/8); the last two
+    are for what is stiff, the one where its iteration converges with so long steps."""
+    ways = [
+        ("gauss", 1e-22, 1e-19, 20.0),
+        ("dop853", 1e-18, 1e-16, 20.0),
+        ("gauss8", every / 64, every / 32, 300.0),
+        ("gauss", 1e-20, 1e-18, 300.0),
+    ]
+    return [way for way in ways if smooth or way[0] != "gauss"]
+
+
+def _make(trials: Trials, ways: list[Way], until: float, path: Path) -> float:
     why = ""
-    for method, tight, loose, slowest in METHODS:
-        if method == "gauss" and not smooth:
-            continue
-        exact = trials.attempt(method, tight, LAND, settings.until, cap=slowest)
+    for method, tight, loose, slowest in ways:
+        exact = trials.attempt(method, tight, LAND, until, cap=slowest)
         if exact.arrived:
             trials.keep_as_exact()
             trials.save(path)
-            return trials.attempt(method, loose, LAND, settings.until).error
+            return trials.attempt(method, loose, LAND, until).error
         why = exact.reason or "it takes too long"
     raise RuntimeError(f"no reference: {why}")
 
