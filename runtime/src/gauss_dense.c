@@ -44,6 +44,13 @@ static const pk_real weight[] = {
     PK_C(0.094725305227534248142698361604141552573),
 };
 
+struct pk_node pk_gauss_node(int j)
+{
+    const int mirrored = j >= NODES / 2, i = mirrored ? NODES - 1 - j : j;
+    const struct pk_node found = {mirrored ? 1 - node[i] : node[i], weight[i]};
+    return found;
+}
+
 /* The shortest piece, in steps. */
 #define LEAST PK_C(0x1p-10)
 

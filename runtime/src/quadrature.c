@@ -9,11 +9,9 @@
  */
 #include <string.h>
 
-#include <pk/step/gauss_tables.h>
+#include "gauss_dense.h"
 
-#include "internal.h"
-
-enum { NOW, LOW, NEXT, NEXT_LOW, RATE, DENSE_LOW, SIZE, SUM, SUM_2, PARTS };
+enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, PARTS, TERMS = 2 * PK_LANES };
 
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
@@ -28,8 +26,12 @@ static int half(const struct pk_integrator *it) { return it->z == part(it, NOW) 
 
 size_t pk_quadrature_size(const struct pk_system *system, size_t n)
 {
-    return system->n_quadratures ? PARTS * system->n_quadratures + 2 * n : 0;
+    const size_t m = system->n_quadratures;
+    return m ? PARTS * m + 2 * n + 1 + TERMS * m : 0;
 }
+
+/* Whether there is one of the last step, and its terms. */
+static pk_real *series(const struct pk_integrator *it) { return part(it, PARTS) + 2 * it->n; }
 
 enum pk_status pk_quadrature_start(struct pk_integrator *it)
 {
@@ -118,30 +120,67 @@ int pk_quadrature_rejects(struct pk_integrator *it)
     return 1;
 }
 
-void pk_quadrature_accept(struct pk_integrator *it) { it->z = part(it, NEXT - half(it)); }
+void pk_quadrature_accept(struct pk_integrator *it)
+{
+    it->z = part(it, NEXT - half(it));
+    *series(it) = 0;
+}
 
+/* Of g over the last step, at the nodes of gauss_dense.c: sum_j w_j P_k(2 x_j - 1) g_j / 2. */
+static enum pk_status make_series(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t m = system->n_quadratures;
+    const pk_real h = it->t - it->last_t;
+    pk_real *q = part(it, PARTS), *v = q + it->n, *rate = part(it, RATE), *terms = series(it) + 1;
+    memset(terms, 0, TERMS * m * sizeof *terms);
+    for (int j = 0; j < TERMS; j++) {
+        const struct pk_node node = pk_gauss_node(j);
+        const pk_real t = it->last_t + h * node.x, y = 2 * node.x - 1;
+        pk_real P = 1, next = y;
+        if (pk_integrator_dense(it, t, q, v) < 0)
+            return it->status;
+        system->quadrature(it->problem.params, t, q, v, pk_eval_input(it, t), rate);
+        for (int k = 0; k < TERMS; k++) {
+            const pk_real now = P;
+            for (size_t i = 0; i < m; i++)
+                terms[(size_t)k * m + i] += node.weight * now * rate[i] / 2;
+            P = next;
+            next = ((pk_real)(2 * k + 3) * y * P - (pk_real)(k + 1) * now) / (pk_real)(k + 2);
+        }
+    }
+    *series(it) = 1;
+    return PK_DONE;
+}
+
+/* From the step's start, by int P_k = (P_k+1 - P_k-1) / (2 (2 k + 1)) on [0, 1]. */
 enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z)
 {
-    const size_t m = it->z ? it->problem.system->n_quadratures : 0, n = it->n;
+    const size_t m = it->z ? it->problem.system->n_quadratures : 0;
     if (!z || !m) {
         it->where = BAD_POINTER;
         return it->status = it->status < 0 ? it->status : PK_BAD_ARGUMENT;
     }
-    const int before = NEXT - half(it);
-    pk_real *q = part(it, PARTS), *v = q + n, *low = part(it, DENSE_LOW);
     if (!(t < it->t) && !(t > it->t)) {
         memcpy(z, it->z, m * sizeof *z);
         return it->status = PK_DONE;
     }
-    memcpy(z, part(it, before), m * sizeof *z);
-    memcpy(low, part(it, before + 1), m * sizeof *z);
-    for (int k = 0; k < 8; k++) {
-        const pk_real h = t - it->last_t;
-        const struct pk_stage stage = {
-            it->last_t + h * pk_gauss8_c[k], h * pk_gauss8_b[k], q, v, {0, 0}};
-        if (pk_integrator_dense(it, stage.t, q, v) < 0)
-            return it->status;
-        add(it, &stage, z, low);
+    const pk_real h = it->t - it->last_t, y = 2 * (t - it->last_t) / h - 1;
+    pk_real *q = part(it, PARTS), *v = q + it->n;
+    if ((!(pk_abs(y) <= 1) && pk_integrator_dense(it, t, q, v) < 0) || /* which says why not */
+        (!(*series(it) > 0) && make_series(it) < 0))
+        return it->status;
+    const pk_real *terms = series(it) + 1, *from = part(it, NEXT - half(it)), *low = from + m;
+    pk_real before = -1, P = 1, next = y;
+    memcpy(z, low, m * sizeof *z);
+    for (int k = 0; k < TERMS; k++) {
+        for (size_t i = 0; i < m; i++)
+            z[i] += h * terms[(size_t)k * m + i] * (next - before);
+        before = P;
+        P = next;
+        next = ((pk_real)(2 * k + 3) * y * P - (pk_real)(k + 1) * before) / (pk_real)(k + 2);
     }
+    for (size_t i = 0; i < m; i++)
+        z[i] += from[i];
     return it->status = pk_all_finite(z, m) ? PK_DONE : PK_NOT_FINITE;
 }

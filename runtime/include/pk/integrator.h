@@ -142,7 +142,8 @@ enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
 /* The motion at t inside the last step, by the method's own interpolant, into n numbers each.
  * PK_BAD_ARGUMENT for another t or method; a failure leaves the state as it is. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-/* The quadratures there: the motion between is the interpolant's, their sum by Gauss's formula. */
+/* The quadratures there: the motion between is the interpolant's, and the polynomial through what
+ * they sum at 16 nodes of it, made once a step, is integrated. */
 enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z);
 /* The last status in words, with the last valid time and names. Returns its length as
  * snprintf() does. */
