@@ -136,9 +136,12 @@ class Outcome:
 
 
 def columns(
-    compilation: Compilation, ensemble: Ensemble | None = None, show: tuple[Shown, ...] = ()
+    compilation: Compilation,
+    ensemble: Ensemble | None = None,
+    show: tuple[Shown, ...] = (),
+    listed: int = LISTED,
 ) -> list[Quantity]:
-    """The columns of the CSV, in order; of a very long family one entry for all members."""
+    """The columns of the CSV, in order; of a family of more than `listed` members one for all."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
     energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
     member = [ensemble.member] if ensemble else []
@@ -148,8 +151,8 @@ def columns(
     return [
         *member,
         time,
-        *named.coordinates(compilation).columns(LISTED),
-        *named.coordinates(compilation, rates=True).columns(LISTED),
+        *named.coordinates(compilation).columns(listed),
+        *named.coordinates(compilation, rates=True).columns(listed),
         *(q for q in named.observed(compilation) if not hidden(q.name)),
         *named.quadratures(compilation),
         energy,

@@ -9,6 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from conftest import STRICT
 
 TOP = """\
 model top
@@ -217,18 +218,8 @@ def test_c_of_two_scenes_links_and_has_no_more_than_they_need(pkgen, models, tmp
     assert "phi: p_phi is constant" in header
     assert "    pk_real p_psi; /* constant momentum, follows the starts */\n" in header
     (tmp_path / "use.c").write_text(USE)
-    flags = [
-        "-std=c99",
-        "-O1",
-        "-Wall",
-        "-Wextra",
-        "-Wpedantic",
-        "-Wconversion",
-        "-Wdouble-promotion",
-        "-Werror",
-    ]
     sources = ["use.c", "top_nods.c", "top_turns.c", "-o", "use", "-lm"]
-    subprocess.run(["gcc", *flags, *sources], cwd=tmp_path, check=True)
+    subprocess.run(["gcc", *STRICT, "-O1", *sources], cwd=tmp_path, check=True)
     out = subprocess.run([tmp_path / "use"], capture_output=True, text=True, check=True).stdout
     p_psi, acceleration, rate = map(float, out.split())
     spin = 8 + 0.4 * math.cos(0.7)

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from conftest import STRICT
 from pkgen.back import lower, render
 from pkgen.back.kernels import KERNELS
 from pkgen.back.program import Program
@@ -17,15 +18,6 @@ from pkgen.source import Source
 
 ROOT = Path(__file__).parents[2]
 MODELS = sorted((ROOT / "models").glob("*.lag"))
-STRICT = [
-    "-std=c99",
-    "-Wall",
-    "-Wextra",
-    "-Wpedantic",
-    "-Wconversion",
-    "-Wdouble-promotion",
-    "-Werror",
-]
 COMPILERS = ("gcc", "clang")
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
 

@@ -13,12 +13,18 @@ from pkgen.middle.residues import Residues
 from pkgen.source import Source
 
 
+def linked(count: int) -> str:
+    """The angles of so many links, one at the end of the other, and the places of their ends."""
+    n = range(1, count + 1)
+    lines = [f"model m\ncoord {', '.join(f'a{i}' for i in n)}"]
+    for of, x in (("x", "+ sin"), ("y", "- cos")):
+        lines += [f"let {of}{i} = {f'{of}{i - 1}' if i > 1 else 0} {x}(a{i})" for i in n]
+    return "\n".join(lines) + "\n"
+
+
 def test_momenta_and_the_energy_need_no_acceleration():
     """Of six links, whose accelerations no normal form is found of."""
-    n = range(1, 7)
-    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
-    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
-    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}"
+    n, text = range(1, 7), linked(6)
     text += "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\n" for i in n)
     total = " + ".join(f"p_a{i}" for i in n)
     assert (
@@ -31,10 +37,7 @@ def test_momenta_and_the_energy_need_no_acceleration():
 def test_large_systems_without_written_accelerations(monkeypatch):
     """The angular momentum of five links, by Cartesian lets: M x = w has the numbers x = 1."""
     monkeypatch.setattr("pkgen.middle.along.solve", lambda *_: None)
-    n = range(1, 6)
-    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
-    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
-    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}"
+    n, text = range(1, 6), linked(5)
     text += "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\n" for i in n)
     turned = " + ".join(f"x{i}*y{i}' - y{i}*x{i}'" for i in n)
     text += f"conserve J = {turned}\nconserve W = {turned} + x5*y5'\nconserve S = ({turned})^2\n"
@@ -62,10 +65,8 @@ def test_a_combination_modulo_a_prime_is_only_a_guess():
 def test_too_large_is_not_proved_and_does_not_hang():
     """The energy of five links by other angles: true, and beyond the work that is allowed."""
     n = range(1, 6)
-    x = "".join(f"let x{i} = {'x' + str(i - 1) if i > 1 else 0} + sin(a{i})\n" for i in n)
-    y = "".join(f"let y{i} = {'y' + str(i - 1) if i > 1 else 0} - cos(a{i})\n" for i in n)
     energies = "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\npotential y{i}\n" for i in n)
-    text = f"model m\ncoord {', '.join(f'a{i}' for i in n)}\n{x}{y}{energies}"
+    text = linked(5) + energies
     total = " + ".join(f"(x{i}'^2 + y{i}'^2)/2 + 1 - 2*cos(a{i}/2)^2*{6 - i}" for i in n)
     (found,) = claims(f"{text}conserve c = {total}\n")
     assert found.outcome == "not proved" and "at 72 states" in found.says

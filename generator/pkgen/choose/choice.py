@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..simulate import Settings
+from ..simulate import PartSettings, Settings
 from .reference import Check
 from .search import Found
 
@@ -45,10 +45,25 @@ class Choice:
 
     def settings(self, given: Settings) -> Settings:
         """What is run, by the program that the trials were made with."""
-        chosen = {"method": self.method, "rows": self.rows, "compiled_for": self.compiled_for}
+        chosen: dict[str, object] = {
+            "method": self.method,
+            "rows": self.rows,
+            "compiled_for": self.compiled_for,
+        }
         if self.fixed:
             return replace(given, **chosen, step=self.setting)
-        atol = self.check.small * self.setting
         bounds = [x for x in (given.max_step, self.max_step) if x is not None]
         longest = min(bounds, default=None)
-        return replace(given, **chosen, step=None, rtol=self.setting, atol=atol, max_step=longest)
+        return replace(
+            given, **chosen, step=None, rtol=self.setting, atol=self.atol, max_step=longest
+        )
+
+    def of_part(self) -> PartSettings:
+        """What is run of a block of coordinates by itself."""
+        if self.fixed:
+            return PartSettings(self.method, self.setting, self.setting, self.atol, None)
+        return PartSettings(self.method, None, self.setting, self.atol, self.max_step)
+
+    @property
+    def atol(self) -> float:
+        return self.check.small * self.setting

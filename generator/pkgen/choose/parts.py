@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -9,8 +10,7 @@ from .. import named
 from ..compiler import Compilation, CompiledPart
 from ..ensemble import Ensemble
 from ..option_values import Values
-from ..scene_model import hidden
-from ..simulate import PartSettings, Settings, Shown, columns
+from ..simulate import Settings, Shown, columns
 from .choice import Choice
 from .prepared import Prepared
 from .sample import of_members
@@ -31,13 +31,7 @@ def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
     """The settings of what is run."""
     if len(choices) < 2:
         return choices[0].settings(given) if choices else given
-    parts = []
-    for choice in choices:
-        atol = choice.check.small * choice.setting
-        step = choice.setting if choice.fixed else None
-        longest = None if choice.fixed else choice.max_step
-        parts.append(PartSettings(choice.method, step, choice.setting, atol, longest))
-    return replace(given, method=choices[0].method, parts=tuple(parts))
+    return replace(given, method=choices[0].method, parts=tuple(c.of_part() for c in choices))
 
 
 def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Choice:
@@ -77,10 +71,7 @@ def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
 def _all(compilation: Compilation) -> list[Shown]:
     """The columns of rows that have all of them."""
     shown = Values(compilation).shown
-    q, v = (named.coordinates(compilation, rates=rates) for rates in (False, True))
-    outputs = (o for o in named.observed(compilation) if not hidden(o.name))
-    every = (*q.columns(q.count), *v.columns(v.count), *outputs, *named.quadratures(compilation))
-    return [*(shown(quantity.name) for quantity in every), shown("energy")]
+    return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:

@@ -8,7 +8,7 @@ from ..equations import Equations
 from .along import determinant
 from .differentiate import Columns, reachable
 from .graph import BIT, ZERO, Graph, Kind, Node, Op, Symbol
-from .guards import COORDINATES, bounds_of
+from .guards import COORDINATES, bounds_of, summands
 from .normal import Normal, squares_merged
 from .ranges import Ranges
 from .smaller import symbols_in
@@ -33,7 +33,7 @@ def definite(equations: Equations) -> bool:
 def _by_squares(g: Graph, ranges: Ranges, e: Equations) -> bool:
     """Where no term of T is negative, v.M v = 0 makes each of them 0. If all rates of a term but
     some are known to be 0 then, and it is definite in these, so are they: go on until all are."""
-    terms = [node for node in _terms(g, e.written) if g.depends[node] & RATES]
+    terms = [node for node in summands(g, e.written) if g.depends[node] & RATES]
     if not all(ranges(node).not_negative for node in terms) or not _quadratic(g, terms):
         return False
     left = [{s.index for s in symbols_in(g, [node], RATES)} for node in terms]
@@ -46,17 +46,6 @@ def _by_squares(g: Graph, ranges: Ranges, e: Equations) -> bool:
                 found |= rates
                 waiting = True
     return len(found) == len(e.coordinates)
-
-
-def _terms(g: Graph, total: Node) -> list[Node]:
-    found, stack = [], [total]
-    while stack:
-        node = stack.pop()
-        if g.op[node] is Op.ADD:
-            stack.extend(g.args[node])
-        else:
-            found.append(node)
-    return found[::-1]
 
 
 def _quadratic(g: Graph, nodes: list[Node]) -> bool:

@@ -147,8 +147,8 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
             yield base, False
 
 
-def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
-    """The factors that all terms of a sum share, and the sum without them."""
+def summands(g: Graph, node: Node) -> list[Node]:
+    """The terms of a sum, of sums within it too."""
     terms, stack = [], [node]
     while stack:
         part = stack.pop()
@@ -156,7 +156,12 @@ def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
             stack.extend(g.args[part])
         else:
             terms.append(part)
-    powers = [dict(g.factors(term)) for term in terms]
+    return terms
+
+
+def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
+    """The factors that all terms of a sum share, and the sum without them."""
+    powers = [dict(g.factors(term)) for term in summands(g, node)]
     shared = {
         base: min(p[base] for p in powers)
         for base in powers[0]

@@ -28,7 +28,7 @@ CLASSES = {
     "drifting": ("#F0E442", "--"),
     "growing": ("#E69F00", "////"),
     "wrong branch": ("#0072B2", "\\\\\\\\"),
-    "not converged": ("#CC79A7", "xxxx"),
+    "not converged": ("#CC79A7", 4 * "x"),
     "not finite": ("#333333", ""),
     "singular": ("#009E73", "||||"),
     "failed": ("#999999", "++"),
