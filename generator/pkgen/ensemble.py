@@ -23,7 +23,6 @@ from .equations import Quantity
 from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
-from .middle.quantities import indexed
 
 if TYPE_CHECKING:
     import numpy
@@ -167,7 +166,7 @@ class _Reader:
             side = options_text.left_side(text, self.sizes)
         except OptionError as error:
             raise UsageError(f"{place}: column {text}: {error.text()}") from None
-        name = indexed(side.name, side.index) + "'" * side.order
+        name = side.text()
         if name not in self.known:
             near = difflib.get_close_matches(name, self.known, n=1)
             names = list(self.known)

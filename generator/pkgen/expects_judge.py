@@ -60,6 +60,7 @@ class Judge:
 
     def _verdict(self, item: Expect, met: bool, said: str, **found: float | int | None) -> Verdict:
         text = " ".join(self.model.source.text[item.span.start : item.span.end].split())
+        text += f" ({item.component})" if item.component else ""
         keys = ("value", "bound", "within", "t", "member")
         return Verdict(text, item.span, met, said, *(found.get(key) for key in keys))
 
@@ -77,6 +78,8 @@ class Judge:
         said = "" if met else self._miss(item, where=where, **keep)
         if not met and found["count"] > 1:
             said += f"; missed {found['missed']} of {found['count']} times, this the most"
+        if said and item.component:
+            said = f"{item.component}: {said}"
         return self._verdict(item, met, said, **keep)
 
     def _never(self, item: Expect) -> str:

@@ -51,4 +51,4 @@ FUNCTIONS: dict[str, Function] = {
 ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})
 EVEN = frozenset({"cos", "cosh", "abs"})
 
-VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}
+VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}  # and `rot`, of front/check_vectors.py

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 
 from .source import Span
 from .tree import Add, Expr, Multiply, Name, Negate, Number, Range
+
+_MEMBER = re.compile(r"([^\[]+)\[(-?\d+)\](.*)")
 
 
 class NotAnInteger(Exception):
@@ -48,3 +51,17 @@ def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterato
     first, rest = ranges[0], ranges[1:]
     for i in range(integer(first.lo, values), integer(first.hi, values) + 1):
         yield from assignments(rest, {**values, first.variable: i})
+
+
+def indexed(name: str, index: int | None) -> str:
+    """A member of a family as it is written: q[3], of a component r.x of a vector r[3].x."""
+    if index is None:
+        return name
+    family, dot, component = name.partition(".")
+    return f"{family}[{index}]{dot}{component}"
+
+
+def parted(name: str) -> tuple[str, int | None]:
+    """What `indexed` was made of; primes stay behind the name."""
+    member = _MEMBER.fullmatch(name)
+    return (member[1] + member[3], int(member[2])) if member else (name, None)

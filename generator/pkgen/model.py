@@ -187,6 +187,7 @@ class Expect:
     at: Expr | None  # a time
     event: str  # "" without
     span: Span
+    component: str = ""  # ".x" where vectors are compared
 
 
 @dataclass(frozen=True)

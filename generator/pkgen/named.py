@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from .compiler import Compilation
 from .equations import Quantity
-from .middle.quantities import families, indexed, input_quantities
+from .indices import indexed, parted
+from .middle.quantities import families, input_quantities
 from .model import Coordinate, Model, Parameter
 
 SUGGESTED = 12  # members of a family that a hint goes through
-_MEMBER = re.compile(r"(\w+)\[(-?\d+)\]('*)")
 
 
 @dataclass(frozen=True)
@@ -45,9 +44,8 @@ class Named:
         """What was declared, and the index of the member."""
         if name in self._by_name and self._by_name[name].lo is None:
             return self._by_name[name], None
-        member = _MEMBER.fullmatch(name)
-        index = int(member[2]) if member else None
-        found = self._by_name.get(member[1] + member[3] if member else name)
+        base, index = parted(name)
+        found = self._by_name.get(base)
         if found is None or (found.lo is None) != (index is None):
             return None
         if index is not None and not found.lo <= index <= found.hi:
@@ -88,12 +86,6 @@ class Named:
             else:
                 found += [item.member(index) for index in range(item.lo, item.hi + 1)]
         return found
-
-
-def key(name: str) -> tuple[str, int | None]:
-    """The declared name and the index: ("k", 2) of k[2]."""
-    member = _MEMBER.fullmatch(name)
-    return (member[1], int(member[2])) if member else (name, None)
 
 
 def coordinates(compilation: Compilation, rates: bool = False) -> Named:
@@ -166,7 +158,7 @@ def set_parameters(
 ) -> dict[tuple[str, int | None], float]:
     """What settings set, by name and index; `members` are of families that are loops."""
     declared = parameters(compilation).declared
-    found = {key(declared[k].quantity.name): x for k, x in values}
+    found = {parted(declared[k].quantity.name): x for k, x in values}
     for k, position, x in members:
         found[declared[k].quantity.name, declared[k].lo + position] = x
     return found

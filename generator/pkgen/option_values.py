@@ -14,7 +14,7 @@ from .compiler import Compilation
 from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
-from .middle.quantities import indexed
+from .indices import indexed, parted
 from .scene_model import hidden
 from .simulate import Shown
 
@@ -123,7 +123,7 @@ class Values:
             for flat, x in values.items():
                 if item.first <= flat < item.first + item.count:
                     index = None if item.lo is None else item.lo + flat - item.first
-                    found[named.key(item.member(index).name)] = x
+                    found[parted(item.member(index).name)] = x
         return found
 
     def shown(self, name: str, option: str = "--record") -> Shown:
@@ -157,8 +157,7 @@ class Values:
             raise UsageError(f"{option} {text}: {error.text()}") from None
 
     def flat_name(self, option: str, text: str) -> str:
-        side = self.left(option, text)
-        return indexed(side.name, side.index) + "'" * side.order
+        return self.left(option, text).text()
 
 
 def assignment(option: str, text: str) -> tuple[str, str]:

@@ -12,8 +12,8 @@ from fractions import Fraction
 
 from . import expects
 from .front.options_text import LeftSide, OptionError, left_side
-from .indices import integer
-from .middle.quantities import ends, indexed, sizes
+from .indices import indexed, integer, parted
+from .middle.quantities import ends, sizes
 from .middle.specialise import with_definitions
 from .model import Coordinate, Definition, Input, Model, Record, Scene
 from .tree import Expr, Name, Number, Prime, names, of_member, replaced
@@ -124,10 +124,10 @@ def _is_column(model: Model, name: str) -> bool:
     """Whether each run has it. What lies beyond the ends of a family moves as they say: it is no
     coordinate."""
     once = name.removesuffix("'")
-    base, _, index = once.removesuffix("]").partition("[")
+    base, index = parted(once)
     for item in model.coordinates:
         if item.name == base:
-            return "'" not in once and _has(model, item, int(index) if index else None)
+            return "'" not in once and _has(model, item, index)
     return name == once and base in {"energy", *(o.name for o in model.observed)}
 
 

@@ -141,6 +141,16 @@ class _Members:
         raise NoValue("not a number")
 
 
+def _rotated(axis: tuple, angle: Array, vector: tuple) -> tuple:
+    """As in middle/terms.py."""
+    length = _FUNCTIONS["norm"](axis)
+    n = tuple(x / length for x in axis)
+    c, s = np.cos(angle), np.sin(angle)
+    along = (1 - c) * _FUNCTIONS["dot"](n, vector)
+    turned = _FUNCTIONS["cross"](n, vector)
+    return tuple(c * x + s * y + along * z for x, y, z in zip(vector, turned, n, strict=True))
+
+
 _FUNCTIONS: dict[str, Callable] = {
     "asin": np.arcsin,
     "acos": np.arccos,
@@ -152,6 +162,7 @@ _FUNCTIONS: dict[str, Callable] = {
     "dot": lambda a, b: sum(x * y for x, y in zip(a, b, strict=True)),
     "norm": lambda a: np.sqrt(sum(x * x for x in a)),
     "cross": lambda a, b: tuple(a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))),
+    "rotate": _rotated,
 }
 
 

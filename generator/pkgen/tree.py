@@ -12,6 +12,8 @@ from fractions import Fraction
 
 from .source import Span
 
+AXES = "xyz"
+
 
 @dataclass(frozen=True, slots=True)
 class Number:
@@ -84,7 +86,8 @@ class Power:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A function of `functions.py`, or one of the vector functions dot, cross, norm."""
+    """A function of `functions.py`, or one of vectors: dot, cross, norm, and behind the check
+    rotate(axis, angle, vector)."""
 
     function: str
     arguments: tuple[Expr, ...]

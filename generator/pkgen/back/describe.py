@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..equations import Quantity
-from .names import dots, family_of
+from .names import Names, family_of, local_wish
 from .program import Field, Kernel, Program, operations_text
 
 _LISTED = 8  # outputs with more entries are described as a whole
@@ -93,21 +93,23 @@ def families(quantities: Sequence[Quantity]) -> list[dict[str, Any]]:
     rows: dict[str, tuple[int, Quantity]] = {}
     counts: dict[str, int] = {}
     for index, quantity in enumerate(quantities):
-        c_name = family_of(quantity.name).rstrip("'") + dots(quantity.name.count("'"))
-        if c_name not in rows:
-            rows[c_name], counts[c_name] = (index, quantity), 1
-        elif index == rows[c_name][0] + counts[c_name]:
-            counts[c_name] += 1
+        name = family_of(quantity.name)
+        if name not in rows:
+            rows[name], counts[name] = (index, quantity), 1
+        elif index == rows[name][0] + counts[name]:
+            counts[name] += 1
+    taken = Names(frozenset())
+    plain = {name: taken.take(local_wish(name)) for name in rows if "." not in name}
     return [
         {
-            "c_name": c_name,
+            "c_name": plain.get(name) or taken.take(local_wish(name)),
             "index": index,
             "says": _says(
-                f"{quantity.name}, the first of {counts[c_name]}" if "[" in quantity.name else "",
+                f"{quantity.name}, the first of {counts[name]}" if "[" in quantity.name else "",
                 quantity,
             ),
         }
-        for c_name, (index, quantity) in rows.items()
+        for name, (index, quantity) in rows.items()
     ]
 
 

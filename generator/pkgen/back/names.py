@@ -10,6 +10,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from ..indices import parted
+
 # C99 and C++17 keywords: the language reserves them already; a name may still become one here.
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
@@ -86,10 +88,11 @@ class Names:
 
 
 def local_wish(name: str) -> str:
-    """What a quantity is called in a kernel: theta1' is theta1_dot, q[3] is q3, x1[3] is x1_3."""
+    """What a quantity is called in a kernel: theta1' is theta1_dot, q[3] is q3, x1[3] is x1_3, and
+    r.x is r_x."""
     primes = len(name) - len(name.rstrip("'"))
     stem = re.sub(r"\d\[(-?\d+)\]", lambda m: m[0][0] + "_" + m[1], name.replace("'", ""))
-    stem = re.sub(r"\[(-?\d+)\]", r"\1", stem).replace("-", "m")
+    stem = re.sub(r"\[(-?\d+)\]", r"\1", stem).replace("-", "m").replace(".", "_")
     return stem + dots(primes)
 
 
@@ -99,5 +102,5 @@ def dots(primes: int) -> str:
 
 
 def family_of(name: str) -> str:
-    """The declared name of a member: q for q[3]."""
-    return name.split("[", 1)[0]
+    """The declared name of a member: q for q[3], and r.x for r[3].x."""
+    return parted(name)[0]

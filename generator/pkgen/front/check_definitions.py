@@ -13,6 +13,7 @@ from .check_expr import Target
 from .check_names import UNKNOWN, Entry, Facts, Members, Names, joined
 from .check_scope import PLACES, Scope
 from .check_shared import Shared, described, name_span
+from .check_vectors import by_component
 from .units import NONE
 from .words import C_HEADERS, reserved
 
@@ -150,8 +151,8 @@ class Definitions:
         else:
             value, facts = self.expressions.check(statement.value, scope)
             kind = "constant" if keyword == "const" else "output"
-            if facts.vector:
-                self.shared.no_vector(left, {"const": "constant"}.get(keyword, "output"))
+            if facts.vector and kind == "constant":
+                self.shared.no_vector(left, kind)
             if keyword == "conserve" and facts.bare:
                 self.report.warn("a number is always conserved", statement.value.span)
             shown = _declared(facts, _with_unit(statement.value)) if kind == "constant" else facts
@@ -170,13 +171,16 @@ class Definitions:
             statement.description,
             statement.span,
         )
+        if facts.turns:
+            return
         where = keyword if keyword in ("observe", "conserve") else "definitions"
-        self.parts[where].append(definition)
+        vector = facts.vector and where != "definitions"
+        self.parts[where] += by_component(definition) if vector else (definition,)
 
     def _let(self, statement: st.Define, scope: Scope, members: Members | None):
         left = statement.left
         if members is None:
-            value, facts = self.expressions.check(statement.value, scope)
+            value, facts = self.expressions.factor(statement.value, scope)
             shown = replace(facts, bare=False)
             self.names.declare(Entry(left.name, "definition", shown, name_span(left)))
             return value, facts

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .. import model as m
-from ..tree import Call, Expr, Name, within
+from ..tree import AXES, Call, Expr, Name, within
 from . import statements as st
 from .check_names import Facts
 from .check_scope import PLACES, Scope
 from .check_settings import Settings
 from .check_shared import Shared
+from .check_vectors import component
 from .units import NONE, Dimension
 
 OF_RUN = frozenset(("drift", "time"))  # numbers that a whole run has
@@ -19,19 +22,14 @@ class Expects:
         self.shared, self.settings = shared, settings
         self.report, self.expressions = shared.report, shared.expressions
 
-    def check(self, clause: st.Expect) -> m.Expect | None:
+    def check(self, clause: st.Expect) -> tuple[m.Expect, ...]:
+        """One, of vectors one for each component, none after an error."""
         before = len(self.report.errors)
         scope = Scope(PLACES["expect"])
         (a, of_a), (b, of_b) = (self.expressions.check(e, scope) for e in (clause.a, clause.b))
-        for expr, facts in ((clause.a, of_a), (clause.b, of_b)):
-            if facts.vector:
-                self.report.error(
-                    f"{self.expressions.mismatch.text(expr)} is a vector; numbers are compared",
-                    expr.span,
-                    "take a component (.x, .y, .z) or norm(v)",
-                )
-                return None
         known = of_a.known and of_b.known
+        if known and not self._comparable(clause, bool(of_a.vector), bool(of_b.vector)):
+            return ()
         dimension = None
         if known:
             dimension = self._dimension(clause, of_a, of_b)
@@ -40,8 +38,30 @@ class Expects:
         if known and len(self.report.errors) == before:
             self._meaning(clause, of_a.moves or of_b.moves, (a, b))
         if len(self.report.errors) > before or not known:
-            return None
-        return m.Expect(a, clause.relation, b, tolerance, at, event, clause.span)
+            return ()
+        found = m.Expect(a, clause.relation, b, tolerance, at, event, clause.span)
+        if not of_a.vector:
+            return (found,)
+        return tuple(
+            replace(found, a=component(a, k), b=component(b, k), component=f".{axis}")
+            for k, axis in enumerate(AXES)
+        )
+
+    def _comparable(self, clause: st.Expect, a: bool, b: bool) -> bool:
+        expr = clause.a if a else clause.b
+        if a != b:
+            self.report.error(
+                f"{self.expressions.mismatch.text(expr)} is a vector; the other side is a number",
+                expr.span,
+                "take a component (.x, .y, .z) or norm(v)",
+            )
+        elif a and clause.relation != "=":
+            self.report.error(
+                f"{self.expressions.mismatch.text(expr)} is a vector: none is above another",
+                expr.span,
+                "take a component (.x, .y, .z) or norm(v)",
+            )
+        return a == b and (not a or clause.relation == "=")
 
     def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
         """A bare number is in the SI unit of the other side."""

@@ -44,6 +44,7 @@ from .check_names import (
 )
 from .check_operators import Operators
 from .check_scope import Place, Scope
+from .check_vectors import EXAMPLE, output_vector
 from .units import NONE, Dimension, UnitError
 
 Checked = tuple[Expr, Facts]
@@ -96,6 +97,18 @@ class Expressions:
     # entry points
 
     def check(self, expr: Expr, scope: Scope) -> Checked:
+        new, facts = self.factor(expr, scope)
+        if not facts.turns:
+            return new, facts
+        self.report.error(
+            f"{self.mismatch.text(expr)} is a rotation, which turns a vector",
+            expr.span,
+            f"e.g. {EXAMPLE}",
+        )
+        return expr, UNKNOWN
+
+    def factor(self, expr: Expr, scope: Scope) -> Checked:
+        """What may be a rotation too: of that the expression means nothing, its facts say all."""
         return self._visit[type(expr)](expr, scope)
 
     def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
@@ -147,6 +160,8 @@ class Expressions:
             return expr, UNKNOWN
         if not self.indices.member(expr, entry, scope):
             return expr, UNKNOWN
+        if entry.kind == "output" and entry.facts.vector:
+            return output_vector(expr), entry.facts
         return expr, entry.facts
 
     def _entry(self, expr: Name, scope: Scope) -> Entry | None:

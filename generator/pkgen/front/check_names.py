@@ -11,11 +11,13 @@ from fractions import Fraction
 from .. import limits
 from ..functions import FUNCTIONS, VECTOR_FUNCTIONS
 from ..source import Diagnostic, Span
+from ..tree import Expr
 from .units import Dimension
 from .words import reserved
 
 NOTHING: frozenset[str] = frozenset()
 NO_INPUTS: dict[str, int] = {}
+Turns = tuple[tuple[Expr, Expr], ...]  # axis and angle of each rot() in a product of them
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 CALLABLE = frozenset(n for n, f in FUNCTIONS.items() if not f.internal) | VECTOR_FUNCTIONS.keys()
@@ -37,6 +39,7 @@ class Facts:
     rates: frozenset[str] = NOTHING
     inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative
     rough: str = ""  # the first function of the motion that is not smooth
+    turns: Turns = ()  # of a rotation
 
     @property
     def moves(self) -> bool:

@@ -14,6 +14,7 @@ from . import check_values as values
 from . import units
 from .check_names import NO_INPUTS, UNKNOWN, Facts, joined
 from .check_scope import Scope
+from .check_vectors import component, turned, turns_of
 from .units import NONE, Dimension
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class Operators:
                 f"{self.mismatch.text(expr.of)} is a number: it has no components", expr.span
             )
             return expr, UNKNOWN
-        return Component(of, expr.axis, expr.span), replace(facts, vector=False, value=None)
+        return component(of, expr.axis), replace(facts, vector=False, value=None)
 
     def negate(self, expr: Negate, scope: Scope) -> Checked:
         return self.negated(expr, *self.x.check(expr.of, scope))
@@ -111,8 +112,16 @@ class Operators:
         return ranks[0] if ranks else None
 
     def multiply(self, expr: Multiply, scope: Scope) -> Checked:
-        parts = [self.x.check(factor, scope) for factor in expr.factors]
+        parts = [self.x.factor(factor, scope) for factor in expr.factors]
         facts = [f for _, f in parts]
+        product: Expr | None = Multiply(tuple(e for e, _ in parts), expr.exponents, expr.span)
+        if any(f.turns for f in facts):
+            try:
+                product = turned(expr, [e for e, _ in parts], facts, self.report)
+            except ValueError:
+                return expr, UNKNOWN
+            if product is None:
+                return expr, replace(joined(NONE, True, facts), turns=turns_of(facts))
         dimension: Dimension | None = NONE
         for part, exponent in zip(facts, expr.exponents, strict=True):
             if part.dimension is None or dimension is None:
@@ -132,10 +141,10 @@ class Operators:
             result.value = self.x.constant(
                 expr, lambda: values.multiplied([f.value for f in facts], expr.exponents)
             )
-        return Multiply(tuple(e for e, _ in parts), expr.exponents, expr.span), result
+        return product, result
 
     def _product_rank(self, expr: Multiply, facts: list[Facts]) -> bool | None:
-        vectors = [i for i, f in enumerate(facts) if f.vector]
+        vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
         under = next((i for i in vectors if expr.exponents[i] < 0), None)
         if under is not None:
             factor = expr.factors[under]

@@ -6,12 +6,13 @@ expectations in `check_expects.py`; `check_scene_values.py` computes what is a n
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from .. import model as m
-from ..indices import NotAnInteger, integer
+from ..indices import NotAnInteger, indexed, integer
 from ..source import Span
-from ..tree import Expr, Name, Prime, Range
+from ..tree import Component, Expr, Name, Prime, Range
 from . import statements as st
 from .check_dynamics import Dynamics
 from .check_expects import Expects, calls
@@ -19,6 +20,7 @@ from .check_given import Given
 from .check_scope import PLACES, Scope
 from .check_settings import Settings
 from .check_shared import Shared
+from .check_vectors import by_component, component_name
 from .units import NONE
 
 
@@ -104,20 +106,16 @@ class _Scene:
             )
 
     def _expect(self, clause: st.Expect) -> None:
-        checked = self.scenes.expects.check(clause)
-        if checked is not None:
-            self.expects.append(checked)
+        self.expects += self.scenes.expects.check(clause)
 
     # record
 
     def _record(self, clause: st.Record) -> None:
         columns: dict[str, m.Definition] = {}
-        for item in clause.items:
-            column = self._column(item)
-            if column is not None and column.name in columns:
-                self.report.error(f"'{column.name}' is recorded already", item.span)
-            elif column is not None:
-                columns[column.name] = column
+        for column in (column for item in clause.items for column in self._columns(item)):
+            if column.name in columns:
+                self.report.error(f"'{column.name}' is recorded already", column.span)
+            columns[column.name] = column
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
         self.record = m.Record(
             columns=tuple(columns.values()),
@@ -126,38 +124,36 @@ class _Scene:
             span=clause.span,
         )
 
-    def _column(self, item: Expr) -> m.Definition | None:
+    def _columns(self, item: Expr) -> Iterable[m.Definition]:
+        """One, of a vector three, none after an error."""
         shared = self.scenes.shared
         value, facts = self.scenes.expressions.check(item, Scope(PLACES["record"]))
-        inner, order = value, 0
+        inner, order, axis = item, 0, None
         while isinstance(inner, Prime):
             inner, order = inner.of, order + 1
+        if isinstance(inner, Component):
+            inner, axis = inner.of, inner.axis
         if not isinstance(inner, Name):
             self.report.error(
                 "a record takes names, not expressions",
                 item.span,
                 "give it a name: observe NAME = …",
             )
-            return None
+            return ()
         if not facts.known:
-            return None
+            return ()
         if inner.id == "t":
             self.report.error("'t' is the first column of every record", item.span)
-            return None
-        if facts.vector:
-            self.report.error(
-                f"'{inner.id}' is a vector; a column is a number",
-                item.span,
-                "observe NAME = … takes a component (.x, .y, .z)",
-            )
-            return None
+            return ()
         try:
             index = None if inner.index is None else integer(inner.index, shared.sizes)
         except NotAnInteger:  # reported
-            return None
-        name = inner.id + ("" if index is None else f"[{index}]") + "'" * order
-        unit = shared.shown_unit(value, facts)
-        return m.Definition(name, None, None, value, unit, "", item.span)
+            return ()
+        name = inner.id if axis is None else component_name(inner.id, axis)
+        name, unit = indexed(name, index), shared.shown_unit(value, facts)
+        column = m.Definition(name, None, None, value, unit, "", item.span)
+        columns = by_component(column) if facts.vector else (column,)
+        return (replace(c, name=c.name + "'" * order) for c in columns)
 
     # all of it
 

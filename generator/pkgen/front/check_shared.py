@@ -129,7 +129,7 @@ class Shared:
         self.report.error(
             f"the {kind} '{left.name}' is a vector; it must be a number",
             left.span,
-            "'let' defines vectors; an output takes a component (.x, .y, .z)",
+            "'let' defines vectors; otherwise take a component (.x, .y, .z)",
         )
 
     def shown_unit(self, written: Expr, facts: Facts) -> str:

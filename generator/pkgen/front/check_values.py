@@ -149,6 +149,8 @@ def _call(function: str, arguments: list):
         )
     if function == "norm":
         return called("sqrt", [_call("dot", [arguments[0], arguments[0]])])
+    if function == "rotate":
+        return _rotated(*arguments)
     if function == "cross":
         a, b = arguments
         return tuple(
@@ -156,6 +158,18 @@ def _call(function: str, arguments: list):
             for j, k in ((1, 2), (2, 0), (0, 1))
         )
     return called(function, arguments)
+
+
+def _rotated(axis: tuple, angle, vector: tuple) -> tuple:
+    """As in middle/terms.py."""
+    length = _call("norm", [axis])
+    n = tuple(multiplied([x, length], (1, -1)) for x in axis)
+    c, s = called("cos", [angle]), called("sin", [angle])
+    along = multiplied([1 - c, _call("dot", [n, vector])], (1, 1))
+    return tuple(
+        added([c * x, s * y, multiplied([along, z], (1, 1))], (1, 1, 1))
+        for x, y, z in zip(vector, _call("cross", [n, vector]), n, strict=True)
+    )
 
 
 def _each(operation: Callable, *arguments):

@@ -5,15 +5,17 @@ The same lexer, parser and units as in a model, so that the same text means the 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from lark.exceptions import UnexpectedToken
 from lark.lexer import Token
 
-from ..indices import NotAnInteger, integer
+from ..indices import NotAnInteger, indexed, integer
 from ..source import Diagnostic, ModelError, Source, Span
+from ..tree import AXES
 from .check_expr import Expressions, Target
 from .check_names import Entry, Facts, Names, Report
 from .check_scope import PLACES, Scope
@@ -25,6 +27,7 @@ from .read import from_text
 from .units import NONE, described, parse_unit
 
 _LONGEST = 1_000  # characters of one option
+_COMPONENT = re.compile(rf"(.*)(\.[{AXES}])('*)\s*")
 
 
 class OptionError(Exception):
@@ -43,11 +46,15 @@ class OptionError(Exception):
 
 @dataclass(frozen=True)
 class LeftSide:
-    """`q[1]'` is LeftSide("q", 1, 1); without an index and primes LeftSide("q", None, 0)."""
+    """`q[1]'` is LeftSide("q", 1, 1); without an index and primes LeftSide("q", None, 0), and
+    `r[1].x` is LeftSide("r.x", 1, 0)."""
 
     name: str
     index: int | None
     order: int
+
+    def text(self) -> str:
+        return indexed(self.name, self.index) + "'" * self.order
 
 
 def quantity(
@@ -82,6 +89,10 @@ def quantity(
 
 def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
     """What `--start` sets: NAME, NAME[index], each with primes. Raises OptionError."""
+    component = _COMPONENT.fullmatch(text)
+    if component:
+        side = left_side(component[1] + component[3], sizes)
+        return replace(side, name=side.name + component[2])
     source = _source(text)
     end = len(source.text)
     tail = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..equations import Quantity
-from ..indices import integer
+from ..indices import indexed, integer
 from ..model import Coordinate, Input, Model, Parameter
 from ..source import Diagnostic, ModelError, Span
 from ..tree import Range
@@ -62,10 +62,6 @@ def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
         return None, None
     known = sizes(model)
     return integer(range_.lo, known), integer(range_.hi, known)
-
-
-def indexed(name: str, index: int | None) -> str:
-    return name if index is None else f"{name}[{index}]"
 
 
 def quantities(

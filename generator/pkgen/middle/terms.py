@@ -29,7 +29,8 @@ from .quantities import error
 if TYPE_CHECKING:
     from .expand import Expander
 
-Value = Node | tuple[Node, ...]
+Vector3 = tuple[Node, ...]
+Value = Node | Vector3
 Loop = dict[str, int]
 
 
@@ -123,6 +124,10 @@ def _power(x: Expander, expr: Power, loop: Loop) -> Value:
 
 def _call(x: Expander, expr: Call, loop: Loop) -> Value:
     values = [x.value(argument, loop) for argument in expr.arguments]
+    if expr.function == "rotate":
+        if all(item == ZERO for item in values[0]):
+            raise error(x.model, "the axis of a rotation has no length", expr.span)
+        return _rotate(x.graph, *values)
     if expr.function in _VECTOR:
         for value, argument in zip(values, expr.arguments, strict=True):
             if _size(value) == 0 or _size(value) != _size(values[0]):
@@ -141,19 +146,31 @@ def _call(x: Expander, expr: Call, loop: Loop) -> Value:
     return x.graph.call(expr.function, *values)
 
 
-def _dot(g: Graph, a: tuple[Node, ...], b: tuple[Node, ...]) -> Node:
+def _dot(g: Graph, a: Vector3, b: Vector3) -> Node:
     return g.sum(g.multiply(i, j) for i, j in zip(a, b, strict=True))
 
 
-def _cross(g: Graph, a: tuple[Node, ...], b: tuple[Node, ...]) -> tuple[Node, ...]:
+def _cross(g: Graph, a: Vector3, b: Vector3) -> Vector3:
     return tuple(
         g.subtract(g.multiply(a[i], b[j]), g.multiply(a[j], b[i]))
         for i, j in ((1, 2), (2, 0), (0, 1))
     )
 
 
-def _norm(g: Graph, a: tuple[Node, ...]) -> Node:
+def _norm(g: Graph, a: Vector3) -> Node:
     return g.call("sqrt", _dot(g, a, a))
+
+
+def _rotate(g: Graph, axis: Vector3, angle: Node, a: Vector3) -> Vector3:
+    """Rodrigues' formula: c a + s n x a + (1 - c) n (n.a), n the unit vector along the axis."""
+    unit = g.power(_norm(g, axis), -1)
+    n = tuple(g.multiply(unit, i) for i in axis)
+    c, s = g.call("cos", angle), g.call("sin", angle)
+    along = g.multiply(g.subtract(ONE, c), _dot(g, n, a))
+    return tuple(
+        g.sum((g.multiply(c, i), g.multiply(s, j), g.multiply(along, k)))
+        for i, j, k in zip(a, _cross(g, n, a), n, strict=True)
+    )
 
 
 def _sum(x: Expander, expr: Sum, loop: Loop) -> Value:

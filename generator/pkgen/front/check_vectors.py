@@ -1,0 +1,83 @@
+"""Vectors and rotations as what they stand for: components, and turns of a vector.
+
+An output that is a vector is three outputs, `r.x`, `r.y` and `r.z`; its name stands for a vector of
+these. A rotation is the row of turns that it consists of, rot(AXIS, ANGLE), the leftmost done
+last; it never stands alone, so that rotate(AXIS, ANGLE, VECTOR) is all that is left of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..model import Definition
+from ..tree import AXES, Call, Component, Expr, Multiply, Name, Vector
+from .check_names import Facts, Report, Turns
+
+EXAMPLE = "rot([0, 0, 1], angle)*r"
+
+
+def component(vector: Expr, axis: int) -> Expr:
+    """Of a checked vector; of one that is written out the item itself."""
+    if isinstance(vector, Vector):
+        return vector.items[axis]
+    return Component(vector, axis, vector.span)
+
+
+def component_name(name: str, axis: int) -> str:
+    return f"{name}.{AXES[axis]}"
+
+
+def by_component(definition: Definition) -> Iterator[Definition]:
+    """An output that is a vector as three that are numbers."""
+    for axis in range(len(AXES)):
+        name, value = component_name(definition.name, axis), component(definition.value, axis)
+        yield replace(definition, name=name, value=value)
+
+
+def output_vector(expr: Name) -> Vector:
+    """What the name of such an output stands for."""
+    names = (replace(expr, id=component_name(expr.id, axis)) for axis in range(len(AXES)))
+    return Vector(tuple(names), expr.span)
+
+
+def turned(expr: Multiply, factors: list[Expr], facts: list[Facts], report: Report) -> Expr | None:
+    """A product in which there are rotations, or, where they turn nothing, a rotation: None, its
+    turns being those of `turns_of`. Raises ValueError where it is neither, said already."""
+    last = max(i for i, f in enumerate(facts) if f.turns)
+    vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
+    numbers = [i for i, f in enumerate(facts) if not f.vector and not f.turns]
+    under = next((i for i, f in enumerate(facts) if f.turns and expr.exponents[i] < 0), None)
+    if under is not None:
+        report.error(
+            "division by a rotation",
+            expr.factors[under].span,
+            "its inverse turns by the negative angle: rot(axis, -angle)",
+        )
+    elif vectors and vectors[0] < last:
+        report.error(
+            "a rotation stands before the vector that it turns",
+            expr.factors[vectors[0]].span,
+            f"e.g. {EXAMPLE}",
+        )
+    elif numbers and not vectors:
+        report.error(
+            "a rotation is not multiplied by a number",
+            expr.factors[numbers[0]].span,
+            f"it turns a vector: {EXAMPLE}",
+        )
+    elif not vectors:
+        return None
+    else:
+        vector = factors[vectors[0]]
+        for axis, angle in reversed(turns_of(facts)):
+            vector = Call("rotate", (axis, angle, vector), expr.span)
+        left = [i for i in range(len(factors)) if i in numbers or i in vectors]
+        rest = tuple(vector if i in vectors else factors[i] for i in left)
+        exponents = tuple(expr.exponents[i] for i in left)
+        return vector if len(rest) == 1 else Multiply(rest, exponents, expr.span)
+    raise ValueError
+
+
+def turns_of(facts: list[Facts]) -> Turns:
+    return tuple(turn for part in facts for turn in part.turns)

@@ -1,0 +1,142 @@
+"""Vectors as outputs, columns and expectations, and rot() against the motion it describes."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from conftest import STRICT
+
+# A free particle, in coordinates of a frame that is tilted and then turns: it moves straight on in
+# space. No two of its angles commute.
+TURNING = """model turning
+param w = 0.7
+param tilt = 0.3
+coord x, y, z
+let R = rot([0, 0, 2], w*t)*rot([1, 0, 0], tilt)
+let r = [x, y, z]
+let s = R*r
+kinetic 2.385/2*dot(s', s')
+potential 0
+observe place = s
+observe place_x = 2*s.x
+conserve P = 2.385*s'
+start x = 1.2, y = -0.4, z' = 0.5
+
+scene straight
+  until 2
+  method gauss rtol 1e-14
+  record place, r, r', P.z every 1
+  # At t = 0 place' = w e_z x place + rot_x(tilt) r'.
+  expect place = (rot([1, 0, 0], tilt)*([1.2, -0.4, 0] + t*[0, 0, 0.5])
+                  + t*w*[0.4*cos(tilt), 1.2, 0]) within 1e-12
+  expect place.x = 1.2 + 0.4*w*cos(tilt)*t within 1e-12
+end
+"""
+
+
+@pytest.fixture
+def turning(tmp_path: Path) -> Path:
+    path = tmp_path / "turning.lag"
+    path.write_text(TURNING)
+    return path
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(text.splitlines()))
+
+
+def test_a_free_particle_moves_straight_on_in_space(pkgen, turning: Path) -> None:
+    done = pkgen("run", turning, "--scene", "straight")
+    assert done.returncode == 0, done.stderr
+    assert "expected: 4 of 4 met" in done.stderr
+    last = rows(done.stdout)[-1]
+    assert list(last) == [
+        *("t", "place.x", "place.y", "place.z", "r.x", "r.y", "r.z", "r.x'", "r.y'", "r.z'", "P.z")
+    ]
+    # Back from space by the inverse, written out.
+    s = [float(last[f"place.{axis}"]) for axis in "xyz"]
+    a, b = 0.7 * 2, 0.3
+    x, y = math.cos(a) * s[0] + math.sin(a) * s[1], math.cos(a) * s[1] - math.sin(a) * s[0]
+    r = [x, math.cos(b) * y + math.sin(b) * s[2], math.cos(b) * s[2] - math.sin(b) * y]
+    assert [float(last[f"r.{axis}"]) for axis in "xyz"] == pytest.approx(r, abs=1e-14)
+    assert abs(s[1]) > 0.1 < abs(s[2])
+
+
+def test_a_miss_names_the_component(pkgen, turning: Path) -> None:
+    turning.write_text(turning.read_text().replace("t*[0, 0, 0.5]", "t*[0, 0, 0.51]"))
+    done = pkgen("run", turning, "--scene", "straight")
+    assert done.returncode == 4
+    assert "expected: 2 of 4 met" in done.stderr
+    assert "expectation missed: .y:" in done.stderr and "expectation missed: .z:" in done.stderr
+
+
+def test_swarms_and_starts_turn_vectors_as_the_equations_do(pkgen, tmp_path: Path) -> None:
+    """The same rotation by three: of a start, of a swarm's start, in C."""
+    path = tmp_path / "three.lag"
+    path.write_text("""model three
+param a = 0.3
+coord x, y, z
+let r = [x, y, z]
+kinetic dot(r', r')/2
+potential 0
+observe again = rot([0.2, -0.5, 0.9], -a)*rot([1, 2, -2], -0.7)*r
+start x = (rot([1, 2, -2], 0.7)*rot([0.2, -0.5, 0.9], a)*[2, 3, 5]).x
+start y = (rot([1, 2, -2], 0.7)*rot([0.2, -0.5, 0.9], a)*[2, 3, 5]).y
+start z = (rot([1, 2, -2], 0.7)*rot([0.2, -0.5, 0.9], a)*[2, 3, 5]).z
+scene one
+  until 4*(rot([0, 0, 2], pi/6)*[0.5, 0, 0]).y
+  record again, x
+  expect again = [2, 3, 5] within 1e-14
+  expect x < 4.5
+end
+scene many
+  swarm k = 7..8
+  start x = (rot([1, 2, -2], k/10)*rot([0.2, -0.5, 0.9], a)*[2, 3, 5]).x
+  until 1
+  record x
+end
+""")
+    one = pkgen("run", path, "--scene", "one", "--json")
+    assert one.returncode == 0, one.stderr
+    assert json.loads(one.stdout)["report"]["t"] == pytest.approx(1, abs=1e-15)
+    many = rows(pkgen("run", path, "--scene", "many").stdout)
+    single = rows(pkgen("run", path, "--until", "1", "--record", "again.y,x").stdout)
+    assert float(many[0]["x"]) == pytest.approx(float(single[0]["x"]), abs=1e-15)
+    assert abs(float(many[0]["x"]) - float(many[-1]["x"])) > 1e-2
+    assert list(single[0]) == ["t", "again.y", "x"]
+
+
+def test_components_have_names_of_their_own_in_c(pkgen, turning: Path, tmp_path: Path) -> None:
+    """`place.x` and `place_x` are two outputs; families of vectors lie component by component."""
+    turning.write_text(turning.read_text() + "observe pair[i = 1..2] = i*s\n")
+    assert pkgen(turning, "-o", tmp_path).returncode == 0
+    header = (tmp_path / "turning.h").read_text()
+    for name, index in (("place_x_", 0), ("place_y", 1), ("place_x", 3), ("pair_z", 8)):
+        assert f" turning_o_{name} = {index}" in header
+    done = subprocess.run(
+        ["gcc", *STRICT, "-c", "turning.c", "-o", "turning.o"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_vectors_are_claimed_and_refuted_by_component(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "kepler.lag"
+    path.write_text("""model kepler
+coord x, y, z
+let r = [x, y, z]
+kinetic dot(r', r')/2
+potential -1/norm(r) + z/100
+conserve L = cross(r, r')
+start x = 1
+""")
+    done = pkgen("check", path)
+    assert done.returncode == 1
+    assert "'L.x' is not constant" in done.stderr and "'L.y' is not constant" in done.stderr
+    assert "'L.z'" not in done.stderr
