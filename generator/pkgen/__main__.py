@@ -56,6 +56,7 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
     _no_reduce_argument(parser)
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
     _libm_argument(parser)
+    _canonical_argument(parser)
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
     parser.add_argument(
         "--dump", choices=STAGES, metavar="STAGE", help="show a stage's result as text"
@@ -63,7 +64,13 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _explain_arguments(parser: argparse.ArgumentParser) -> None:
+    _canonical_argument(parser)
     parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
+
+
+def _canonical_argument(parser: argparse.ArgumentParser) -> None:
+    help_ = "the canonical form too: H(q, p) and its gradients"
+    parser.add_argument("--canonical", action="store_true", help=help_)
 
 
 def _libm_argument(parser: argparse.ArgumentParser) -> None:

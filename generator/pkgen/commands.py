@@ -12,6 +12,7 @@ from . import explain as explanation
 from . import explain_scenes, limits, scene, scene_check, scene_use
 from . import options as parsing
 from .back.kernels import KERNELS
+from .back.kernels_canonical import CANONICAL
 from .build import driver_methods
 from .compiler import Compilation, check_model, compile_model
 from .dump import dump
@@ -57,6 +58,7 @@ def compile_to_c(options: argparse.Namespace) -> int:
         source,
         kernels=kernels,
         self_test=options.self_test,
+        canonical=options.canonical or bool(kernels and kernels & CANONICAL),
         libm=options.libm,
         use=scene_use.of_compile(options),
         symmetric=True,
@@ -105,7 +107,7 @@ def check(options: argparse.Namespace) -> int:
 
 def explain(options: argparse.Namespace) -> int:
     """Show a model's equations and structure."""
-    compilation = compile_within_limits(options, symmetric=True)
+    compilation = compile_within_limits(options, symmetric=True, canonical=options.canonical)
     with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
         if compilation.looped:
             shown, record = explain_loops, record_loops

@@ -30,6 +30,7 @@ from .front import check, parse
 from .loop_proofs import partly_proved, with_proofs
 from .middle import analyze, derive, loops_derive, reduce
 from .middle.apart import Part
+from .middle.canonical import with_hamiltonian
 from .middle.loops import Facts, LoopEquations, Unrolled
 from .middle.proofs import check_claims
 from .middle.quantities import families
@@ -91,6 +92,7 @@ def stages(
     unroll: int | None = 0,
     use: Use | None = None,
     symmetric: bool = False,
+    canonical: bool = False,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -105,7 +107,7 @@ def stages(
     needs = use.needs(model) if use else None
     called = use.kernels(model) if use and kernels is None else kernels
     with _no_collection():
-        equations = _equations(model, kernels, called, self_test, unroll, needs)
+        equations = _equations(model, kernels, called, self_test or canonical, unroll, needs)
         if isinstance(equations, LoopEquations):
             equations = with_proofs(equations, file, use.model if use else None, symmetric)
     yield equations
@@ -126,6 +128,8 @@ def stages(
         with _no_collection():
             left = reduce.reduce(equations, structure, needs, kernels)
     report = replace(left.report, lines=(*lines, *left.report.lines))
+    if canonical:
+        left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
     yield left.equations, left.structure, report
     of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
     with _no_collection():
@@ -174,14 +178,14 @@ def _equations(
     model: Model,
     kernels: frozenset[str] | None,
     called: frozenset[str] | None,
-    self_test: bool,
+    whole: bool,
     unroll: int | None,
     needs: Needs | None,
 ) -> Equations | LoopEquations:
     """With families as loops, or unrolled with the reason."""
     count = sum(f.count for f in families(model, model.coordinates).values())
-    if kernels is not None or self_test:
-        reason = "asked for are some kernels, or a self-test"
+    if kernels is not None or whole:
+        reason = "asked for are some kernels, a self-test or the canonical form"
     elif unroll is None:
         reason = "members of an ensemble run in lanes, which loops do not have"
     elif count <= unroll:
@@ -206,6 +210,7 @@ def compile_model(
     unroll: int | None = 0,
     use: Use | None = None,
     symmetric: bool = False,
+    canonical: bool = False,
 ) -> Compilation:
     """Compile a model to C.
 
@@ -214,10 +219,11 @@ def compile_model(
     cosine are the library's, not the inline pair. Up to `unroll` coordinates (None: any number)
     families are unrolled though they could be loops; so they are for some kernels or a self-test.
     With `use` no more is compiled than a scene needs. With `symmetric` the model's symmetries are
-    solved for, which nothing but `explain` and comments in the C show.
+    solved for, which nothing but `explain` and comments in the C show. `canonical` adds H(q, p)
+    and its gradients.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric)
+    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
     warnings += partly_proved(model, facts)

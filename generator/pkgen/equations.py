@@ -65,6 +65,17 @@ class Linear:
 
 
 @dataclass(frozen=True)
+class Hamiltonian:
+    """The canonical form, of q and of p instead of v: q' = dH/dp, p' = -dH/dq + applied."""
+
+    energy: Node
+    by_p: Row
+    by_q: Row
+    applied: Row  # Q - dD/dv there
+    pivots: Row  # of M, which is solved for v
+
+
+@dataclass(frozen=True)
 class Equations:
     model: Model
     graph: Graph
@@ -105,6 +116,7 @@ class Equations:
     quadrature_names: tuple[Quantity, ...] = ()
     quadratures: Row = ()
     quadrature_start: Row = ()
+    hamiltonian: Hamiltonian | None = None  # None: not asked for
 
 
 Indices = tuple[tuple[int, ...], ...]

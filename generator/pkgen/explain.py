@@ -31,6 +31,7 @@ def explain(compilation: Compilation) -> str:
         _quantities("Inputs", compilation.equations.inputs),
         _lagrangian(compilation.equations),
         _equations(compilation.equations, compilation.structure),
+        _canonical(compilation.equations),
         _outputs(compilation.equations),
         _events(compilation.equations),
         _structure(compilation),
@@ -53,6 +54,7 @@ def record(compilation: Compilation) -> dict[str, object]:
         "lagrangian": _text(equations, equations.lagrangian),
         "mass": [[_text(equations, equations.mass[i][j]) for j in range(n)] for i in range(n)],
         "force": [_text(equations, node) for node in equations.force],
+        "canonical": {name: _text(equations, node) for name, node in canonical_rows(equations)},
         "structure": structure_record(structure),
         "conserved": [name for name, _ in found(equations, structure)],
         **proofs_record(structure),
@@ -166,6 +168,24 @@ def _equations(equations: Equations, structure: Structure) -> str:
         f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, equations.force, strict=True)
     ]
     return "\n".join(lines)
+
+
+def canonical_rows(equations: Equations) -> list[tuple[str, Node]]:
+    """H(q, p) and its gradients, each under its name, if they were asked for."""
+    h = equations.hamiltonian
+    if h is None:
+        return []
+    slopes = [
+        (f"dH/d({q.name})", node)
+        for quantities, row in ((equations.coordinates, h.by_q), (equations.momenta_names, h.by_p))
+        for q, node in zip(quantities, row, strict=True)
+    ]
+    return [("H", h.energy), *slopes]
+
+
+def _canonical(equations: Equations) -> str:
+    lines = [f"  {name} = {_text(equations, node)}" for name, node in canonical_rows(equations)]
+    return "\n".join(["Canonical form   q' = dH/dp, p' = -dH/dq + Q", *lines]) if lines else ""
 
 
 def _outputs(equations: Equations) -> str:

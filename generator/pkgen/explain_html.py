@@ -10,7 +10,7 @@ from .back.facts import facts, found, loop_facts
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, Invariant, Structure, Symmetries
-from .explain import NOTHING, SHOWN_OPERATIONS, default_text
+from .explain import NOTHING, SHOWN_OPERATIONS, canonical_rows, default_text
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
 from .middle import sympy_bridge
@@ -66,6 +66,7 @@ def _sections(compilation: Compilation) -> list[str]:
         *_lagrangian(e),
         page.heading("Equations of motion"),
         *_equations(e),
+        *_canonical(e),
         *_outputs(e),
     ]
 
@@ -103,6 +104,13 @@ def _equations(e: Equations) -> Iterable[str]:
                 yield _line(mathml.name(f"M[{names[i]}, {names[j]}]"), _math(e, row[j]))
     for x, node in zip(names, e.force, strict=True):
         yield _line(mathml.name(f"f[{x}]"), _math(e, node))
+
+
+def _canonical(e: Equations) -> Iterable[str]:
+    rows = canonical_rows(e)
+    if rows:
+        yield page.heading("Canonical form")
+        yield from (_line(mathml.name(name), _math(e, node)) for name, node in rows)
 
 
 def _outputs(e: Equations) -> Iterable[str]:

@@ -15,7 +15,7 @@ from .program import CHECK, LOAD, STORE, Block, Statement
 # block (gcc), and run as fast; those of 50 gain little more.
 _LONGEST = 800
 _BLOCK = 100
-_ARGUMENTS = ("p", "t", "q", "v", "u", "a", "w")
+ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")
 _WORD = re.compile(r">?\w+")  # a member keeps its >, so that it is nobody's name
 
 
@@ -36,7 +36,7 @@ def blocks(
             for name in (w for s in part for w in _WORD.findall(s.text)):
                 if home.get(name, k) < k:
                     slots.setdefault(name, len(slots))
-    arguments = frozenset((*_ARGUMENTS, *outputs))
+    arguments = frozenset((*ARGUMENTS, *outputs))
     return tuple(
         _block(k, part, words[k], loads, home, slots, arguments) for k, part in enumerate(parts)
     ), len(slots)

@@ -79,6 +79,10 @@ _VECTORS = {
         Quantity(q.name + "'", per_second(q.unit, p.equations.model.dimensionless), "")
         for q in p.equations.quadrature_names
     ],
+    "H": lambda p, _: [Quantity("H", "" if p.equations.model.dimensionless else "J", "")],
+    "dHdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "dHdp": lambda p, _: p.equations.rates,
+    "applied": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }
 

@@ -6,52 +6,23 @@ A new kernel is a row here, its place in runtime/include/pk/system.h, and its ca
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from ..equations import Equations, Matrix, Row
-from ..middle.graph import ZERO, Node, Op
-from .program import CHECK, FILL, RETURN, STORE, Output
+from ..middle.graph import ZERO, Node
+from .kernel_spec import KernelSpec, pivot_checks, stores
+from .kernels_canonical import CANONICAL, canonical_specs
+from .program import FILL, RETURN, STORE, Output
 from .schedule import Target
 
 STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
 _FEW_ZEROS = 8  # of a matrix, each written out
-Hint = tuple[Node, str]
-
-
-def _nothing(_: Equations) -> list[Node]:
-    return []
-
-
-@dataclass(frozen=True)
-class KernelSpec:
-    """`says` is the equation in the kernel's comment; `units` the unit of an output's entries."""
-
-    name: str
-    result: str
-    says: str
-    outputs: Callable[[Equations], tuple[Output, ...]]
-    targets: Callable[[Equations], list[Target]]
-    exists: Callable[[Equations], bool] = lambda _: True
-    kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
-    given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
-
-    def hints(self, equations: Equations) -> Iterator[Hint]:
-        """Names for values that mean something to a reader, if they become locals."""
-        if self.name == "acceleration":
-            yield from _named("D", equations.pivots or ())
-        if equations.mass:
-            for i, row in enumerate(equations.mass):
-                for j in range(i + 1):
-                    yield row[j], f"M_{j}_{i}"
-        yield from _named("f", equations.force)
-        yield from _named("p", equations.momenta)
 
 
 def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
     """Those of `wanted` that the model has, and those that these call."""
     names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
     if wanted is not None:
-        names &= wanted
+        names &= wanted | CANONICAL
     if equations.quadratures:
         names |= {"quadrature"}
     if "acceleration" in names and equations.acceleration is None:
@@ -59,16 +30,11 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     return frozenset(names)
 
 
-def _named(stem: str, row: Row) -> Iterator[Hint]:
-    for i, node in enumerate(row):
-        yield node, f"{stem}_{i}"
-
-
 def _vector(name: str, row: Callable[[Equations], Row]):
     """Outputs and targets of a kernel that writes one vector."""
     return (
         lambda e: (Output(name, len(row(e)), 1),),
-        lambda e: _stores(name, row(e)),
+        lambda e: stores(name, row(e)),
     )
 
 
@@ -79,10 +45,6 @@ def _scalar(node: Callable[[Equations], Node | None]):
         return [Target(RETURN, "", (value,))]
 
     return lambda e: (), targets
-
-
-def _stores(name: str, row: Row) -> list[Target]:
-    return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
 
 
 def _matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
@@ -111,19 +73,7 @@ def _acceleration_targets(equations: Equations) -> list[Target]:
     """Every pivot is tested before anything is written."""
     if equations.acceleration is None:
         return []
-    checks = []
-    graph = equations.graph
-    for i, pivot in enumerate(equations.pivots or ()):
-        diagonal = equations.mass[i][i]
-        positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
-        if positive or pivot in equations.pivots[:i]:
-            continue
-        if pivot == diagonal:
-            checks.append(Target(CHECK, str(i + 1), (pivot,), "{0} > 0"))
-        else:
-            text = "{0} > PK_PIVOT_MIN * {1}"
-            checks.append(Target(CHECK, str(i + 1), (pivot, diagonal), text))
-    return checks + _stores("a", equations.acceleration)
+    return pivot_checks(equations, equations.pivots or ()) + stores("a", equations.acceleration)
 
 
 def _linear(equations: Equations) -> list[Target]:
@@ -134,7 +84,7 @@ def _linear(equations: Equations) -> list[Target]:
         [
             *_matrix_stores("r_q", linear.r_q),
             *_matrix_stores("r_v", linear.r_v),
-            *_stores("r_t", linear.r_t),
+            *stores("r_t", linear.r_t),
         ]
     )
 
@@ -181,7 +131,7 @@ def _specs() -> Iterator[KernelSpec]:
         "void",
         "p = dL/dv and pdot = dL/dq + Q - dD/dv",
         lambda e: (Output("momenta", len(e.momenta), 1), Output("pdot", len(e.pdot), 1)),
-        lambda e: _stores("momenta", e.momenta) + _stores("pdot", e.pdot),
+        lambda e: stores("momenta", e.momenta) + stores("pdot", e.pdot),
     )
     yield KernelSpec("momenta", "void", "p = dL/dv", *_vector("momenta", lambda e: e.momenta))
     yield KernelSpec("gradient", "void", "dL/dq", *_vector("dLdq", lambda e: e.gradient))
@@ -260,12 +210,13 @@ def _specs() -> Iterator[KernelSpec]:
         *_vector("z", lambda e: e.quadrature_start),
         exists=lambda e: bool(e.quadratures),
     )
+    yield from canonical_specs()
     yield KernelSpec(
         "start",
         "void",
         "initial values",
         lambda e: (Output("q", len(e.start_q), 1), Output("v", len(e.start_v), 1)),
-        lambda e: _stores("q", e.start_q) + _stores("v", e.start_v),
+        lambda e: stores("q", e.start_q) + stores("v", e.start_v),
     )
 
 

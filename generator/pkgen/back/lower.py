@@ -38,6 +38,7 @@ _ARGUMENT = {
     Kind.RATE: "v",
     Kind.INPUT: "u",
     Kind.ACCELERATION: "a",
+    Kind.MOMENTUM: "momenta",
 }
 
 
@@ -256,7 +257,7 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 
 
 def _local_names(equations: Equations) -> dict[Symbol, str]:
-    """What coordinates, rates, inputs and given accelerations are called in the kernels."""
+    """What coordinates, rates, inputs, accelerations and momenta are called in the kernels."""
     names = Names(LOCAL_RESERVED)
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates]
     rows = [
@@ -264,6 +265,7 @@ def _local_names(equations: Equations) -> dict[Symbol, str]:
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
         (Kind.ACCELERATION, accelerations),
+        (Kind.MOMENTUM, equations.momenta_names),
     ]
     return {
         Symbol(kind, index): names.take(local_wish(quantity.name))

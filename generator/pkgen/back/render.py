@@ -13,6 +13,7 @@ import pkgen_runtime
 from .. import __version__
 from ..middle.report import Report
 from . import lanes, tables
+from .chunk import ARGUMENTS
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .facts import facts, invariants
@@ -183,7 +184,8 @@ def _context(program: Program) -> dict[str, Any]:
 def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
     spec = KERNELS.get(kernel.name)
     given = spec.given if spec else ()
-    arguments = ["p", "t", "q", "v", "u", *given]
+    second = spec.second if spec else "v"
+    arguments = ["p", "t", "q", second, "u", *given]
     if kernel.name in STARTS:
         arguments = ["p"]
     elif kernel.name == "prepare":
@@ -193,6 +195,7 @@ def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
         "name": kernel.name,
         "result": kernel.result,
         "given": list(given),
+        "second": second,
         "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
         "says": spec.says if spec else "",
         "entries": entries(program, kernel),
@@ -209,8 +212,6 @@ def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
     return {
         "groups": tables.groups(block.statements),
         "checks": int(block.checks),
-        "arguments": [
-            a for a in ("p", "t", "q", "v", "u", "a", "w") if a in block.uses and a not in outputs
-        ],
+        "arguments": [a for a in ARGUMENTS if a in block.uses and a not in outputs],
         "outputs": outputs,
     }

@@ -36,6 +36,7 @@ class Kind:
     TIME = "time"
     INPUT = "input"
     ACCELERATION = "acceleration"  # given, in a linearisation
+    MOMENTUM = "momentum"  # given, in the canonical form
 
 
 KINDS = (
@@ -46,6 +47,7 @@ KINDS = (
     Kind.TIME,
     Kind.INPUT,
     Kind.ACCELERATION,
+    Kind.MOMENTUM,
 )
 # What a node depends on is a mask of these.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}

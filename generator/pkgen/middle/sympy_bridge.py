@@ -74,6 +74,7 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
         Kind.COORDINATE: [quantity.name for quantity in equations.coordinates],
         Kind.RATE: [quantity.name for quantity in equations.rates],
         Kind.INPUT: [quantity.name for quantity in equations.inputs],
+        Kind.MOMENTUM: [quantity.name for quantity in equations.momenta_names],
         Kind.TIME: ["t"],
     }
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))

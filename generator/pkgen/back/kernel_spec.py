@@ -1,0 +1,68 @@
+"""What a kernel is: its row in the table of `kernels.py`, and how its outputs are written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ..equations import Equations, Row
+from ..middle.graph import Node, Op
+from .program import CHECK, STORE, Output
+from .schedule import Target
+
+Hint = tuple[Node, str]
+
+
+def _nothing(_: Equations) -> list[Node]:
+    return []
+
+
+@dataclass(frozen=True)
+class KernelSpec:
+    """`says` is the equation in the kernel's comment; `units` the unit of an output's entries."""
+
+    name: str
+    result: str
+    says: str
+    outputs: Callable[[Equations], tuple[Output, ...]]
+    targets: Callable[[Equations], list[Target]]
+    exists: Callable[[Equations], bool] = lambda _: True
+    kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
+    given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
+    second: str = "v"  # what is taken with q: rates, or "momenta"
+
+    def hints(self, equations: Equations) -> Iterator[Hint]:
+        """Names for values that mean something to a reader, if they become locals."""
+        if self.name == "acceleration":
+            yield from _named("D", equations.pivots or ())
+        if equations.mass:
+            for i, row in enumerate(equations.mass):
+                for j in range(i + 1):
+                    yield row[j], f"M_{j}_{i}"
+        yield from _named("f", equations.force)
+        yield from _named("p", equations.momenta)
+
+
+def _named(stem: str, row: Row) -> Iterator[Hint]:
+    for i, node in enumerate(row):
+        yield node, f"{stem}_{i}"
+
+
+def stores(name: str, row: Row) -> list[Target]:
+    return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
+
+
+def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
+    checks = []
+    graph = equations.graph
+    for i, pivot in enumerate(pivots):
+        diagonal = equations.mass[i][i]
+        positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
+        if positive or pivot in pivots[:i]:
+            continue
+        if pivot == diagonal:
+            checks.append(Target(CHECK, str(i + 1), (pivot,), "{0} > 0"))
+        else:
+            text = "{0} > PK_PIVOT_MIN * {1}"
+            checks.append(Target(CHECK, str(i + 1), (pivot, diagonal), text))
+    return checks
