@@ -12,7 +12,8 @@ import pytest
 from conftest import ROOT, run_pkgen
 from pkgen import build, limits, toolchain
 
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+TUTORIAL = ROOT / "docs/tutorial.md"  # has a test of its own, test_tutorial.py
+PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").glob("*.md")} - {TUTORIAL})
 
 
 def blocks(page: Path, language: str) -> list[str]:
