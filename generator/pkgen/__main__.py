@@ -15,6 +15,7 @@ from collections.abc import Callable
 from . import __version__, arguments, commands, run_command
 from .chart import command as chart_command
 from .compiler import STAGES
+from .diagnostics import NAMES
 from .exits import (
     COMPILER_FAILED,
     DONE,
@@ -108,7 +109,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     arguments.of_implicit_methods(parser)
-    add("--diagnose", metavar="LIST", help="lyapunov,reversal,spectrum,symplectic, or all")
+    add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
     _libm_argument(parser)
     _no_reduce_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")

@@ -52,7 +52,7 @@ def _build_runtime(tools: Toolchain, directory: Path) -> None:
         for library, parts in libraries.items():
             objects = []
             for path in (p for part in parts for p in sorted((RUNTIME / part).glob("*.c"))):
-                objects.append(f"{path.stem}.o")
+                objects.append(f"{path.parent.name}_{path.stem}.o")
                 more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
                 compile_c(tools, ["-c", *more, str(path), "-o", objects[-1]], staging)
             run([ar, "rcs", library, *objects], staging)

@@ -9,10 +9,10 @@ from .back.kernels import KERNELS
 from .exits import UsageError
 from .option_values import near
 
-NAMES = ("lyapunov", "reversal", "spectrum", "symplectic")
+NAMES = ("lyapunov", "reversal", "spectrum", "symplectic", "least_action")
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 BROAD = 0.03  # a residual that lines do not explain
-LINEARISED = frozenset(("all", "lyapunov", "symplectic"))  # by the kernel `linear`
+LINEARISED = frozenset(("all", "lyapunov", "symplectic", "least_action"))  # by the kernel `linear`
 
 
 def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
@@ -147,9 +147,26 @@ def _symplectic(found: dict, time: str) -> list[str]:
     return [said]
 
 
+def _least_action(found: dict, time: str) -> list[str]:
+    said = f"least_action: {found['action']:.12g} over {found['time']:.6g}"
+    said += f"{f' {time}' if time else ''}, stationary to {found['slope']:.0e}; "
+    points = ", ".join(f"{t:.10g}" for t in found["conjugate"][:4])
+    points += ", ..." if found["conjugate"][4:] else ""
+    if found["minimum"]:
+        said += "a minimum among paths with the same ends"
+    else:
+        least = "" if found["settled"] else "at least "
+        ways = "one way" if found["index"] == 1 else f"{found['index']} independent ways"
+        said += f"no minimum: {least}{ways} to a neighbour with less"
+    if points:
+        said += f"; conjugate to the start: t = {points}"
+    return [said]
+
+
 _TEXTS = {
     "lyapunov": _lyapunov,
     "reversal": _reversal,
     "spectrum": _spectrum,
     "symplectic": _symplectic,
+    "least_action": _least_action,
 }

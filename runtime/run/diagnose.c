@@ -21,6 +21,7 @@ static const struct {
              {"reversal", DIAGNOSE_REVERSAL},
              {"spectrum", DIAGNOSE_SPECTRUM},
              {"symplectic", DIAGNOSE_SYMPLECTIC},
+             {"least_action", DIAGNOSE_LEAST_ACTION},
              {"all", DIAGNOSE_ALL}};
 
 unsigned diagnose_flag(const char *name)
@@ -171,7 +172,8 @@ int diagnose_run(struct run *run, int code)
 {
     static void (*const make[])(struct run *, struct diagnostics *) = {diagnose_lyapunov, reversal,
                                                                        diagnose_spectrum,
-                                                                       symplectic};
+                                                                       symplectic,
+                                                                       diagnose_least_action};
     const unsigned wanted = run->settings.diagnose;
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
         !(run->it.t > 0))

@@ -9,7 +9,8 @@ enum {
     DIAGNOSE_REVERSAL = 1u << 1,
     DIAGNOSE_SPECTRUM = 1u << 2,
     DIAGNOSE_SYMPLECTIC = 1u << 3,
-    DIAGNOSE_ALL = (1u << 5) - 1 /* the four, and that it is no error if one does not apply */
+    DIAGNOSE_LEAST_ACTION = 1u << 4,
+    DIAGNOSE_ALL = (1u << 6) - 1 /* the five, and that it is no error if one does not apply */
 };
 
 /* The flags of a name; 0: there is no such diagnostic. */

@@ -23,5 +23,6 @@ void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
 const char *diagnose_no_variation(const struct pk_system *system);
 void diagnose_lyapunov(struct run *run, struct diagnostics *d);
 void diagnose_spectrum(struct run *run, struct diagnostics *d);
+void diagnose_least_action(struct run *run, struct diagnostics *d);
 
 #endif

@@ -51,7 +51,7 @@ def test_a_chaotic_pendulum(pkgen) -> None:
     # REGIMES D2 and D3, by the midpoint rule, whose reversal is exact but for round-off.
     arguments = ["--method", "gauss1", "--step", "0.004", *starts(math.pi / 2)]
     found, _ = diagnosed(pkgen, DOUBLE, "all", "--until", "100", "--every", "0.1", *arguments)
-    assert list(found) == ["lyapunov", "reversal", "spectrum", "symplectic"]
+    assert list(found) == ["lyapunov", "reversal", "spectrum", "symplectic", "least_action"]
     chaos, back = found["lyapunov"], found["reversal"]
     assert chaos["motion"] == "chaotic" and 0.01 < chaos["error"] < 0.3
     assert abs(chaos["exponent"] - 0.926) < 4 * chaos["error"]
@@ -112,7 +112,14 @@ def test_what_is_said(pkgen) -> None:
     assert done.returncode == 0, done.stderr
     kinds = [line.partition(":")[0] for line in done.stderr.splitlines()]
     assert kinds[0] == "run" and "run: warning: the energy" in done.stderr  # off by .1
-    assert kinds[3:] == ["lyapunov", "reversal", "spectrum", "spectrum", "symplectic"]
+    assert kinds[3:] == [
+        "lyapunov",
+        "reversal",
+        "spectrum",
+        "spectrum",
+        "symplectic",
+        "least_action",
+    ]
     assert "chaotic, exponent 1." in done.stderr and "/s (megno" in done.stderr
     assert "not symmetric" in done.stderr and "rad/s" in done.stderr
     assert "round-off alone would lose it near" in done.stderr
@@ -219,3 +226,34 @@ def test_a_run_that_an_event_ends(pkgen, tmp_path: Path) -> None:
     path.write_text(SWING + "\n")
     done = pkgen("run", path, "--diagnose", "spectrum", "--at", "bottom", "--until", "900", *RK4)
     assert done.returncode == 2 and "rows are at event bottom alone" in done.stderr
+
+
+def test_least_action_is_a_minimum_up_to_the_first_conjugate_point(pkgen, tmp_path: Path) -> None:
+    rows = tmp_path / "rows.csv"
+    said = {}
+    for until in (1, 3):
+        done = pkgen(
+            *("run", ROOT / "models/bead_on_hoop.lag", "--until", until, "-o", rows),
+            *("--diagnose", "least_action"),
+        )
+        assert done.returncode == 0, done.stderr
+        report = json.loads(Path(f"{rows}.json").read_text())["report"]
+        said[until] = report["diagnostics"]["least_action"], done.stderr
+    found, text = said[1]
+    assert found["minimum"] and found["index"] == 0 and found["conjugate"] == []
+    assert "a minimum among paths with the same ends" in text
+    found, text = said[3]
+    assert not found["minimum"] and found["settled"]
+    assert found["index"] == len(found["conjugate"]) == 2
+    assert found["conjugate"][0] == pytest.approx(1.18315949, abs=1e-6)
+    assert found["slope"] < 1e-12 < abs(found["neighbour"])
+    assert found["neighbour"] == pytest.approx(found["expected"], rel=1e-3)
+    assert found["curvatures"][0] < found["curvatures"][1] < 0 < found["curvatures"][2]
+    assert "no minimum: 2 independent ways to a neighbour with less; conjugate" in text
+
+
+def test_least_action_wants_a_lagrangian_alone(pkgen, tmp_path: Path) -> None:
+    model = ROOT / "models/events/thrown_stone.lag"
+    done = pkgen("run", model, "--until", "3", "--diagnose", "least_action")
+    assert done.returncode == 2
+    assert "forces act besides those of L" in done.stderr

@@ -77,5 +77,6 @@ void add_implicit(void);
 void add_exponential(void);
 void add_quadrature(void);
 void add_apart(void);
+void add_least_action(void);
 
 #endif

@@ -9,6 +9,7 @@
 #ifndef PK_GSL_H
 #define PK_GSL_H
 
+#include <pk/least_action.h>
 #include <pk/method.h>
 #include <pk/spectrum.h>
 
@@ -26,6 +27,12 @@ const struct pk_method *pk_gsl_method_at(size_t index);
 size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);
+
+/* The eigenvalues of C a = lambda B a, the least first, with the first `modes` of found->modes modes
+ * of each coordinate: n * modes numbers; and of the least one a itself (NULL: not wanted), as
+ * a.B a = 1. PK_SINGULAR_MASS, PK_NO_MEMORY: GSL allocates, and gives it back. */
+enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t modes,
+                                   double *lambda, double *lowest);
 
 #ifdef __cplusplus
 }

@@ -7,6 +7,7 @@
 #include <pk/ensemble.h>
 #include <pk/events.h>
 #include <pk/integrator.h>
+#include <pk/least_action.h>
 #include <pk/linear.h>
 #include <pk/limits.h>
 #include <pk/lyapunov.h>
