@@ -112,7 +112,8 @@ def test_what_is_said(pkgen) -> None:
     assert done.returncode == 0, done.stderr
     kinds = [line.partition(":")[0] for line in done.stderr.splitlines()]
     assert kinds[0] == "run" and "run: warning: the energy" in done.stderr  # off by .1
-    assert kinds[3:] == [
+    assert kinds[3:7] == ["lyapunov", "reversal", "spectrum", "spectrum"]
+    assert kinds[7:] == ["symplectic", "least_action"]
         "lyapunov",
         "reversal",
         "spectrum",
