@@ -23,7 +23,6 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     entries += _total_nodes(e.mass.corner.values())
     forces = [*vector_nodes(e.force)]
     energies = _total_nodes([e.lagrangian])
-    applied = bool(x.model.forces or x.model.dissipation)
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
     smooth = all(
@@ -41,8 +40,8 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         quadratic="v" not in _kinds(x, entries),
         separable=constant and "v" not in _kinds(x, forces),
         autonomous=steady,
-        conservative=not applied and steady and not jumps,
-        variational=not applied,
+        conservative=not gather.applied and steady and not jumps,
+        variational=not gather.applied,
         smooth=smooth,
         affine=constant and steady and _affine(x, forces),
     )

@@ -30,6 +30,7 @@ class Gather:
             and x.graph.depends[x.scalar(end.value)] & (BIT[Kind.TIME] | BIT[Kind.INPUT])
         )
         self._coast = Forward(x.graph, VARIABLE, self._coasting)
+        self.applied = False  # whether there are forces that L does not have
 
     # -- terms --------------------------------------------------------------------------------
 
@@ -76,6 +77,7 @@ class Gather:
     def dissipation(self, term: Term) -> None:
         """Adds the force -dD/dv."""
         if len(term.ranges) == 2:
+            self.applied = True
             self.found.drags.append(pair_force(self.x, term, -1, True, self.found.limits))
             return
         for family, shift, body in self.bodies.views(term):
@@ -84,6 +86,7 @@ class Gather:
             self._add(self.found.pdot[family], term, shift, node)
             self._add(self.found.force[family], term, shift, node)
         body = self.bodies.at_row(term)
+        self.applied |= body != ZERO
         by = gradient(self.g, signed(self.g, body, -1), RATES)
         for name in self.bodies.scalars(body):
             node = self._by(by, "v", name, None)
@@ -92,6 +95,7 @@ class Gather:
 
     def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
         """Adds a generalized force along the members lo..hi."""
+        self.applied |= node != ZERO
         for slot in slots_of(self.x, [node]):
             self.bodies.in_reach(slot, lo, hi)
         for what in ("pdot", "force"):
