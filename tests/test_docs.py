@@ -108,7 +108,7 @@ def test_the_false_claim_in_the_docs_is_refuted_as_shown(tmp_path: Path) -> None
 
 def test_the_example_of_events_runs(tmp_path: Path) -> None:
     page = ROOT / "docs/events.md"
-    model = ROOT / "models/events/thrown_stone.lag"
+    model = ROOT / "models/particles/thrown_stone.lag"
     (text,), (program,) = blocks(page, "lag"), blocks(page, "c")
     assert model.read_text().startswith(text)
     run_pkgen(model, "-o", tmp_path)

@@ -97,18 +97,18 @@ CASES = (
     Case("heavy top loose", "heavy_top.lag", "until 30; accuracy 1e-4; record theta every 0.1"),
     Case(
         "stone at its apex",
-        "events/thrown_stone.lag",
+        "particles/thrown_stone.lag",
         "until 7; accuracy 1e-9; record y, y' at apex",
     ),
     Case(
         "stone",
-        "events/thrown_stone.lag",
+        "particles/thrown_stone.lag",
         "set k = 0.02; until 7; accuracy 1e-8; record y, y' every 0.05",
     ),
     Case(
-        "fput", "families/fput.lag", "until 300; accuracy 1e-6; record q[1], q[16], energy every 1"
+        "fput", "chains/fput.lag", "until 300; accuracy 1e-6; record q[1], q[16], energy every 1"
     ),
-    Case("fput tight", "families/fput.lag", "until 60; accuracy 1e-10; record q[16] every 5"),
+    Case("fput tight", "chains/fput.lag", "until 60; accuracy 1e-10; record q[16] every 5"),
     # oscillators and pendulums
     Case("oscillator", "oscillator.lag", "until 50; accuracy 1e-12; record q every 1", quick=True),
     Case(

@@ -149,7 +149,7 @@ def letters(element: ElementTree.Element) -> str:
     return "".join(element.itertext()).replace(mathml.INVISIBLE_TIMES, "")
 
 
-@pytest.mark.parametrize("model", ["models/heavy_top.lag", "models/families/fput.lag"])
+@pytest.mark.parametrize("model", ["models/heavy_top.lag", "models/chains/fput.lag"])
 def test_the_page_is_whole_and_loads_nothing(pkgen, tmp_path: Path, model: str) -> None:
     done = pkgen("explain", ROOT / model, "--html", tmp_path / "page.html")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

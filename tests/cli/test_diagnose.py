@@ -16,7 +16,7 @@ from pkgen import build, simulate, toolchain
 from pkgen.__main__ import main
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
-FPUT = ROOT / "models/families/fput.lag"
+FPUT = ROOT / "models/chains/fput.lag"
 SWING = """model swing
 coord x
 kinetic x'^2/2

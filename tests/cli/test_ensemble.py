@@ -167,7 +167,7 @@ def test_what_no_machine_could_do_is_refused(pkgen, ensemble) -> None:
 
 
 def test_a_family_too_long_for_an_ensemble_says_why(pkgen, ensemble) -> None:
-    chain = ROOT / "models/families/fput.lag"
+    chain = ROOT / "models/chains/fput.lag"
     path = ensemble('"q[1]"\n1\n')
     options = ["--method", "verlet", "--step", "0.1", "--size", "N=30000", "--ensemble", path]
     done = pkgen("run", chain, *options)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-STONE = ROOT / "models/events/thrown_stone.lag"
+STONE = ROOT / "models/particles/thrown_stone.lag"
 
 # Closed forms (REGIMES X2): with s = sqrt(k/m), v falls as tan on the way up, and the speed at the
 # ground follows from the work of drag.

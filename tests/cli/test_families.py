@@ -13,7 +13,7 @@ import pytest
 from conftest import ROOT
 from pkgen import options
 
-FPUT = ROOT / "models" / "families" / "fput.lag"
+FPUT = ROOT / "models" / "chains" / "fput.lag"
 PARTS = """\
 model parts
 size N = 40

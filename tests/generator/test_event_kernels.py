@@ -105,7 +105,7 @@ def test_an_event_that_is_constant_by_an_identity_is_refused():
 
 
 def test_a_chain_with_an_event_is_unrolled_and_says_so():
-    text = (ROOT / "models/families/fput.lag").read_text()
+    text = (ROOT / "models/chains/fput.lag").read_text()
     plain = compile_model(Source("fput.lag", text))
     with_event = compile_model(Source("fput.lag", text + "event mid: q[3] rising\n"))
     assert plain.looped and not with_event.looped

@@ -24,10 +24,10 @@ NAMES = UNROLLED + LOOPED + WITH_EVENTS
 
 def files_of(name: str) -> dict[str, str]:
     if name in LOOPED:
-        path = ROOT / "models" / "families" / f"{name}.lag"
+        path = ROOT / "models" / "chains" / f"{name}.lag"
         return compile_model(Source(path.name, path.read_text(encoding="utf-8"))).files
     if name in WITH_EVENTS:
-        return render(read_model(ROOT / "models" / "events" / f"{name}.lag")[1])
+        return render(read_model(ROOT / "models" / "particles" / f"{name}.lag")[1])
     _, program = read_model(next(p for p in MODELS if p.stem == name))
     return render(program)
 

@@ -64,7 +64,7 @@ def chain_limit(method: str, d: float, predicted: float) -> float:
 def recurrence(method: str, h: float) -> tuple[float, float]:
     """When the first mode has most of its energy again, in its periods, and the share."""
     period = pi / sin(pi / 64)
-    probe = Probe("families/fput", method, h, size={"N": 31}, tolerance=1e-13)
+    probe = Probe("chains/fput", method, h, size={"N": 31}, tolerance=1e-13)
     mode = np.sin(pi * np.arange(1, 32) / 32) * sqrt(2 / 32)
     times = np.arange(140 * period, 153 * period, period / 100)
     rows = probe.at(times)
@@ -75,14 +75,14 @@ def recurrence(method: str, h: float) -> tuple[float, float]:
 
 
 def fput_energy() -> float:
-    probe = Probe("families/fput", "gauss", size={"N": 31})
+    probe = Probe("chains/fput", "gauss", size={"N": 31})
     return probe.now[-1]
 
 
 def first_period(amplitude: float) -> float:
     """Of the first mode, in a small motion."""
     start = {f"q[{i}]": amplitude * sin(pi * i / 32) for i in range(1, 32)}
-    probe = Probe("families/fput", "gauss", size={"N": 31}, start=start)
+    probe = Probe("chains/fput", "gauss", size={"N": 31}, start=start)
     x = probe.at(np.arange(1, 800) * 1.0)[:, 1:32] @ np.sin(pi * np.arange(1, 32) / 32)
     return float(2 * pi / np.arccos((x[1:-1] @ (x[2:] + x[:-2])) / (2 * x[1:-1] @ x[1:-1])))
 
