@@ -1111,7 +1111,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 
 const char fput_source_hash[65] =
-    "bb631bc2ca62f71c5a78af579d8718bc4b261b4dc369a7fe18d1efb87e170020";
+    "186e742c224d6fcc697a62ea3ec9be3c91a39ab074d5e80e5ffbea889a9a8651";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},
