@@ -1,6 +1,7 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
 `python -m bench accuracy [--quick] [--only TEXT] [--docs]` judges what scenes promise: accuracy.py
 `python -m bench reductions [--quick] [--docs]` measures what scenes save: reductions.py
+`python -m bench systems [--docs]` runs every scene of every model: systems.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
 Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
@@ -30,6 +31,7 @@ from . import (
     models,
     reductions,
     reference,
+    systems,
     tables,
     targets,
 )
@@ -41,7 +43,7 @@ PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 
 def main() -> int:
-    alone = {"accuracy": accuracy, "reductions": reductions}
+    alone = {"accuracy": accuracy, "reductions": reductions, "systems": systems}
     if sys.argv[1:] and sys.argv[1] in alone:
         return alone[sys.argv[1]].main(sys.argv[2:])
     arguments = _arguments()
