@@ -1,8 +1,8 @@
-"""`python -m bench systems [--docs]`: every scene of every model, as `pkgen run --json` tells of it.
+"""`python -m bench systems [--docs]`: every scene of every model, as `pkgen run --json` tells it.
 
 A row a scene: degrees of freedom, of the model and of what is integrated; the method that ran, the
-largest drift of the energy where it is constant, how many expectations were met, of them the one that
-came nearest to its bound, and the time of the run. Exit code 4 if one was missed.
+largest drift of the energy where it is constant, how many expectations were met, of them the one
+that came nearest to its bound, and the time of the run. Exit code 4 if one was missed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Every scene of every model runs, and what it expects is met; and would be missed by worse.
 
-In `make test` the models of models/ itself have all of their scenes run, those of its folders one each:
-what these take is the C compiler. `python -m bench systems` runs all of them as well.
+In `make test` the models of models/ itself have all of their scenes run, those of its folders one
+each: what these take is the C compiler. `python -m bench systems` runs all of them as well.
 """
 
 from __future__ import annotations

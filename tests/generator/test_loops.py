@@ -236,3 +236,24 @@ def test_a_mass_that_is_not_positive_is_reported_with_its_coordinate(tmp_path):
     banded = Looped(MODELS["beam"][0], tmp_path / "b").at(6)
     banded.params.r = -3.0
     assert banded.prepare() == 1  # out of its bounds
+
+
+DRAGGED = """model dragged
+size N = 5
+const c = {c}
+coord q[1..N]
+free q
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 0..N)
+{force}
+"""
+
+
+@pytest.mark.parametrize(
+    "force",
+    ["dissipation sum(c*q[i]'^2/2, i = 1..N)", "force q[i = 1..N] = -c*q[i]'", "force q[2] = c*t"],
+)
+def test_forces_that_are_zero_leave_the_energy_constant(force):
+    for c in (0, 0.1):
+        facts = looped(DRAGGED.format(c=c, force=force)).facts
+        assert facts.conservative == facts.variational == (c == 0)

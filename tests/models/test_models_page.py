@@ -1,0 +1,74 @@
+"""docs/models.md knows each model and each of its scenes; what it says to try can be tried."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+TEXT = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
+PAGE, _, TABLE = TEXT.partition("## All of them")
+MODELS = sorted((ROOT / "models").rglob("*.lag"))
+TRIES = re.findall(r"^Try `pkgen ([^`]*)`", PAGE, re.M)
+
+
+def test_each_model_has_its_place_on_the_page() -> None:
+    folder, named = "", set()
+    for file in re.findall(r"`([\w/]+\.lag)`", "\n".join(re.findall(r"^##+ .*$", PAGE, re.M))):
+        # In `chains/a.lag`, `b.lag` the folder of the first is that of the second.
+        folder = file.rpartition("/")[0] or folder
+        both = [p for p in (Path(file), Path(folder, file)) if (ROOT / "models" / p).exists()]
+        assert both, file
+        named.add(both[0].as_posix())
+    assert named == {p.relative_to(ROOT / "models").as_posix() for p in MODELS}
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+def test_each_scene_is_in_the_table(path: Path) -> None:
+    for name in re.findall(r"^scene (\w+)", path.read_text(encoding="utf-8"), re.M):
+        row = re.search(rf"^\| {path.stem} \| {name} \|.*$", TABLE, re.M)
+        assert row, f"{path.stem} {name}: run python -m bench systems --docs"
+        met, asked = re.search(r"\| (\d+) of (\d+) \|", row[0] + "| 0 of 0 |").groups()
+        assert met == asked
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("words", TRIES)
+def test_what_the_page_says_to_try(pkgen, tmp_path: Path, words: str) -> None:
+    shutil.copytree(ROOT / "models", tmp_path / "models")
+    done = pkgen(*shlex.split(words), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    output = tmp_path / re.search(r"-o (\S+)", words)[1]
+    assert len(output.read_text(encoding="utf-8").splitlines()) > 5
+
+
+def off(pkgen, path: str, scene: str, what: str, *options: str) -> float:
+    """By how much the expectation whose text begins so is off, met or not."""
+    done = pkgen("run", ROOT / "models" / path, "--scene", scene, "--json", *options)
+    (found,) = [
+        e for e in json.loads(done.stdout)["expects"] if e["text"].startswith(f"expect {what}")
+    ]
+    return abs(found["value"] - found["bound"])
+
+
+@pytest.mark.long
+def test_the_chain_nears_the_continuum_as_the_square_of_its_spacing(pkgen, tmp_path: Path) -> None:
+    rows = ["-o", str(tmp_path / "rows.csv")]
+    coarse = off(pkgen, "chains/sine_gordon.lag", "kink", "centre", *rows)
+    finer = ["--set", "d=0.05", "--size", "N=799"]
+    fine = off(pkgen, "chains/sine_gordon.lag", "kink", "centre", *finer, *rows)
+    assert fine > 1e-4 and 3.8 < coarse / fine < 4.2
+
+
+@pytest.mark.long
+def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) -> None:
+    rows = ["-o", str(tmp_path / "rows.csv")]
+    path, scene = "particles/kepler_perturbed.lag", "inverse_cube"
+    whole = off(pkgen, path, scene, "sin(", *rows)
+    half = off(pkgen, path, scene, "sin(", "--set", "gamma=5e-6", *rows)
+    assert half > 1e-9 and 3.8 < whole / half < 4.2
