@@ -59,10 +59,9 @@ class Row:
     @property
     def method(self) -> str:
         report = self.told["report"]
-        ways = dict.fromkeys(
-            f"{part['method']} {_setting(part)}".strip() for part in report.get("parts") or [report]
-        )
-        return ", ".join(ways)
+        first = self.told["settings"]["step"]
+        ways = (f"{p['method']} {_setting(p, first)}" for p in report.get("parts") or [report])
+        return ", ".join(dict.fromkeys(way.strip() for way in ways))
 
     @property
     def drift(self) -> str:
@@ -147,12 +146,14 @@ def _row(path: Path, name: str) -> Row:
     )
 
 
-def _setting(report: dict) -> str:
-    """The step or the tolerance; the exponential has neither."""
+def _setting(report: dict, first: float | None) -> str:
+    """The step, of a variable one the first, or the tolerance; the exponential has neither."""
     if report["method"] == "exponential":
         return ""
     if report.get("step") is not None:
         return f"h = {report['step']:.3g}"
+    if first is not None:
+        return f"h from {first:.3g}"
     return f"{report['rtol']:.0e}" if "rtol" in report else ""
 
 
