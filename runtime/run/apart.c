@@ -131,6 +131,7 @@ int apart_start(struct run *run)
     run->monitor_block = words_allocate(monitor_size, 1);
     run->row = (pk_real *)words_allocate(2 * n + run_system->n_observed + m + 1, sizeof *run->row);
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
+    run->monitor.has_energy |= expect_energy(run);
     enum pk_status status = pk_apart_init(&run->apart, &run->problem, run_parts, run->choices,
                                           run_n_parts, 0, s->q, s->v, run->block, size);
     if (status >= 0 && m) {

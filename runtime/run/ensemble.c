@@ -117,8 +117,10 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
     s->u = b->u + i * b->system->n_inputs;
     run->member = member;
     const struct pk_problem problem = {.system = b->system, .params = s->params};
-    if (run->monitor_block)
+    if (run->monitor_block) {
         pk_monitor_init(&run->monitor, &problem, run->monitor_block, pk_monitor_size(&problem));
+        run->monitor.has_energy |= expect_energy(run);
+    }
     show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
@@ -259,7 +261,7 @@ int ensemble_run(struct run *run, pk_real count)
         return 2;
     }
     members_allocate(&b, run, rows, stop);
-    if ((ensemble_fixed(s) || s->n_drifting) && (run_system->facts & PK_CONSERVATIVE))
+    if ((ensemble_fixed(s) && (run_system->facts & PK_CONSERVATIVE)) || expect_energy(run))
         run->monitor_block = words_allocate(
             pk_monitor_size(&(struct pk_problem){.system = run_system, .params = b.params}), 1);
     for (size_t k = 0; k < rows; k++)

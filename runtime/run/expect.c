@@ -101,12 +101,20 @@ void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *
     }
 }
 
+int expect_energy(const struct run *run)
+{
+    for (size_t i = 0; i < run->settings.n_drifting; i++)
+        if (run->settings.drifting[i].energy)
+            return run_system->energy && run_system->canonical;
+    return 0;
+}
+
 void expect_member(struct run *run, const struct pk_drift *energy)
 {
     for (size_t i = 0; i < run->settings.n_drifting; i++) {
         struct drifting *d = &run->settings.drifting[i];
         const struct pk_drift *drift = d->energy ? energy : &d->drift;
-        const pk_real max = drift->samples ? pk_drift_max(drift) : 0;
+        const pk_real max = drift->samples ? pk_drift_max(drift) : (pk_real)NAN;
         const int worse = !d->members || !(max <= d->max);
         if (worse && d->max - d->max == PK_C(0.0)) {
             d->max = max;

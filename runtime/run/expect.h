@@ -20,6 +20,9 @@ void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *
                    const pk_real *z);
 void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
 void expect_event(struct run *run, const struct pk_events *at);
+/* Whether the drift of the energy is asked for. It is then watched where the equations do not show
+ * it to be constant as well: a parameter that makes it so may be left to the run (--no-reduce). */
+int expect_energy(const struct run *run);
 /* A sample for the drifts; what has drifted so far is of one member, and the next one begins. */
 void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
 void expect_member(struct run *run, const struct pk_drift *energy);

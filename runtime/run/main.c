@@ -109,6 +109,7 @@ static int start(struct run *run)
         return 4;
     }
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
+    run->monitor.has_energy |= expect_energy(run);
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0 ||
         settings_quadratures(s, &run->it) < 0)

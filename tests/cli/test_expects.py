@@ -180,3 +180,45 @@ def test_an_angle_that_is_expected_is_a_quadrature_as_one_that_is_recorded(pkgen
     done = pkgen("run", model, "--scene", "s", "--start", "phi=1")
     assert done.returncode == 4
     assert "of 4 met" in done.stderr and "is off" in done.stderr
+
+
+DRAGGED = """model dragged
+param c = 0.1 in [0, inf)
+coord q
+kinetic q'^2/2
+potential q^2/2
+force q = -c*q'
+start q = 1
+scene loose
+  set c = 0
+  until 10
+  method rk4 step 0.1
+  record q every 1
+  expect drift(energy) < 1e-4
+end
+scene many
+  swarm k = 1..3
+  set c = 0
+  start q = k
+  until 10
+  method rk4 step 0.1
+  record q every 1
+  expect drift(energy) < 1e-4
+end
+"""
+
+
+@pytest.mark.parametrize("scene", ["loose", "many"])
+def test_an_energy_that_a_parameter_left_to_the_run_makes_constant_is_watched(
+    pkgen, tmp_path: Path, scene: str
+) -> None:
+    (tmp_path / "dragged.lag").write_text(DRAGGED)
+    found = []
+    for option in ([], ["--no-reduce"]):
+        words = ["--scene", scene, "--json", "-o", tmp_path / "rows.csv", *option]
+        done = pkgen("run", tmp_path / "dragged.lag", *words)
+        assert done.returncode == 0, done.stderr
+        found.append(json.loads(done.stdout)["expects"][0]["value"])
+    # By h^6/72 of it a step, and the scale of an energy is that of its parts, here 3 times it.
+    assert found[0] == pytest.approx(100 * 0.1**6 / 72 / 3, rel=0.05)
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
