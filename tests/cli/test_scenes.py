@@ -1,7 +1,8 @@
 """Every scene of every model runs, and what it expects is met; and would be missed by worse.
 
-In `make test` the models of models/ itself have all of their scenes run, those of its folders one
-each: what these take is the C compiler. `python -m bench systems` runs all of them as well.
+`make test` runs all scenes of the models in models/ itself, and the first ones of IN_TEST in its
+folders: a second a scene goes to the C compiler. `make test-long` and `python -m bench systems` run
+all of them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import pytest
 from conftest import ROOT
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
+IN_TEST = {"thrown_stone", "kepler", "henon_heiles", "n_body", "pendulum", "foucault"}
+IN_TEST |= {"beats", "fput", "sine_gordon"}
 # What makes each scene's expectations fail: a worse tolerance or step, another start. By default
 # the former; the text of the C stays the same.
 WORSE = {
@@ -70,7 +73,7 @@ def scenes() -> list:
     for path in MODELS:
         named = re.findall(r"^scene (\w+)(.*?)^end$", path.read_text(), re.M | re.S)
         for k, (name, body) in enumerate(named):
-            long = k > 0 and path.parent != ROOT / "models"
+            long = path.parent != ROOT / "models" and (k > 0 or path.stem not in IN_TEST)
             found.append(
                 pytest.param(
                     *(path, name, body.count("\n  expect ")),
@@ -88,7 +91,7 @@ def test_each_model_has_two_scenes_that_expect_something() -> None:
     for path in MODELS:
         assert sum(s.values[0] == path and s.values[2] > 0 for s in SCENES) >= 2, path.name
     names = {f"{s.values[0].stem} {s.values[1]}" for s in SCENES}
-    assert set(WORSE) <= names
+    assert set(WORSE) <= names and IN_TEST <= {path.stem for path in MODELS}
 
 
 @pytest.mark.parametrize(("path", "name", "expected"), SCENES)

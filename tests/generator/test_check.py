@@ -51,7 +51,7 @@ def nodes(model):
         waiting.extend(children(expr))
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "models").glob("*.lag")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted((ROOT / "models").rglob("*.lag")), ids=lambda p: p.stem)
 def test_the_models_are_right(path):
     model, warnings = check_text(from_text(path.name, path.read_text(encoding="utf-8")))
     assert model.name == path.stem
