@@ -229,7 +229,7 @@ def default_method(
 
 
 def _by_gauss(structure: Structure | Facts, rtol: float) -> bool:
-    return structure.smooth and rtol <= GAUSS_RTOL
+    return structure.smooth_in_pieces and rtol <= GAUSS_RTOL
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:
