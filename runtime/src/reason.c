@@ -162,9 +162,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         what, t, (double)it->detail, name, t);
     case PK_SLIDING:
         return snprintf(text, size,
-                        "the motion stays on %s = 0: the equations change there, and on either "
-                        "side they lead back to it; what follows they do not say, so make step, "
-                        "abs, min or max a smooth function, as tanh; last valid time %.17g",
+                        "the motion stays on %s = 0: on either side of it the equations lead "
+                        "back to it, and what follows they do not say; a smooth function in place "
+                        "of the jump, such as tanh, does; last valid time %.17g",
                         system->switches[it->where].name, t);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
