@@ -35,7 +35,7 @@ static int found(void *context, const struct pk_events *events)
         return 1;
     if (run->settings.at == events->which + 1) {
         run->at_event = 1;
-        output_row(run, stdout, events->t, events->q, events->v, events->z);
+        output_row(run, run->out, events->t, events->q, events->v, events->z);
         run->at_event = 0;
     }
     return run->write_failed;
