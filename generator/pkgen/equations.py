@@ -41,7 +41,7 @@ class Guard:
 
 @dataclass(frozen=True)
 class Switch:
-    """The equations are smooth on either side of its zero, by other functions; middle/switches.py."""
+    """The equations are smooth on either side of its zero: see middle/switches.py."""
 
     quantity: Quantity  # its name is the expression
     node: Node

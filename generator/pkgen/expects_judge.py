@@ -112,7 +112,7 @@ class Judge:
         return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
 
     def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
-        """The case that misses by the most, or is nearest to it: that of one run, or of a member."""
+        """The case that misses by the most, or is nearest to it: of one run, or of a member."""
         worst = None
         for numbers, member in cases:
             verdict = self._case(item, numbers, member)

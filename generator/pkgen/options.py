@@ -14,7 +14,7 @@ from .front.scene_values import ROUND_OFF
 from .methods import METHODS
 from .middle.loops import Facts, LoopEquations
 from .middle.quantities import indexed
-from .model import Model, Scene
+from .model import Scene
 from .option_values import Values, assignment, unknown
 from .simulate import PartSettings, Settings, Shown
 

@@ -12,10 +12,10 @@ from dataclasses import replace
 from .. import model as m
 from ..indices import NotAnInteger, indexed, integer
 from ..source import Span
-from ..tree import Component, Expr, Name, Prime, Range
+from ..tree import Component, Expr, Name, Prime
 from . import statements as st
 from .check_dynamics import Dynamics
-from .check_expects import Expects, calls
+from .check_expects import Expects
 from .check_given import Given
 from .check_scope import PLACES, Scope
 from .check_settings import Settings

@@ -38,8 +38,8 @@ def switches_of(
 
 
 def sides(g: Graph, switches: Iterable[Switch]) -> dict[Node, tuple[int, int]]:
-    """Of each call that a switch decides: which one, and 1 or -1 as its own argument has the sign of
-    the switch's or the other."""
+    """Of each call that a switch decides: which one, and 1 or -1 as its own argument has the sign
+    of the switch's or the other."""
     places: dict[Node, tuple[int, int]] = {}
     for k, switch in enumerate(switches):
         places[switch.node] = (k, 1)
