@@ -1,4 +1,4 @@
-"""step, abs, min and max in the equations: their zeros are located, and methods keep their order."""
+"""step, abs, min and max in the equations: their zeros are located, so methods keep their order."""
 
 from __future__ import annotations
 
