@@ -145,6 +145,8 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
             tally->first_failed = first + i;
             tally->status = e->status[i];
             tally->t = e->last_t[i];
+            snprintf(tally->reason, sizeof tally->reason, "%s; last valid time %.17g",
+                     pk_status_text(e->status[i]), (double)e->last_t[i]);
         }
     }
 }
@@ -202,18 +204,10 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
     errno = 0;
     if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
         run->write_failed = errno ? errno : EIO;
-    if (tally->failed && tally->reason[0]) {
+    if (tally->failed) {
         fprintf(stderr, "run: %s: %zu of %zu members failed, first member %ld: %s\n",
                 run->settings.method->name, tally->failed, run->settings.members,
                 ensemble_number(&run->settings, tally->first_failed), tally->reason);
-        code = 4;
-    } else if (tally->failed) {
-        fprintf(stderr,
-                "run: %s: %zu of %zu members failed, first member %ld: %s; "
-                "last valid time %.17g\n",
-                run->settings.method->name, tally->failed, run->settings.members,
-                ensemble_number(&run->settings, tally->first_failed), pk_status_text(tally->status),
-                (double)tally->t);
         code = 4;
     }
     if (tally->astray)

@@ -17,7 +17,7 @@ struct tally {
     size_t astray, first_astray; /* whose energy at the end is wrong */
     enum pk_status status;       /* of the first that failed, */
     pk_real t;
-    char reason[512];            /* in words, or "" */
+    char reason[512];            /* in words */
     unsigned long *crossings, *never; /* of events and switches: in all, and of how many members none */
     pk_real *first; /* the time of each event's first one in each member, infinite without; or NULL */
 };

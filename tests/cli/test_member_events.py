@@ -113,5 +113,5 @@ def test_rows_at_an_event_of_an_ensemble(pkgen, write, tmp_path: Path) -> None:
     result = json.loads(done.stdout)
     assert [row[0] for row in result["rows"]] == [1, 3]
     assert [row[1] for row in result["rows"]] == [pytest.approx(v / 9.81) for v in (4, 40)]
-    rows = json.loads(pkgen(*run).stdout)["rows"]  # at the impact, from zero nothing falls through it
+    rows = json.loads(pkgen(*run).stdout)["rows"]  # nothing falls through zero from zero
     assert [row[1] for row in rows] == [pytest.approx(8 / 9.81), 10, pytest.approx(80 / 9.81)]

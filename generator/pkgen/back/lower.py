@@ -29,7 +29,7 @@ from .program import (
     Statement,
     operations_in,
 )
-from .rewrite import Workspace, rewrite
+from .rewrite import SIDE, Workspace, rewrite
 from .schedule import Schedule, Target, number_text
 
 __all__ = ["Program", "lower"]
@@ -177,7 +177,7 @@ class _Lowering:
         assert isinstance(symbol, Symbol)
         if symbol.kind is Kind.PARAMETER:
             return "p->" + self.parameter_names[symbol.index]
-        if symbol.kind is Kind.SIDE:
+        if symbol.kind is SIDE:
             return f"p->side_[{symbol.index}]"
         if symbol.kind in _ARGUMENT:
             return self.symbols[symbol]

@@ -15,11 +15,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
+from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Node, Op, Symbol
 from ..middle.switches import SIDED
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
+SIDE = "side"  # the kind of a symbol: of a switch, where code is written alone
 
 
 class Workspace:
@@ -41,7 +42,7 @@ class Workspace:
             leaf = self._side_leaves[switch] = len(self.op)
             self.op.append(Op.SYMBOL)
             self.args.append(())
-            self.data.append(Symbol(Kind.SIDE, switch))
+            self.data.append(Symbol(SIDE, switch))
             self.fixed.append(False)
         leaf = self._side_leaves[switch]
         self.sides[call] = leaf if sign > 0 else self.multiply(MINUS_ONE, leaf)

@@ -37,7 +37,6 @@ class Kind:
     INPUT = "input"
     ACCELERATION = "acceleration"  # given, in a linearisation
     MOMENTUM = "momentum"  # given, in the canonical form
-    SIDE = "side"  # of a switch; where code is written alone
 
 
 KINDS = (
