@@ -70,7 +70,7 @@ long ensemble_number(const struct settings *s, size_t member)
 
 int ensemble_fixed(const struct settings *s)
 {
-    if (watched_members(s))
+    if (watched_by_one(s))
         return !(s->method->traits & PK_ADAPTIVE);
     const struct pk_ensemble e = {
         .system = run_system, .method = s->method, .options = s->options};
@@ -242,7 +242,7 @@ int ensemble_run(struct run *run, pk_real count)
     struct tally tally = {0};
     struct settings *s = &run->settings;
     const size_t rows = count > 1 ? (size_t)count : 1;
-    const int watched = watched_members(s);
+    const int watched = watched_by_one(s);
     const double began = run_now();
     int code = 0;
 

@@ -128,7 +128,7 @@ int run_settle(struct run *run) { return run_parts ? apart_choose(run) : settle(
 int run_start(struct run *run)
 {
     const int code = run_parts ? apart_start(run) : start(run);
-    return code || run_parts ? code : watch_start(run);
+    return code || run_parts ? code : watch_begin(run);
 }
 
 void run_rows(struct run *run) { (run_parts ? apart_integrate : run_integrate)(run); }

@@ -41,7 +41,7 @@ static int found(void *context, const struct pk_events *events)
     return run->write_failed;
 }
 
-int watch_start(struct run *run)
+int watch_begin(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
     const size_t m = system->n_events, all = m + system->n_switches;

@@ -34,7 +34,7 @@ struct work {
     struct done *done;
 };
 
-int watched_members(const struct settings *s) { return s->watch || run_system->n_switches > 0; }
+int watched_by_one(const struct settings *s) { return s->watch || run_system->n_switches > 0; }
 
 static size_t kinds(void) { return run_system->n_events + run_system->n_switches; }
 

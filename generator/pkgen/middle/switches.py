@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable
 
 from ..equations import Quantity, Switch
 from .differentiate import reachable
-from .graph import MINUS_ONE, ONE, VARIABLE, Graph, Node, Op, Symbol
+from .graph import ONE, VARIABLE, ZERO, Graph, Node, Op, Symbol
 from .wording import wording
 
 # What each of them is called where its side is given too, as a first argument.
@@ -29,11 +29,9 @@ def switches_of(
     """Those of the equations that `outputs` are, each argument once: of x and -x the first."""
     found: dict[Node, None] = {}
     for node in reachable(g, outputs, VARIABLE):
-        argument = _argument(g, node)
-        if argument is not None and g.depends[argument] & VARIABLE:
-            argument = _bare(g, argument)
-            if g.negate(argument) not in found:
-                found[argument] = None
+        argument, _ = _argument(g, node)
+        if g.depends[argument] & VARIABLE and g.negate(argument) not in found:
+            found[argument] = None
     return tuple(Switch(Quantity(wording(g, x, name), "", ""), x) for x in found)
 
 
@@ -44,27 +42,23 @@ def sides(g: Graph, switches: Iterable[Switch]) -> dict[Node, tuple[int, int]]:
     for k, switch in enumerate(switches):
         places[switch.node] = (k, 1)
         places[g.negate(switch.node)] = (k, -1)
-    if not places:
-        return {}
     found = {}
-    for node in range(len(g)):  # all that there are: arguments are made on the way
-        argument = _argument(g, node)
-        if argument is not None and _bare(g, argument) in places:
-            found[node] = places[_bare(g, argument)]
+    for node in range(len(g) if places else 0):  # all that there are: arguments are made on the way
+        argument, sign = _argument(g, node)
+        if argument in places:
+            k, side = places[argument]
+            found[node] = k, sign * side
     return found
 
 
-def _argument(g: Graph, node: Node) -> Node | None:
-    """What it has the sign of, or None for what is smooth."""
+def _argument(g: Graph, node: Node) -> tuple[Node, int]:
+    """What decides a call, without a number in front, of which the sign alone counts; 0 of what is
+    smooth."""
     if g.op[node] is not Op.CALL or g.data[node] not in SIDED:
-        return None
+        return ZERO, 1
     a, *b = g.args[node]
-    return g.subtract(a, *b) if b else a
-
-
-def _bare(g: Graph, argument: Node) -> Node:
-    """Without a number in front, of which only the sign counts."""
+    argument = g.subtract(a, *b) if b else a
     scale, rest = g.split(argument)
-    if g.op[scale] is not Op.NUMBER or scale == ONE:
-        return argument
-    return rest if g.data[scale] > 0 else g.multiply(MINUS_ONE, rest)
+    if g.op[scale] is not Op.NUMBER or rest == ONE:
+        return argument, 1
+    return rest, 1 if g.data[scale] > 0 else -1
