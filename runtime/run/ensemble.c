@@ -253,6 +253,8 @@ int ensemble_run(struct run *run, pk_real count)
         return 2;
     }
     members_allocate(&b, run, rows, stop);
+    if (watched && b.size > WATCHED_AT_ONCE)
+        b.size = WATCHED_AT_ONCE;
     if ((ensemble_fixed(s) || s->n_drifting) && (run_system->facts & PK_CONSERVATIVE))
         run->monitor_block = words_allocate(
             pk_monitor_size(&(struct pk_problem){.system = run_system, .params = b.params}), 1);

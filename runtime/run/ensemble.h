@@ -24,6 +24,7 @@ struct tally {
 /* Of watched.c: members that run one by one since events are watched or there are switches. Memory of
  * the tally; so many members; the members "events" and "switches" of the report. */
 struct batch;
+enum { WATCHED_AT_ONCE = 1024 };
 int watched_by_one(const struct settings *s);
 void watched_begin(struct tally *tally, const struct settings *s);
 void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
