@@ -11,7 +11,7 @@ from .front.check_expects import calls
 from .front.scene_values import Values, WrongValue
 from .model import Expect, Model, Scene
 from .source import Diagnostic, Span
-from .tree import Call, Expr, Number, replaced
+from .tree import Call, Expr, Number, replaced, within
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,7 @@ class Judge:
     ):
         self.model, self.scene, self.values = model, scene, values
         self.report, self.member = report, member
+        self.constants: dict[Expr, float] = {}  # sides that are the same in all members
 
     def verdicts(self) -> list[Verdict]:
         compared = iter(self.report["expects"])
@@ -158,7 +159,13 @@ class Judge:
                 return Number(Fraction(numbers[part]), part.span)
             return None
 
-        return self.values.number("expect", replaced(expr, known))
+        if expr in numbers:  # by itself, of many members
+            return numbers[expr]
+        if any(isinstance(part, Call) and part in numbers for part in within(expr)):
+            return self.values.number("expect", replaced(expr, known))
+        if expr not in self.constants:
+            self.constants[expr] = self.values.number("expect", expr)
+        return self.constants[expr]
 
     def _miss(
         self,
