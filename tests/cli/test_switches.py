@@ -165,3 +165,30 @@ end
     run = ("run", path, "--start", "x=0.77", "--until", "5", "--every", "1", "--json")
     alone = pkgen(*run, "--method", "rk4", "--step", "0.01", "--record", "x,energy")
     assert rows == json.loads(alone.stdout)["rows"] and len(rows) == 6
+
+
+@pytest.mark.long
+def test_a_box_of_soft_walls(pkgen, write) -> None:
+    """Twenty thousand switchings, several of them in one step: two methods find the same ones."""
+    text = """model box
+param K = 900
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential K/2*(step(x - 1)*(x - 1)^2 + step(-1 - x)*(x + 1)^2 + max(abs(y) - 1, 0)^2)
+"""
+    for method in ("gauss", "dop853"):
+        text += f"""scene by_{method}
+  swarm k = 1..300
+  start x = sin(k), y = cos(3*k)*0.99, x' = 2*sin(7*k), y' = 3*cos(11*k)
+  until 20
+  method {method} rtol 1e-12
+  record x, y every 20
+end
+"""
+    path = write(text)
+    runs = [pkgen("run", path, "--scene", f"by_{m}", "--json") for m in ("gauss", "dop853")]
+    one, two = (json.loads(run.stdout) for run in runs)
+    for a, b in zip(one["rows"], two["rows"], strict=True):
+        assert a == pytest.approx(b, abs=2e-10)
+    assert one["report"]["switches"] == two["report"]["switches"]
+    assert sum(s["count"] for s in one["report"]["switches"]) > 20000
