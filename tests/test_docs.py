@@ -11,6 +11,9 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, run_pkgen
 from pkgen import build, limits, toolchain
+from pkgen.front import check
+from pkgen.middle import derive
+from pkgen.source import Source
 
 TUTORIAL = ROOT / "docs/tutorial.md"  # has a test of its own, test_tutorial.py
 PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").glob("*.md")} - {TUTORIAL})
@@ -109,8 +112,14 @@ def test_the_false_claim_in_the_docs_is_refuted_as_shown(tmp_path: Path) -> None
 def test_the_example_of_events_runs(tmp_path: Path) -> None:
     page = ROOT / "docs/events.md"
     model = ROOT / "models/particles/thrown_stone.lag"
-    (text,), (program,) = blocks(page, "lag"), blocks(page, "c")
+    (text, section, trampoline), (program,) = blocks(page, "lag"), blocks(page, "c")
     assert model.read_text().startswith(text)
+    (tmp_path / "section.lag").write_text(section)
+    done = run_pkgen("run", tmp_path / "section.lag", "--scene", "at_a_twelfth")
+    assert done.returncode == 0 and "expected: 2 of 2 met" in done.stderr
+    assert done.stdout.splitlines()[-1].startswith("40,")
+    equations = derive.derive(check.check_text(Source("m.lag", trampoline))[0])
+    assert [x.quantity.name for x in equations.switches] == ["x"]
     run_pkgen(model, "-o", tmp_path)
     (tmp_path / "main.c").write_text(program)
     library = build.runtime_library(toolchain.find_toolchain()) / "libpk.a"

@@ -40,6 +40,14 @@ class Guard:
 
 
 @dataclass(frozen=True)
+class Switch:
+    """The equations are smooth on either side of its zero: see middle/switches.py."""
+
+    quantity: Quantity  # its name is the expression
+    node: Node
+
+
+@dataclass(frozen=True)
 class ParameterSlot:
     """One scalar parameter. `family` and `position` say which element of a C array it is."""
 
@@ -117,6 +125,7 @@ class Equations:
     quadratures: Row = ()
     quadrature_start: Row = ()
     hamiltonian: Hamiltonian | None = None  # None: not asked for
+    switches: tuple[Switch, ...] = ()
 
 
 Indices = tuple[tuple[int, ...], ...]
@@ -170,6 +179,7 @@ class Structure:
     variational: bool
     smooth: bool
     cyclic: tuple[bool, ...]  # p_i is constant
+    switched: bool = False  # smooth but for switches, which a run locates
     affine: bool = False  # the acceleration is so in q and v, with constant coefficients
     definite: bool = False  # M is positive definite wherever it has a value
     singular: tuple[str, ...] = ()  # expressions; where one vanishes, M may be singular
@@ -179,3 +189,7 @@ class Structure:
     blocks: Indices = ()  # coordinates that do not influence those of another block
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not asked for
+
+    @property
+    def smooth_in_pieces(self) -> bool:
+        return self.smooth or self.switched

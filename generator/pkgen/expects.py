@@ -161,8 +161,6 @@ def refuse_of_members(
 
 
 def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
-    if item.event or calls(item, "time"):
-        return "events of a swarm or an ensemble are not watched yet: expect it at a time"
     if at is None or has_row(at, settings.every, settings.until):
         return ""
     return f"members have no row at t = {at:.12g}: expect it at a recorded time"

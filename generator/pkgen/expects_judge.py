@@ -11,7 +11,7 @@ from .front.check_expects import calls
 from .front.scene_values import Values, WrongValue
 from .model import Expect, Model, Scene
 from .source import Diagnostic, Span
-from .tree import Call, Expr, Number, replaced
+from .tree import Call, Expr, Number, replaced, within
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,7 @@ class Judge:
     ):
         self.model, self.scene, self.values = model, scene, values
         self.report, self.member = report, member
+        self.constants: dict[Expr, float] = {}  # sides that are the same in all members
 
     def verdicts(self) -> list[Verdict]:
         compared = iter(self.report["expects"])
@@ -67,6 +68,10 @@ class Judge:
     def _compared(self, item: Expect, found: dict) -> Verdict:
         if found["count"] == 0:
             return self._verdict(item, False, self._never(item))
+        absent = self._event(item.event).get("never", 0) if item.event else 0
+        if absent:
+            of = f"in {absent} of {self.report['members']} members"
+            return self._verdict(item, False, f"event '{item.event}' did not happen {of}")
         met = found["missed"] == 0
         where = f" at t = {_text(found['t'])}"
         keep = {key: found[key] for key in ("value", "bound", "t")}
@@ -96,12 +101,36 @@ class Judge:
             found = next(drifts)
             numbers[call] = found["max"]
             member = found["member"] if self.member is not None else None
-        for call in calls(item, "time"):
-            name = call.arguments[0].id
-            numbers[call] = self._time(name)
-            if numbers[call] is None:
-                return self._verdict(item, False, f"event '{name}' did not happen")
+        times = {call: self._times(call.arguments[0].id) for call in calls(item, "time")}
+        if not times:
+            return self._worst(item, [(numbers, member)])
+        rows = zip(*times.values(), strict=True)
+        first = self.report.get("first_member", 0)
+        cases = [
+            ({**numbers, **dict(zip(times, row, strict=True))}, first + i)
+            for i, row in enumerate(rows)
+        ]
+        return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
+
+    def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
+        """The case that misses by the most, or is nearest to it: of one run, or of a member."""
+        worst = None
+        for numbers, member in cases:
+            verdict = self._case(item, numbers, member)
+            if verdict.value is None or verdict.bound is None:
+                return verdict
+            d = verdict.value - verdict.bound
+            off = {"<": d, ">": -d, "=": abs(d)}[item.relation]
+            if worst is None or off > worst[0]:
+                worst = off, verdict
+        return worst[1]
+
+    def _case(self, item: Expect, numbers: dict, member: int | None) -> Verdict:
+        where = "" if member is None else f" of {self.member(member)}"
         for call, number in numbers.items():
+            if number is None and call.function == "time":
+                name = call.arguments[0].id
+                return self._verdict(item, False, f"event '{name}' did not happen{where}")
             if number is None:
                 return self._verdict(item, False, f"{call.function}(…) is not finite")
         try:
@@ -113,13 +142,16 @@ class Judge:
             return self._verdict(item, False, str(wrong))
         met = {"<": a < b, ">": a > b, "=": abs(a - b) <= (allowed or 0.0)}[item.relation]
         keep = {"value": a, "bound": b, "within": allowed, "member": member}
-        where = "" if member is None else f" of {self.member(member)}"
         said = "" if met else self._miss(item, where, a, b, allowed)
         return self._verdict(item, met, said, **keep)
 
-    def _time(self, name: str) -> float | None:
-        event = next(e for e in self.report["events"] if e["name"] == name)
-        return event["times"][0] if event["count"] else None
+    def _event(self, name: str) -> dict:
+        return next(e for e in self.report["events"] if e["name"] == name)
+
+    def _times(self, name: str) -> list[float | None]:
+        """When it first happens: in the run, or in each member."""
+        event = self._event(name)
+        return event["first"] if "first" in event else [*event["times"][:1]] or [None]
 
     def _number(self, expr: Expr, numbers: dict[Call, float]) -> float:
         def known(part: Expr) -> Expr | None:
@@ -127,7 +159,13 @@ class Judge:
                 return Number(Fraction(numbers[part]), part.span)
             return None
 
-        return self.values.number("expect", replaced(expr, known))
+        if expr in numbers:  # by itself, of many members
+            return numbers[expr]
+        if any(isinstance(part, Call) and part in numbers for part in within(expr)):
+            return self.values.number("expect", replaced(expr, known))
+        if expr not in self.constants:
+            self.constants[expr] = self.values.number("expect", expr)
+        return self.constants[expr]
 
     def _miss(
         self,

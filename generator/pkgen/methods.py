@@ -46,6 +46,14 @@ METHODS = {
 }
 
 
+def provides(structure: object, fact: str) -> bool:
+    """Whether a run of a system has what a method requires: where switches are located each of its
+    steps is one of smooth equations."""
+    if fact == "smooth" and getattr(structure, "smooth_in_pieces", False):
+        return True
+    return bool(getattr(structure, fact, False))
+
+
 def carries_quadratures(method: str) -> bool:
     """So do the default methods ("")."""
     return method not in METHODS or "quadrature" in METHODS[method].traits

@@ -14,7 +14,7 @@ from .front.scene_values import ROUND_OFF
 from .methods import METHODS
 from .middle.loops import Facts, LoopEquations
 from .middle.quantities import indexed
-from .model import Model, Scene
+from .model import Scene
 from .option_values import Values, assignment, unknown
 from .simulate import PartSettings, Settings, Shown
 
@@ -62,16 +62,6 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
         if name not in known:
             raise UsageError(unknown("--kernels", name, list(known), "kernel"))
     return frozenset(wanted)
-
-
-def refuse_stops(model: Model) -> None:
-    """Members of an ensemble go on to the end; one that should stop before would be wrong."""
-    for event in model.events:
-        if event.stop:
-            raise UsageError(
-                f"{scene.place(model, event.span)}: event '{event.name}' stops a run; members of "
-                "an ensemble or a swarm cannot stop at events yet"
-            )
 
 
 def output(path: str | None) -> Path | None:
@@ -123,7 +113,7 @@ def settings(
     step = values.positive("--step", options.step, values.time) or said.step
     until = values.positive("--until", options.until, values.time) or said.until or UNTIL
     every = values.positive("--every", options.every, values.time) or said.every
-    show, at = _recorded(options, values, chosen, members is not None)
+    show, at = _recorded(options, values, chosen)
     numbers = len(show) + 1
     if not show:
         observed = [q for q in named.observed(compilation) if not scene_model.hidden(q.name)]
@@ -171,7 +161,7 @@ def _author_chooses(options: argparse.Namespace) -> bool:
 
 
 def _recorded(
-    options: argparse.Namespace, values: Values, chosen: Scene | None, several: bool
+    options: argparse.Namespace, values: Values, chosen: Scene | None
 ) -> tuple[tuple[Shown, ...], int | None]:
     """The columns of rows (none: all of them), and the event at which rows are."""
     compilation = values.compilation
@@ -185,11 +175,6 @@ def _recorded(
         show = [values.shown(name) for name in scene_model.columns(chosen)]
     if options.at is not None:
         at = options.at
-    if several and at:
-        place = f"--at {at}"
-        if options.at is None:
-            place = f"{scene.place(compilation.declared, chosen.record.span)}: record … at {at}"
-        raise UsageError(f"{place}: rows of members are by time; give an interval: every")
     events = named.events(compilation)
     if at is not None and at not in events:
         raise UsageError(unknown("--at", at, events, "event"))
@@ -229,7 +214,7 @@ def default_method(
 
 
 def _by_gauss(structure: Structure | Facts, rtol: float) -> bool:
-    return structure.smooth and rtol <= GAUSS_RTOL
+    return structure.smooth_in_pieces and rtol <= GAUSS_RTOL
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:

@@ -58,8 +58,6 @@ def run(options: argparse.Namespace) -> int:
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     if chosen is not None:
         scene_check.refuse(options, compilation, chosen)
-    if several:
-        parsing.refuse_stops(compilation.model)
     threads = parsing.threads(options, several)
     if swarm:
         scene_run.refuse_swarm(options, compilation.declared, chosen)
@@ -73,6 +71,8 @@ def run(options: argparse.Namespace) -> int:
     if chosen is not None:
         expected = scene_run.watched(compilation, chosen, settings, several)
         settings = replace(settings, watched=expected)
+    if several:
+        settings = replace(settings, watch=scene_run.watch(compilation, chosen, settings))
     if chosen is not None and chosen.accuracy is not None and settings.accuracy is None:
         print(f"pkgen: {choose.NOT_PROMISED}", file=sys.stderr)
     choices = choose.chosen(compilation, settings, ensemble)

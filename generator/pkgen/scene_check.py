@@ -15,7 +15,7 @@ from .equations import Equations, Structure
 from .exits import UsageError
 from .front.check_expects import calls
 from .indices import integer
-from .methods import METHODS
+from .methods import METHODS, provides
 from .methods_table import in_words
 from .middle.loops import Facts, LoopEquations
 from .middle.quantities import ends, indexed, sizes
@@ -77,7 +77,7 @@ def refuse_method(compilation: Compilation, scene: Scene) -> None:
 def _unfit(scene: Scene, structure: Structure | Facts) -> Iterator[Diagnostic]:
     if not scene.method:
         return
-    missing = [f for f in METHODS[scene.method].requires if not getattr(structure, f)]
+    missing = [f for f in METHODS[scene.method].requires if not provides(structure, f)]
     if missing:
         yield Diagnostic(
             f"{scene.method} needs a system that is {in_words(missing)[0]}, and this is not",

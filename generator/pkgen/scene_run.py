@@ -13,6 +13,7 @@ from .ensemble import Ensemble, settable
 from .exits import UsageError
 from .expects_judge import Judge, Verdict
 from .front.check import check_text
+from .front.check_expects import calls
 from .front.read import read
 from .front.scene_values import Values, WrongValue
 from .indices import integer
@@ -82,6 +83,16 @@ def watched(
     observed = [quantity.name for quantity in named.observed(compilation)]
     shown = option_values.Values(compilation).shown
     return expects.watched(scene, observed, named.events(compilation), times, shown)
+
+
+def watch(compilation: Compilation, scene: Scene | None, settings: Settings) -> str:
+    """Whether events of members are looked for, and their first times reported, as the driver reads
+    it: members without any run side by side."""
+    if scene is not None and any(calls(item, "time") for item in scene.expects):
+        return "times"
+    stops = any(event.stop for event in compilation.model.events)
+    expected = scene is not None and any(item.event for item in scene.expects)
+    return "events" if stops or expected or settings.at is not None else ""
 
 
 def verdicts(

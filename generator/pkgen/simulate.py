@@ -86,6 +86,7 @@ class Settings:
     start_v: tuple[tuple[int, float], ...]
     show: tuple[Shown, ...] = ()  # the columns behind t; none: all
     at: int | None = None  # the event that has rows
+    watch: str = ""  # of members "events", or "times" too, are looked for; "": none
     diagnose: tuple[str, ...] = ()
     watched: Watched = NOTHING  # what a scene expects
     rows: str = ""  # land or dense: by steps that end there, or between steps; "": as it is best
@@ -119,6 +120,8 @@ class Settings:
             said.append(f"rows {self.rows}")
         if self.at is not None:
             said.append(f"at {self.at}")
+        if self.watch:
+            said.append(f"watch {self.watch}")
         said += [f"diagnose {name}" for name in self.diagnose]
         said += self.watched.lines()
         for k, part in enumerate(self.parts):

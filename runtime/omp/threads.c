@@ -18,6 +18,16 @@ size_t pk_ensemble_threads(void)
 #endif
 }
 
+void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i), void *context)
+{
+    (void)threads;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(dynamic) num_threads((int)threads)
+#endif
+    for (size_t i = 0; i < count; i++)
+        work(context, i);
+}
+
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size)
 {

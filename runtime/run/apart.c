@@ -196,7 +196,7 @@ void apart_integrate(struct run *run)
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
     watch_parts(run);
-    output_row(run, stdout, 0, a->q, a->v, a->z);
+    output_row(run, run->out, 0, a->q, a->v, a->z);
     run_sample(run);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
         const pk_real t = run_row_time(run, k, run->count), tail = t - a->t;
@@ -211,7 +211,7 @@ void apart_integrate(struct run *run)
             scale(run);
             trust_step(run);
         }
-        output_row(run, stdout, t, a->q, a->v, a->z);
+        output_row(run, run->out, t, a->q, a->v, a->z);
         run_progress(run, (double)(t / s->until), 0);
         run->interrupted = run_interrupted();
     }

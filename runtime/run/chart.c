@@ -34,8 +34,10 @@ struct chart {
     struct settings s;
     struct pk_problem problem;
     struct pk_integrator it;
+    struct pk_system system; /* whose switches are located, and not its events */
+    struct pk_events events;
     struct pk_monitor monitor;
-    void *block, *monitor_block;
+    void *block, *events_block, *monitor_block;
     pk_real *work;
     double began, cap;
     int slow; /* given up at the cap */
@@ -62,8 +64,15 @@ static enum pk_status begin(struct chart *c, const struct pk_method *method, pk_
     c->block = words_allocate(size, 1);
     c->began = processor_now();
     c->slow = 0;
-    return pk_integrator_init(&c->it, &c->problem, method, &options, 0, c->s.q, c->s.v, c->block,
-                              size);
+    const enum pk_status status = pk_integrator_init(&c->it, &c->problem, method, &options, 0,
+                                                     c->s.q, c->s.v, c->block, size);
+    if (status < 0)
+        return status;
+    const size_t events_size = pk_events_size(&c->problem, method);
+    pk_events_free(&c->events);
+    free(c->events_block);
+    c->events_block = words_allocate(events_size, 1);
+    return pk_events_init(&c->events, &c->it, c->events_block, events_size);
 }
 
 /* To t, watched at each step. 1 if it arrived. */
@@ -71,7 +80,7 @@ static int advance(struct chart *c, pk_real t, struct pk_monitor *monitor)
 {
     struct pk_integrator *it = &c->it;
     while (it->t < t) {
-        if (pk_integrator_step(it, t) < 0)
+        if (pk_events_step(&c->events, it, t) < 0)
             return 0;
         if (monitor)
             pk_monitor_update(monitor, it->t, it->q, it->v);
@@ -93,7 +102,8 @@ static double laps(struct chart *c, double once, double seconds)
         const double began = processor_now();
         for (unsigned long k = 0; k < block; k++)
             if (pk_integrator_reset(it, 0, c->s.q, c->s.v) < 0 ||
-                pk_integrator_to(it, c->s.until) < 0)
+                (c->system.n_switches ? pk_events_to(&c->events, it, c->s.until)
+                                      : pk_integrator_to(it, c->s.until)) < 0)
                 return 0;
         const double took = processor_now() - began;
         total += took;
@@ -241,14 +251,19 @@ int chart_run(const char *settings)
     int code = settings_file(&c.s, run_system, settings);
     if (code == 0) {
         c.problem = settings_motion(&c.s);
+        c.system = *c.problem.system;
+        c.system.n_events = 0;
+        c.problem.system = &c.system;
         c.monitor_block = words_allocate(pk_monitor_size(&c.problem), 1);
         c.work = (pk_real *)words_allocate(jacobians_size(&c.problem), sizeof *c.work);
     }
     for (size_t line = 1; code == 0 && fgets(text, sizeof text, stdin); line++)
         code = answer(&c, line, text);
+    pk_events_free(&c.events);
     pk_integrator_free(&c.it);
     settings_free(&c.s);
     free(c.block);
+    free(c.events_block);
     free(c.monitor_block);
     free(c.work);
     return code;

@@ -70,17 +70,12 @@ long ensemble_number(const struct settings *s, size_t member)
 
 int ensemble_fixed(const struct settings *s)
 {
+    if (watched_by_one(s))
+        return !(s->method->traits & PK_ADAPTIVE);
     const struct pk_ensemble e = {
         .system = run_system, .method = s->method, .options = s->options};
     return pk_ensemble_fixed(&e);
 }
-
-struct tally {
-    size_t done, failed, stopped, first_failed;
-    size_t astray, first_astray; /* whose energy at the end is wrong */
-    enum pk_status status;
-    pk_real t;
-};
 
 static int stop(void *context)
 {
@@ -92,10 +87,8 @@ static int stop(void *context)
 static void show(struct run *run, int has_row, pk_real t, const pk_real *q, const pk_real *v,
                  const pk_real *z)
 {
-    if (has_row) {
-        fprintf(stdout, "%ld,", ensemble_number(&run->settings, run->member));
-        output_row(run, stdout, t, q, v, z);
-    }
+    if (has_row)
+        output_row(run, run->out, t, q, v, z);
     if (run->monitor_block)
         pk_monitor_update(&run->monitor, t, q, v);
     expect_sample(run, t, q, v);
@@ -154,6 +147,8 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
             tally->first_failed = first + i;
             tally->status = e->status[i];
             tally->t = e->last_t[i];
+            snprintf(tally->reason, sizeof tally->reason, "%s; last valid time %.17g",
+                     pk_status_text(e->status[i]), (double)e->last_t[i]);
         }
     }
 }
@@ -194,6 +189,7 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     else
         fputs("null", file);
     fputs(",\n", file);
+    watched_report(tally, s, file);
     expect_report(run, file);
     fprintf(file,
             "  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
@@ -211,12 +207,9 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
     if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
         run->write_failed = errno ? errno : EIO;
     if (tally->failed) {
-        fprintf(stderr,
-                "run: %s: %zu of %zu members failed, first member %ld: %s; "
-                "last valid time %.17g\n",
+        fprintf(stderr, "run: %s: %zu of %zu members failed, first member %ld: %s\n",
                 run->settings.method->name, tally->failed, run->settings.members,
-                ensemble_number(&run->settings, tally->first_failed), pk_status_text(tally->status),
-                (double)tally->t);
+                ensemble_number(&run->settings, tally->first_failed), tally->reason);
         code = 4;
     }
     if (tally->astray)
@@ -250,7 +243,8 @@ int ensemble_run(struct run *run, pk_real count)
     struct batch b = {0};
     struct tally tally = {0};
     struct settings *s = &run->settings;
-    const size_t rows = (size_t)count;
+    const size_t rows = count > 1 ? (size_t)count : 1;
+    const int watched = watched_by_one(s);
     const double began = run_now();
     int code = 0;
 
@@ -261,6 +255,8 @@ int ensemble_run(struct run *run, pk_real count)
         return 2;
     }
     members_allocate(&b, run, rows, stop);
+    if (watched && b.size > WATCHED_AT_ONCE)
+        b.size = WATCHED_AT_ONCE;
     if ((ensemble_fixed(s) && (run_system->facts & PK_CONSERVATIVE)) || expect_energy(run))
         run->monitor_block = words_allocate(
             pk_monitor_size(&(struct pk_problem){.system = run_system, .params = b.params}), 1);
@@ -272,9 +268,11 @@ int ensemble_run(struct run *run, pk_real count)
             b.e.last_h = tail / run_intervals(tail, s->options.h);
     }
     code = members_check(&b);
+    if (watched)
+        watched_begin(&tally, s);
     if (code == 0) {
-        fprintf(stdout, "%s,", s->member_name ? s->member_name : "member");
-        output_header(run, stdout);
+        fprintf(run->out, "%s,", s->member_name ? s->member_name : "member");
+        output_header(run, run->out);
     }
     for (size_t first = 0; code == 0 && first < s->members && !run_interrupted();
          first += b.size) {
@@ -283,8 +281,12 @@ int ensemble_run(struct run *run, pk_real count)
         code = members_read(&b, first, b.e.members);
         if (code)
             break;
-        pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
-        write_batch(&b, run, first, b.e.members, &tally);
+        if (watched) {
+            watched_batch(&b, run, first, b.e.members, &tally);
+        } else {
+            pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
+            write_batch(&b, run, first, b.e.members, &tally);
+        }
         run_progress(run, (double)(first + b.e.members) / (double)s->members, 0);
         if (run->write_failed)
             break;
@@ -294,5 +296,7 @@ int ensemble_run(struct run *run, pk_real count)
         code = finish(run, &b, &tally);
     members_release(&b, run);
     free(run->monitor_block);
+    free(tally.crossings);
+    free(tally.first);
     return code;
 }

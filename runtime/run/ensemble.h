@@ -11,6 +11,25 @@ int ensemble_setting(struct settings *s, const struct pk_system *system, size_t 
 long ensemble_number(const struct settings *s, size_t member);
 /* Whether the members take fixed steps. */
 int ensemble_fixed(const struct settings *s);
+/* What has become of the members. */
+struct tally {
+    size_t done, failed, stopped, first_failed;
+    size_t astray, first_astray; /* whose energy at the end is wrong */
+    enum pk_status status;       /* of the first that failed, */
+    pk_real t;
+    char reason[512];            /* in words */
+    unsigned long *crossings, *never; /* of events and switches: in all, and of how many members none */
+    pk_real *first; /* the time of each event's first one in each member, infinite without; or NULL */
+};
+/* Of watched.c: members that run one by one since events are watched or there are switches. Memory of
+ * the tally; so many members; the members "events" and "switches" of the report. */
+struct batch;
+enum { WATCHED_AT_ONCE = 1024 };
+int watched_by_one(const struct settings *s);
+void watched_begin(struct tally *tally, const struct settings *s);
+void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
+                   struct tally *tally);
+void watched_report(const struct tally *tally, const struct settings *s, FILE *file);
 /* All of it, rows at `count` intervals of settings.every; the process's exit code. */
 int ensemble_run(struct run *run, pk_real count);
 

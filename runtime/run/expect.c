@@ -125,6 +125,37 @@ void expect_member(struct run *run, const struct pk_drift *energy)
     }
 }
 
+void expect_clear(struct settings *s)
+{
+    for (size_t i = 0; i < s->n_expected; i++)
+        s->expected[i].count = s->expected[i].missed = 0, s->expected[i].off = 0;
+    for (size_t i = 0; i < s->n_drifting; i++)
+        s->drifting[i].members = 0, s->drifting[i].max = 0;
+}
+
+static int is_number(pk_real x) { return x - x == PK_C(0.0); }
+
+void expect_merge(struct settings *all, const struct settings *one)
+{
+    for (size_t i = 0; i < all->n_expected; i++) {
+        struct expected *to = &all->expected[i];
+        const struct expected *from = &one->expected[i];
+        const unsigned long count = to->count + from->count, missed = to->missed + from->missed;
+        if (from->count && (to->count == 0 || (is_number(to->off) && !(from->off <= to->off))))
+            *to = *from;
+        to->count = count;
+        to->missed = missed;
+    }
+    for (size_t i = 0; i < all->n_drifting; i++) {
+        struct drifting *to = &all->drifting[i];
+        const struct drifting *from = &one->drifting[i];
+        const size_t members = to->members + from->members;
+        if (from->members && (to->members == 0 || (is_number(to->max) && !(from->max <= to->max))))
+            *to = *from;
+        to->members = members;
+    }
+}
+
 /* A zeroed element more, behind the others. */
 static void *more(void **list, size_t *count, size_t size)
 {

@@ -26,6 +26,9 @@ int expect_energy(const struct run *run);
 /* A sample for the drifts; what has drifted so far is of one member, and the next one begins. */
 void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
 void expect_member(struct run *run, const struct pk_drift *energy);
+/* Nothing is known yet; and what is known of one member goes to that of all, in their order. */
+void expect_clear(struct settings *s);
+void expect_merge(struct settings *all, const struct settings *one);
 /* The members "expects" and "expect_drifts" of the report. */
 void expect_report(const struct run *run, FILE *file);
 void expect_free(struct settings *s);

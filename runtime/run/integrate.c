@@ -94,7 +94,7 @@ static void integrate_landing(struct run *run)
         while (it->t < t)
             if (!(run->problem.system->advance ? steps(run, t) : step(run, t)))
                 return;
-        output_row(run, stdout, t, it->q, it->v, it->z);
+        output_row(run, run->out, t, it->q, it->v, it->z);
     }
 }
 
@@ -107,12 +107,12 @@ int run_dense_rows(struct run *run, pk_real end)
          run->next += 1) {
         const pk_real t = run_row_time(run, run->next, run->count);
         if (!(t < it->t))
-            output_row(run, stdout, t, it->q, it->v, it->z);
+            output_row(run, run->out, t, it->q, it->v, it->z);
         else if (pk_integrator_dense(&run->it, t, q, v) < 0 ||
                  (it->z && pk_integrator_dense_quadratures(&run->it, t, z) < 0))
             return 0;
         else
-            output_row(run, stdout, t, q, v, z);
+            output_row(run, run->out, t, q, v, z);
     }
     return 1;
 }
@@ -130,7 +130,7 @@ static void integrate_steps(struct run *run)
     const int rows = run->settings.has_every || !run->settings.at;
     while (run->it.t < run->settings.until && step(run, run->settings.until))
         if (rows)
-            output_row(run, stdout, run->it.t, run->it.q, run->it.v, run->it.z);
+            output_row(run, run->out, run->it.t, run->it.q, run->it.v, run->it.z);
 }
 
 void run_integrate(struct run *run)
@@ -138,8 +138,8 @@ void run_integrate(struct run *run)
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
     const int by_time = s->has_every || !s->at;
-    if (by_time)
-        output_row(run, stdout, 0, it->q, it->v, it->z);
+    if (by_time && (s->has_every || !s->ensemble)) /* of a member the final state alone */
+        output_row(run, run->out, 0, it->q, it->v, it->z);
     run_sample(run);
     if (!by_time || !(s->every > 0))
         integrate_steps(run);
@@ -148,7 +148,7 @@ void run_integrate(struct run *run)
     else
         integrate_dense(run);
     if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
-        output_row(run, stdout, it->t, it->q, it->v, it->z);
+        output_row(run, run->out, it->t, it->q, it->v, it->z);
     expect_member(run, &run->monitor.energy);
 }
 

@@ -97,7 +97,8 @@ static int start(struct run *run)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = run_system;
-    run->problem = settings_shows_z(s) ? settings_problem(s) : settings_motion(s);
+    if (!run->problem.system) /* that of a member is known */
+        run->problem = settings_shows_z(s) ? settings_problem(s) : settings_motion(s);
     const size_t size = pk_integrator_size(&run->problem, s->method);
     const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = malloc(size ? size : 1);
@@ -128,7 +129,7 @@ int run_settle(struct run *run) { return run_parts ? apart_choose(run) : settle(
 int run_start(struct run *run)
 {
     const int code = run_parts ? apart_start(run) : start(run);
-    return code || run_parts ? code : watch_start(run);
+    return code || run_parts ? code : watch_begin(run);
 }
 
 void run_rows(struct run *run) { (run_parts ? apart_integrate : run_integrate)(run); }
@@ -214,6 +215,7 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is a write that fails, and is reported */
     signal(SIGINT, on_interrupt);
     const double began = run_now();
+    run.out = stdout;
     expect_start(&run);
     if (run.settings.ensemble) {
         code = ensemble_run(&run, run.count);

@@ -32,6 +32,7 @@ struct run {
     pk_real *expected;       /* outputs, work of expect.c */
     size_t member;     /* of an ensemble, whose state is looked at */
     pk_real *row;      /* q, v, observed, quadratures of a row */
+    FILE *out;           /* where rows go */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real last_row;    /* its time */
     int at_event;        /* the row being written is at one */

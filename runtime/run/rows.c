@@ -1,6 +1,7 @@
 /* Rows. CSV quotes a name that holds a comma, a quote or a blank (RFC 4180). */
 #include "choose_rows.h"
 #include "diagnose.h"
+#include "ensemble.h"
 #include "expect.h"
 
 #include <errno.h>
@@ -139,6 +140,8 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         rows_keep(run, t, q, v, z, out);
         return;
     }
+    if (run->settings.ensemble)
+        fprintf(file, "%ld,", ensemble_number(&run->settings, run->member));
     fprintf(file, "%.17g", (double)t);
     const char *bad = (run->settings.n_show ? shown_row : whole_row)(run, file, t, q, v, z, out);
     fputc('\n', file);

@@ -145,6 +145,10 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
     }
     if (!word[1])
         return words_usage(line, "a value is missing", word[0]);
+    if (strcmp(word[0], "watch") == 0) {
+        s->watch = word[1][0] == 't' ? 2 : 1;
+        return 0;
+    }
     if (strcmp(word[0], "method") == 0) {
         s->method = run_method_find(word[1]);
         return s->method ? 0 : words_usage(line, "unknown method", word[1]);

@@ -4,7 +4,7 @@
  *     method NAME | until X | every X | step X | rtol X | atol X | iteration newton|fixed
  *     max_steps N | param INDEX X [MEMBER] | start q|v|z INDEX X | input INDEX X | report PATH
  *     progress 0|1 | rows land|dense | size INDEX N
- *     show q|v|z|observed INDEX | show energy | at INDEX | hidden INDEX
+ *     show q|v|z|observed INDEX | show energy | at INDEX | hidden INDEX | watch events|times
  *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
  *     drift INDEX | drift energy
  *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
@@ -15,6 +15,8 @@
  *
  * Each `show` is a column of the rows, behind t; without any they have all columns. `at` is an event:
  * a row at each of its crossings, and others only if there is an `every`.
+ * Of an ensemble events are looked for where there is a `watch`; `times` reports when each member first
+ * met them.
  * What is `expect`ed are relations between outputs A and B, `=` up to a third one; what `drift`s is
  * measured over all steps. Outputs that are `hidden` are no columns.
  *
@@ -97,6 +99,7 @@ struct settings {
     struct expected *expected;
     struct drifting *drifting;
     size_t n_expected, n_drifting;
+    int watch; /* events of an ensemble's members; 2: and their first times are reported */
     size_t at; /* 1 + which event has rows; 0: none */
     char *ensemble; /* a path, or NULL: one trajectory */
     struct part_given *parts; /* NULL: nothing */

@@ -10,35 +10,49 @@ enum { MOST_TIMES = 1000 }; /* of an event, in the report */
 enum { FEW = 4 };           /* states, that say nothing: a stop at the event is one of them */
 #define NOISE PK_C(1e-8)    /* of the size of what is subtracted: no more than errors */
 
+static void note_time(struct crossed *crossed, pk_real t)
+{
+    if (crossed->count < MOST_TIMES)
+        crossed->t[crossed->count] = t;
+    crossed->count++;
+}
+
+/* The step is about to be ended here, and with it its dense output. */
+static void switched(void *context, const struct pk_events *events)
+{
+    struct run *run = (struct run *)context;
+    note_time(&run->crossed[run->problem.system->n_events + events->which], events->t);
+    if (!run->settings.land)
+        run_dense_rows(run, events->t);
+}
+
 static int found(void *context, const struct pk_events *events)
 {
     struct run *run = (struct run *)context;
-    struct crossed *crossed = &run->crossed[events->which];
-    if (crossed->count < MOST_TIMES)
-        crossed->t[crossed->count] = events->t;
-    crossed->count++;
+    note_time(&run->crossed[events->which], events->t);
     expect_event(run, events);
     if (!run->settings.land && !run_dense_rows(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {
         run->at_event = 1;
-        output_row(run, stdout, events->t, events->q, events->v, events->z);
+        output_row(run, run->out, events->t, events->q, events->v, events->z);
         run->at_event = 0;
     }
     return run->write_failed;
 }
 
-int watch_start(struct run *run)
+int watch_begin(struct run *run)
 {
-    const size_t m = run->problem.system->n_events;
+    const struct pk_system *system = run->problem.system;
+    const size_t m = system->n_events, all = m + system->n_switches;
     const size_t size = pk_events_size(&run->problem, run->settings.method);
-    if (m == 0)
+    if (all == 0)
         return 0;
     run->events_block = malloc(size);
-    run->crossed = (struct crossed *)calloc(m, sizeof *run->crossed);
+    run->crossed = (struct crossed *)calloc(all, sizeof *run->crossed);
     run->event_values = (pk_real *)calloc(2 * m + 2 * run->it.n, sizeof *run->event_values);
     int missing = !run->events_block || !run->crossed || !run->event_values;
-    for (size_t k = 0; !missing && k < m; k++) {
+    for (size_t k = 0; !missing && k < all; k++) {
         run->crossed[k].t = (pk_real *)malloc(MOST_TIMES * sizeof(pk_real));
         missing = !run->crossed[k].t;
     }
@@ -52,6 +66,7 @@ int watch_start(struct run *run)
         return 4;
     }
     run->events.found = found;
+    run->events.switched = switched;
     run->events.context = run;
     return 0;
 }
@@ -67,7 +82,7 @@ static void note_leaving(struct run *run)
     int all = 1;
     for (size_t k = 0; k < m; k++)
         all &= run->crossed[k].leaves;
-    if (all)
+    if (all) /* or there are switches alone */
         return;
     memcpy(x, run->it.q, n * sizeof *x);
     memcpy(x + n, run->it.v, n * sizeof *x);
@@ -107,28 +122,39 @@ void watch_warn(const struct run *run)
                     run->problem.system->events[k].what.name, (double)NOISE);
 }
 
+static void report_times(FILE *file, const struct crossed *crossed)
+{
+    fprintf(file, ", \"count\": %lu, \"times\": [", crossed->count);
+    for (unsigned long i = 0; i < crossed->count && i < MOST_TIMES; i++) {
+        fputs(i ? ", " : "", file);
+        output_real(file, crossed->t[i]);
+    }
+    fputs("]}", file);
+}
+
 void watch_report(struct run *run, FILE *file)
 {
     const struct pk_system *system = run->problem.system;
     fputs("  \"events\": [", file);
     for (size_t k = 0; run->crossed && k < system->n_events; k++) {
-        const struct crossed *crossed = &run->crossed[k];
         fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
         output_text(file, system->events[k].what.name);
-        fprintf(file, ", \"stop\": %s, \"count\": %lu, \"times\": [",
-                system->events[k].stop ? "true" : "false", crossed->count);
-        for (unsigned long i = 0; i < crossed->count && i < MOST_TIMES; i++) {
-            fputs(i ? ", " : "", file);
-            output_real(file, crossed->t[i]);
-        }
-        fputs("]}", file);
+        fprintf(file, ", \"stop\": %s", system->events[k].stop ? "true" : "false");
+        report_times(file, &run->crossed[k]);
+    }
+    fputs("],\n  \"switches\": [", file);
+    for (size_t k = 0; run->crossed && k < system->n_switches; k++) {
+        fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
+        output_text(file, system->switches[k].name);
+        report_times(file, &run->crossed[system->n_events + k]);
     }
     fprintf(file, "],\n  \"event_tries\": %lu,\n", run->events.tries);
 }
 
 void watch_free(struct run *run)
 {
-    for (size_t k = 0; run->crossed && k < run->problem.system->n_events; k++)
+    const struct pk_system *system = run->problem.system;
+    for (size_t k = 0; run->crossed && k < system->n_events + system->n_switches; k++)
         free(run->crossed[k].t);
     pk_events_free(&run->events);
     free(run->crossed);

@@ -5,7 +5,7 @@
 #include "output.h"
 
 /* Behind pk_integrator_init(); 0, or the process's exit code with a message. */
-int watch_start(struct run *run);
+int watch_begin(struct run *run);
 /* One step, with all that is crossed in it. */
 enum pk_status watch_step(struct run *run, pk_real limit);
 /* Says on standard error which events are crossings of errors alone. */

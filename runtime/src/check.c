@@ -26,6 +26,24 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
     return memcmp(scratch, it->problem.params, system->params_size) ? PK_BAD_ARGUMENT : PK_DONE;
 }
 
+unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
+{
+    const unsigned missing = method->needs & ~system->facts;
+    return system->n_switches ? missing & ~(unsigned)PK_SMOOTH : missing;
+}
+
+int pk_sides_missing(const struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    if (!(it->method->needs & ~system->facts & PK_SMOOTH))
+        return 0;
+    const pk_real *side = (const pk_real *)(const void *)((const char *)it->problem.params + system->sides);
+    for (size_t k = 0; k < system->n_switches; k++)
+        if (!(side[k] > 0) && !(side[k] < 0))
+            return 1;
+    return 0;
+}
+
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method)
 {
     const struct {

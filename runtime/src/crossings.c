@@ -164,7 +164,8 @@ static enum pk_status nodes(struct along *a)
 /* Puts a crossing into the list, behind those that are met before it. */
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
-    const int asked = a->it->problem.system->events[a->k].direction;
+    const struct pk_event *events = a->it->problem.system->events;
+    const int asked = a->k < e->n_events ? events[a->k].direction : 0;
     size_t at = PK_EVENT_ENTRY * e->listed++;
     if (asked && asked != direction) {
         e->listed--;
@@ -180,8 +181,7 @@ static void enlist(struct pk_events *e, const struct along *a, pk_real x, int di
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k)
 {
     struct along a = {.e = e, .it = it, .k = k};
-    /* Two units in the last place of t, on either side. */
-    const pk_real width = PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
+    const pk_real width = pk_events_width(e, it);
     if (nodes(&a) < 0)
         return it->status;
     for (int j = 1; j < a.count; j++) {

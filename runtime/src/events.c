@@ -24,9 +24,10 @@ static int samples_of(const struct pk_method *method)
 static size_t reals(const struct pk_problem *problem, const struct pk_method *method)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t m = problem->system->n_events;
-    return 4 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures +
-           m * (size_t)(samples_of(method) + 2 + PK_EVENT_ENTRY * PK_MOST_NODES);
+    const size_t switches = problem->system->n_switches, m = problem->system->n_events + switches;
+    return 4 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + switches +
+           m * (size_t)(samples_of(method) + 2 + PK_EVENT_ENTRY * PK_MOST_NODES) +
+           (switches ? pk_params_reals(problem->system) : 0);
 }
 
 size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method)
@@ -41,7 +42,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     memset(events, 0, sizeof *events);
     if (!it || !it->ready || !block)
         return it && it->status < 0 ? it->status : PK_BAD_ARGUMENT;
-    const struct pk_problem *problem = &it->problem;
+    struct pk_problem own = it->problem;
+    const struct pk_problem *problem = &own;
     if (block_size < pk_events_size(problem, it->method) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     struct pk_options options = it->options;
@@ -49,7 +51,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     options.max_steps = 0;
     events->n = it->n;
     events->n_events = problem->system->n_events;
-    if (events->n_events == 0)
+    events->n_switches = problem->system->n_switches;
+    if (pk_events_count(events) == 0)
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     events->samples = samples_of(it->method);
@@ -60,9 +63,16 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     events->trial = events->v0 + it->n;
     events->u = events->trial + 2 * it->n;
     events->g = events->u + problem->system->n_inputs;
-    events->list = events->g + events->n_events * (size_t)(events->samples + 2);
-    events->z0 = events->list + events->n_events * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
+    events->list = events->g + pk_events_count(events) * (size_t)(events->samples + 2);
+    events->z0 = events->list + pk_events_count(events) * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
+    events->fresh = events->z0 + 2 * problem->system->n_quadratures;
     memset(events->q0, 0, reals(problem, it->method) * sizeof(pk_real));
+    if (events->n_switches) {
+        events->params = events->fresh + events->n_switches;
+        events->sides = (pk_real *)(void *)((char *)events->params + problem->system->sides);
+        memcpy(events->params, own.params, problem->system->params_size);
+        own.params = events->params;
+    }
     return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,
                               block, scout);
 }
@@ -75,7 +85,9 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
     const struct pk_problem *p = &it->problem;
     if (p->system->n_inputs && p->input)
         p->input(p->context, t, e->u);
-    p->system->event(p->params, t, q, v, e->u, g);
+    if (e->n_events)
+        p->system->event(p->params, t, q, v, e->u, g);
+    pk_switches_functions(e, it, t, q, v, g + e->n_events);
 }
 
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
@@ -89,7 +101,7 @@ static enum pk_status at_ends(const struct pk_events *e, struct pk_integrator *i
 {
     pk_real *g = pk_events_sample(e, j);
     pk_events_functions(e, it, it->t, q, v, g);
-    for (size_t k = 0; k < e->n_events; k++)
+    for (size_t k = 0; k < pk_events_count(e); k++)
         if (!pk_finite(g[k]))
             return pk_events_not_finite(it, k);
     return PK_DONE;
@@ -125,82 +137,7 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     return it->status = scout->status;
 }
 
-/* The quadratures where the motion has just been followed to, e->t. */
-static enum pk_status quadratures(struct pk_events *e, struct pk_integrator *it)
-{
-    const size_t m = it->problem.system->n_quadratures;
-    pk_real *z = e->z0 + m;
-    e->z = it->z ? z : NULL;
-    if (!it->z)
-        return PK_DONE;
-    if (e->dense || (!(e->t < it->t) && !(e->t > it->t)))
-        return pk_integrator_dense_quadratures(it, e->t, z);
-    memcpy(z, e->scout.z, m * sizeof *z);
-    return PK_DONE;
-}
-
-/* Some two units in the last place of t, on either side: a crossing is known no better. */
-static pk_real width_of(const struct pk_events *e, const struct pk_integrator *it)
-{
-    return PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
-}
-
-/* The state just behind a crossing. A step of the core's methods gives the same each time, and that
- * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little further. */
-static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
-{
-    const size_t k = (size_t)entry[1];
-    const pk_real side = entry[2] * (pk_real)it->direction;
-    const pk_real width = width_of(e, it);
-    pk_real *g = pk_events_sample(e, e->samples + 1);
-    for (int tries = 0; tries < 4; tries++) {
-        e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
-        if (pk_events_reach(e, it, e->t) < 0)
-            return it->status;
-        pk_events_functions(e, it, e->t, e->trial, e->trial + e->n, g);
-        if (side * g[k] >= 0)
-            break;
-    }
-    return quadratures(e, it);
-}
-
-/* Reports what was found, as far as the first event that stops and what is at the same time. */
-static enum pk_status report(struct pk_events *e, struct pk_integrator *it)
-{
-    size_t stopped = 0;
-    pk_real last = pk_abs(it->t - e->from);
-    for (size_t i = 0; i < e->listed; i++) {
-        const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
-        if (entry[0] > last)
-            break;
-        e->which = (size_t)entry[1];
-        e->direction = (int)entry[2];
-        if (behind(e, it, entry) < 0)
-            return it->status;
-        e->q = e->trial;
-        e->v = e->trial + e->n;
-        e->count++;
-        int stop = it->problem.system->events[e->which].stop;
-        if (e->found && e->found(e->context, e))
-            stop = 1;
-        if (it->status < 0) /* of dense output that found() asked for */
-            return it->status;
-        if (stop && !stopped) {
-            stopped = e->which + 1;
-            last = entry[0] + width_of(e, it);
-        }
-    }
-    if (!stopped)
-        return it->status = PK_DONE;
-    if ((e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
-        return it->status;
-    if (e->z)
-        pk_integrator_set_quadratures(it, e->z);
-    it->event = stopped;
-    return it->status = PK_STOPPED_EVENT;
-}
-
-static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     it->event = 0;
     if (it->method->resolved && it->options.h > it->method->resolved(it)) {
@@ -220,10 +157,22 @@ static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk
         return it->status;
     if (at_ends(e, it, e->samples, it->q, it->v) < 0 || pk_events_look(e, it) < 0)
         return it->status;
-    for (size_t k = 0; k < e->n_events; k++)
+    for (size_t k = 0; k < pk_events_count(e); k++)
         if (pk_events_seek(e, it, k) < 0)
             return it->status;
-    return report(e, it);
+    return pk_events_report(e, it);
+}
+
+/* With the sides on which it goes. */
+static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    enum pk_status status = pk_switches_settle(e, it);
+    do {
+        e->again = 0;
+        if (status >= 0)
+            status = try_step(e, it, limit);
+    } while (e->again && status >= 0);
+    return status;
 }
 
 /* A step that a singularity ends has no end to look at, and events may come before it. So the
@@ -256,11 +205,15 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 
 enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
-    if (e->n_events == 0 || !it->ready)
+    const void *const given = it->problem.params;
+    if (pk_events_count(e) == 0 || !it->ready)
         return pk_integrator_step(it, limit);
-    const enum pk_status status = one_step(e, it, limit);
-    return status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES ? towards_end(e, it)
-                                                                           : status;
+    pk_switches_enter(e, it);
+    enum pk_status status = one_step(e, it, limit);
+    if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
+        status = towards_end(e, it);
+    it->problem.params = given;
+    return status;
 }
 
 enum pk_status pk_events_to(struct pk_events *e, struct pk_integrator *it, pk_real t_end)

@@ -10,11 +10,17 @@
  * where the step began, which event, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 3 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
+/* Functions of a step: the events', then the switches'. */
+static inline size_t pk_events_count(const struct pk_events *e)
+{
+    return e->n_events + e->n_switches;
+}
+
 /* g of a sample: 0 where the step begins, e->samples where it ends; these two are true. One more
  * is room for the values at a time of one's own. */
 static inline pk_real *pk_events_sample(const struct pk_events *e, int j)
 {
-    return e->g + e->n_events * (size_t)j;
+    return e->g + pk_events_count(e) * (size_t)j;
 }
 
 /* The time at x from where the step began. */
@@ -24,6 +30,12 @@ static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_
     return x < pk_abs(it->t - e->from) ? e->from + (pk_real)it->direction * x : it->t;
 }
 
+/* Some two units in the last place of t, on either side: a crossing is known no better. */
+static inline pk_real pk_events_width(const struct pk_events *e, const struct pk_integrator *it)
+{
+    return PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
+}
+
 /* The motion at t within the step, by the method itself, into e->trial. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t);
 /* All g at the samples within the step. */
@@ -31,8 +43,24 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it);
 /* All g at a state. */
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                          const pk_real *q, const pk_real *v, pk_real *g);
+/* Those of the switches alone; zero has the sign of the side. */
+void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                           const pk_real *q, const pk_real *v, pk_real *g);
+/* The caller's params into the copy, which `it` has during a step. */
+void pk_switches_enter(struct pk_events *e, struct pk_integrator *it);
+/* The sides of the state of `it`, where it has made no step from there. */
+enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it);
+/* Whether switches that were zero where the step began went the other way from there: then they are
+ * on that side, and `it` is back where it was. */
+int pk_switches_turn(struct pk_events *e, struct pk_integrator *it);
+/* To the other side of those that the list has up to `last`, of a step of that length. */
+enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, pk_real last,
+                                pk_real attempted);
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k);
 /* Adds the crossings of event k to the list, which is in the order in which they are met. */
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k);
+/* Reports what is in the list, as far as the first event that stops, or the first switch, and what is
+ * at the same time. */
+enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it);
 
 #endif

@@ -63,9 +63,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->n = system->abi == PK_ABI ? pk_system_count(system, problem->params) : 0;
     if (it->n == 0)
         return fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
-    if (method->needs & ~system->facts)
-        return fail(it, PK_REFUSED, 0);
-    if (pk_missing_kernel(system, method))
+    if (pk_missing_facts(system, method) || pk_missing_kernel(system, method))
         return fail(it, PK_REFUSED, 0);
     if (system->n_inputs && (method->traits & PK_NO_INPUTS))
         return fail(it, PK_REFUSED, 0);
@@ -169,6 +167,8 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
 
 static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fixed)
 {
+    if (pk_sides_missing(it))
+        return PK_REFUSED;
     if (it->options.max_steps && it->count.steps >= it->options.max_steps)
         return PK_TOO_MANY_STEPS;
     if (!fixed)

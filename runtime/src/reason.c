@@ -96,9 +96,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return snprintf(text, size, "%s: %s", what, bad_argument[it->where]);
     case PK_REFUSED:
         for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
-            if (it->method->needs & ~system->facts & fact_text[i].fact)
+            if (pk_missing_facts(system, it->method) & fact_text[i].fact)
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
+        if (pk_sides_missing(it))
+            return snprintf(text, size,
+                            "%s needs a smooth system; %s changes where %s vanishes: make steps by "
+                            "pk_events_step(), which ends them there",
+                            it->method->name, system->name, system->switches[0].name);
         if (system->count && (it->method->traits & PK_JACOBIANS))
             return snprintf(text, size,
                             "%s needs Jacobians; %s keeps its families as loops and has none",
@@ -155,6 +160,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "from there the motion does not: make the steps shorter; last valid time "
                         "%.17g",
                         what, t, (double)it->detail, name, t);
+    case PK_SLIDING:
+        return snprintf(text, size,
+                        "the motion stays on %s = 0: on either side of it the equations lead "
+                        "back to it, and what follows they do not say; a smooth function in place "
+                        "of the jump, such as tanh, does; last valid time %.17g",
+                        system->switches[it->where].name, t);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:
@@ -181,6 +192,10 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             system->events[it->event - 1].what.name, t);
         return snprintf(text, size, "%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
+        if (it->event > system->n_events)
+            return snprintf(text, size, "%s, at whose zeros the equations change, is not finite at "
+                            "t = %.17g",
+                            system->switches[it->event - 1 - system->n_events].name, t);
         if (it->event)
             return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
                             system->events[it->event - 1].what.name, t);

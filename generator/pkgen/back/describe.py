@@ -63,6 +63,7 @@ _OUT = {
     "observe": lambda e: e.observed_names,
     "conserve": lambda e: e.conserved_names,
     "event": lambda e: e.event_names,
+    "switching": lambda e: tuple(switch.quantity for switch in e.switches),
     "guard": lambda e: tuple(guard.quantity for guard in e.guards),
 }
 _VECTORS = {

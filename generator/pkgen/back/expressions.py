@@ -89,7 +89,7 @@ def count_operations(expressions: Iterable[str], prefix: str) -> Counter[str]:
     operations = Counter({sign: text.count(f" {sign} ") for sign in "+-*/"})
     operations["neg"] = len(_MINUS.findall(text))
     operations.update(_FUNCTION.findall(text))
-    operations.update(re.findall(rf"\b{prefix}(\w+)\(", text) if prefix in text else ())
+    operations.update(re.findall(rf"\b{prefix}(?:side_)?(\w+)\(", text) if prefix in text else ())
     return +operations  # those that there are
 
 

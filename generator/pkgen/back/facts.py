@@ -21,7 +21,7 @@ def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
         ("linear", _yes(structure.affine, "constant coefficients", "")),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
         ("forces beyond L", "none" if structure.variational else "yes (force or dissipation)"),
-        ("smooth", _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")),
+        ("smooth", _smooth(equations, structure)),
         ("blocks", _blocks(equations, structure.blocks)),
     ]
     return [row for row in rows if row[1]]
@@ -86,6 +86,14 @@ def shortened(text: str) -> str:
     if len(terms) <= SHOWN:
         return text
     return f"{terms[0]} + ... + {terms[-1]} ({len(terms)} terms)".replace("+ -", "- ")
+
+
+def _smooth(equations: Equations, structure: Structure) -> str:
+    if structure.smooth or not structure.switched:
+        return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
+    names = [switch.quantity.name for switch in equations.switches]
+    shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
+    return f"between zeros of {', '.join(shown)}, which a run locates"
 
 
 def _mass(equations: Equations, structure: Structure) -> str:

@@ -25,6 +25,8 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
         names &= wanted | CANONICAL
     if equations.quadratures:
         names |= {"quadrature"}
+    if equations.switches:
+        names |= {"switching"}
     if "acceleration" in names and equations.acceleration is None:
         names |= {"mass", "force"}
     return frozenset(names)
@@ -195,6 +197,13 @@ def _specs() -> Iterator[KernelSpec]:
         "functions whose zeros are the events",
         *_vector("out", lambda e: e.events),
         exists=lambda e: bool(e.events),
+    )
+    yield KernelSpec(
+        "switching",
+        "void",
+        "the arguments of step, abs, min and max at whose zeros the equations change",
+        *_vector("out", lambda e: tuple(switch.node for switch in e.switches)),
+        exists=lambda e: bool(e.switches),
     )
     yield KernelSpec(
         "quadrature",

@@ -100,6 +100,9 @@ def _used_fields(program: Program, part: Part) -> list[tuple[str, int]]:
     """The members of struct NAME_params that it reads: C text and place."""
     places = {name: k for k, name in enumerate(program.parameter_names)}
     places |= {f"c_[{k}]": len(places) + k for k in range(program.hoisted)}
+    n, end = len(program.equations.coordinates), len(program.parameter_names)
+    end += max(program.hoisted, 1) + (n * n + n if program.factored else 0)
+    places |= {f"side_[{k}]": end + k for k in range(len(program.equations.switches))}
     texts = " ".join(s.text for s in part.statements)
     used = set(_MEMBER.findall(texts))
     return [(name, k) for name, k in places.items() if name in used]

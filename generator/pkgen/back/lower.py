@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from ..equations import Equations, Structure
 from ..middle.graph import Kind, Node, Op, Symbol
+from ..middle.switches import sides
 from .chunk import blocks
 from .kernels import KERNELS, KernelSpec, needed_kernels
 from .literals import PI
@@ -28,7 +29,7 @@ from .program import (
     Statement,
     operations_in,
 )
-from .rewrite import Workspace, rewrite
+from .rewrite import SIDE, Workspace, rewrite
 from .schedule import Schedule, Target, number_text
 
 __all__ = ["Program", "lower"]
@@ -70,7 +71,10 @@ class _Lowering:
         self.libm = libm
         self.structure = structure
         self.prefix = equations.model.name + "_"
+        decided = sides(equations.graph, equations.switches)
         self.work = Workspace(equations.graph)
+        for call, (switch, sign) in decided.items():
+            self.work.side(call, switch, sign)
         self.fields, self.parameter_names = _fields(equations)
         self.symbols = _local_names(equations)
         self.leaves: dict[Node, str] = {}
@@ -173,6 +177,8 @@ class _Lowering:
         assert isinstance(symbol, Symbol)
         if symbol.kind is Kind.PARAMETER:
             return "p->" + self.parameter_names[symbol.index]
+        if symbol.kind is SIDE:
+            return f"p->side_[{symbol.index}]"
         if symbol.kind in _ARGUMENT:
             return self.symbols[symbol]
         return PI if symbol.kind is Kind.PI else "t"

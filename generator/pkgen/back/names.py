@@ -52,7 +52,7 @@ _OURS = """
     status bad pass sc
 """
 
-FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS).split()) | {"c_"}
+FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS).split()) | {"c_", "side_"}
 LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _FUNCTIONS + _OURS).split())
 
 

@@ -53,6 +53,7 @@ SYSTEM_KERNELS = [
     "guard",
     "event",
     "quadrature",
+    "switching",
 ]
 
 _TESTED = [
@@ -141,6 +142,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_conserved": len(equations.conserved),
         "n_quadratures": len(equations.quadratures),
         "events": tables.events(program),
+        "switches": [switch.quantity.name for switch in equations.switches],
         "n_hoisted": program.hoisted,
         "factored": program.factored,
         "indices": tables.indices(program),
@@ -173,7 +175,7 @@ def _context(program: Program) -> dict[str, Any]:
         "system_kernels": [
             {"name": kernel, "present": kernel in present}
             for kernel in SYSTEM_KERNELS
-            if kernel in present or kernel != "quadrature"
+            if kernel in present or kernel not in ("quadrature", "switching")
         ],
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),

@@ -15,10 +15,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Node, Op
+from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Node, Op, Symbol
+from ..middle.switches import SIDED
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
+SIDE = "side"  # the kind of a symbol: of a switch, where code is written alone
 
 
 class Workspace:
@@ -31,6 +33,19 @@ class Workspace:
         self._known = graph.tables()
         # Whether a node depends on parameters alone (or on nothing).
         self.fixed = [not mask & VARIABLE for mask in graph.depends]
+        self.sides: dict[Node, Node] = {}  # of calls that a switch decides: the side
+        self._side_leaves: dict[int, Node] = {}
+
+    def side(self, call: Node, switch: int, sign: int) -> None:
+        """Has a call decided by the side of a switch, or by the other one."""
+        if switch not in self._side_leaves:
+            leaf = self._side_leaves[switch] = len(self.op)
+            self.op.append(Op.SYMBOL)
+            self.args.append(())
+            self.data.append(Symbol(SIDE, switch))
+            self.fixed.append(False)
+        leaf = self._side_leaves[switch]
+        self.sides[call] = leaf if sign > 0 else self.multiply(MINUS_ONE, leaf)
 
     def node(self, op: str, args: tuple[Node, ...], data: object = None) -> Node:
         key = args if data is None else (args, data)
@@ -102,7 +117,10 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
             exponent = work.data[node]
             new[node] = power(work, new[work.args[node][0]], exponent)
         elif op is Op.CALL:
-            new[node] = work.node(op, tuple(new[a] for a in work.args[node]), work.data[node])
+            arguments, called = tuple(new[a] for a in work.args[node]), work.data[node]
+            if node in work.sides:
+                arguments, called = (work.sides[node], *arguments), SIDED[str(called)]
+            new[node] = work.node(op, arguments, called)
         else:
             new[node] = node
     return new

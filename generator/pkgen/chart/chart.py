@@ -83,7 +83,7 @@ def measure(
         on_progress(0.02, "compiling and integrating the reference")
         exact = reference.find(compilation, given)
         structure = compilation.structure
-        follower = "gauss" if structure.smooth else "dop853"
+        follower = "gauss" if structure.smooth_in_pieces else "dop853"
         found = spectrum.find(program, follower, settings.until, not structure.variational)
         bench = Bench(program, exact.final, exact.scales, exact.error, settings.until, effort)
         tracks = sweep.measure(

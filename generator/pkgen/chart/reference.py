@@ -86,7 +86,7 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
                 refusal = error
                 continue
             with Program(program, settings) as running:
-                return _agree(running, scalar, compilation.structure.smooth)
+                return _agree(running, scalar, compilation.structure.smooth_in_pieces)
     assert refusal is not None
     raise refusal
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from ..chart.chart import methods as all_methods
 from ..chart.points import Method
+from ..methods import provides
 from .trials import DENSE, LAND
 
 
@@ -81,6 +82,6 @@ def alone(name: str) -> Candidate:
 
 def _applies(line: Line, method: Method, structure: object) -> bool:
     facts = (*line.if_, *(fact.replace(" ", "_") for fact in method.requires))
-    return all(getattr(structure, fact, False) for fact in facts) and not any(
+    return all(provides(structure, fact) for fact in facts) and not any(
         getattr(structure, fact, False) for fact in line.if_not
     )

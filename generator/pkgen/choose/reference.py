@@ -64,7 +64,7 @@ def other_steps(asked: Asked) -> float | None:
 
 def methods(structure: object, events: bool) -> tuple[str, ...]:
     """What may be exact, in turns until one arrives. Steps as long as rows would miss events."""
-    if not getattr(structure, "smooth", False):
+    if not getattr(structure, "smooth_in_pieces", False):
         return ("dop853", "dopri5")
     exact = (EXACT,) if getattr(structure, "affine", False) and not events else ()
     stiff = () if getattr(structure, "variational", False) else ("radau",)

@@ -45,7 +45,7 @@ class Dynamics:
                 f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
                 " it bends or jumps",
                 statement.value.span,
-                "the force jumps there; steps across it are less accurate",
+                "the force jumps there: steps of a run end at it, but in families kept as loops",
             )
         if not power:
             self.shared.energies.append(facts)

@@ -12,10 +12,10 @@ from dataclasses import replace
 from .. import model as m
 from ..indices import NotAnInteger, indexed, integer
 from ..source import Span
-from ..tree import Component, Expr, Name, Prime, Range
+from ..tree import Component, Expr, Name, Prime
 from . import statements as st
 from .check_dynamics import Dynamics
-from .check_expects import Expects, calls
+from .check_expects import Expects
 from .check_given import Given
 from .check_scope import PLACES, Scope
 from .check_settings import Settings
@@ -157,34 +157,8 @@ class _Scene:
 
     # all of it
 
-    def _swarm(self, swarm: Range) -> None:
-        """What many members together cannot do yet."""
-        for event in self.scenes.shared.parts["event"]:
-            if event.stop:
-                self.report.error(
-                    f"event '{event.name}' stops a run; members of a swarm cannot stop at events"
-                    " yet",
-                    swarm.span,
-                    f"declare '{event.name}' without 'stop'",
-                )
-        if self.record is not None and self.record.at:
-            self.report.error(
-                "rows of a swarm's members are by time, not at an event",
-                self.record.span,
-                "give an interval: every 0.1",
-            )
-        for item in self.expects:
-            if item.event or calls(item, "time"):
-                self.report.error(
-                    "events of a swarm's members are not watched yet",
-                    item.span,
-                    "expect it at a time",
-                )
-
     def made(self, scene: st.Scene) -> m.Scene:
         self.given.finish()
-        if self.given.swarm is not None:
-            self._swarm(self.given.swarm)
         if "until" not in self.seen:
             self.scenes.expects.without_until(self.expects)
         return m.Scene(

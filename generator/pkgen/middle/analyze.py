@@ -35,6 +35,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     unforced = all(node == ZERO for node in equations.applied)
     steady = not seen.occurs([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
     jumping = _jumping(equations)
+    smooth = _smooth(equations)
     coupled = mass_blocks(equations)
     influence = influences(equations, coupled)
     return Structure(
@@ -45,7 +46,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         autonomous=steady,
         conservative=unforced and steady and not jumping,
         variational=unforced,
-        smooth=_smooth(equations),
+        smooth=smooth,
+        switched=not smooth and bool(equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
         affine=constant and steady and affine(equations, seen.normal),
         definite=definite(equations),
@@ -125,5 +127,7 @@ def _smooth(equations: Equations) -> bool:
     outputs = [equations.lagrangian, *equations.pdot, *equations.force]
     outputs += [entry for row in equations.mass for entry in row]
     return all(
-        FUNCTIONS[g.data[node]].smooth for node in reachable(g, outputs) if g.op[node] is Op.CALL
+        FUNCTIONS[g.data[node]].smooth
+        for node in reachable(g, outputs, VARIABLE)
+        if g.op[node] is Op.CALL
     )

@@ -6,7 +6,7 @@ of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyon
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .. import limits
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
@@ -14,7 +14,7 @@ from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
-from .lagrange import Derived, derived, guards
+from .lagrange import Derived, derived, guards, switches
 from .motion import Energies, Motion, Wanted
 from .quantities import (
     error,
@@ -70,7 +70,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
         ends = guards(x.graph, found, parameters, coordinates, inputs)
-    return Equations(
+    equations = Equations(
         model=model,
         graph=x.graph,
         parameters=parameters,
@@ -89,6 +89,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         start_v=start_v,
         **found.fields(),
     )
+    return replace(equations, switches=switches(equations))
 
 
 # -- the statements ------------------------------------------------------------------------------

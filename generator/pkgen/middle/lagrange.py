@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
+from ..equations import Equations, Guard, ParameterSlot, Quantity, Row, Switch
 from .graph import ZERO, Graph, Kind, Node, Symbol
 from .guards import guards_of
 from .motion import (
@@ -24,6 +24,7 @@ from .motion import (
     shortest,
 )
 from .solve import Solution
+from .switches import switches_of
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,26 @@ def guards(
     inputs: tuple[Quantity, ...],
 ) -> tuple[Guard, ...]:
     """Where these equations end, in the names of their quantities."""
+    motion = found.motion
+    acceleration, pivots = found.solution or (motion.force, None)
+    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
+    name = _naming(parameters, coordinates, inputs)
+    return guards_of(g, parameters, motion.mass, outputs, pivots, name)
+
+
+def switches(equations: Equations) -> tuple[Switch, ...]:
+    """Of the motion and of the quadratures."""
+    e = equations
+    outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
+    return switches_of(e.graph, outputs, _naming(e.parameters, e.coordinates, e.inputs))
+
+
+def _naming(
+    parameters: tuple[ParameterSlot, ...],
+    coordinates: tuple[Quantity, ...],
+    inputs: tuple[Quantity, ...],
+) -> Callable[[Symbol], str]:
+    """What symbols are called."""
     names = {
         Kind.PARAMETER: [slot.quantity.name for slot in parameters],
         Kind.COORDINATE: [q.name for q in coordinates],
@@ -103,10 +124,7 @@ def guards(
     def name(symbol: Symbol) -> str:
         return names[symbol.kind][symbol.index]
 
-    motion = found.motion
-    acceleration, pivots = found.solution or (motion.force, None)
-    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
-    return guards_of(g, parameters, motion.mass, outputs, pivots, name)
+    return name
 
 
 def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equations:
@@ -117,7 +135,8 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
         ends = guards(g, found, equations.parameters, equations.coordinates, equations.inputs)
-    return replace(equations, **found.fields(), guards=ends)
+    again = replace(equations, **found.fields(), guards=ends)
+    return replace(again, switches=switches(again))
 
 
 def _rate_of(equations: Equations) -> Callable[[Node], Node]:

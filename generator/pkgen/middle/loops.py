@@ -185,6 +185,11 @@ class Facts:
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not asked for
 
+    @property
+    def smooth_in_pieces(self) -> bool:
+        """Switches of members of a family are not located."""
+        return self.smooth
+
 
 @dataclass(frozen=True)
 class Bounded:

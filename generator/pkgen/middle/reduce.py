@@ -54,7 +54,8 @@ def reduce(
         if name not in needs.off:
             state = reduction(state, needs)
     g, parts, lines = equations.graph, (), state.report.lines
-    if APART not in needs.off and needs.apart:
+    # Switches are located in one motion, not in several.
+    if APART not in needs.off and needs.apart and state.structure.smooth:
         parts = parts_of(state.equations, state.structure, of_a_part(kernels))
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)

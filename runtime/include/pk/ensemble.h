@@ -74,6 +74,9 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
  * one after the other). The block is for all of them: threads * pk_ensemble_size(). */
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size);
+/* work(context, 0), ..., work(context, count - 1), by so many threads, in no order. */
+void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i),
+                 void *context);
 /* How many threads there are to be had; 1 without OpenMP. */
 size_t pk_ensemble_threads(void);
 

@@ -28,6 +28,14 @@
  * Where g is exactly zero at the start, or stays so, nothing has crossed: an event fires when g
  * reaches zero from somewhere else. Each step begins anew with the state that `it` has: after a jump
  * (pk_integrator_reset()) g may be on the other side, and that is no crossing.
+ *
+ * Switches of the system (struct pk_system) are located as events are. Each is held on the side on
+ * which the motion is, so that within a step the equations are smooth, and every method has its order
+ * and may be used; where one crosses zero the step ends, and the next one begins on the other side.
+ * At the start, and after a reset, the sides are those of the state; of a switch that is zero there
+ * the one to which the motion goes, or else 1. The sides are in a copy of the params that is the
+ * integrator's during a step; those of the caller keep 0 and are read anew for each step. Where the
+ * motion does not leave a zero, as under dry friction at rest, the status is PK_SLIDING.
  */
 #ifndef PK_EVENTS_H
 #define PK_EVENTS_H
@@ -55,17 +63,28 @@ struct pk_events {
     int (*found)(void *context, const struct pk_events *events);
     void *context;
 
+    /* Called where a switch crosses zero, before its side changes: `which` is of system->switches.
+     * The integrator is to be left alone, as in found(). */
+    void (*switched)(void *context, const struct pk_events *events);
+
     unsigned long count; /* of crossings reported */
+    unsigned long switchings; /* of switches */
     unsigned long tries; /* states computed to locate them */
 
     /* For the runtime alone. */
     struct pk_integrator scout;
-    size_t n, n_events;
+    size_t n, n_events, n_switches;
     int samples; /* intervals of a step that are looked at */
     int dense;   /* by the method's own dense output */
     pk_real from; /* time where the step began */
     pk_real *q0, *v0, *z0, *trial, *u, *g, *list;
     size_t listed;
+    void *params;    /* with sides: */
+    pk_real *sides;
+    pk_real *fresh;  /* flags: zero where the step begins, so that the side is a guess, */
+    int again;       /* and was a wrong one */
+    int brief;       /* switchings one upon another */
+    int at_switch;   /* the step begins at one */
 };
 
 /* Bytes of the block that pk_events_init() wants, aligned for pk_real; 0 as
@@ -73,7 +92,7 @@ struct pk_events {
 size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method);
 
 /* For an integrator that is initialised; takes its problem, method and options. Without
- * events in the system all below is as without struct pk_events. */
+ * events and switches in the system all below is as without struct pk_events. */
 enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it,
                               void *block, size_t block_size);
 

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 4u
+#define PK_ABI 5u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -34,7 +34,8 @@ enum pk_fact {
     PK_AUTONOMOUS = 1u << 4,   /* nothing depends on t explicitly, and there are no inputs */
     PK_CONSERVATIVE = 1u << 5, /* h is constant: dL/dt = 0, no Q, no D, no inputs */
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
-    PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
+    PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations; or see
+                                  n_switches */
     PK_AFFINE = 1u << 8        /* a = A q + B v + c with constant A, B, c; no t and no inputs */
 };
 
@@ -226,6 +227,17 @@ struct pk_system {
     void (*quadrature)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *zdot);
     void (*quadrature_start)(const void *params, pk_real *z);
+
+    /* Switches: arguments x of step(x), abs(x), and a - b of min(a, b), at whose zeros the equations
+     * change from one smooth form to another. `switching` writes them. On which side each is held,
+     * whatever x: 1 above, -1 below; 0, as defaults() leaves it: where x is. With all sides given the
+     * equations are smooth. They are n_switches pk_real from the byte `sides` of the params on; see
+     * pk/events.h, which sets them in a copy. 0 and NULL: not smooth and nowhere located, or smooth. */
+    size_t n_switches;
+    const struct pk_quantity *switches; /* names: the expressions as text, "t - t0" */
+    size_t sides;
+    void (*switching)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *out);
 };
 
 /* Degrees of freedom. */

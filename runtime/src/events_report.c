@@ -1,0 +1,95 @@
+/* What was found in a step, told in order: the caller is called, the motion stopped or put on the
+ * other side of a switch.
+ */
+#include <string.h>
+
+#include "events.h"
+
+/* The quadratures where the motion has just been followed to, e->t. */
+static enum pk_status quadratures(struct pk_events *e, struct pk_integrator *it)
+{
+    const size_t m = it->problem.system->n_quadratures;
+    pk_real *z = e->z0 + m;
+    e->z = it->z ? z : NULL;
+    if (!it->z)
+        return PK_DONE;
+    if (e->dense || (!(e->t < it->t) && !(e->t > it->t)))
+        return pk_integrator_dense_quadratures(it, e->t, z);
+    memcpy(z, e->scout.z, m * sizeof *z);
+    return PK_DONE;
+}
+
+/* The state just behind a crossing. A step of the core's methods gives the same each time, and that
+ * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little further. */
+static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
+{
+    const size_t k = (size_t)entry[1];
+    const pk_real side = entry[2] * (pk_real)it->direction;
+    const pk_real width = pk_events_width(e, it);
+    pk_real *g = pk_events_sample(e, e->samples + 1);
+    for (int tries = 0; tries < 4; tries++) {
+        e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
+        if (pk_events_reach(e, it, e->t) < 0)
+            return it->status;
+        pk_events_functions(e, it, e->t, e->trial, e->trial + e->n, g);
+        if (side * g[k] >= 0)
+            break;
+    }
+    return quadratures(e, it);
+}
+
+/* One crossing of the list: found() or switched(). Whether the run is to stop there. */
+static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
+{
+    const size_t k = (size_t)entry[1];
+    const int is_switch = k >= e->n_events;
+    e->which = is_switch ? k - e->n_events : k;
+    e->direction = (int)entry[2];
+    if (behind(e, it, entry) < 0)
+        return 0;
+    e->q = e->trial;
+    e->v = e->trial + e->n;
+    if (is_switch) {
+        e->switchings++;
+        if (e->switched)
+            e->switched(e->context, e);
+        return 0;
+    }
+    e->count++;
+    const int wanted = e->found && e->found(e->context, e);
+    return wanted || it->problem.system->events[k].stop;
+}
+
+enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real attempted = pk_abs(it->t - e->from);
+    size_t stopped = 0, passed = 0;
+    pk_real last = attempted;
+    if (pk_switches_turn(e, it))
+        return it->status;
+    for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
+        const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
+        const int stop = tell(e, it, entry);
+        if (it->status < 0) /* of a step, or of dense output that found() asked for */
+            return it->status;
+        const int is_switch = entry[1] >= (pk_real)e->n_events;
+        if ((stop || is_switch) && !stopped && !passed)
+            last = entry[0] + pk_events_width(e, it);
+        passed += (size_t)is_switch;
+        if (stop && !stopped)
+            stopped = e->which + 1;
+    }
+    if (!stopped && !passed) {
+        e->at_switch = 0;
+        return it->status = PK_DONE;
+    }
+    if (passed && pk_switches_pass(e, it, last, attempted) < 0)
+        return it->status;
+    if ((passed || e->t < it->t || e->t > it->t) &&
+        pk_integrator_reset(it, e->t, e->q, e->v) < 0)
+        return it->status;
+    if (e->z)
+        pk_integrator_set_quadratures(it, e->z);
+    it->event = stopped;
+    return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
+}

@@ -1,0 +1,120 @@
+/* Switches: which side of its zero each is held on, and where that changes; see pk/events.h.
+ *
+ * A step is one of the equations of one side throughout, also where its stages or its end lie beyond
+ * the zero; only then is its end cut back to it, by events.c. So a method keeps its order.
+ *
+ * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
+ * ed., Springer 1993, section II.6; of motions that stay on a zero (PK_SLIDING): A. F. Filippov,
+ * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988.
+ */
+#include <string.h>
+
+#include "events.h"
+
+/* So many switchings one upon another, each after less than SHORT of a step that was to be made, or
+ * some units in the last place of t, are no motion. */
+enum { MOST_BRIEF = 64 };
+#define SHORT PK_F(sqrt)(PK_EPS)
+#define TINY (PK_EPS * PK_EPS) /* what stands for a zero, for its sign alone */
+
+void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    if (e->n_switches == 0)
+        return;
+    const size_t bytes = e->n_switches * sizeof *e->sides, behind = system->sides + bytes;
+    char *const copy = (char *)e->params;
+    const char *const given = (const char *)it->problem.params;
+    memcpy(copy, given, system->sides);
+    memcpy(copy + behind, given + behind, system->params_size - behind);
+    it->problem.params = e->params;
+}
+
+static void values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                   const pk_real *q, const pk_real *v, pk_real *x)
+{
+    const struct pk_problem *p = &it->problem;
+    if (p->system->n_inputs && p->input)
+        p->input(p->context, t, e->u);
+    p->system->switching(e->params, t, q, v, e->u, x);
+}
+
+void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                           const pk_real *q, const pk_real *v, pk_real *g)
+{
+    if (e->n_switches == 0)
+        return;
+    values(e, it, t, q, v, g);
+    for (size_t k = 0; k < e->n_switches; k++)
+        if (pk_abs(g[k]) <= 0)
+            g[k] = TINY * e->sides[k];
+}
+
+/* Arguments may have switches in them, which are settled before. */
+enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
+{
+    pk_real *x = pk_events_sample(e, e->samples + 1);
+    int changed = 1, reset = 0;
+    if (e->n_switches == 0 || it->direction != 0)
+        return PK_DONE;
+    for (size_t round = 0; changed; round++) {
+        if (round > e->n_switches + 1) {
+            it->where = 0;
+            return it->status = PK_SLIDING;
+        }
+        changed = 0;
+        values(e, it, it->t, it->q, it->v, x);
+        for (size_t k = 0; k < e->n_switches; k++) {
+            const pk_real was = e->sides[k], guess = was < 0 ? PK_C(-1.0) : PK_C(1.0);
+            e->sides[k] = x[k] > 0 ? PK_C(1.0) : x[k] < 0 ? PK_C(-1.0) : guess;
+            e->fresh[k] = x[k] > 0 || x[k] < 0 ? PK_C(0.0) : PK_C(1.0);
+            changed |= e->sides[k] > was || e->sides[k] < was;
+        }
+        reset |= changed;
+    }
+    return reset ? pk_integrator_reset(it, it->t, it->q, it->v) : PK_DONE;
+}
+
+int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real near = 2 * pk_events_width(e, it);
+    for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= near; i++) {
+        const size_t which = (size_t)e->list[PK_EVENT_ENTRY * i + 1];
+        if (which < e->n_events || !(e->fresh[which - e->n_events] > 0))
+            continue;
+        e->fresh[which - e->n_events] = 0;
+        e->sides[which - e->n_events] *= -1;
+        e->again = 1;
+    }
+    if (!e->again || pk_integrator_reset(it, e->from, e->q0, e->v0) < 0)
+        return e->again;
+    if (it->z)
+        pk_integrator_set_quadratures(it, e->z0);
+    return 1;
+}
+
+enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, pk_real last,
+                                pk_real attempted)
+{
+    const pk_real took = pk_abs(e->t - e->from);
+    size_t which = 0;
+    for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
+        const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
+        if (entry[1] < (pk_real)e->n_events)
+            continue;
+        which = (size_t)entry[1] - e->n_events;
+        e->sides[which] = entry[2] * (pk_real)it->direction;
+    }
+    const int brief = took <= SHORT * attempted ||
+                      took <= PK_C(64.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));
+    e->brief = e->at_switch && brief ? e->brief + 1 : 0;
+    e->at_switch = 1;
+    if (e->brief < MOST_BRIEF)
+        return PK_DONE;
+    pk_integrator_reset(it, e->t, e->q, e->v);
+    if (e->z)
+        pk_integrator_set_quadratures(it, e->z);
+    it->ready = 0;
+    it->where = which;
+    return it->status = PK_SLIDING;
+}
