@@ -23,6 +23,7 @@ from .check_params import check_bounds
 from .check_scene_values import check_scene_values
 from .check_scenes import Scenes
 from .check_shared import Shared
+from .check_states import States
 from .parse import parse_all
 from .units import NONE, UnitError, over, parse_unit, si_text
 
@@ -60,17 +61,12 @@ class _Checker:
         self.file, self.given = file, dict(given)
         self.report = Report()
         declared = dict(_declarations(file.statements))
-        coordinates = frozenset(
-            item.name
-            for s in file.statements
-            if isinstance(s, st.Declare) and s.keyword == "coord"
-            for item in s.items
-        )
         self.broken = {b.keyword for b in file.broken}
         self.dimensionless = all(_has_no_dimension(text) for text in file.units)
         poisoned = [n for b in file.broken for n in b.names]
         self.names = Names(self.report, self._line, declared, poisoned)
-        self.names.coordinates = coordinates
+        self.names.coordinates = _named(file.statements, "coord")
+        self.names.states = _named(file.statements, "state")
         sizes: dict[str, int] = {}
         lagrangian = any(
             isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
@@ -79,13 +75,15 @@ class _Checker:
             file.source, self.report, self.names, sizes, self.dimensionless, lagrangian
         )
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
-        definitions, coordinates = Definitions(self.shared), Coordinates(self.shared)
+        definitions, self.states = Definitions(self.shared), States(self.shared)
+        coordinates = Coordinates(self.shared, self.states)
         dynamics = self.dynamics = Dynamics(self.shared)
+        self.define = definitions.define
         self.checks = {
             st.ModelName: definitions.model,
             st.SizeOf: definitions.size,
             st.Param: definitions.param,
-            st.Define: definitions.define,
+            st.Define: self._define,
             st.Declare: coordinates.declare,
             st.Ends: coordinates.ends,
             st.Energy: dynamics.energy,
@@ -94,6 +92,9 @@ class _Checker:
             st.StartAt: dynamics.start,
             st.Scene: lambda _: None,  # when all names are known
         }
+
+    def _define(self, statement: st.Define) -> None:
+        (self.states.rate if statement.keyword == "rate" else self.define)(statement)
 
     def _line(self, span: Span) -> int:
         return self.file.source.position(span.start)[0]
@@ -106,6 +107,8 @@ class _Checker:
             if isinstance(statement, st.Scene):
                 scenes.check(statement)
         self.expressions.indices.finish()
+        if "rate" not in self.broken:
+            self.states.finish()
         self._given_sizes()
         self._required()
         parts = self.shared.parts
@@ -173,14 +176,30 @@ class _Checker:
             s.keyword
             for s in self.file.statements
             if isinstance(s, (st.Define, st.Declare, st.Equation))
-        } & {"state", "rate", "rotation"}
-        if not self.names.coordinates and "coord" not in broken and not not_compiled:
+        } & {"rotation"}
+        moving = self.names.coordinates | self.names.states
+        if not moving and not broken & {"coord", "state"} and not not_compiled:
             self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
         has_energy = parts["kinetic"] or parts["lagrangian"]
-        if not has_energy and not broken & {"kinetic", "lagrangian"} and not not_compiled:
+        if self.names.states and not self.names.coordinates and "coord" not in broken:
+            self._states_alone()
+            return
+        if has_energy:
+            return
+        if not broken & {"kinetic", "lagrangian"} and not not_compiled:
             self.report.error(
                 "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
             )
+
+    def _states_alone(self) -> None:
+        """There is no Lagrangian where nothing has a second derivative."""
+        for statement in self.file.statements:
+            if isinstance(statement, st.Energy):
+                self.report.error(
+                    f"'{statement.keyword}' without any coordinate: states have no inertia",
+                    Span(statement.span.start, statement.span.start + len(statement.keyword)),
+                    "declare a coordinate: coord q [m]; or leave the energies out",
+                )
 
     def _first_line(self) -> Span:
         places = [s.span for s in self.file.statements] + [b.span for b in self.file.broken]
@@ -244,6 +263,8 @@ class _Checker:
             starts=tuple(parts["start"]),
             scenes=tuple(parts["scene"]),
             span=head.span,
+            states=tuple(parts["state"]),
+            rates=tuple(parts["rate"]),
         )
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
@@ -264,10 +285,22 @@ _UNUSED = {
 }
 
 
+def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
+    """The names that `coord` or `state` declares anywhere."""
+    return frozenset(
+        item.name
+        for s in statements
+        if isinstance(s, st.Declare) and s.keyword == keyword
+        for item in s.items
+    )
+
+
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
     """Every name that the statements declare, with its place."""
     for statement in statements:
         match statement:
+            case st.Define(keyword="rate"):
+                pass  # of a name that is declared elsewhere
             case st.Param(left=left) | st.SizeOf(left=left) | st.Define(left=left):
                 yield left.name, left.span
             case st.Declare(items=items):

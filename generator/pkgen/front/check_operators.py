@@ -43,7 +43,7 @@ class Operators:
                 f"{text}: {self.mismatch.text(expr.of)} is a number and has no rate", expr.span
             )
             return expr, UNKNOWN
-        if facts.rates:
+        if facts.rates or facts.state_rates:
             what = "an acceleration" if isinstance(expr.of, Prime) else "the rate of a rate"
             self.report.error(
                 f"{text} is {what}: expressions use coordinates and their rates",
@@ -61,6 +61,7 @@ class Operators:
             dimension=dim,
             value=None,
             rates=facts.coordinates,
+            state_rates=facts.states,
             inputs=inputs or NO_INPUTS,
         )
         return Prime(of, expr.span), derived

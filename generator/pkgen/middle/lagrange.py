@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
+from .collect import THOROUGH, fewest, settled
+from .differentiate import reachable
 from .graph import ZERO, Graph, Kind, Node, Symbol
 from .guards import guards_of
 from .motion import (
@@ -37,6 +39,7 @@ class Derived:
     energy: Node
     jacobians: tuple
     linear: object
+    state_rates: Row
 
     def fields(self) -> dict[str, object]:
         motion, energies = self.motion, self.energies
@@ -58,6 +61,7 @@ class Derived:
             "pdot_q": self.jacobians[1],
             "pdot_v": self.jacobians[2],
             "linear": self.linear,
+            "state_rates": self.state_rates,
         }
 
 
@@ -68,8 +72,10 @@ def derived(
     rate_of: Callable[[Node], Node],
     wanted: Wanted,
     check: Callable[[Motion], None] = lambda _: None,
+    states: Row = (),
 ) -> Derived:
     """The motion in the form of fewest operations; `check` sees it as derived and as simplified.
+    `states` are the rates of the states, with which states.py makes Jacobians too.
 
     Raises SingularMass, and what `check` does.
     """
@@ -77,11 +83,17 @@ def derived(
     check(raw)
     motion, solution = shortest(g, raw, wanted)
     check(motion)
-    jacobians = jacobians_of(g, motion) if wanted("jacobian") else (None, None, None)
-    linear = linear_of(g, motion) if wanted.linear(len(forces)) else None
+    jacobians, linear = (None, None, None), None
+    if wanted("jacobian") and not states:
+        jacobians = jacobians_of(g, motion)
+    if wanted.linear(len(forces)) and not states:
+        linear = linear_of(g, motion)
     energy = energy_of(g, energies, motion, wanted)
     shown = shorter(g, energies, wanted)
-    return Derived(motion, solution, shown, energies.lagrangian, energy, jacobians, linear)
+    rates = states
+    if states and len(reachable(g, states)) <= THOROUGH:
+        rates = tuple(fewest(g, settled(g, list(states))))
+    return Derived(motion, solution, shown, energies.lagrangian, energy, jacobians, linear, rates)
 
 
 def guards(
@@ -90,6 +102,7 @@ def guards(
     parameters: tuple[ParameterSlot, ...],
     coordinates: tuple[Quantity, ...],
     inputs: tuple[Quantity, ...],
+    states: tuple[Quantity, ...] = (),
 ) -> tuple[Guard, ...]:
     """Where these equations end, in the names of their quantities."""
     names = {
@@ -98,6 +111,7 @@ def guards(
         Kind.RATE: [q.name + "'" for q in coordinates],
         Kind.INPUT: [q.name for q in inputs],
         Kind.TIME: ["t"],
+        Kind.STATE: [q.name for q in states],
     }
 
     def name(symbol: Symbol) -> str:
@@ -106,6 +120,7 @@ def guards(
     motion = found.motion
     acceleration, pivots = found.solution or (motion.force, None)
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
+    outputs += found.state_rates
     return guards_of(g, parameters, motion.mass, outputs, pivots, name)
 
 
@@ -113,10 +128,11 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     """The equations anew from their L and what is applied, for the coordinates that they name."""
     g, wanted = equations.graph, Wanted(kernels)
     energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
-    found = derived(g, energies, equations.applied, _rate_of(equations), wanted)
+    e = equations
+    found = derived(g, energies, e.applied, _rate_of(e), wanted, states=e.state_rates)
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
-        ends = guards(g, found, equations.parameters, equations.coordinates, equations.inputs)
+        ends = guards(g, found, e.parameters, e.coordinates, e.inputs, e.states)
     return replace(equations, **found.fields(), guards=ends)
 
 
@@ -130,6 +146,8 @@ def _rate_of(equations: Equations) -> Callable[[Node], Node]:
             return g.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.TIME:
             return g.number(1)
+        if symbol.kind is Kind.STATE:
+            return equations.state_rates[symbol.index]
         following = equations.inputs[symbol.index].name + "'"
         if following not in inputs:
             raise NoRate(equations.inputs[symbol.index].name)

@@ -33,6 +33,7 @@ class Kind:
     PARAMETER = "parameter"
     COORDINATE = "coordinate"
     RATE = "rate"
+    STATE = "state"  # a first-order variable; beyond the last, their rates (see states.py)
     TIME = "time"
     INPUT = "input"
     ACCELERATION = "acceleration"  # given, in a linearisation
@@ -48,6 +49,7 @@ KINDS = (
     Kind.INPUT,
     Kind.ACCELERATION,
     Kind.MOMENTUM,
+    Kind.STATE,
 )
 # What a node depends on is a mask of these.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}

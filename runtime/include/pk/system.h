@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 4u
+#define PK_ABI 5u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -226,12 +226,23 @@ struct pk_system {
     void (*quadrature)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *zdot);
     void (*quadrature_start)(const void *params, pk_real *z);
+
+    /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last n_states
+     * degrees of freedom, whose names are those of the rates there. Their q is the integral of x, on
+     * which nothing depends: it is shown nowhere and has no part in the control of steps. */
+    size_t n_states;
 };
 
 /* Degrees of freedom. */
 static inline size_t pk_system_count(const struct pk_system *system, const void *params)
 {
     return system->count ? system->count(params) : system->n;
+}
+
+/* Coordinates, which come before the integrals of the states. */
+static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
+{
+    return pk_system_count(system, params) - system->n_states;
 }
 
 /* How many numbers guard() writes. */
