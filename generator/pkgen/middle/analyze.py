@@ -50,7 +50,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         separable=constant and not seen.occurs(moving, RATES | STATES),
         autonomous=autonomous,
         conservative=n > 0 and unforced and steady and untouched and not jumping,
-        variational=unforced,
+        variational=unforced and not equations.states,
         smooth=_smooth(equations),
         cyclic=_cyclic(equations, seen, jumping),
         affine=constant and autonomous and affine(equations, seen.normal),

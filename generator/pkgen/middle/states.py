@@ -173,10 +173,7 @@ def _unit(n: int) -> Matrix:
 
 
 def _facts(structure: Structure, count: int, solved: bool) -> Structure:
-    """With states the flow is not symplectic, though that of the coordinates may be."""
-    facts = replace(
-        structure, variational=False, cyclic=(*structure.cyclic, *(False,) * count)
-    )
+    facts = replace(structure, cyclic=(*structure.cyclic, *(False,) * count))
     if not solved:
         return facts
     return replace(
