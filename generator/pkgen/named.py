@@ -101,7 +101,9 @@ def declared(compilation: Compilation) -> Named:
     """The coordinates and states that the model declares."""
     model = compilation.declared
     found = families(model, model.states)
-    states = [_declared(Quantity(s.name, s.unit, s.description), found[s.name]) for s in model.states]
+    states = [
+        _declared(Quantity(s.name, s.unit, s.description), found[s.name]) for s in model.states
+    ]
     return Named(_coordinates(model, False).declared + states)
 
 

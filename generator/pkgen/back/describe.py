@@ -53,7 +53,9 @@ def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) ->
     """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
     model, e = program.equations.model, program.equations
     own = len(e.coordinates) - e.n_states
-    names = [name.format(c.name) for c in e.coordinates[:own]] + [f"{q.name}'" for q in e.rates[own:]]
+    names = [name.format(c.name) for c in e.coordinates[:own]] + [
+        f"{q.name}'" for q in e.rates[own:]
+    ]
     return [
         Quantity(name, per_second(q.unit, model.dimensionless), "")
         for name, q in zip(names, quantities, strict=True)

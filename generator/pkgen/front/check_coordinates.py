@@ -10,7 +10,7 @@ from . import units
 from .check_expr import Target
 from .check_names import KIND_TEXT, Entry, Facts
 from .check_scope import PLACES, Scope
-from .check_shared import MOVING, Shared, described
+from .check_shared import Shared, described
 from .check_states import States
 from .units import NONE, si_text
 
@@ -88,7 +88,7 @@ class Coordinates:
     def ends(self, statement: st.Ends) -> None:
         keyword = statement.keyword
         for left, value in statement.items:
-            entry = self.shared.named(left, f"'{keyword}'", MOVING)
+            entry = self.shared.named(left, f"'{keyword}'", self.shared.moving)
             if entry is None:
                 if value is not None:
                     self.expressions.check(value, Scope(PLACES["fixed"]))

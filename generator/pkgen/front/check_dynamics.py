@@ -9,7 +9,7 @@ from . import units
 from .check_expr import Target
 from .check_names import UNKNOWN, Entry
 from .check_scope import PLACES, Scope
-from .check_shared import MOVING, Shared
+from .check_shared import Shared
 from .units import NONE, si_text
 
 NOT_COMPILED = {
@@ -90,7 +90,7 @@ class Dynamics:
                 f"a start of {item.function}({left.name}) cannot be compiled yet", item.span
             )
             return None
-        entry = self.shared.named(left, "a start", MOVING if self.names.states else MOVING[:1])
+        entry = self.shared.named(left, "a start", self.shared.moving)
         around = around or Scope(PLACES["start"])
         scope = self.shared.member_scope(left, entry, around)
         if entry is None or scope is None:

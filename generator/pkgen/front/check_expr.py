@@ -225,7 +225,9 @@ class Expressions:
         if entry.kind == "output":
             help = f"define {expr.id} with 'let' to use it elsewhere"
         elif entry.kind == "built-in":
-            help = "it can be used in 'observe', 'conserve', 'event' and 'rate'"
+            where = ("event", "rate") if self.names.states else ("event",)
+            words = [f"'{word}'" for word in ("observe", "conserve", *where)]
+            help = f"it can be used in {', '.join(words[:-1])} and {words[-1]}"
         else:
             help = f"{place.what} may use {place.may_use}"
         self.report.error(

@@ -107,7 +107,7 @@ class Given:
                 self.holds.append(checked)
 
     def _hold(self, left: st.Left, value: Expr | None) -> m.Hold | None:
-        kinds = ("coordinate", "state") if self.names.states else ("coordinate",)
+        kinds = self.shared.moving
         nouns = " and ".join(f"{kind}s" for kind in kinds)
         known = sorted(self.names.coordinates | self.names.states)[:12]
         missing = f"the {nouns} are: {', '.join(known)}"

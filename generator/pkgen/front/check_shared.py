@@ -20,7 +20,6 @@ _PART_NAMES = """
     observe conserve event start scene state rate
 """
 _PARTS = tuple(_PART_NAMES.split())
-MOVING = ("coordinate", "state")  # kinds of names that have starts, and families with ends
 
 
 class Shared:
@@ -36,6 +35,11 @@ class Shared:
         self.energies: list[Facts] = []  # of kinetic, potential and lagrangian
         self.inputs: dict[str, int] = {}  # the highest derivative of each that occurs
         self.sound: set[Span] = set()  # of parameters and constants without errors
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Kinds of names that have starts, and families with ends."""
+        return ("coordinate", "state") if self.names.states else ("coordinate",)
 
     def use_inputs(self, facts: Facts) -> None:
         for name, order in facts.inputs.items():

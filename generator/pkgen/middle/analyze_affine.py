@@ -20,9 +20,7 @@ def affine(equations: Equations, normal: Normal) -> bool:
         for node in reachable(g, moving, VARIABLE)
         if g.op[node] is Op.SYMBOL
     }
-    return all(
-        is_affine(g, [node], varying) or _expanded(g, normal, node) for node in moving
-    )
+    return all(is_affine(g, [node], varying) or _expanded(g, normal, node) for node in moving)
 
 
 def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:

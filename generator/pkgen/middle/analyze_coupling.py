@@ -24,7 +24,8 @@ def mass_blocks(equations: Equations) -> Indices:
     """The finest partition of the coordinates such that M has no entry between two parts."""
     n = len(equations.coordinates)
     return partition(
-        n + len(equations.states), ((i, j) for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO)
+        n + len(equations.states),
+        ((i, j) for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO),
     )
 
 

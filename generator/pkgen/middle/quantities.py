@@ -47,7 +47,9 @@ def sizes(model: Model) -> dict[str, int]:
     return {size.name: size.value for size in model.sizes}
 
 
-def families(model: Model, declarations: tuple[Parameter | Coordinate | State, ...]) -> dict[str, Family]:
+def families(
+    model: Model, declarations: tuple[Parameter | Coordinate | State, ...]
+) -> dict[str, Family]:
     result: dict[str, Family] = {}
     first = 0
     for item in declarations:

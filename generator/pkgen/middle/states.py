@@ -42,7 +42,9 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
         path = [first]
         while path:
             k = path[-1]
-            waiting = [i for i in _rates_in(g, rates[k], count) if rate_of_state(g, i, count) not in found]
+            waiting = [
+                i for i in _rates_in(g, rates[k], count) if rate_of_state(g, i, count) not in found
+            ]
             if not waiting:
                 (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
                 path.pop()
