@@ -99,7 +99,7 @@ class Values:
                 raise UsageError(f"--start {left}: a start is a coordinate or its rate")
             if side.order and name in named.states(self.compilation):
                 raise UsageError(
-                    f"--start {left}: {name} is a state, whose rate is not started: --start {name}=…"
+                    f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
                 )
             if (name, side.order) in report.starts:
                 index, quantity = parameters[report.starts[name, side.order]]

@@ -92,7 +92,8 @@ class _Seen:
 
 
 def _jumping(equations: Equations) -> frozenset[int]:
-    """The coordinates (and after them states) inside a step of the Lagrangian (a sign: from the rate of an abs).
+    """The coordinates, and after them states, inside a step of the Lagrangian (a sign: from the
+    rate of an abs).
 
     The derivative of a step is taken as 0, so the force that does work where L jumps is not
     there: the energy is no constant of this motion, nor is the momentum one of the model.

@@ -11,8 +11,8 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def affine(equations: Equations, normal: Normal) -> bool:
-    """Of a system with constant M: whether f, and the rates of states, are affine in q, v and these, with nothing else that varies
-    in it. As it is written, or in its normal form."""
+    """Of a system with constant M: whether f and the rates of states are affine in q, v and the
+    states, with nothing else that varies in it. As it is written, or in its normal form."""
     g = equations.graph
     moving = [*equations.force, *equations.state_rates]
     varying = {

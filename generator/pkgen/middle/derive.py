@@ -13,10 +13,10 @@ from .. import limits
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
+from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
 from .lagrange import Derived, derived, guards
-from .derive_states import define_built_in, rates_of_states, solvable
 from .motion import Energies, Motion, Wanted
 from .quantities import (
     error,

@@ -40,17 +40,7 @@ class Kind:
     MOMENTUM = "momentum"  # given, in the canonical form
 
 
-KINDS = (
-    Kind.PI,
-    Kind.PARAMETER,
-    Kind.COORDINATE,
-    Kind.RATE,
-    Kind.TIME,
-    Kind.INPUT,
-    Kind.ACCELERATION,
-    Kind.MOMENTUM,
-    Kind.STATE,
-)
+KINDS = tuple(value for name, value in vars(Kind).items() if name.isupper())
 # What a node depends on is a mask of these.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]

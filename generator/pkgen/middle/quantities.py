@@ -69,7 +69,7 @@ def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
 def quantities(
     declarations: tuple[Coordinate | State, ...], found: dict[str, Family], form: str, unit: str
 ) -> tuple[Quantity, ...]:
-    """A quantity a coordinate or state; `form` makes its name, `unit` is the field with its unit."""
+    """A quantity a coordinate or state; `form` makes its name, the field `unit` has its unit."""
     return tuple(
         Quantity(form.format(indexed(c.name, i)), getattr(c, unit), c.description)
         for c in declarations

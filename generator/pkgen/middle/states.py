@@ -81,7 +81,8 @@ def as_rates(
         return e, structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
-    swap = dict(zip(symbols(g, Kind.STATE, count), symbols(g, Kind.RATE, n + count)[n:]))
+    own = symbols(g, Kind.RATE, n + count)[n:]
+    swap = dict(zip(symbols(g, Kind.STATE, count), own, strict=True))
 
     def there(nodes: Iterable[Node]) -> Row:
         return tuple(substituted(g, nodes, swap))

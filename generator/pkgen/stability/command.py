@@ -59,8 +59,8 @@ def _refuse_states(compilation: Compilation) -> None:
     if states:
         names = ", ".join(item.name for item in states[:8])
         raise UsageError(
-            f"{compilation.model.source.place(states[0].span)}: pkgen stability measures methods by"
-            f" equilibria, modes and energies of coordinates, which states ({names}) are not: 'pkgen"
+            f"{compilation.model.source.place(states[0].span)}: the model has states ({names}), and"
+            " 'pkgen stability' maps equilibria, modes and energies of coordinates alone: 'pkgen"
             " chart' compares methods on any model"
         )
 
