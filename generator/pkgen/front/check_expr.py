@@ -182,7 +182,7 @@ class Expressions:
             return self._built_in(name, expr)
         if name.startswith("p_") and name[2:] in self.names.states:
             message = f"'{name}': {name[2:]} is a state, and only coordinates have momenta"
-            self._once(name, message, expr.span, f"a state is {name[2:]} itself and its rate")
+            self._once(name, message, expr.span, f"its rate is {name[2:]}'")
             return None
         built_in = "built-in" in scope.place.kinds
         self.names.unknown(name, expr.span, missing=scope.place.missing, built_in=built_in)

@@ -38,7 +38,7 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
         cycle = [f"{names[k]}'" for k in (*circular.cycle, circular.cycle[0])]
         raise error(
             x.model,
-            f"the rate of '{names[circular.cycle[0]]}' is defined by itself: {' = … '.join(cycle)}",
+            f"the rate of '{names[circular.cycle[0]]}' is defined by itself: {' needs '.join(cycle)}",
             places[circular.cycle[0]],
             "solve these equations for the rates, and write what comes out",
         ) from None

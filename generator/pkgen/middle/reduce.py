@@ -61,7 +61,7 @@ def reduce(
         why = "neither moves the other: integrated apart"
         lines = (*lines, Line(APART, " | ".join(names), why))
         kernels = of_the_whole(kernels)
-    lines = (*lines, *_of_itself(state.structure))
+    lines = (*lines, *_of_itself(state.equations, state.structure))
     reduced = derived_again(state.equations, kernels)
     moved = [part.equations for part in parts] or [reduced]
     report = replace(
@@ -73,10 +73,10 @@ def reduce(
     return Reduced(reduced, analyze(reduced), report, parts)
 
 
-def _of_itself(structure: Structure) -> tuple[Line, ...]:
+def _of_itself(equations: Equations, structure: Structure) -> tuple[Line, ...]:
     """What follows from the structure, without anything that is left out."""
     lines = []
-    if structure.mass_constant:
+    if structure.mass_constant and equations.coordinates:
         lines.append(Line("constant mass", "M is constant", "factored once, when prepared"))
     if structure.affine:
         why = "stepped by its exact exponential, unless another method is asked for"
