@@ -54,6 +54,16 @@ rate x = y
 rate y = a*(1 - x^2)*y - x
 start x = 2
 """
+# In L, but in no momentum.
+SPRING = """\
+model spring
+coord q
+state k
+kinetic q'^2/2
+potential k*q^2/2
+rate k = q*q' - k
+start q = 1, k = 2
+"""
 
 
 def compiled(text: str, **more):
@@ -167,7 +177,7 @@ def test_a_cyclic_coordinate_goes_unless_a_rate_has_it() -> None:
     assert "phi kept: it is in the rate of a state" in map(str, c.report.lines)
 
 
-@pytest.mark.parametrize("text", [TANGLED, MAXWELL, ALONE], ids=["tangled", "maxwell", "alone"])
+@pytest.mark.parametrize("text", [TANGLED, MAXWELL, ALONE, SPRING], ids=lambda x: x.split()[1])
 def test_strict_c_that_agrees_with_itself(text: str, tmp_path: Path) -> None:
     files = compiled(text, self_test=True).files
     name = text.split()[1]
