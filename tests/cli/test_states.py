@@ -222,7 +222,10 @@ def test_order_on_lorenz(pkgen, tmp_path: Path, method: str, order: int) -> None
     exact = end("--method", "gauss", "--rtol", "1e-14")
     steps = [0.5 / n for n in (4000, 8000)] if order < 3 else [0.5 / n for n in (400, 800)]
     first, second = (
-        max(abs(a - b) for a, b in zip(end("--method", method, "--step", f"{h!r}"), exact))
+        max(
+            abs(a - b)
+            for a, b in zip(end("--method", method, "--step", f"{h!r}"), exact, strict=True)
+        )
         for h in steps
     )
     assert second > 1e-11 and abs(math.log2(first / second) - order) < 0.1
