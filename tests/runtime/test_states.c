@@ -5,6 +5,8 @@
 
 #include "fixture.h"
 
+#include <pk/gsl_equilibria.h>
+
 enum { FINEST = 5 };
 
 /* The Brusselator from its usual start, in long double, by a Runge-Kutta method of its own. */
@@ -176,6 +178,12 @@ static void no_form(void)
     CU_ASSERT(pk_stepmap_find(&map, &f.problem, rk4, &f.options, 0.1, 0, f.q0, f.v0, NULL, block,
                               size) == PK_REFUSED);
     CU_ASSERT(fixture_run(&f, &brusselator_system, "verlet", 0.1, 1) == PK_REFUSED);
+    struct pk_equilibria found = {0};
+    struct pk_mode modes[4];
+    size_t count;
+    double shapes[16];
+    CU_ASSERT(pk_gsl_equilibria(&f.problem, f.q0, f.v0, 1, &found) == PK_REFUSED);
+    CU_ASSERT(pk_gsl_modes(&f.problem, f.q0, f.v0, modes, shapes, &count) == PK_REFUSED);
     free(block);
 }
 

@@ -227,9 +227,11 @@ struct pk_system {
                        const pk_real *u, pk_real *zdot);
     void (*quadrature_start)(const void *params, pk_real *z);
 
-    /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last n_states
-     * degrees of freedom, whose names are those of the rates there. Their q is the integral of x, on
-     * which nothing depends: it is shown nowhere and has no part in the control of steps. */
+    /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last
+     * n_states degrees of freedom, whose names are those of the rates there. Their q is the
+     * integral of x, on which nothing depends: it is shown nowhere and controls no step. They have
+     * no momenta: where L alone is asked for, or the energy, they count as t does, and energy is
+     * NULL where there are no coordinates. */
     size_t n_states;
 };
 
