@@ -132,6 +132,15 @@ def test_an_energy_that_there_is_not(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 1 and "a model of states alone has no energy" in done.stderr
 
 
+def test_an_energy_of_held_coordinates(pkgen, tmp_path: Path) -> None:
+    scene = "scene s\n  hold q = sin(t)\n  until 1\n  record x, {}\nend\n"
+    text = "model m\ncoord q\nstate x\nkinetic q'^2/2\nrate x = q'\n" + scene
+    done = pkgen("check", written(tmp_path, text.format("energy")))
+    assert done.returncode == 1
+    assert "m.lag:9:13: error: there is no energy here: every coordinate is held" in done.stderr
+    assert pkgen("check", written(tmp_path, text.format("T"))).returncode == 0
+
+
 @pytest.mark.long
 def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     said = pkgen("explain", orbit).stdout

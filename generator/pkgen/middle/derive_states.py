@@ -35,11 +35,12 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
         found = resolved(g, tuple(rates))
     except Circular as circular:
         names = [n for f in x.states.values() for n in (indexed(f.name, i) for i in f.members)]
-        cycle = [f"{names[k]}'" for k in (*circular.cycle, circular.cycle[0])]
+        first = circular.cycle[0]
+        cycle = " needs ".join(f"{names[k]}'" for k in (*circular.cycle, first))
         raise error(
             x.model,
-            f"the rate of '{names[circular.cycle[0]]}' is defined by itself: {' needs '.join(cycle)}",
-            places[circular.cycle[0]],
+            f"the rate of '{names[first]}' is defined by itself: {cycle}",
+            places[first],
             "solve these equations for the rates, and write what comes out",
         ) from None
     return dict(sorted(found.items(), key=lambda pair: g.data[pair[0]].index))

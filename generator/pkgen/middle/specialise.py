@@ -7,6 +7,7 @@ end of a family it becomes a fixed end.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
@@ -60,21 +61,36 @@ def held(
         model = _without(model, item, index, value)
         name = indexed(item.name, index)
         lines.append(Line("hold", name, "its motion is given, so it has no equation"))
+    if scene.holds and not model.coordinates:
+        _refuse_energy(model, scene)
     return model, lines
 
 
 def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -> None:
     """What is held is no coordinate, and so without a momentum."""
-    asked = [column.value for column in scene.record.columns] if scene.record else []
-    asked += [side for item in scene.expects for side in (item.a, item.b)]
     known = sizes(model)
-    for part in (part for expr in asked for part in within(expr)):
+    for part in _asked(scene):
         if not isinstance(part, Name) or part.id != f"p_{name}" or names(part) - {*known, part.id}:
             continue  # within a sum its index is checked when that is expanded
         if (None if part.index is None else integer(part.index, known)) == index:
             momentum, held = indexed(part.id, index), indexed(name, index)
             message = f"'{momentum}': {held} is held here, and has no momentum"
             raise error(model, message, part.span, f"'{held}' and its rate can be recorded")
+
+
+def _refuse_energy(model: Model, scene: Scene) -> None:
+    """Where all coordinates are held, there are states alone."""
+    for part in _asked(scene):
+        if isinstance(part, Name) and part.id == "energy":
+            message = "there is no energy here: every coordinate is held, and states have none"
+            raise error(model, message, part.span, "'T', 'V' and 'L' are known as functions of t")
+
+
+def _asked(scene: Scene) -> Iterator[Expr]:
+    """What it records and expects, with all parts of it."""
+    asked = [column.value for column in scene.record.columns] if scene.record else []
+    asked += [side for item in scene.expects for side in (item.a, item.b)]
+    return (part for expr in asked for part in within(expr))
 
 
 def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
