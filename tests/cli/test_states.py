@@ -275,6 +275,13 @@ state c[1..N] [1/m^3]
 fixed c[0] = 0, c[N+1] = 0
 rate c[i = 1..N] = D/dx^2*(c[i+1] - 2*c[i] + c[i-1])
 start c[i = 1..N] = sin(pi*i/(N+1)) [1/m^3]
+
+scene between
+  hold   c[1] = 1, c[N]
+  until  2 [s]
+  method radau rtol 1e-9
+  record c[1], c[2], c[8], c[9] every 2 [s]
+end
 """
 
 
@@ -290,6 +297,10 @@ def test_a_chain_of_states(pkgen, tmp_path: Path, how: tuple[str, ...]) -> None:
     left = math.exp(-0.05 * 400 * math.sin(math.pi / 20) ** 2)
     assert left < 0.7
     assert last[1:] == pytest.approx([left * c for c in first[1:]], rel=1e-8)
+    _, (_, last) = rows(pkgen("run", model, "--scene", "between").stdout)
+    end = math.sin(0.9 * math.pi)  # straight between what is held
+    straight = [1 - (1 - end) * i / 8 for i in (0, 1, 7, 8)]
+    assert last[1:] == pytest.approx(straight, abs=1e-7)
 
 
 ROCKET = """\

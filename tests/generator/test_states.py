@@ -237,6 +237,31 @@ def test_the_energy_is_no_claim_where_a_state_is_in_it() -> None:
     assert "is not constant" in caught.value.text()
 
 
+RING = """\
+model ring
+size N = 4
+state c[1..N]
+{}
+rate c[1] = c[2] - 2*c[1] + c[0]
+rate c[i = 2..N] = c[i+1] - 2*c[i] + c[i-1]
+start c[i = 1..N] = i
+conserve total = sum(c[i], i = 1..N)
+"""
+
+
+def test_the_ends_of_a_family_of_states() -> None:
+    """Nothing is lost round a ring or between walls; where an end is kept at 0 it is."""
+    for ends in ("periodic c", "free c"):
+        (proof,) = compiled(RING.format(ends)).structure.claims
+        assert proof.outcome == "proved"
+    with pytest.raises(ModelError) as caught:
+        compiled(RING.format("fixed c[0] = 0, c[N+1] = sin(t)"))
+    assert "'total' is not constant" in caught.value.text()
+    with pytest.raises(ModelError) as caught:
+        compiled(RING.format(""))
+    assert "c[0] is outside the family" in caught.value.text()
+
+
 def test_rates_defined_by_themselves() -> None:
     text = "model m\nstate x, y, z\nlet u = y'\nrate x = u + 1\nrate y = 2*z'\nrate z = x'/3\n"
     with pytest.raises(ModelError) as caught:
