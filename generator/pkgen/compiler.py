@@ -28,7 +28,7 @@ from .back.program import Program
 from .equations import Equations, Structure
 from .front import check, parse
 from .loop_proofs import partly_proved, with_proofs
-from .middle import analyze, derive, loops_derive, reduce
+from .middle import analyze, derive, loops_derive, reduce, states
 from .middle.apart import Part
 from .middle.canonical import with_hamiltonian
 from .middle.loops import Facts, LoopEquations, Unrolled
@@ -133,7 +133,8 @@ def stages(
     yield left.equations, left.structure, report
     of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
     with _no_collection():
-        program = lower.lower(left.equations, left.structure, of_whole, libm=libm)
+        in_c = states.as_rates(left.equations, left.structure, of_whole)
+        program = lower.lower(*in_c, of_whole, libm=libm)
         parts = tuple(_part(part, kernels, libm) for part in left.parts)
     yield program, parts
     with _no_collection():
@@ -183,7 +184,8 @@ def _equations(
     needs: Needs | None,
 ) -> Equations | LoopEquations:
     """With families as loops, or unrolled with the reason."""
-    count = sum(f.count for f in families(model, model.coordinates).values())
+    declared = (*model.coordinates, *model.states)
+    count = sum(f.count for f in families(model, declared).values())
     if kernels is not None or whole:
         reason = "asked for are some kernels, a self-test or the canonical form"
     elif unroll is None:

@@ -105,7 +105,7 @@ def settable(compilation: Compilation) -> dict[str, Column]:
         "param": [slot.quantity for slot in equations.parameters],
         "input": equations.inputs,
         "q": equations.coordinates,
-        "v": equations.rates,
+        "v": (*equations.rates, *equations.states),
     }
     known = {
         quantity.name: Column(quantity.name, kind, index, quantity.unit)

@@ -6,6 +6,9 @@ With L(q, v, t), Q the generalized forces and D the Rayleigh function:
     pdot = dL/dq + Q - dD/dv        f    = pdot - (dp/dq) v - dp/dt,   M a = f
     h    = v.p - L
 
+First-order variables x' = g(t, q, v, x), the states, may occur in L, Q and D as t does: dp/dt has
+(dp/dx) g in it.
+
 Families are unrolled: everything here is flat, in declaration order.
 """
 
@@ -126,6 +129,13 @@ class Equations:
     quadrature_start: Row = ()
     hamiltonian: Hamiltonian | None = None  # None: not asked for
     switches: tuple[Switch, ...] = ()
+    # First-order variables x' = state_rates, which are no coordinates: states.py makes them so.
+    states: tuple[Quantity, ...] = ()
+    state_rates: Row = ()
+    state_start: Row = ()
+    # Of the coordinates the last so many are nobody's: their rates are the states.
+    n_states: int = 0
+    inertia: Matrix | None = None  # M before M a = f was solved, where `mass` is the unit matrix
 
 
 Indices = tuple[tuple[int, ...], ...]

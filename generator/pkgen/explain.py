@@ -13,7 +13,7 @@ from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
 from .middle import sympy_bridge
-from .middle.graph import Node, Op
+from .middle.graph import BIT, Kind, Node, Op
 from .middle.loops import Facts
 from .model import Event
 
@@ -27,10 +27,12 @@ def explain(compilation: Compilation) -> str:
     sections = [
         _title(compilation),
         _quantities("Coordinates", compilation.equations.coordinates),
+        _quantities("States", compilation.equations.states),
         _parameters(compilation.equations),
         _quantities("Inputs", compilation.equations.inputs),
         _lagrangian(compilation.equations),
         _equations(compilation.equations, compilation.structure),
+        _rates(compilation.equations),
         _canonical(compilation.equations),
         _outputs(compilation.equations),
         _events(compilation.equations),
@@ -54,6 +56,10 @@ def record(compilation: Compilation) -> dict[str, object]:
         "lagrangian": _text(equations, equations.lagrangian),
         "mass": [[_text(equations, equations.mass[i][j]) for j in range(n)] for i in range(n)],
         "force": [_text(equations, node) for node in equations.force],
+        "states": [
+            {**vars(q), "rate": _text(equations, node)}
+            for q, node in zip(equations.states, equations.state_rates, strict=True)
+        ],
         "canonical": {name: _text(equations, node) for name, node in canonical_rows(equations)},
         "structure": structure_record(structure),
         "conserved": [name for name, _ in found(equations, structure)],
@@ -93,9 +99,11 @@ def proofs_record(structure: Structure | Facts) -> dict[str, object]:
 
 def _title(compilation: Compilation) -> str:
     model = compilation.model
-    n = len(compilation.equations.coordinates)
+    n, states = len(compilation.equations.coordinates), len(compilation.equations.states)
     title = model.name + (f": {model.description}" if model.description else "")
-    return f"{title}\n{n} degree{'s' if n != 1 else ''} of freedom"
+    counts = [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
+    counts += [f"{states} state{'s' if states != 1 else ''}"] if states else []
+    return f"{title}\n{', '.join(counts)}"
 
 
 def _quantities(title: str, quantities: tuple[Quantity, ...]) -> str:
@@ -145,6 +153,8 @@ def _unit(unit: str) -> str:
 
 
 def _lagrangian(equations: Equations) -> str:
+    if not equations.coordinates:
+        return ""
     lines = ["Lagrangian", f"  L = {_text(equations, equations.lagrangian)}"]
     if equations.kinetic is not None and equations.potential is not None:
         lines.append(f"  T = {_text(equations, equations.kinetic)}")
@@ -153,7 +163,10 @@ def _lagrangian(equations: Equations) -> str:
 
 
 def _equations(equations: Equations, structure: Structure) -> str:
-    time = "" if structure.autonomous else ", t"
+    if not equations.coordinates:
+        return ""
+    time = ", x" if _of_states(equations) else ""
+    time += "" if structure.autonomous else ", t"
     mass = "M" if structure.mass_constant else "M(q" if structure.quadratic else "M(q, q'"
     mass += "" if structure.mass_constant else f"{time})"
     force = "f(q" if structure.separable else "f(q, q'"
@@ -168,6 +181,20 @@ def _equations(equations: Equations, structure: Structure) -> str:
         f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, equations.force, strict=True)
     ]
     return "\n".join(lines)
+
+
+def _of_states(equations: Equations) -> bool:
+    """Whether states have a part in the motion of the coordinates."""
+    nodes = [*equations.force, *sum(equations.mass, ())]
+    return any(equations.graph.depends[node] & BIT[Kind.STATE] for node in nodes)
+
+
+def _rates(equations: Equations) -> str:
+    lines = [
+        f"  {q.name}' = {_text(equations, node)}"
+        for q, node in zip(equations.states, equations.state_rates, strict=True)
+    ]
+    return "\n".join(["Rates of the states", *lines]) if lines else ""
 
 
 def canonical_rows(equations: Equations) -> list[tuple[str, Node]]:
@@ -247,7 +274,8 @@ def constants_text(rows: list[tuple[str, str]], symmetries: Symmetries | None) -
 
 
 def _families(compilation: Compilation) -> list[tuple[str, str]]:
-    if not any(c.range for c in compilation.model.coordinates):
+    model = compilation.model
+    if not any(c.range for c in (*model.coordinates, *model.states)):
         return []
     return [("families", f"unrolled: {compilation.equations.unrolled}")]
 

@@ -9,7 +9,7 @@ from . import __version__, mathml, page
 from .back.facts import facts, found, loop_facts
 from .back.program import operations_text
 from .compiler import Compilation
-from .equations import Equations, Invariant, Structure, Symmetries
+from .equations import Equations, Invariant, Quantity, Structure, Symmetries
 from .explain import NOTHING, SHOWN_OPERATIONS, canonical_rows, default_text
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
@@ -58,17 +58,28 @@ def _count(operations: int | None) -> str:
 
 def _sections(compilation: Compilation) -> list[str]:
     e = compilation.equations
-    return [
-        page.heading("Coordinates"),
-        page.table(("", "unit", ""), [(q.name, q.unit, q.description) for q in e.coordinates]),
-        *_parameters(e),
+    motion = [
         page.heading("Lagrangian"),
         *_lagrangian(e),
         page.heading("Equations of motion"),
         *_equations(e),
+    ]
+    return [
+        *_quantities("Coordinates", e.coordinates),
+        *_quantities("States", e.states),
+        *_parameters(e),
+        *(motion if e.coordinates else []),
+        *_rates(e),
         *_canonical(e),
         *_outputs(e),
     ]
+
+
+def _quantities(title: str, quantities: Sequence[Quantity]) -> list[str]:
+    if not quantities:
+        return []
+    rows = [(q.name, q.unit, q.description) for q in quantities]
+    return [page.heading(title), page.table(("", "unit", ""), rows)]
 
 
 def _parameters(e: Equations) -> list[str]:
@@ -104,6 +115,13 @@ def _equations(e: Equations) -> Iterable[str]:
                 yield _line(mathml.name(f"M[{names[i]}, {names[j]}]"), _math(e, row[j]))
     for x, node in zip(names, e.force, strict=True):
         yield _line(mathml.name(f"f[{x}]"), _math(e, node))
+
+
+def _rates(e: Equations) -> Iterable[str]:
+    if e.states:
+        yield page.heading("Rates of the states")
+    for q, node in zip(e.states, e.state_rates, strict=True):
+        yield _line(mathml.name(f"{q.name}'"), _math(e, node))
 
 
 def _canonical(e: Equations) -> Iterable[str]:

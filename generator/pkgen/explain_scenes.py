@@ -42,7 +42,8 @@ def _shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneS
     report, lines = made.report, [str(line) for line in made.report.lines]
     n, left = report.coordinates
     if n != left:
-        lines.insert(0, f"{left} of {n} degrees of freedom are left")
+        states = " and states" if whole.model.states else ""
+        lines.insert(0, f"{left} of {n} degrees of freedom{states} are left")
     return SceneShown(name, description, tuple(lines), before, _operations(kernels))
 
 

@@ -65,6 +65,29 @@ class Coordinate:
 
 
 @dataclass(frozen=True)
+class State:
+    """A first-order variable, whose rate the model states; with `range`, a family."""
+
+    name: str
+    range: Range | None
+    unit: str
+    rate_unit: str
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Rate:
+    """`rate NAME = EXPR`: each state, and each member of a family of states, has one."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
 class End:
     """What a family's coordinate outside its range means.
 
@@ -237,3 +260,5 @@ class Model:
     starts: tuple[Start, ...]
     scenes: tuple[Scene, ...]
     span: Span  # of the `model` statement
+    states: tuple[State, ...] = ()
+    rates: tuple[Rate, ...] = ()

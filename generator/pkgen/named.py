@@ -89,16 +89,34 @@ class Named:
 
 
 def coordinates(compilation: Compilation, rates: bool = False) -> Named:
-    """Those of the equations: a scene may have reduced the model's."""
+    """Those of the equations: a scene may have reduced the model's. Behind the rates stand the
+    states, as they do in C and in every row."""
     if compilation.looped:
         return _coordinates(compilation.model, rates)
-    equations = compilation.equations
-    return Named(_each(equations.rates if rates else equations.coordinates))
+    e = compilation.equations
+    return Named(_each((*e.rates, *e.states) if rates else e.coordinates))
 
 
 def declared(compilation: Compilation) -> Named:
-    """The coordinates that the model declares."""
-    return _coordinates(compilation.declared, False)
+    """The coordinates and states that the model declares."""
+    model = compilation.declared
+    found = families(model, model.states)
+    states = [
+        _declared(Quantity(s.name, s.unit, s.description), found[s.name]) for s in model.states
+    ]
+    return Named(_coordinates(model, False).declared + states)
+
+
+def states(compilation: Compilation) -> frozenset[str]:
+    """The names of the states that are left."""
+    if compilation.looped:
+        return frozenset()
+    return frozenset(q.name for q in compilation.equations.states)
+
+
+def has_energy(compilation: Compilation) -> bool:
+    """States alone have none."""
+    return compilation.looped or bool(compilation.equations.coordinates)
 
 
 def _coordinates(model: Model, rates: bool) -> Named:

@@ -97,6 +97,10 @@ class Values:
             name = indexed(side.name, side.index)
             if side.order > 1:
                 raise UsageError(f"--start {left}: a start is a coordinate or its rate")
+            if side.order and name in named.states(self.compilation):
+                raise UsageError(
+                    f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
+                )
             if (name, side.order) in report.starts:
                 index, quantity = parameters[report.starts[name, side.order]]
                 of_parameters[index] = self.value("--start", value, quantity.unit, left)
@@ -106,6 +110,9 @@ class Values:
                 ]
                 number = self.value("--start", value, quantity.unit, left)
                 found.append(_Start(side.order, index, number))
+            elif name in self.rates:  # a state
+                index, quantity = self.rates[name]
+                found.append(_Start(1, index, self.value("--start", value, quantity.unit, left)))
             elif name not in declared:
                 raise UsageError(unknown("--start", name, list(declared), "coordinate"))
             elif name not in report.unused:
@@ -143,7 +150,7 @@ class Values:
             "v": self.rates,
             "observed": [q.name for q in named.observed(self.compilation)],
             "z": [q.name for q in named.quadratures(self.compilation)],
-            "energy": ["energy"],
+            "energy": ["energy"] if named.has_energy(self.compilation) else [],
         }
 
     def shown_as(self, text: str) -> Shown:

@@ -117,7 +117,7 @@ def settings(
     numbers = len(show) + 1
     if not show:
         observed = [q for q in named.observed(compilation) if not scene_model.hidden(q.name)]
-        numbers = 2 * values.coordinates.count + len(observed) + 2
+        numbers = values.coordinates.count + values.rates.count + len(observed) + 2
     if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
     count = until / every + 1 if every else 1
@@ -207,7 +207,7 @@ def default_method(
     equations = compilation.equations
     if isinstance(equations, LoopEquations):
         return "gauss" if equations.force.pairs and _by_gauss(structure, rtol) else "dop853"
-    few = len(equations.coordinates) <= EXPONENTIAL_MOST
+    few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
     if exact and structure.affine and few and not equations.events:
         return "exponential"
     return "gauss" if _by_gauss(structure, rtol) else "dop853"

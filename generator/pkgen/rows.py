@@ -52,7 +52,7 @@ def refuse_too_many(
 
 def note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
     """What is to be said of rows that were not asked for and are fewer than one would think."""
-    numbers = 2 * named.coordinates(compilation).count
+    numbers = sum(named.coordinates(compilation, rates=rates).count for rates in (False, True))
     if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
         return ""
     rows = math.ceil(settings.until / settings.every) + 1

@@ -15,7 +15,7 @@ from .front.options_text import LeftSide, OptionError, left_side
 from .indices import indexed, integer, parted
 from .middle.quantities import ends, sizes
 from .middle.specialise import with_definitions
-from .model import Coordinate, Definition, Input, Model, Record, Scene
+from .model import Coordinate, Definition, Input, Model, Record, Scene, State
 from .tree import Expr, Name, Number, Prime, names, of_member, replaced
 
 
@@ -75,11 +75,15 @@ def _unit(model: Model, side: LeftSide) -> str | None:
         units[f"p_{item.name}", 0] = item.momentum_unit
         if (side.name, side.order) in units and _has(model, item, side.index):
             return units[side.name, side.order]
+    for item in model.states:
+        units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
+        if (side.name, side.order) in units and _has(model, item, side.index):
+            return units[side.name, side.order]
     claims = (item for item in model.conserved if item.name == side.name and not side.order)
     return next((item.unit for item in claims if _has(model, item, side.index)), None)
 
 
-def _has(model: Model, item: Coordinate | Definition, index: int | None) -> bool:
+def _has(model: Model, item: Coordinate | State | Definition, index: int | None) -> bool:
     if item.range is not None:
         lo, hi = ends(model, item.range)
         return index is not None and lo <= index <= hi
@@ -128,6 +132,9 @@ def _is_column(model: Model, name: str) -> bool:
     for item in model.coordinates:
         if item.name == base:
             return "'" not in once and _has(model, item, index)
+    for item in model.states:  # the rate of one is an output
+        if item.name == base:
+            return "'" not in name and _has(model, item, index)
     return name == once and base in {"energy", *(o.name for o in model.observed)}
 
 

@@ -158,7 +158,7 @@ def columns(
         *named.coordinates(compilation, rates=True).columns(listed),
         *(q for q in named.observed(compilation) if not hidden(q.name)),
         *named.quadratures(compilation),
-        energy,
+        *([energy] if named.has_energy(compilation) else []),
     ]
 
 

@@ -171,7 +171,7 @@ static void point(struct chart *c, const struct pk_method *method, pk_real setti
     print_end(c);
     print_drifts(c);
     if (c->it.state) {
-        numbers_pairs(stdout, "q", c->it.q, c->s.n);
+        numbers_pairs(stdout, "q", c->it.q, pk_system_coordinates(run_system, c->s.params));
         numbers_pairs(stdout, "v", c->it.v, c->s.n);
     }
     if (arrived)
@@ -194,7 +194,7 @@ static void path(struct chart *c, const struct pk_method *method, pk_real settin
             break;
         fputs(k ? ", {\"t\": " : "{\"t\": ", stdout);
         output_real(stdout, t);
-        numbers_pairs(stdout, "q", c->it.q, n);
+        numbers_pairs(stdout, "q", c->it.q, n - run_system->n_states);
         numbers_pairs(stdout, "v", c->it.v, n);
         if (linear && jacobians_at(&c->problem, c->it.t, c->it.q, c->it.v, c->s.u, a_q,
                                    a_q + n * n, c->work)) {

@@ -11,7 +11,8 @@ enum { MOST_ROWS = 20000, MOST_NUMBERS = 4000000 }; /* kept; of more, every othe
 
 size_t rows_columns(const struct settings *s)
 {
-    size_t count = 2 * s->n + run_system->n_quadratures + 1;
+    size_t count = pk_system_coordinates(run_system, s->params) + s->n +
+                   run_system->n_quadratures + (run_system->energy != NULL);
     if (s->n_show)
         return s->n_show;
     for (size_t i = 0; i < run_system->n_observed; i++)
@@ -59,15 +60,17 @@ static void shown(const struct settings *s, pk_real t, const pk_real *q, const p
     }
     if (s->n_show)
         return;
-    memcpy(x, q, s->n * sizeof *x);
-    memcpy(x += s->n, v, s->n * sizeof *x);
+    const size_t coordinates = pk_system_coordinates(system, s->params);
+    memcpy(x, q, coordinates * sizeof *x);
+    memcpy(x += coordinates, v, s->n * sizeof *x);
     x += s->n;
     for (size_t i = 0; i < system->n_observed; i++)
         if (!expect_hides(s, i))
             *x++ = out[i];
     for (size_t i = 0; i < system->n_quadratures; i++)
         *x++ = z[i];
-    *x = system->energy(s->params, t, q, v, s->u);
+    if (system->energy)
+        *x = system->energy(s->params, t, q, v, s->u);
 }
 
 void rows_keep(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z,

@@ -154,7 +154,9 @@ static void symplectic(struct run *run, struct diagnostics *d)
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
-        reason = diagnose_no_variation(system)
+        reason = system->n_states
+                     ? "states have no momenta, so there is no symplectic form to be kept"
+                 : diagnose_no_variation(system)
                      ? diagnose_no_variation(system)
                      : "steps of this method have no length of their own: take one of fixed steps";
     if (diagnose_member(d, "symplectic", made ? PK_DONE : last, reason)) {

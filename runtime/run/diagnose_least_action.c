@@ -91,7 +91,9 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
     struct pk_least_action found = {0};
     struct stage x = {&found, NULL, PK_REFUSED};
     char reason[512] = "";
-    if (!(system->facts & PK_VARIATIONAL))
+    if (system->n_states)
+        strcpy(reason, "the model has states, whose rates follow from no action");
+    else if (!(system->facts & PK_VARIATIONAL))
         strcpy(reason, FORCES);
     else if (diagnose_no_variation(system))
         strcpy(reason, diagnose_no_variation(system));

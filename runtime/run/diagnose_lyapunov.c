@@ -2,8 +2,9 @@
  *
  * Displacements that grow exponentially are chaos only where the motion stays in bounds. One that is
  * still leaving its start at the end, or does not move at all, has met an instability of a simple
- * motion (an equilibrium, a steady rotation) and no more is known. A single coordinate without
- * explicit time cannot be chaotic: its orbits lie on curves in a plane (Poincare and Bendixson).
+ * motion (an equilibrium, a steady rotation) and no more is known. A single coordinate, or two
+ * states, without explicit time cannot be chaotic: orbits are curves in a plane (Poincare and
+ * Bendixson).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -43,8 +44,10 @@ static void excursion_begin(struct excursion *e, size_t n)
 static void excursion_note(struct excursion *e, const struct settings *s,
                            const struct pk_integrator *it, int half)
 {
-    const size_t n = s->n;
+    const size_t n = s->n, seen = pk_system_coordinates(run_system, s->params);
     for (size_t i = 0; i < e->count; i++) {
+        if (i >= seen && i < n)
+            continue;
         const pk_real x = i < n ? it->q[i] - s->q[i] : it->v[i - n] - s->v[i - n];
         e->most[half][i] = PK_F(fmax)(e->most[half][i], PK_F(fabs)(x));
     }
@@ -63,7 +66,8 @@ static int excursion_leaves(const struct excursion *e)
 
 static int can_be_chaotic(const struct pk_system *system)
 {
-    return system->n != 1 || system->count || !(system->facts & PK_AUTONOMOUS);
+    const size_t dimension = 2 * system->n - system->n_states;
+    return dimension > 2 || system->count || !(system->facts & PK_AUTONOMOUS);
 }
 
 void diagnose_lyapunov(struct run *run, struct diagnostics *d)

@@ -1,4 +1,4 @@
-/* The spectrum of each coordinate, of the rows of a run. */
+/* The spectrum of each coordinate and state, of the rows of a run. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -12,7 +12,7 @@
 
 #ifdef PK_WITH_GSL
 static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
-                           size_t i, size_t count, double dt)
+                           size_t i, int first, size_t count, double dt)
 {
     const size_t width = 1 + 2 * run->settings.n;
     double away = 0, size = 0; /* from mean + rate t; of x */
@@ -22,9 +22,11 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
         away = fmax(away, fabs(x - s->mean - s->rate * (double)k * dt));
         size = fmax(size, fabs(x));
     }
-    pk_system_name(run->problem.system, run->settings.params, run->problem.system->coordinates, i,
-                   name, sizeof name);
-    fputs(i ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
+    const struct pk_system *system = run->problem.system;
+    const size_t n = run->settings.n;
+    pk_system_name(system, run->settings.params, i < n ? system->coordinates : system->rates,
+                   i < n ? i : i - n, name, sizeof name);
+    fputs(!first ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
     output_text(d->file, name);
     diagnose_real(d, "mean", s->mean);
     diagnose_real(d, "rate", s->rate);
@@ -41,6 +43,12 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
         fputs("}", d->file);
     }
     fputs("]}", d->file);
+}
+
+/* Where the i-th quantity is in (q, v): the coordinates, then the states. */
+static size_t column(size_t i, size_t n, size_t seen)
+{
+    return i < seen ? i : n + i;
 }
 
 /* Rows at equal times: all but a last one that is nearer. */
@@ -71,9 +79,10 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
     double *x = (double *)words_allocate(count, sizeof *x);
     enum pk_status status = PK_DONE;
     struct pk_spectrum *found = (struct pk_spectrum *)words_allocate(n, sizeof *found);
+    const size_t seen = pk_system_coordinates(run->problem.system, set->params);
     for (size_t i = 0; i < n && status >= 0; i++) {
         for (size_t k = 0; k < count; k++)
-            x[k] = d->rows[k * width + 1 + i];
+            x[k] = d->rows[k * width + 1 + column(i, n, seen)];
         status = pk_gsl_spectrum(&found[i], x, count, dt, PK_LINES, block, size);
         run_progress(run, (double)i / (double)n, 0);
     }
@@ -84,7 +93,7 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
         diagnose_real(d, "resolution", found[0].resolution);
         fputs(", \"coordinates\": [", d->file);
         for (size_t i = 0; i < n; i++)
-            spectrum_lines(run, d, &found[i], i, count, dt);
+            spectrum_lines(run, d, &found[i], column(i, n, seen), i == 0, count, dt);
         fputs("]}", d->file);
     }
     free(found);

@@ -130,7 +130,8 @@ static void json_run(struct run *run, FILE *file)
     output_real(file, trust_last_valid(run));
     fputs(",\n  ", file);
     /* Of a large system the last row has them. */
-    output_numbers(file, "q", it->q, it->n <= MOST_LISTED ? it->n : 0);
+    const size_t coordinates = it->n - run->problem.system->n_states;
+    output_numbers(file, "q", it->q, it->n <= MOST_LISTED ? coordinates : 0);
     fputs(", ", file);
     output_numbers(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
     if (it->z) {

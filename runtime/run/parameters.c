@@ -109,7 +109,7 @@ void settings_tell(const struct settings *s, FILE *file)
         output_real(file, x);
     }
     fputs("]", file);
-    numbers_list(file, "q", s->q, s->n);
+    numbers_list(file, "q", s->q, pk_system_coordinates(run_system, s->params));
     numbers_list(file, "v", s->v, s->n);
     fputs("}\n", file);
 }

@@ -24,6 +24,12 @@ static void csv_name(FILE *file, const char *name)
     fputc('"', file);
 }
 
+/* The states are the last of the rates; their integrals are nobody's. */
+static size_t rows_coordinates(const struct run *run)
+{
+    return pk_system_coordinates(run->problem.system, run->settings.params);
+}
+
 void output_header(struct run *run, FILE *file)
 {
     const struct pk_system *system = run->problem.system;
@@ -45,7 +51,7 @@ void output_header(struct run *run, FILE *file)
         return;
     }
     for (int k = 0; k < 2; k++)
-        for (size_t i = 0; i < run->settings.n; i++) {
+        for (size_t i = 0; i < (k ? run->settings.n : rows_coordinates(run)); i++) {
             pk_system_name(system, run->settings.params, tables[k], i, name, sizeof name);
             csv_name(file, name);
         }
@@ -54,7 +60,7 @@ void output_header(struct run *run, FILE *file)
             csv_name(file, system->observed[i].name);
     for (size_t i = 0; i < system->n_quadratures; i++)
         csv_name(file, system->quadratures[i].name);
-    fputs(",energy\n", file);
+    fputs(system->energy ? ",energy\n" : "\n", file);
 }
 
 static int is_finite(pk_real x) { return x - x == PK_C(0.0); }
@@ -111,7 +117,7 @@ static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_re
     const struct pk_system *system = run->problem.system;
     const struct settings *s = &run->settings;
     const char *bad = NULL;
-    for (size_t i = 0; i < s->n; i++)
+    for (size_t i = 0; i < rows_coordinates(run); i++)
         cell(file, q[i]);
     for (size_t i = 0; i < s->n; i++)
         cell(file, v[i]);
@@ -126,6 +132,8 @@ static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_re
     }
     for (size_t i = 0; i < system->n_quadratures; i++)
         cell(file, z[i]);
+    if (!system->energy)
+        return bad;
     const pk_real energy = system->energy(s->params, t, q, v, s->u);
     cell(file, energy);
     return is_finite(energy) || bad ? bad : "energy";

@@ -73,7 +73,7 @@ static int set_show(struct settings *s, const struct pk_system *system, size_t l
                  {"v", s->n},
                  {"observed", system->n_observed},
                  {"z", system->n_quadratures},
-                 {"energy", 1}};
+                 {"energy", system->energy != NULL}};
     struct shown *more = (struct shown *)realloc(s->show, (s->n_show + 1) * sizeof *more);
     if (!more)
         return words_usage(line, "out of memory", NULL);
@@ -83,7 +83,10 @@ static int set_show(struct settings *s, const struct pk_system *system, size_t l
             continue;
         more[s->n_show].kind = table[i].name[0];
         more[s->n_show].index = 0;
-        if (table[i].name[0] != 'e' && !words_index(word[2], table[i].count, &more[s->n_show].index))
+        const int ok = table[i].name[0] == 'e'
+                           ? table[i].count > 0
+                           : words_index(word[2], table[i].count, &more[s->n_show].index);
+        if (!ok)
             return words_usage(line, "no such column", word[2]);
         s->n_show++;
         return 0;

@@ -193,7 +193,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
     if (monitor->has_energy) {
         const pk_real h = system->energy(problem->params, t, q, v, u);
         pk_real vp = 0;
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; i < pk_system_coordinates(system, problem->params); i++)
             vp += v[i] * p[i];
         pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
     }

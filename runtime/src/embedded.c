@@ -20,7 +20,7 @@ static const struct pk_tableau *table_of(const struct pk_method *method)
 
 static struct pk_embedded_work parts_of(struct pk_integrator *it)
 {
-    return pk_embedded_parts(it, table_of(it->method), it->n);
+    return pk_embedded_parts(it, table_of(it->method), it->n, it->problem.system->n_states);
 }
 
 static size_t embedded_size(const struct pk_method *method, size_t n)
@@ -45,6 +45,8 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (it->options.h > 0)
         return it->options.h;
     for (size_t i = 0; i < w->m; i++) {
+        if (i >= w->seen && i < w->n)
+            continue;
         const pk_real scale = pk_embedded_tolerance(it, y0[i], y0[i]);
         d0 += (y0[i] / scale) * (y0[i] / scale);
         d1 += (w->k[i] / scale) * (w->k[i] / scale);
@@ -59,6 +61,8 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (generic_slope(it, it->t + (pk_real)it->direction * h, w->y, w->last) < 0)
         return h;
     for (size_t i = 0; i < w->m; i++) {
+        if (i >= w->seen && i < w->n)
+            continue;
         const pk_real x = (w->last[i] - w->k[i]) / pk_embedded_tolerance(it, y0[i], y0[i]);
         d2 += x * x;
     }

@@ -21,7 +21,11 @@ size_t pk_lyapunov_size(const struct pk_problem *problem, const struct pk_method
 
 static struct pk_metric metric_of(const struct pk_lyapunov *l)
 {
-    return (struct pk_metric){.n = l->metric_n, .tau = l->metric_tau, .L = l->metric_L};
+    const size_t states = l->variation.of.system->n_states;
+    return (struct pk_metric){.n = l->metric_n,
+                              .seen = l->metric_n - states,
+                              .tau = l->metric_tau,
+                              .L = l->metric_L};
 }
 
 /* The displacement in (q, v) made of unit length, from it->q and it->v or from the scratch itself;
@@ -38,6 +42,8 @@ static pk_real normalise(struct pk_lyapunov *l, const pk_real *q, const pk_real 
         Q[i] /= length;
         V[i] /= length;
     }
+    for (size_t i = n + metric.seen; i < 2 * n; i++)
+        Q[i] = 0; /* of an integral of a state, on which nothing depends */
     return PK_F(log)(length);
 }
 

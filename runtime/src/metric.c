@@ -77,13 +77,13 @@ void pk_metric_P(const struct pk_metric *m, pk_real *x)
     scale(x, m->n, PK_F(sqrt)(m->tau));
 }
 
-/* |C^T x|^2 */
-static pk_real square(const struct pk_metric *m, const pk_real *x)
+/* |C^T x|^2 of the first `n`, where what follows is 0 */
+static pk_real square(const struct pk_metric *m, const pk_real *x, size_t n)
 {
     pk_real sum = 0;
-    for (size_t i = 0; i < m->n; i++) {
+    for (size_t i = 0; i < n; i++) {
         pk_real y = x[i];
-        for (size_t j = i + 1; j < m->n; j++)
+        for (size_t j = i + 1; j < n; j++)
             y += m->L[j * m->n + i] * x[j];
         sum += m->L[i * m->n + i] * y * y;
     }
@@ -92,7 +92,7 @@ static pk_real square(const struct pk_metric *m, const pk_real *x)
 
 pk_real pk_metric_length(const struct pk_metric *m, const pk_real *dq, const pk_real *dv)
 {
-    return PK_F(sqrt)(square(m, dq) / (m->tau * m->tau) + square(m, dv));
+    return PK_F(sqrt)(square(m, dq, m->seen) / (m->tau * m->tau) + square(m, dv, m->n));
 }
 
 /* |C^-1 A C^-T|, from the columns of A C^-T: a row of it solves C x = (row of A). */
@@ -123,6 +123,7 @@ enum pk_status pk_metric_init(struct pk_metric *metric, const struct pk_variatio
     const size_t n = variation->n, nn = n * n;
     pk_real *r_q = variation->work, *r_v = r_q + nn, *a = r_v + nn, *r_t = a + n;
     metric->n = n;
+    metric->seen = n - of->system->n_states;
     metric->L = memory;
     metric->tau = otherwise;
     of->system->mass(of->params, t, q, v, u, metric->L);

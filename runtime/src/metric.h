@@ -14,7 +14,7 @@
 #include "internal.h"
 
 struct pk_metric {
-    size_t n;
+    size_t n, seen; /* integrals of states, the last of q, have no length */
     pk_real tau;
     pk_real *L; /* M = L D L^T, both in one n by n array */
 };

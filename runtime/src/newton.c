@@ -76,8 +76,11 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
  * its divergence. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 {
+    const size_t seen = it->n - it->problem.system->n_states;
     for (size_t k = 0; k < it->n; k++) {
-        w->scale[k] = pk_max(pk_abs(it->q[k] / it->h), pk_abs(it->v[k]));
+        w->scale[k] = pk_abs(it->v[k]);
+        if (k < seen)
+            w->scale[k] = pk_max(pk_abs(it->q[k] / it->h), w->scale[k]);
         for (size_t i = 0; i < w->s; i++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[i * it->n + k]));
     }

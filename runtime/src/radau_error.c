@@ -38,9 +38,12 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
     *r->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
                                       pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
                              : PK_C(1e-3);
+    const size_t seen = it->n - it->problem.system->n_states;
     for (size_t k = 0; k < it->n; k++) {
         r->of_q[k] = factor * (o->atol + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
         r->of_v[k] = factor * (o->atol + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
+        if (k >= seen) /* the integral of a state may be as wrong as it likes */
+            r->of_q[k] = PK_INFINITY;
     }
 }
 
@@ -71,7 +74,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
         sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +
                r->dv[k] / r->of_v[k] * (r->dv[k] / r->of_v[k]);
     }
-    return PK_F(sqrt)(sum / (pk_real)(2 * n));
+    return PK_F(sqrt)(sum / (pk_real)(2 * n - it->problem.system->n_states));
 }
 
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,

@@ -29,9 +29,9 @@ def flight(method: str, tolerance: float, h: float = 0.0) -> tuple[float, float,
     return height, top, -at(t)[2]
 
 
-def end_of_the_disk(method: str) -> float:
+def end_of_the_disk(method: str, model: str = "euler_disk") -> float:
     """When the runtime says that the motion ends in a singularity: the last valid time."""
-    probe = Probe("euler_disk", method)
+    probe = Probe(model, method)
     probe.steps(100_000, 100_000, strict=False)
     return float(probe.now[0]) if probe.status == SINGULAR_TIME else 0.0
 
@@ -52,6 +52,22 @@ def unguarded_disk(h: float) -> float:
     return t
 
 
+def unguarded_state(h: float) -> float:
+    """The same of the disk of first order, whose state is a rate of the runtime's."""
+    probe = Probe("euler_disk_first", "rk4", h)
+
+    def rate(x: float) -> float:
+        return float(probe.acceleration(np.zeros(1), np.array([x]))[0])
+
+    x, t = 0.2, 0.0
+    while t < 3 and np.isfinite(x):
+        k1 = rate(x)
+        k2 = rate(x + h / 2 * k1)
+        k3 = rate(x + h / 2 * k2)
+        x, t = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(x + h * k3)), t + h
+    return t
+
+
 DRAG = (
     mp.log(1 + 0.02 * mp.mpf(2500) / mp.mpf("9.81")) / mp.mpf("0.04"),
     mp.atan(50 * mp.sqrt(mp.mpf("0.02") / mp.mpf("9.81")))
@@ -65,6 +81,12 @@ PREDICTIONS = [
         "stops with PK_SINGULAR_TIME, its last valid time at theta0^2/(2 k)", 2.0, 1e-9,
         lambda: end_of_the_disk("dop853"),
         "RK4 without guards, h = .01, runs on to", lambda: unguarded_disk(0.01),
+    ),
+    Prediction(
+        "X1a", "Euler's disk of first order, theta' = -k/theta, dop853",
+        "stops with PK_SINGULAR_TIME, its last valid time at theta0^2/(2 k)", 2.0, 1e-9,
+        lambda: end_of_the_disk("dop853", "euler_disk_first"),
+        "RK4 without guards, h = .01, runs on to", lambda: unguarded_state(0.01),
     ),
     *(
         Prediction(

@@ -88,7 +88,8 @@ int probe_begin(struct probe *p, double h, double tolerance, double h_max, int i
 
 double probe_energy(const struct probe *p, double t, const double *q, const double *v)
 {
-    return p->problem.system->energy(p->params, t, q, v, NULL);
+    const struct pk_system *system = p->problem.system;
+    return system->energy ? system->energy(p->params, t, q, v, NULL) : 0;
 }
 
 static void row(const struct probe *p, double *out)

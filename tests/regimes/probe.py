@@ -85,8 +85,12 @@ def library(name: str, sizes: tuple[tuple[str, int], ...] = ()) -> tuple[ctypes.
     for function, (result, arguments) in SIGNATURES.items():
         getattr(found, function).restype = result
         getattr(found, function).argtypes = arguments
-    names = [c.name for c in named.coordinates(made).columns(10_000)]
-    return found, [*names, *(f"{c}'" for c in names)]
+    names, rates = (
+        [c.name for c in named.coordinates(made, rates=rates).columns(10_000)]
+        for rates in (False, True)
+    )
+    integrals = [f"integral of {name}" for name in rates[len(names) :]]  # of states, of no use
+    return found, [*names, *integrals, *rates]
 
 
 class Probe:

@@ -79,5 +79,6 @@ void add_exponential(void);
 void add_quadrature(void);
 void add_apart(void);
 void add_least_action(void);
+void add_states(void);
 
 #endif

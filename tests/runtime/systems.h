@@ -49,6 +49,8 @@ extern const struct pk_system radial_system;
 /* q'' = -limit q; and both it and the pendulum, which can be integrated apart alone. */
 extern const struct pk_system spring_system, pair_system;
 extern const struct pk_part pair_parts[2];
+/* The Brusselator, of two states; a pendulum held back by a Maxwell element, which is a state. */
+extern const struct pk_system brusselator_system, maxwell_system;
 /* q'' = u: an input. */
 extern const struct pk_system pushed_system;
 

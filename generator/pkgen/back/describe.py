@@ -51,11 +51,14 @@ _MATRICES = {
 
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
     """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
-    model = program.equations.model
-    coordinates = program.equations.coordinates
+    model, e = program.equations.model, program.equations
+    own = len(e.coordinates) - e.n_states
+    names = [name.format(c.name) for c in e.coordinates[:own]] + [
+        f"{q.name}'" for q in e.rates[own:]
+    ]
     return [
-        Quantity(name.format(c.name), per_second(q.unit, model.dimensionless), "")
-        for c, q in zip(coordinates, quantities, strict=True)
+        Quantity(name, per_second(q.unit, model.dimensionless), "")
+        for name, q in zip(names, quantities, strict=True)
     ]
 
 
@@ -92,12 +95,13 @@ def _with_unit(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def families(quantities: Sequence[Quantity]) -> list[dict[str, Any]]:
+def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, Any]]:
     """Plain quantities and whole families: name, index of the (first) member, what it is. Members
-    of a family that stand apart from its first ones are found by their own names alone."""
+    of a family that stand apart from its first ones are found by their own names alone. They are
+    counted from `first`."""
     rows: dict[str, tuple[int, Quantity]] = {}
     counts: dict[str, int] = {}
-    for index, quantity in enumerate(quantities):
+    for index, quantity in enumerate(quantities, first):
         name = family_of(quantity.name)
         if name not in rows:
             rows[name], counts[name] = (index, quantity), 1

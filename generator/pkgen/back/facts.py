@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..equations import Equations, Indices, Invariant, Structure, Symmetries
-from ..middle.graph import BIT, Kind
+from ..middle.graph import BIT, ZERO, Kind
 from ..middle.loops import Facts, LoopEquations
 
 SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
@@ -11,16 +11,18 @@ SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
 
 def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
     """Rows of a table: what, and how it is."""
+    own = len(equations.coordinates) - equations.n_states
+    applied = any(node != ZERO for node in equations.applied[:own])
     rows = [
-        ("mass matrix", _mass(equations, structure)),
-        ("definite", _definite(structure)),
+        ("mass matrix", _mass(equations, structure) if own else ""),
+        ("definite", _definite(structure) if own else ""),
         (
             "separable",
             _yes(structure.separable, "verlet and its like apply", "verlet does not apply"),
         ),
         ("linear", _yes(structure.affine, "constant coefficients", "")),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
-        ("forces beyond L", "none" if structure.variational else "yes (force or dissipation)"),
+        ("forces beyond L", ("yes (force or dissipation)" if applied else "none") if own else ""),
         ("smooth", _smooth(equations, structure)),
         ("blocks", _blocks(equations, structure.blocks)),
     ]
@@ -37,7 +39,7 @@ def found(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
     if structure.symmetries is not None and structure.symmetries.searched:
         return found_by_symmetry(structure.symmetries)
     rows = [("energy", "time shift")] if structure.conservative else []
-    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)
+    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # none of a state
     return rows + [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
 
 
@@ -98,10 +100,12 @@ def _smooth(equations: Equations, structure: Structure) -> str:
 
 def _mass(equations: Equations, structure: Structure) -> str:
     shape = "diagonal" if structure.mass_diagonal else "dense"
-    if 0 < structure.mass_band < (len(equations.coordinates) - 1) / 2:
+    n = len(equations.coordinates) - equations.n_states
+    blocks = tuple(block for block in structure.mass_blocks if block[0] < n)
+    if 0 < structure.mass_band < (n - 1) / 2:
         shape = f"banded, {structure.mass_band} beside the diagonal"
-    elif 1 < len(structure.mass_blocks) < len(equations.coordinates):
-        shape = f"in blocks {_listed(equations, structure.mass_blocks)}"
+    elif 1 < len(blocks) < n:
+        shape = f"in blocks {_listed(equations, blocks)}"
     if structure.mass_constant:
         return f"{shape}, constant: factored once"
     if not structure.quadratic:
@@ -114,7 +118,7 @@ def _varying(equations: Equations, structure: Structure) -> str:
     mask = 0
     for node in sum(equations.mass, ()):
         mask |= equations.graph.depends[node]
-    kinds = {Kind.COORDINATE: "the coordinates"}
+    kinds = {Kind.COORDINATE: "the coordinates", Kind.STATE: "the states"}
     if not structure.autonomous:
         kinds |= {Kind.TIME: "t", Kind.INPUT: "the inputs"}
     return " and ".join(text for kind, text in kinds.items() if mask & BIT[kind])
@@ -135,7 +139,9 @@ def _blocks(equations: Equations, blocks: Indices) -> str:
 
 
 def _listed(equations: Equations, blocks: Indices) -> str:
-    names = [q.name for q in equations.coordinates]
+    own = len(equations.coordinates) - equations.n_states
+    moving = (*equations.coordinates[:own], *equations.states, *equations.rates[own:])
+    names = [q.name for q in moving]
     shown = [f"{{{', '.join(names[i] for i in block)}}}" for block in blocks]
     if len(shown) > SHOWN:
         shown = [*shown[:2], "...", shown[-1], f"({len(shown)} of them)"]

@@ -53,10 +53,10 @@ def stores(name: str, row: Row) -> list[Target]:
 
 
 def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
-    checks = []
+    checks, mass = [], equations.inertia or equations.mass
     graph = equations.graph
-    for i, pivot in enumerate(pivots):
-        diagonal = equations.mass[i][i]
+    for i, pivot in enumerate(pivots[: len(mass)]):
+        diagonal = mass[i][i]
         positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
         if positive or pivot in pivots[:i]:
             continue

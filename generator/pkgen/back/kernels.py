@@ -32,6 +32,11 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     return frozenset(names)
 
 
+def _has_energy(equations: Equations) -> bool:
+    """States alone have none."""
+    return len(equations.coordinates) > equations.n_states
+
+
 def _vector(name: str, row: Callable[[Equations], Row]):
     """Outputs and targets of a kernel that writes one vector."""
     return (
@@ -154,21 +159,25 @@ def _specs() -> Iterator[KernelSpec]:
         exists=lambda e: e.linear is not None,
         given=("a",),
     )
-    yield KernelSpec("energy", "pk_real", "h = v.p - L", *_scalar(lambda e: e.energy))
-    yield KernelSpec("lagrangian", "pk_real", "L", *_scalar(lambda e: e.lagrangian))
+    yield KernelSpec(
+        "energy", "pk_real", "h = v.p - L", *_scalar(lambda e: e.energy), exists=_has_energy
+    )
+    yield KernelSpec(
+        "lagrangian", "pk_real", "L", *_scalar(lambda e: e.lagrangian), exists=_has_energy
+    )
     yield KernelSpec(
         "kinetic",
         "pk_real",
         "T",
         *_scalar(lambda e: e.kinetic),
-        exists=lambda e: e.kinetic is not None,
+        exists=lambda e: e.kinetic is not None and _has_energy(e),
     )
     yield KernelSpec(
         "potential",
         "pk_real",
         "V",
         *_scalar(lambda e: e.potential),
-        exists=lambda e: e.potential is not None,
+        exists=lambda e: e.potential is not None and _has_energy(e),
     )
     yield KernelSpec(
         "guard",

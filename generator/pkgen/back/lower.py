@@ -265,9 +265,11 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 def _local_names(equations: Equations) -> dict[Symbol, str]:
     """What coordinates, rates, inputs, accelerations and momenta are called in the kernels."""
     names = Names(LOCAL_RESERVED)
-    accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates]
+    own = len(equations.coordinates) - equations.n_states
+    accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
+    accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
     rows = [
-        (Kind.COORDINATE, equations.coordinates),
+        (Kind.COORDINATE, equations.coordinates[:own]),  # nothing depends on a state's integral
         (Kind.RATE, equations.rates),
         (Kind.INPUT, equations.inputs),
         (Kind.ACCELERATION, accelerations),

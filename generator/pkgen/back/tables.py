@@ -56,8 +56,11 @@ def events(program: Program) -> list[dict[str, Any]]:
 def indices(program: Program) -> list[dict[str, Any]]:
     """Named indices, one for a plain quantity or the first of a family."""
     e = program.equations
+    own = len(e.coordinates) - e.n_states
+    of_states = "into v: a state's value is there, its rate in a; q there has no meaning"
     rows: list[tuple[str, Sequence[Quantity], str]] = [
-        ("q", e.coordinates, "into q, v, momenta, ..."),
+        ("q", e.coordinates[:own], "into q, v, momenta, ..."),
+        ("x", e.rates[own:], of_states),
         ("p", [slot.quantity for slot in e.parameters], "into the table of parameters"),
         ("u", e.inputs, "into u"),
         ("o", e.observed_names, "into the observed outputs"),
@@ -66,7 +69,7 @@ def indices(program: Program) -> list[dict[str, Any]]:
         ("z", e.quadrature_names, "into the quadratures"),
     ]
     return [
-        {"stem": stem, "says": says, "rows": families(quantities)}
+        {"stem": stem, "says": says, "rows": families(quantities, own if stem == "x" else 0)}
         for stem, quantities, says in rows
         if quantities
     ]

@@ -69,7 +69,7 @@ def find(program: Program, method: str, until: float, dissipative: bool) -> Spec
     for state in found["states"]:
         if "a_q" not in state or None in (*state["a_q"], *state["a_v"]):
             continue
-        n = len(state["q"])
+        n = len(state["v"])
         a_q = numpy.array(state["a_q"]).reshape(n, n)
         a_v = numpy.array(state["a_v"]).reshape(n, n)
         jacobian = numpy.block([[numpy.zeros((n, n)), numpy.eye(n)], [a_q, a_v]])

@@ -20,9 +20,11 @@ from .check_dynamics import NOT_COMPILED, Dynamics, refuse
 from .check_expr import Expressions
 from .check_names import Names, Report
 from .check_params import check_bounds
+from .check_required import Required
 from .check_scene_values import check_scene_values
 from .check_scenes import Scenes
 from .check_shared import Shared
+from .check_states import States
 from .parse import parse_all
 from .units import NONE, UnitError, over, parse_unit, si_text
 
@@ -60,17 +62,12 @@ class _Checker:
         self.file, self.given = file, dict(given)
         self.report = Report()
         declared = dict(_declarations(file.statements))
-        coordinates = frozenset(
-            item.name
-            for s in file.statements
-            if isinstance(s, st.Declare) and s.keyword == "coord"
-            for item in s.items
-        )
         self.broken = {b.keyword for b in file.broken}
         self.dimensionless = all(_has_no_dimension(text) for text in file.units)
         poisoned = [n for b in file.broken for n in b.names]
         self.names = Names(self.report, self._line, declared, poisoned)
-        self.names.coordinates = coordinates
+        self.names.coordinates = _named(file.statements, "coord")
+        self.names.states = _named(file.statements, "state")
         sizes: dict[str, int] = {}
         lagrangian = any(
             isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
@@ -79,13 +76,15 @@ class _Checker:
             file.source, self.report, self.names, sizes, self.dimensionless, lagrangian
         )
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
-        definitions, coordinates = Definitions(self.shared), Coordinates(self.shared)
+        definitions, self.states = Definitions(self.shared), States(self.shared)
+        coordinates = Coordinates(self.shared, self.states)
         dynamics = self.dynamics = Dynamics(self.shared)
+        self.define = definitions.define
         self.checks = {
             st.ModelName: definitions.model,
             st.SizeOf: definitions.size,
             st.Param: definitions.param,
-            st.Define: definitions.define,
+            st.Define: self._define,
             st.Declare: coordinates.declare,
             st.Ends: coordinates.ends,
             st.Energy: dynamics.energy,
@@ -94,6 +93,9 @@ class _Checker:
             st.StartAt: dynamics.start,
             st.Scene: lambda _: None,  # when all names are known
         }
+
+    def _define(self, statement: st.Define) -> None:
+        (self.states.rate if statement.keyword == "rate" else self.define)(statement)
 
     def _line(self, span: Span) -> int:
         return self.file.source.position(span.start)[0]
@@ -106,8 +108,10 @@ class _Checker:
             if isinstance(statement, st.Scene):
                 scenes.check(statement)
         self.expressions.indices.finish()
-        self._given_sizes()
-        self._required()
+        if "rate" not in self.broken:
+            self.states.finish()
+        required = Required(self.file, self.shared, self.broken)
+        required.check()
         parts = self.shared.parts
         check_bounds(
             [p for p in parts["param"] if p.span in self.shared.sound],
@@ -116,7 +120,7 @@ class _Checker:
             self.report,
         )
         if not self.broken & {"", "let", "coord", *_INERTIA}:
-            self._inertia()
+            required.inertia()
         if not self.report.errors and not self.file.diagnostics:
             self._unused()
         misfits = self._misfits()
@@ -150,68 +154,6 @@ class _Checker:
         else:
             self.checks[type(statement)](statement)
 
-    # what a model must have
-
-    def _required(self) -> None:
-        if not self.file.statements:
-            if not self.file.diagnostics:  # else there was something, but nothing could be read
-                self.report.error(
-                    "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
-                )
-            return
-        first = next(iter(self.file.statements), None)
-        broken = self.broken
-        parts = self.shared.parts
-        at = parts["name"][0].span if parts["name"] else self._first_line()
-        if not parts["name"] and "model" not in broken:
-            self.report.error("the model has no name", at, "the first statement is 'model NAME'")
-        elif parts["name"] and first is not parts["name"][0]:
-            self.report.error("'model' must be the first statement", at)
-        if "" in broken:  # a line that starts with no known word may have been any of these
-            return
-        not_compiled = {
-            s.keyword
-            for s in self.file.statements
-            if isinstance(s, (st.Define, st.Declare, st.Equation))
-        } & {"state", "rate", "rotation"}
-        if not self.names.coordinates and "coord" not in broken and not not_compiled:
-            self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
-        has_energy = parts["kinetic"] or parts["lagrangian"]
-        if not has_energy and not broken & {"kinetic", "lagrangian"} and not not_compiled:
-            self.report.error(
-                "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
-            )
-
-    def _first_line(self) -> Span:
-        places = [s.span for s in self.file.statements] + [b.span for b in self.file.broken]
-        return min(places, key=lambda s: s.start, default=Span(0, 0))
-
-    def _given_sizes(self) -> None:
-        known = [s.left.name for s in self.file.statements if isinstance(s, st.SizeOf)]
-        for name in self.given:
-            if name not in known and not self.file.diagnostics:
-                self.report.error(
-                    f"--size {name}: the model has no size '{name}'",
-                    self._first_line(),
-                    f"its sizes are: {', '.join(known)}" if known else "it has no sizes",
-                )
-
-    def _inertia(self) -> None:
-        """A light check: every coordinate's rate occurs in an energy. The exact one is derive's."""
-        energies = self.shared.energies
-        has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
-        if not has_kinetic or not all(f.known for f in energies):
-            return
-        with_rate = frozenset().union(*(f.rates for f in energies))
-        for coordinate in self.shared.parts["coord"]:
-            if coordinate.name not in with_rate:
-                self.report.error(
-                    f"the coordinate '{coordinate.name}' has no inertia: no energy contains"
-                    f" {coordinate.name}'",
-                    coordinate.span,
-                    f"add a kinetic term, or make it a parameter: param {coordinate.name} = …",
-                )
-
     def _unused(self) -> None:
         for entry in self.names.table.values():
             if not entry.used and entry.kind in _UNUSED:
@@ -244,6 +186,8 @@ class _Checker:
             starts=tuple(parts["start"]),
             scenes=tuple(parts["scene"]),
             span=head.span,
+            states=tuple(parts["state"]),
+            rates=tuple(parts["rate"]),
         )
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
@@ -264,10 +208,22 @@ _UNUSED = {
 }
 
 
+def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
+    """The names that `coord` or `state` declares anywhere."""
+    return frozenset(
+        item.name
+        for s in statements
+        if isinstance(s, st.Declare) and s.keyword == keyword
+        for item in s.items
+    )
+
+
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
     """Every name that the statements declare, with its place."""
     for statement in statements:
         match statement:
+            case st.Define(keyword="rate"):
+                pass  # of a name that is declared elsewhere
             case st.Param(left=left) | st.SizeOf(left=left) | st.Define(left=left):
                 yield left.name, left.span
             case st.Declare(items=items):

@@ -1,29 +1,30 @@
-"""`coord`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
+"""`coord`, `state`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
 
 from __future__ import annotations
 
 from .. import model as m
 from ..source import Span
-from ..tree import Expr, Range
+from ..tree import Expr
 from . import statements as st
 from . import units
 from .check_expr import Target
-from .check_names import UNKNOWN, Entry, Facts, Members
+from .check_names import KIND_TEXT, Entry, Facts
 from .check_scope import PLACES, Scope
 from .check_shared import Shared, described
+from .check_states import States
 from .units import NONE, si_text
 
 
 class Coordinates:
-    def __init__(self, shared: Shared) -> None:
+    def __init__(self, shared: Shared, states: States) -> None:
         self.shared = shared
+        self.declared = {"coord": self._coordinate, "state": states.declare, "input": self._input}
         self.report, self.names = shared.report, shared.names
         self.expressions, self.indices = shared.expressions, shared.indices
         self.parts = shared.parts
         self.own_ends: dict[tuple[str, int | None], Span] = {}  # those given, with their place
 
     def declare(self, statement: st.Declare) -> None:
-        keyword = statement.keyword
         # A unit covers the names since the last unit, so they are gone through backwards.
         given: list[units.Unit] = []
         unit: units.Unit | None = units.ONE
@@ -38,19 +39,13 @@ class Coordinates:
                     )
             given.append(unit)
         for item, unit in zip(statement.items, reversed(given), strict=True):
-            if keyword == "coord":
-                self._coordinate(item, unit, statement.description)
-            else:
-                self._input(item, unit, statement.description)
+            self.declared[statement.keyword](item, unit, statement.description)
 
     def _coordinate(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        ends, members, family = None, None, None
-        if item.lo is not None:
-            ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
-            if ends is None:
-                self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
-                return
-            members, family = Members(ends), Range("i", item.lo, item.hi, item.span)
+        found = self.shared.family(item)
+        if found is None:
+            return
+        ends, members, family = found
         dimension = None if unit is None else unit.dimension
         facts = Facts(
             dimension,
@@ -93,7 +88,7 @@ class Coordinates:
     def ends(self, statement: st.Ends) -> None:
         keyword = statement.keyword
         for left, value in statement.items:
-            entry = self.shared.coordinate_named(left, f"'{keyword}'")
+            entry = self.shared.named(left, f"'{keyword}'", self.shared.moving)
             if entry is None:
                 if value is not None:
                     self.expressions.check(value, Scope(PLACES["fixed"]))
@@ -102,7 +97,7 @@ class Coordinates:
                 self.report.error(
                     f"'{left.name}' is not a family: it has no ends",
                     left.span,
-                    "a coordinate is held fixed in a scene with 'hold'",
+                    f"{KIND_TEXT[entry.kind]} is held fixed in a scene with 'hold'",
                 )
                 continue
             if left.range is not None:
@@ -117,9 +112,11 @@ class Coordinates:
             entry.facts.dimension, f"{entry.name} is {described(entry.facts)}", bare=True
         )
         checked, facts = self.expressions.wanted(value, Scope(PLACES["fixed"]), target)
-        if facts.coordinates:
+        for kind, names in (("coordinate", facts.coordinates), ("state", facts.states)):
+            if not names:
+                continue
             self.report.error(
-                f"a fixed end cannot depend on the coordinate '{min(facts.coordinates)}'",
+                f"a fixed end cannot depend on the {kind} '{min(names)}'",
                 value.span,
                 "it may use parameters, inputs and t",
             )
@@ -167,7 +164,8 @@ class Coordinates:
         name = left.name
         if index is not None and lo <= index <= hi:
             self.report.error(
-                f"{name}[{index}] is a coordinate; an end lies outside {lo}..{hi}",
+                f"{name}[{index}] is {KIND_TEXT[self.names.table[name].kind]};"
+                f" an end lies outside {lo}..{hi}",
                 left.span,
                 f"the ends are {name}[{lo - 1}] and {name}[{hi + 1}]",
             )

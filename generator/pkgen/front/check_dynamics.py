@@ -13,8 +13,6 @@ from .check_shared import Shared
 from .units import NONE, si_text
 
 NOT_COMPILED = {
-    "state": "write the model with coordinates; first-order variables come later",
-    "rate": "write the model with coordinates; first-order variables come later",
     "rotation": "use Euler angles as coordinates, e.g. coord phi, theta, psi [rad]",
     "constraint": "choose coordinates that fulfil it by themselves",
     "rolling": "choose coordinates that fulfil it by themselves, or add a force",
@@ -47,6 +45,12 @@ class Dynamics:
                 statement.value.span,
                 "the force jumps there: steps of a run end at it, but in families kept as loops",
             )
+        if facts.state_rates:
+            self.report.error(
+                f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'",
+                statement.value.span,
+                "rates follow from the energies: write what stands after 'rate' in its place",
+            )
         if not power:
             self.shared.energies.append(facts)
         self.shared.use_inputs(facts)
@@ -54,7 +58,7 @@ class Dynamics:
 
     def force(self, statement: st.ForceAlong) -> None:
         left = statement.left
-        entry = self.shared.coordinate_named(left, "a force")
+        entry = self.shared.named(left, "a force")
         scope = self.shared.member_scope(left, entry, Scope(PLACES["force"]))
         if entry is None or scope is None or entry.facts.dimension is None:
             self.expressions.check(statement.value, scope or Scope(PLACES["force"]))
@@ -86,11 +90,18 @@ class Dynamics:
                 f"a start of {item.function}({left.name}) cannot be compiled yet", item.span
             )
             return None
-        entry = self.shared.coordinate_named(left, "a start")
+        entry = self.shared.named(left, "a start", self.shared.moving)
         around = around or Scope(PLACES["start"])
         scope = self.shared.member_scope(left, entry, around)
         if entry is None or scope is None:
             self.expressions.check(item.value, scope or around)
+            return None
+        if item.order and entry.kind == "state":
+            self.report.error(
+                f"'{left.name}' is a state: its rate is not started, 'rate {left.name}' gives it",
+                item.span,
+                f"start {left.name} = …",
+            )
             return None
         if item.order > 1:
             self.report.error(

@@ -180,11 +180,23 @@ class Expressions:
             return None
         if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.coordinates):
             return self._built_in(name, expr)
+        if name.startswith("p_") and name[2:] in self.names.states:
+            message = f"'{name}': {name[2:]} is a state, and only coordinates have momenta"
+            self._once(name, message, expr.span, f"its rate is {name[2:]}'")
+            return None
         built_in = "built-in" in scope.place.kinds
         self.names.unknown(name, expr.span, missing=scope.place.missing, built_in=built_in)
         return None
 
     def _built_in(self, name: str, expr: Name) -> Entry | None:
+        if not self.names.coordinates and self.names.states:
+            self._once(
+                name,
+                f"'{name}' is not known here: a model of states alone has no energy",
+                expr.span,
+                f"define it: let {name} = …" if name != "energy" else "observe H = … names one",
+            )
+            return None
         if name in ("T", "V") and self.lagrangian:
             self._once(
                 name,
@@ -213,7 +225,9 @@ class Expressions:
         if entry.kind == "output":
             help = f"define {expr.id} with 'let' to use it elsewhere"
         elif entry.kind == "built-in":
-            help = "it can be used in 'observe', 'conserve' and 'event'"
+            where = ("event", "rate") if self.names.states else ("event",)
+            words = [f"'{word}'" for word in ("observe", "conserve", *where)]
+            help = f"it can be used in {', '.join(words[:-1])} and {words[-1]}"
         else:
             help = f"{place.what} may use {place.may_use}"
         self.report.error(

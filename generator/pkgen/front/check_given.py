@@ -107,8 +107,11 @@ class Given:
                 self.holds.append(checked)
 
     def _hold(self, left: st.Left, value: Expr | None) -> m.Hold | None:
-        coordinates = f"the coordinates are: {', '.join(sorted(self.names.coordinates)[:12])}"
-        entry = self.assigned(left, ("coordinate",), "'hold' is for coordinates", coordinates)
+        kinds = self.shared.moving
+        nouns = " and ".join(f"{kind}s" for kind in kinds)
+        known = sorted(self.names.coordinates | self.names.states)[:12]
+        missing = f"the {nouns} are: {', '.join(known)}"
+        entry = self.assigned(left, kinds, f"'hold' is for {nouns}", missing)
         if entry is None or entry.kind == "poisoned":
             return None
         scope = self.shared.member_scope(left, entry, Scope(PLACES["held"]))
@@ -199,7 +202,8 @@ class Given:
             return None
         entry.used = True
         if entry.kind not in (*kinds, "poisoned"):
-            help = "a coordinate is started or held" if entry.kind == "coordinate" else ""
+            moves = entry.kind in ("coordinate", "state")
+            help = f"{KIND_TEXT[entry.kind]} is started or held" if moves else ""
             if entry.kind == "parameter":
                 help = f"a parameter is set: set {left.name} = …"
             self.report.error(
@@ -217,17 +221,24 @@ class Given:
                 self.report.error(
                     f"no start uses '{variable}': all members of the swarm would be the same",
                     self.swarm.span,
-                    f"e.g. start {next(iter(sorted(self.names.coordinates)), 'x')} = {variable}/10",
+                    f"e.g. start {self._some()} = {variable}/10",
                 )
         if self.holds and self._holds_all():
             self.report.error(
-                "every coordinate is held: nothing is left to move",
+                f"every {self._what_moves()} is held: nothing is left to move",
                 self.holds[-1].span,
                 "leave out one 'hold'",
             )
 
+    def _some(self) -> str:
+        return next(iter(sorted(self.names.coordinates) or sorted(self.names.states)), "x")
+
+    def _what_moves(self) -> str:
+        kinds = {"coordinate": self.names.coordinates, "state": self.names.states}
+        return " and ".join(kind for kind, names in kinds.items() if names)
+
     def _holds_all(self) -> bool:
-        for coordinate in self.shared.parts["coord"]:
+        for coordinate in (*self.shared.parts["coord"], *self.shared.parts["state"]):
             whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)
             held = self.held.get(coordinate.name)
             if held is None or not held.hold(*whole):

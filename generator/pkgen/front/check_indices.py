@@ -146,7 +146,7 @@ class Indices:
             return False
         if not self.valid(expr.index, scope):
             return False
-        if entry.kind == "coordinate":
+        if entry.kind in ("coordinate", "state"):
             self.waiting.append((expr, entry, scope))
         else:
             self._settle(expr, entry, scope)
@@ -203,7 +203,7 @@ class Indices:
     ) -> None:
         member, name = f"{expr.id}[{value}]", expr.id
         there = entry.members.text(name)
-        if entry.kind == "coordinate":
+        if entry.kind in ("coordinate", "state"):
             lo, hi = entry.members.intervals[0][0], entry.members.intervals[-1][1]
             help = f"shorten the range, or say what lies there: 'fixed {member} = 0'"
             if value in (lo - 1, hi + 1):

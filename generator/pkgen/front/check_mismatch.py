@@ -12,7 +12,7 @@ from .units import NONE, Dimension, described, si_text
 
 _LONGEST = 40
 _NUMBERS = ("parameter", "constant")
-_FACTORS = (*_NUMBERS, "coordinate", "definition")
+_FACTORS = (*_NUMBERS, "coordinate", "state", "definition")
 _HEIGHTS = ("y", "z", "h", "x")
 
 

@@ -38,12 +38,14 @@ class Facts:
     coordinates: frozenset[str] = NOTHING
     rates: frozenset[str] = NOTHING
     inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative
+    states: frozenset[str] = NOTHING
+    state_rates: frozenset[str] = NOTHING
     rough: str = ""  # the first function of the motion that is not smooth
     turns: Turns = ()  # of a rotation
 
     @property
     def moves(self) -> bool:
-        return bool(self.coordinates or self.rates or self.inputs or self.time)
+        return bool(self.coordinates or self.rates or self.states or self.inputs or self.time)
 
 
 UNKNOWN = Facts(None, None, known=False)
@@ -52,6 +54,7 @@ UNKNOWN = Facts(None, None, known=False)
 def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
     """The facts of an expression made of `parts`, its value not yet known."""
     coordinates, rates, inputs = NOTHING, NOTHING, NO_INPUTS
+    states, state_rates = NOTHING, NOTHING
     bare, united, known, time, rough = True, False, True, False, ""
     for part in parts:
         bare &= part.bare
@@ -63,12 +66,27 @@ def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts])
             coordinates = coordinates | part.coordinates if coordinates else part.coordinates
         if part.rates:
             rates = rates | part.rates if rates else part.rates
+        if part.states:
+            states = states | part.states if states else part.states
+            state_rates = state_rates | part.state_rates
         if part.inputs:
             inputs = {
                 n: max(inputs.get(n, 0), part.inputs.get(n, 0)) for n in (*inputs, *part.inputs)
             }
     return Facts(
-        dimension, vector, None, bare, united, known, time, coordinates, rates, inputs, rough
+        dimension,
+        vector,
+        None,
+        bare,
+        united,
+        known,
+        time,
+        coordinates,
+        rates,
+        inputs,
+        states,
+        state_rates,
+        rough,
     )
 
 
@@ -123,6 +141,7 @@ KIND_TEXT = {
     "parameter": "a parameter",
     "constant": "a constant",
     "coordinate": "a coordinate",
+    "state": "a state",
     "definition": "a definition",
     "input": "an input",
     "output": "an output",
@@ -192,6 +211,7 @@ class Names:
         return not why
 
     coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
+    states: frozenset[str] = NOTHING  # likewise
     missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # if nothing else helps
 
     def unknown(

@@ -43,6 +43,13 @@ class Operators:
                 f"{text}: {self.mismatch.text(expr.of)} is a number and has no rate", expr.span
             )
             return expr, UNKNOWN
+        if facts.state_rates and not facts.rates:
+            self.report.error(
+                f"{text}: the rate of '{min(facts.state_rates)}' has no symbol for its own rate",
+                expr.span,
+                "give what stands after 'rate' a name by 'let', and take that one's rate",
+            )
+            return expr, UNKNOWN
         if facts.rates:
             what = "an acceleration" if isinstance(expr.of, Prime) else "the rate of a rate"
             self.report.error(
@@ -61,6 +68,7 @@ class Operators:
             dimension=dim,
             value=None,
             rates=facts.coordinates,
+            state_rates=facts.states,
             inputs=inputs or NO_INPUTS,
         )
         return Prime(of, expr.span), derived

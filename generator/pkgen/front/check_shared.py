@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from ..indices import integer
 from ..source import Span
-from ..tree import Expr, Name, Quantity
+from ..tree import Expr, Name, Quantity, Range
 from . import statements as st
 from .check_expr import Expressions
 from .check_names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
@@ -17,7 +17,7 @@ from .units import described as described_dimension
 
 _PART_NAMES = """
     name size param coord ends input definitions kinetic potential lagrangian dissipation force
-    observe conserve event start scene
+    observe conserve event start scene state rate
 """
 _PARTS = tuple(_PART_NAMES.split())
 
@@ -35,6 +35,11 @@ class Shared:
         self.energies: list[Facts] = []  # of kinetic, potential and lagrangian
         self.inputs: dict[str, int] = {}  # the highest derivative of each that occurs
         self.sound: set[Span] = set()  # of parameters and constants without errors
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Kinds of names that have starts, and families with ends."""
+        return ("coordinate", "state") if self.names.states else ("coordinate",)
 
     def use_inputs(self, facts: Facts) -> None:
         for name, order in facts.inputs.items():
@@ -73,27 +78,45 @@ class Shared:
                 f"e.g. param {name}[i = 1..N] = …",
             )
 
-    def coordinate_named(self, left: st.Left, what: str) -> Entry | None:
+    def family(
+        self, item: st.Declared
+    ) -> tuple[tuple[int, int] | None, Members | None, Range | None] | None:
+        """The ends, members and range of what is declared, all None of what is no family; None
+        after an error."""
+        if item.lo is None:
+            return None, None, None
+        ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
+        if ends is None:
+            self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
+            return None
+        return ends, Members(ends), Range("i", item.lo, item.hi, item.span)
+
+    def named(
+        self, left: st.Left, what: str, kinds: tuple[str, ...] = ("coordinate",)
+    ) -> Entry | None:
+        """What a left side names, of the kinds that `what` is for."""
         entry = self.names.table.get(left.name)
         if entry is None:
-            near = [n for n in self.names.table if self.names.table[n].kind == "coordinate"]
+            near = {n: e.kind for n, e in self.names.table.items() if e.kind in kinds}
+            noun = " or ".join(k for k in kinds if k in near.values()) or kinds[0]
             if left.name in self.names.later:
                 self.names.unknown(left.name, name_span(left))
             elif left.name not in self.names.reported:
                 self.names.reported.add(left.name)
                 self.report.error(
-                    f"unknown coordinate '{left.name}'",
+                    f"unknown {noun} '{left.name}'",
                     name_span(left),
-                    _nearest(left.name, near),
+                    _nearest(left.name, list(near), noun),
                 )
             return None
         if entry.kind == "poisoned":
             return None
-        if entry.kind != "coordinate":
+        if entry.kind not in kinds:
             self.report.error(
-                f"'{left.name}' is {KIND_TEXT[entry.kind]}: {what} is for coordinates",
+                f"'{left.name}' is {KIND_TEXT[entry.kind]}: {what} is for"
+                f" {' and '.join(f'{kind}s' for kind in kinds)}",
                 name_span(left),
-                "--set gives a parameter another value" if entry.kind == "parameter" else "",
+                _instead(entry, kinds),
             )
             return None
         return entry
@@ -121,7 +144,8 @@ class Shared:
         return scope if len(self.report.errors) == before else None
 
     def range_of(self, name: str) -> tuple[int, int]:
-        family = next(c.range for c in self.parts["coord"] if c.name == name)
+        declared = (*self.parts["coord"], *self.parts["state"])
+        family = next(c.range for c in declared if c.name == name)
 
         return integer(family.lo, self.sizes), integer(family.hi, self.sizes)
 
@@ -149,12 +173,22 @@ def name_span(left: st.Left) -> Span:
     return Span(left.span.start, left.span.start + len(left.name))
 
 
-def _nearest(name: str, known: list[str]) -> str:
+def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
+    """What is written for a name of another kind."""
+    if entry.kind == "state":
+        return f"what changes a state is its rate: rate {entry.name} = …"
+    if entry.kind == "coordinate" and kinds == ("state",):
+        return "Lagrange's equations give its rate; add to them by 'force'"
+    return "--set gives a parameter another value" if entry.kind == "parameter" else ""
+
+
+def _nearest(name: str, known: list[str], noun: str) -> str:
 
     near = get_close_matches(name, known, 1, 0.6)
     if near:
         return f"did you mean '{near[0]}'?"
-    return f"the coordinates are: {', '.join(known[:12])}" if known else ""
+    nouns = noun.replace(" or ", "s and ")
+    return f"the {nouns}s are: {', '.join(known[:12])}" if known else ""
 
 
 def described(facts: Facts) -> str:

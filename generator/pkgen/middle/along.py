@@ -27,7 +27,8 @@ class Along:
         # What Lagrange's equations give the rate of without any acceleration, less its scale, which
         # the graph takes out of powers and products.
         self.leaves: dict[Node, tuple[Node, int | None]] = {}
-        for i, node in [*enumerate(equations.momenta), (None, equations.energy)]:
+        known = [*enumerate(equations.momenta), (None, equations.energy)]
+        for i, node in known if equations.momenta else []:
             scale, rest = self.graph.split(node)
             self.leaves[rest] = scale, i
 
@@ -86,9 +87,10 @@ class Along:
         return g.subtract(power, self.explicit(e.lagrangian))
 
     def explicit(self, node: Node) -> Node:
-        """Its derivative with the coordinates and rates held: by t, and by what inputs do."""
+        """Its derivative with the coordinates and rates held: by t, and by what inputs and states
+        do."""
         g = self.graph
-        slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT])
+        slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE])
         return g.sum(g.multiply(slope, self._rate(g.data[s])) for s, slope in slopes.items())
 
     def _rate(self, symbol: Symbol) -> Node:
@@ -99,6 +101,8 @@ class Along:
             return g.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.RATE:
             return self._acceleration(symbol.index)
+        if symbol.kind is Kind.STATE:
+            return self.equations.state_rates[symbol.index]
         return g.symbol(Symbol(Kind.INPUT, self._next_input(symbol.index)))
 
     def _next_input(self, index: int) -> int:

@@ -22,6 +22,7 @@ from .residues import Varying
 from .symmetries import symmetries
 
 RATES = BIT[Kind.RATE]
+STATES = BIT[Kind.STATE]
 TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 
@@ -33,7 +34,12 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
     constant = not seen.occurs(triangle, VARIABLE)
     unforced = all(node == ZERO for node in equations.applied)
-    steady = not seen.occurs([equations.lagrangian, *equations.applied], TIME_OR_INPUT)
+    of_motion = [equations.lagrangian, *equations.applied]
+    # What states do to L and the forces changes with time, however that comes about.
+    untouched = not seen.occurs(of_motion, STATES)
+    steady = not seen.occurs(of_motion, TIME_OR_INPUT)
+    autonomous = steady and not seen.occurs(equations.state_rates, TIME_OR_INPUT)
+    moving = [*equations.force, *equations.state_rates]
     jumping = _jumping(equations)
     smooth = _smooth(equations)
     coupled = mass_blocks(equations)
@@ -42,14 +48,14 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
         quadratic=not seen.occurs(triangle, RATES),
-        separable=constant and not seen.occurs(equations.force, RATES),
-        autonomous=steady,
-        conservative=unforced and steady and not jumping,
-        variational=unforced,
+        separable=constant and not seen.occurs(moving, RATES | STATES),
+        autonomous=autonomous,
+        conservative=n > 0 and unforced and steady and untouched and not jumping,
+        variational=unforced and not equations.states,
         smooth=smooth,
         switched=not smooth and bool(equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
-        affine=constant and steady and affine(equations, seen.normal),
+        affine=constant and autonomous and affine(equations, seen.normal),
         definite=definite(equations),
         singular=singular(equations),
         mass_blocks=coupled,
@@ -57,7 +63,9 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         influences=influence,
         blocks=blocks_of(influence, coupled),
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
-        symmetries=symmetries(equations, coupled, influence) if symmetric and not jumping else None,
+        symmetries=symmetries(equations, coupled, influence)
+        if symmetric and n and untouched and not jumping
+        else None,
     )
 
 
@@ -86,7 +94,8 @@ class _Seen:
 
 
 def _jumping(equations: Equations) -> frozenset[int]:
-    """The coordinates inside a step of the Lagrangian (a sign: from the rate of an abs).
+    """The coordinates, and after them states, inside a step of the Lagrangian (a sign: from the
+    rate of an abs).
 
     The derivative of a step is taken as 0, so the force that does work where L jumps is not
     there: the energy is no constant of this motion, nor is the momentum one of the model.
@@ -97,10 +106,11 @@ def _jumping(equations: Equations) -> frozenset[int]:
         for node in reachable(g, [equations.lagrangian], VARIABLE)
         if g.op[node] is Op.CALL and g.data[node] in ("step", "sign")
     ]
+    first = {Kind.COORDINATE: 0, Kind.RATE: 0, Kind.STATE: len(equations.coordinates)}
     return frozenset(
-        g.data[node].index
+        first[g.data[node].kind] + g.data[node].index
         for node in reachable(g, jumps, VARIABLE)
-        if g.op[node] is Op.SYMBOL and g.data[node].kind in (Kind.COORDINATE, Kind.RATE)
+        if g.op[node] is Op.SYMBOL and g.data[node].kind in first
     )
 
 
@@ -124,7 +134,7 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
 def _smooth(equations: Equations) -> bool:
     """No abs, min, max or step anywhere in the motion, nor what they turn into."""
     g = equations.graph
-    outputs = [equations.lagrangian, *equations.pdot, *equations.force]
+    outputs = [equations.lagrangian, *equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
     return all(
         FUNCTIONS[g.data[node]].smooth

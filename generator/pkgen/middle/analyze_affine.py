@@ -7,21 +7,20 @@ from .differentiate import reachable
 from .graph import BIT, VARIABLE, Graph, Kind, Node, Op
 from .normal import Normal
 
-STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def affine(equations: Equations, normal: Normal) -> bool:
-    """Of a system with constant M: whether f is affine in q and v, with nothing else that varies
-    in it. As it is written, or in its normal form."""
+    """Of a system with constant M: whether f and the rates of states are affine in q, v and the
+    states, with nothing else that varies in it. As it is written, or in its normal form."""
     g = equations.graph
+    moving = [*equations.force, *equations.state_rates]
     varying = {
         node: bool(g.depends[node] & STATE)
-        for node in reachable(g, equations.force, VARIABLE)
+        for node in reachable(g, moving, VARIABLE)
         if g.op[node] is Op.SYMBOL
     }
-    return all(
-        is_affine(g, [node], varying) or _expanded(g, normal, node) for node in equations.force
-    )
+    return all(is_affine(g, [node], varying) or _expanded(g, normal, node) for node in moving)
 
 
 def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:

@@ -1,4 +1,5 @@
-"""Which coordinates have to do with which: through M, and through the equations of motion.
+"""Which coordinates have to do with which: through M, and through the equations of motion. States
+are counted after the coordinates, each a block of M by itself.
 
 Where the accelerations are not solved for, or have no normal form within the work allowed, what
 occurs in them counts as having an influence, though it may cancel.
@@ -14,7 +15,7 @@ from .graph import BIT, ZERO, Graph, Kind, Node, Op
 from .normal import Normal
 from .residues import Residues
 
-STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 WORK = 4_000  # products of two terms, for all rows
 SWEPT = 10_000  # values modulo a prime, of all nodes and for all coordinates
 
@@ -23,7 +24,8 @@ def mass_blocks(equations: Equations) -> Indices:
     """The finest partition of the coordinates such that M has no entry between two parts."""
     n = len(equations.coordinates)
     return partition(
-        n, ((i, j) for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO)
+        n + len(equations.states),
+        ((i, j) for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO),
     )
 
 
@@ -42,17 +44,20 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
     """
     g = equations.graph
     n = len(equations.coordinates)
+    of_states = [[node] for node in equations.state_rates]
     if equations.acceleration is not None:
         rows = [[node] for node in equations.acceleration]
         normal = Normal(g, work=WORK)
         for i in _doubtful(g, equations.acceleration, n):
             rows[i] = _without_identities(g, normal, equations.acceleration[i])
-        return tuple(_occurring(g, rows))
-    found: list[tuple[int, ...]] = [()] * n
+        return tuple(_occurring(g, rows + of_states, n))
+    found: list[tuple[int, ...]] = [()] * n + _occurring(g, of_states, n)
     for block in blocks:
+        if block[0] >= n:
+            continue
         nodes = [equations.force[i] for i in block]
         nodes += [equations.mass[i][j] for i in block for j in block if j <= i]
-        (together,) = _occurring(g, [nodes])
+        (together,) = _occurring(g, [nodes], n)
         for i in block:
             found[i] = together
     return tuple(found)
@@ -93,8 +98,8 @@ def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
     here = Residues(g)
     here.learn(rows)
     there = [Residues(g, STATE, only=j) for j in range(n)]
-    for i, found in enumerate(_occurring(g, [[row] for row in rows])):
-        if any(here(rows[i]) == there[j](rows[i]) is not None for j in found):
+    for i, found in enumerate(_occurring(g, [[row] for row in rows], n)):
+        if any(here(rows[i]) == there[j](rows[i]) is not None for j in found if j < n):
             yield i
 
 
@@ -106,12 +111,13 @@ def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
     return [base for monomial in polynomial for base, _ in monomial]
 
 
-def _occurring(g: Graph, rows: list[list[Node]]) -> list[tuple[int, ...]]:
-    """Which coordinates, or their rates, occur in each row of nodes."""
+def _occurring(g: Graph, rows: list[list[Node]], n: int) -> list[tuple[int, ...]]:
+    """Which of n coordinates, or their rates, and which states occur in each row of nodes."""
     bits: dict[Node, int] = {}
     for node in reachable(g, [node for row in rows for node in row], STATE):
         if g.op[node] is Op.SYMBOL:
-            bits[node] = 1 << g.data[node].index
+            first = n if g.data[node].kind is Kind.STATE else 0
+            bits[node] = 1 << first + g.data[node].index
         else:
             bits[node] = 0
             for a in g.args[node]:

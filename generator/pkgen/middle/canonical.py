@@ -33,6 +33,13 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             _energy_span(equations),
             "H(q, p) needs a Lagrangian of second degree in the rates",
         )
+    if equations.states:
+        raise error(
+            equations.model,
+            "there is no canonical form: states have no momenta",
+            equations.model.states[0].span,
+            "leave out what is a state, or hold it in a scene",
+        )
     g, n = equations.graph, len(equations.coordinates)
     rates, momenta = symbols(g, Kind.RATE, n), symbols(g, Kind.MOMENTUM, n)
     at_rest = dict.fromkeys(rates, ZERO)

@@ -39,7 +39,7 @@ def cyclic(state: State, needs: Needs) -> State:
         else:
             chosen.append(i)
             angles += [i] if name in needs.columns else []
-    if len(chosen) == len(e.coordinates):
+    if len(chosen) == len(e.coordinates) and not e.states:
         lines.append(Line("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
         angles = [i for i in angles if i != chosen[0]]
         chosen = chosen[1:]
@@ -59,7 +59,7 @@ def cyclic(state: State, needs: Needs) -> State:
 
 def _states(e: Equations) -> int:
     """The numbers that a method carries."""
-    return 2 * len(e.coordinates) + len(e.quadratures)
+    return 2 * (len(e.coordinates) + len(e.states)) + len(e.quadratures)
 
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:
@@ -105,6 +105,7 @@ def _used(e: Equations) -> dict[str, str]:
         ("a force", e.applied),
         ("an output that is recorded", [*e.observed, *e.conserved]),
         ("an event", e.events),
+        ("the rate of a state", e.state_rates),
     ):
         for symbol in symbols_in(e.graph, nodes, COORDINATES):
             found.setdefault(e.coordinates[symbol.index].name, what)

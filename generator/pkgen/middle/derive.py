@@ -6,12 +6,14 @@ of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyon
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from .. import limits
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
+from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
 from .lagrange import Derived, derived, guards, switches
@@ -24,6 +26,7 @@ from .quantities import (
     quantities,
 )
 from .solve import SingularMass
+from .substitute import substituted
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -48,28 +51,40 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     x = Expander(model, orders)
     energies = _energies(x)
     wanted = Wanted(kernels)
+    rates = rates_of_states(x, energies)
+    forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     with x.statement(model.span):
         try:
             found = derived(
                 x.graph,
                 energies,
-                tuple(_generalized_forces(x)),
-                x.derivative,
+                forces,
+                lambda node: rates.get(x.derivative(node), x.derivative(node)),
                 wanted,
                 lambda motion: _check_inertia(x, motion),
+                tuple(rates.values()),
             )
+            too_large = not solvable(x.graph, found.motion)
         except SingularMass as singular:
             raise _singular(x, singular.coordinate) from None
-    outputs = _outputs(x, found)
+    if too_large:
+        raise error(
+            model,
+            "a momentum depends on a state, and M is too large to be inverted",
+            model.span,
+            "with states in the kinetic energy no more than some 20 coordinates can be coupled",
+        )
+    outputs = _outputs(x, found, rates)
     parameters = _parameters(x)
-    start_q, start_v = _starts(x)
+    start_q, start_v, state_start = _starts(x)
     names = x.coordinates
     declared = model.coordinates
+    states = quantities(model.states, x.states, "{}", "unit")
     coordinates = quantities(declared, names, "{}", "unit")
     inputs = input_quantities(model, orders)
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
-        ends = guards(x.graph, found, parameters, coordinates, inputs)
+        ends = guards(x.graph, found, parameters, coordinates, inputs, states)
     equations = Equations(
         model=model,
         graph=x.graph,
@@ -84,9 +99,11 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         guards=ends,
         observed=outputs.observed,
         conserved=outputs.conserved,
-        events=_events(x),
+        events=tuple(substituted(x.graph, _events(x), rates)),
         start_q=start_q,
         start_v=start_v,
+        states=states,
+        state_start=state_start,
         **found.fields(),
     )
     return replace(equations, switches=switches(equations))
@@ -149,29 +166,33 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
     return slots
 
 
-def _starts(x: Expander) -> tuple[Row, Row]:
+def _starts(x: Expander) -> tuple[Row, Row, Row]:
+    """Of the coordinates, their rates, and the states."""
     count = x.count
-    values = ([ZERO] * count, [ZERO] * count)
+    values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count)
     for item in x.model.starts:
+        is_state = item.name in x.states
+        family = (x.states if is_state else x.coordinates)[item.name]
         with x.statement(item.span):
             for index, loop in x.unrolled(item.index, item.range):
-                family = x.coordinates[item.name]
                 if not family.has(index):
-                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
+                    what = "state" if is_state else "coordinate"
+                    raise error(x.model, f"no {what} '{indexed(item.name, index)}'", item.span)
                 value = x.scalar(item.value, loop)
                 if not x.graph.is_constant(value):
                     message = "an initial value may use parameters and numbers only"
                     raise error(x.model, message, item.value.span)
-                values[item.order][family.flat(index)] = value
-    return tuple(values[0]), tuple(values[1])
+                values[2 if is_state else item.order][family.flat(index)] = value
+    return tuple(values[0]), tuple(values[1]), tuple(values[2])
 
 
 def _check_size(model: Model, unrolled: str) -> None:
-    found = families(model, model.coordinates)
+    found = families(model, (*model.coordinates, *model.states))
     count = sum(family.count for family in found.values())
     if count**2 > limits.UNROLLED and found:
         largest = max(found.values(), key=lambda family: family.count)
-        message = f"{count:,} coordinates: M alone has more than {limits.UNROLLED:,} entries"
+        what = "coordinates and states" if model.states else "coordinates"
+        message = f"{count:,} {what}: M alone has more than {limits.UNROLLED:,} entries"
         why = f", which cannot stay loops: {unrolled}" if unrolled else ""
         raise error(model, message, largest.span, f"make its families smaller{why}")
 
@@ -242,16 +263,8 @@ class _Outputs:
     conserved: Row
 
 
-def _outputs(x: Expander, derived: Derived) -> _Outputs:
-    energies, motion = derived.energies, derived.motion
-    built_in = {"T": energies.kinetic, "V": energies.potential}
-    built_in |= {"L": energies.lagrangian, "energy": derived.energy}
-    for name, node in built_in.items():
-        if node is not None and name not in x.defined:
-            x.define(name, None, node)
-    for family in x.coordinates.values():
-        for index in family.members:
-            x.define("p_" + family.name, index, motion.momenta[family.flat(index)])
+def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> _Outputs:
+    define_built_in(x, derived.energies, derived.energy, derived.motion.momenta)
     found: dict[str, tuple[list[Quantity], list[Node]]] = {}
     for kind in ("observed", "conserved"):
         names, nodes = found[kind] = [], []
@@ -265,6 +278,6 @@ def _outputs(x: Expander, derived: Derived) -> _Outputs:
     return _Outputs(
         observed_names=tuple(found["observed"][0]),
         conserved_names=tuple(found["conserved"][0]),
-        observed=tuple(found["observed"][1]),
-        conserved=tuple(found["conserved"][1]),
+        observed=tuple(substituted(x.graph, found["observed"][1], rates)),
+        conserved=tuple(substituted(x.graph, found["conserved"][1], rates)),
     )

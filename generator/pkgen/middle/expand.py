@@ -1,7 +1,7 @@
 """A model's expressions as nodes of the graph: names looked up, families and sums unrolled.
 
 A value is one node, or for a vector a tuple of them. A prime is the total time derivative:
-coordinates go over to rates, t to 1, an input to its derivative.
+coordinates go over to rates, t to 1, an input to its derivative, a state to its rate.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from .differentiate import Forward
 from .graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
 from .magnitudes import Magnitudes
 from .quantities import Family, error, families, indexed, input_index, sizes
+from .states import rate_of_state
 from .terms import EXPAND, Loop, Value
 
 
@@ -42,18 +43,23 @@ class Expander:
         self.graph = Graph(limits.UNROLLED)
         self.sizes = sizes(model)
         self.coordinates = families(model, model.coordinates)
+        self.states = families(model, model.states)
         self.parameters = families(model, model.parameters)
         self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self._ends = _ends(model, self.coordinates)
+        self._ends = _ends(model, self.coordinates | self.states)
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
 
     @property
     def count(self) -> int:
         """Of coordinates, families unrolled."""
-        return sum(len(family.members) for family in self.coordinates.values())
+        return sum(family.count for family in self.coordinates.values())
+
+    @property
+    def state_count(self) -> int:
+        return sum(family.count for family in self.states.values())
 
     # -- statements ---------------------------------------------------------------------------
 
@@ -121,7 +127,7 @@ class Expander:
         index = None if expr.index is None else integer(expr.index, loop)
         if index is None and name in loop:
             return self.graph.number(loop[name])
-        if name in self.coordinates:
+        if name in self.coordinates or name in self.states:
             return self.coordinate(name, index, expr.span)
         if name in self.parameters:
             family = self._member(self.parameters[name], index, expr.span)
@@ -139,8 +145,9 @@ class Expander:
         raise error(self.model, f"unknown name '{name}'", expr.span)
 
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
-        """A coordinate, or what the model says about the ends of its family."""
-        family = self.coordinates[name]
+        """A coordinate or a state, or what the model says about the ends of its family."""
+        kind = Kind.STATE if name in self.states else Kind.COORDINATE
+        family = self.states[name] if name in self.states else self.coordinates[name]
         if not family.has(index) and index is not None:
             end = self._ends.get((name, index)) or self._ends.get((name, None))
             if end is not None and end.kind == "fixed":
@@ -150,7 +157,7 @@ class Expander:
             elif end is not None:
                 index = min(max(index, family.lo), family.hi)
         self._member(family, index, span, "say `fixed`, `free` or `periodic` about its ends")
-        return self.graph.symbol(Symbol(Kind.COORDINATE, family.flat(index)))
+        return self.graph.symbol(Symbol(kind, family.flat(index)))
 
     def _member(self, family: Family, index: int | None, span: Span, help: str = "") -> Family:
         if family.has(index):
@@ -171,6 +178,8 @@ class Expander:
             return self.graph.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.INPUT:
             return self.next_input(symbol)
+        if symbol.kind is Kind.STATE and symbol.index < self.state_count:
+            return rate_of_state(self.graph, symbol.index, self.state_count)
         raise Acceleration
 
     def next_input(self, symbol: Symbol) -> Node:

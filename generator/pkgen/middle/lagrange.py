@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row, Switch
+from .collect import THOROUGH, fewest, settled
+from .differentiate import reachable
 from .graph import ZERO, Graph, Kind, Node, Symbol
 from .guards import guards_of
 from .motion import (
@@ -38,6 +40,7 @@ class Derived:
     energy: Node
     jacobians: tuple
     linear: object
+    state_rates: Row
 
     def fields(self) -> dict[str, object]:
         motion, energies = self.motion, self.energies
@@ -59,6 +62,7 @@ class Derived:
             "pdot_q": self.jacobians[1],
             "pdot_v": self.jacobians[2],
             "linear": self.linear,
+            "state_rates": self.state_rates,
         }
 
 
@@ -69,8 +73,10 @@ def derived(
     rate_of: Callable[[Node], Node],
     wanted: Wanted,
     check: Callable[[Motion], None] = lambda _: None,
+    states: Row = (),
 ) -> Derived:
     """The motion in the form of fewest operations; `check` sees it as derived and as simplified.
+    `states` are the rates of the states, with which states.py makes Jacobians too.
 
     Raises SingularMass, and what `check` does.
     """
@@ -78,11 +84,17 @@ def derived(
     check(raw)
     motion, solution = shortest(g, raw, wanted)
     check(motion)
-    jacobians = jacobians_of(g, motion) if wanted("jacobian") else (None, None, None)
-    linear = linear_of(g, motion) if wanted.linear(len(forces)) else None
+    jacobians, linear = (None, None, None), None
+    if wanted("jacobian") and not states:
+        jacobians = jacobians_of(g, motion)
+    if wanted.linear(len(forces)) and not states:
+        linear = linear_of(g, motion)
     energy = energy_of(g, energies, motion, wanted)
     shown = shorter(g, energies, wanted)
-    return Derived(motion, solution, shown, energies.lagrangian, energy, jacobians, linear)
+    rates = states
+    if states and len(reachable(g, states)) <= THOROUGH:
+        rates = tuple(fewest(g, settled(g, list(states))))
+    return Derived(motion, solution, shown, energies.lagrangian, energy, jacobians, linear, rates)
 
 
 def guards(
@@ -91,12 +103,14 @@ def guards(
     parameters: tuple[ParameterSlot, ...],
     coordinates: tuple[Quantity, ...],
     inputs: tuple[Quantity, ...],
+    states: tuple[Quantity, ...] = (),
 ) -> tuple[Guard, ...]:
     """Where these equations end, in the names of their quantities."""
     motion = found.motion
     acceleration, pivots = found.solution or (motion.force, None)
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
-    name = _naming(parameters, coordinates, inputs)
+    outputs += found.state_rates
+    name = _naming(parameters, coordinates, inputs, states)
     return guards_of(g, parameters, motion.mass, outputs, pivots, name)
 
 
@@ -104,13 +118,15 @@ def switches(equations: Equations) -> tuple[Switch, ...]:
     """Of the motion and of the quadratures."""
     e = equations
     outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
-    return switches_of(e.graph, outputs, _naming(e.parameters, e.coordinates, e.inputs))
+    outputs += e.state_rates
+    return switches_of(e.graph, outputs, _naming(e.parameters, e.coordinates, e.inputs, e.states))
 
 
 def _naming(
     parameters: tuple[ParameterSlot, ...],
     coordinates: tuple[Quantity, ...],
     inputs: tuple[Quantity, ...],
+    states: tuple[Quantity, ...],
 ) -> Callable[[Symbol], str]:
     """What symbols are called."""
     names = {
@@ -119,6 +135,7 @@ def _naming(
         Kind.RATE: [q.name + "'" for q in coordinates],
         Kind.INPUT: [q.name for q in inputs],
         Kind.TIME: ["t"],
+        Kind.STATE: [q.name for q in states],
     }
 
     def name(symbol: Symbol) -> str:
@@ -131,10 +148,11 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     """The equations anew from their L and what is applied, for the coordinates that they name."""
     g, wanted = equations.graph, Wanted(kernels)
     energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
-    found = derived(g, energies, equations.applied, _rate_of(equations), wanted)
+    e = equations
+    found = derived(g, energies, e.applied, _rate_of(e), wanted, states=e.state_rates)
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
-        ends = guards(g, found, equations.parameters, equations.coordinates, equations.inputs)
+        ends = guards(g, found, e.parameters, e.coordinates, e.inputs, e.states)
     again = replace(equations, **found.fields(), guards=ends)
     return replace(again, switches=switches(again))
 
@@ -149,6 +167,8 @@ def _rate_of(equations: Equations) -> Callable[[Node], Node]:
             return g.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.TIME:
             return g.number(1)
+        if symbol.kind is Kind.STATE:
+            return equations.state_rates[symbol.index]
         following = equations.inputs[symbol.index].name + "'"
         if following not in inputs:
             raise NoRate(equations.inputs[symbol.index].name)

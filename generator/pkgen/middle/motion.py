@@ -132,8 +132,11 @@ def _symmetric(triangle: list[Node], n: int) -> Matrix:
     return tuple(map(tuple, rows))
 
 
-def jacobians_of(g: Graph, motion: Motion) -> tuple[Matrix, Matrix, Matrix]:
-    """dp/dq, d(pdot)/dq, d(pdot)/dv, of which the second derivatives of L are symmetric:
+def jacobians_of(
+    g: Graph, motion: Motion, lagrangian: bool = True
+) -> tuple[Matrix, Matrix, Matrix]:
+    """dp/dq, d(pdot)/dq, d(pdot)/dv. Where all of p and the gradient are derivatives of a
+    `lagrangian`, its second ones are symmetric:
 
     d(dL/dq_i)/dq_j as it stands, and d(dL/dq_i)/dv_j = dp_j/dq_i.
     """
@@ -141,7 +144,9 @@ def jacobians_of(g: Graph, motion: Motion) -> tuple[Matrix, Matrix, Matrix]:
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     p_q = _matrix(g, motion.momenta, q, COORDINATES)
     p_q_transposed = tuple(zip(*p_q, strict=True))
-    if all(node == ZERO for node in motion.applied):
+    if not lagrangian:
+        ways = [(_matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES))]
+    elif all(node == ZERO for node in motion.applied):
         ways = [(_symmetric_matrix(g, motion.pdot, q, COORDINATES), p_q_transposed)]
     else:
         second = _symmetric_matrix(g, motion.gradient, q, COORDINATES)

@@ -33,22 +33,14 @@ class Kind:
     PARAMETER = "parameter"
     COORDINATE = "coordinate"
     RATE = "rate"
+    STATE = "state"  # a first-order variable; beyond the last, their rates (see states.py)
     TIME = "time"
     INPUT = "input"
     ACCELERATION = "acceleration"  # given, in a linearisation
     MOMENTUM = "momentum"  # given, in the canonical form
 
 
-KINDS = (
-    Kind.PI,
-    Kind.PARAMETER,
-    Kind.COORDINATE,
-    Kind.RATE,
-    Kind.TIME,
-    Kind.INPUT,
-    Kind.ACCELERATION,
-    Kind.MOMENTUM,
-)
+KINDS = tuple(value for name, value in vars(Kind).items() if name.isupper())
 # What a node depends on is a mask of these.
 BIT = {kind: 1 << place for place, kind in enumerate(KINDS)}
 CONSTANT = BIT[Kind.PI] | BIT[Kind.PARAMETER]

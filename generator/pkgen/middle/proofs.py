@@ -83,7 +83,9 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
     if not roots and not calls & _BRANCHED:
         return ""
     e = along.equations
-    motion = _divisors(g, ranges, [*e.force, *sum(e.mass, ()), *(e.acceleration or ())])
+    motion = _divisors(
+        g, ranges, [*e.force, *sum(e.mass, ()), *(e.acceleration or ()), *e.state_rates]
+    )
     for zero in _divisors(g, ranges, [node]) - motion:
         return f"it may jump where {wording(g, about(g, zero), names(e))} vanishes"
     return ""
@@ -160,6 +162,7 @@ def names(e: Equations) -> Callable[[Symbol], str]:
         Kind.RATE: e.rates,
         Kind.INPUT: e.inputs,
         Kind.PARAMETER: [slot.quantity for slot in e.parameters],
+        Kind.STATE: e.states,
     }
 
     def name(symbol: Symbol) -> str:

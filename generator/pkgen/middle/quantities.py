@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..equations import Quantity
 from ..indices import indexed, integer
-from ..model import Coordinate, Input, Model, Parameter
+from ..model import Coordinate, Input, Model, Parameter, State
 from ..source import Diagnostic, ModelError, Span
 from ..tree import Range
 from .graph import Graph, Node, Symbol
@@ -47,7 +47,9 @@ def sizes(model: Model) -> dict[str, int]:
     return {size.name: size.value for size in model.sizes}
 
 
-def families(model: Model, declarations: tuple[Parameter | Coordinate, ...]) -> dict[str, Family]:
+def families(
+    model: Model, declarations: tuple[Parameter | Coordinate | State, ...]
+) -> dict[str, Family]:
     result: dict[str, Family] = {}
     first = 0
     for item in declarations:
@@ -65,9 +67,9 @@ def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
 
 
 def quantities(
-    declarations: tuple[Coordinate, ...], found: dict[str, Family], form: str, unit: str
+    declarations: tuple[Coordinate | State, ...], found: dict[str, Family], form: str, unit: str
 ) -> tuple[Quantity, ...]:
-    """A quantity a coordinate; `form` makes its name, `unit` is the field with its unit."""
+    """A quantity a coordinate or state; `form` makes its name, the field `unit` has its unit."""
     return tuple(
         Quantity(form.format(indexed(c.name, i)), getattr(c, unit), c.description)
         for c in declarations

@@ -14,7 +14,7 @@ from ..equations import Equations, Structure
 from .analyze import analyze
 from .apart import Part, parts_of
 from .cyclic import cyclic
-from .graph import ZERO, Kind
+from .graph import BIT, ZERO, Kind
 from .lagrange import derived_again
 from .motion import STATE
 from .quantities import symbols
@@ -62,22 +62,22 @@ def reduce(
         why = "neither moves the other: integrated apart"
         lines = (*lines, Line(APART, " | ".join(names), why))
         kernels = of_the_whole(kernels)
-    lines = (*lines, *_of_itself(state.structure))
+    lines = (*lines, *_of_itself(state.equations, state.structure))
     reduced = derived_again(state.equations, kernels)
     moved = [part.equations for part in parts] or [reduced]
     report = replace(
         state.report,
         lines=lines,
-        coordinates=(len(equations.coordinates), len(reduced.coordinates)),
+        coordinates=(_moving(equations), _moving(reduced)),
         operations=(cost(g, equations), sum(cost(g, e) for e in moved)),
     )
     return Reduced(reduced, analyze(reduced), report, parts)
 
 
-def _of_itself(structure: Structure) -> tuple[Line, ...]:
+def _of_itself(equations: Equations, structure: Structure) -> tuple[Line, ...]:
     """What follows from the structure, without anything that is left out."""
     lines = []
-    if structure.mass_constant:
+    if structure.mass_constant and equations.coordinates:
         lines.append(Line("constant mass", "M is constant", "factored once, when prepared"))
     if structure.affine:
         why = "stepped by its exact exponential, unless another method is asked for"
@@ -143,7 +143,8 @@ def outputs(state: State, needs: Needs) -> State:
 
 
 def unconnected(state: State, needs: Needs) -> State:
-    """A coordinate in whose absence all that is recorded moves the same is left at its start.
+    """A coordinate or a state in whose absence all that is recorded moves the same is left at its
+    start.
 
     One that shares a block of M with what is kept is not such a one, though no acceleration
     depends on it: its inertia has a part in them.
@@ -157,28 +158,42 @@ def unconnected(state: State, needs: Needs) -> State:
         new = {*facts.influences[i], *mates} - kept
         kept |= new
         waiting += new
-    gone = [i for i in range(len(e.coordinates)) if i not in kept]
+    g, n = e.graph, len(e.coordinates)
+    gone = [i for i in range(n + len(e.states)) if i not in kept]
     if not gone or not kept:
         return state
-    g, n = e.graph, len(e.coordinates)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
-    swap = {q[i]: e.start_q[i] for i in gone} | {v[i]: ZERO for i in gone}
-    names = [e.coordinates[i].name for i in gone]
+    x = symbols(g, Kind.STATE, len(e.states))
+    swap = {q[i]: e.start_q[i] for i in gone if i < n} | {v[i]: ZERO for i in gone if i < n}
+    swap |= {x[i - n]: e.state_start[i - n] for i in gone if i >= n}
+    names = [(*e.coordinates, *e.states)[i].name for i in gone]
+    left = [i for i in sorted(kept) if i < n]
+    states = [i - n for i in sorted(kept) if i >= n]
+    parts = (e.kinetic, e.potential)
     return state.after(
-        smaller(e, sorted(kept), swap, e.lagrangian, (e.kinetic, e.potential)),
+        smaller(e, left, swap, e.lagrangian, parts, kept_states=states),
         Line("unconnected", ", ".join(names), "nothing recorded depends on it"),
         unused=state.report.unused | frozenset(names),
     )
 
 
 def _wanted(e: Equations, needs: Needs) -> set[int]:
-    """The coordinates of which something is recorded, or which an output or an event contains."""
-    if "energy" in needs.columns:
-        return set(range(len(e.coordinates)))
+    """The coordinates and states of which something is recorded, or which an output or an event
+    contains."""
+    n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events]
     names = {**_named(e.coordinates), **_named(e.rates)}
-    nodes = [*e.observed, *e.conserved, *e.events]
+    names |= {q.name: n + i for i, q in enumerate(e.states)}
     found = {names[column] for column in needs.columns if column in names}
-    return found | {s.index for s in symbols_in(e.graph, nodes, STATE)}
+    if "energy" in needs.columns:
+        found |= set(range(n))
+        nodes.append(e.energy)
+    used = symbols_in(e.graph, nodes, STATE | BIT[Kind.STATE])
+    return found | {s.index + (n if s.kind is Kind.STATE else 0) for s in used}
+
+
+def _moving(e: Equations) -> int:
+    """Coordinates and states."""
+    return len(e.coordinates) + len(e.states)
 
 
 def _named(quantities: tuple) -> dict[str, int]:

@@ -36,7 +36,8 @@ class State:
 
     def after(self, equations: Equations, *lines: Line, **more: object) -> State:
         """With other equations, derived again if their coordinates are others."""
-        if equations.coordinates != self.equations.coordinates:
+        before = self.equations
+        if (equations.coordinates, equations.states) != (before.coordinates, before.states):
             equations = derived_again(equations, ENOUGH)
         report = replace(self.report, lines=(*self.report.lines, *lines), **more)
         return State(equations, analyze(equations), report)
@@ -44,4 +45,4 @@ class State:
 
 def cost(g: Graph, equations: Equations) -> int:
     motion = equations.acceleration or (*equations.force, *sum(equations.mass, ()))
-    return operations(g, [*motion, *equations.quadratures])
+    return operations(g, [*motion, *equations.state_rates, *equations.quadratures])

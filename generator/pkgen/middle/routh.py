@@ -103,6 +103,8 @@ def _momenta(
     for i, node in zip(cyclic, nodes, strict=True):
         if g.depends[node] & BIT[Kind.INPUT]:
             raise NotReduced(f"{equations.momenta_names[i].name} contains an input")
+        if g.depends[node] & BIT[Kind.STATE]:
+            raise NotReduced(f"{equations.momenta_names[i].name} contains a state")
     parameters = StartParameters(equations)
     swap = {g.symbol(s): parameters.of(s) for s in symbols_in(g, nodes, STATE)}
     swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # a run starts there

@@ -89,7 +89,12 @@ def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fr
 def _starts(equations: Equations, fixed: dict[Symbol, float]) -> dict[Symbol, Fraction]:
     """Where the motion begins."""
     found = {}
-    for kind, row in ((Kind.COORDINATE, equations.start_q), (Kind.RATE, equations.start_v)):
+    starts = {
+        Kind.COORDINATE: equations.start_q,
+        Kind.RATE: equations.start_v,
+        Kind.STATE: equations.state_start,
+    }
+    for kind, row in starts.items():
         for i, value in enumerate(evaluate(equations.graph, row, fixed)):
             finite = abs(value) < float("inf")  # nor nan
             found[Symbol(kind, i)] = _short(value) if finite else Fraction(0)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..equations import Equations, ParameterSlot, Quantity
-from ..model import Coordinate, Model
+from ..model import Coordinate, Model, State
 from .differentiate import reachable
 from .graph import BIT, Graph, Kind, Node, Op, Symbol
 from .quantities import families, indexed, symbols
@@ -37,19 +37,26 @@ def smaller(
     outputs: Iterable[Output] = (),
     quadratures: Iterable[tuple[int, Node]] = (),
     quadrature_start: Mapping[int, Node] | None = None,
+    kept_states: Sequence[int] | None = None,
 ) -> Equations:
     """Equations of the coordinates `kept`, whose motion is still that of all: derive it again.
 
     `lagrangian` and `parts` (T and V, if they are known) are in the old symbols too; a quadrature
-    is the coordinate that it gives, and its rate, and starts where `quadrature_start` says.
+    is the coordinate that it gives, and its rate, and starts where `quadrature_start` says. Of the
+    states are left `kept_states`, without it all.
     """
     g = equations.graph
-    count = len(equations.coordinates)
+    count, states = len(equations.coordinates), len(equations.states)
+    of_states = range(states) if kept_states is None else kept_states
     renumbered = {
         old: new
-        for kind in (Kind.COORDINATE, Kind.RATE)
+        for kind, many, which in (
+            (Kind.COORDINATE, count, kept),
+            (Kind.RATE, count, kept),
+            (Kind.STATE, states, of_states),
+        )
         for old, new in zip(
-            (symbols(g, kind, count)[i] for i in kept), symbols(g, kind, len(kept)), strict=True
+            (symbols(g, kind, many)[i] for i in which), symbols(g, kind, len(which)), strict=True
         )
     }
 
@@ -63,7 +70,11 @@ def smaller(
     kinetic, potential = (None if x is None else there([x])[0] for x in parts)
     return replace(
         equations,
-        model=_model(equations.model, {equations.coordinates[i].name for i in kept}),
+        model=_model(
+            equations.model,
+            {equations.coordinates[i].name for i in kept}
+            | {equations.states[i].name for i in of_states},
+        ),
         coordinates=pick(equations.coordinates),
         rates=pick(equations.rates),
         momenta_names=pick(equations.momenta_names),
@@ -77,6 +88,9 @@ def smaller(
         events=there(equations.events),
         start_q=pick(equations.start_q),
         start_v=pick(equations.start_v),
+        states=tuple(equations.states[i] for i in of_states),
+        state_rates=there(equations.state_rates[i] for i in of_states),
+        state_start=tuple(equations.state_start[i] for i in of_states),
         quadrature_names=(
             *equations.quadrature_names,
             *(equations.coordinates[i] for i, _ in quadratures),
@@ -90,17 +104,25 @@ def smaller(
 
 
 def _model(model: Model, kept: set[str]) -> Model:
-    """With the coordinates that are left; members of a family that has lost some are declared one
-    by one."""
-    found: list[Coordinate] = []
-    all_families = families(model, model.coordinates)
-    for item in model.coordinates:
+    """With the coordinates and states that are left; members of a family that has lost some are
+    declared one by one."""
+    return replace(
+        model,
+        coordinates=_left(model, model.coordinates, kept),
+        states=_left(model, model.states, kept),
+    )
+
+
+def _left(model: Model, declared: tuple, kept: set[str]) -> tuple:
+    found: list[Coordinate | State] = []
+    all_families = families(model, declared)
+    for item in declared:
         names = [indexed(item.name, index) for index in all_families[item.name].members]
         if all(name in kept for name in names):
             found.append(item)
         else:
             found += [replace(item, name=name, range=None) for name in names if name in kept]
-    return replace(model, coordinates=tuple(found))
+    return tuple(found)
 
 
 class StartParameters:

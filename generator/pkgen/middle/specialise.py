@@ -7,11 +7,12 @@ end of a family it becomes a fixed end.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
 from ..indices import integer
-from ..model import Coordinate, Definition, End, Hold, Model, Scene
+from ..model import Coordinate, Definition, End, Hold, Model, Scene, State
 from ..tree import Add, Expr, Name, Number, names, of_member, within
 from .quantities import Family, ends, error, families, indexed, sizes
 from .report import Line
@@ -60,21 +61,36 @@ def held(
         model = _without(model, item, index, value)
         name = indexed(item.name, index)
         lines.append(Line("hold", name, "its motion is given, so it has no equation"))
+    if scene.holds and not model.coordinates:
+        _refuse_energy(model, scene)
     return model, lines
 
 
 def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -> None:
     """What is held is no coordinate, and so without a momentum."""
-    asked = [column.value for column in scene.record.columns] if scene.record else []
-    asked += [side for item in scene.expects for side in (item.a, item.b)]
     known = sizes(model)
-    for part in (part for expr in asked for part in within(expr)):
+    for part in _asked(scene):
         if not isinstance(part, Name) or part.id != f"p_{name}" or names(part) - {*known, part.id}:
             continue  # within a sum its index is checked when that is expanded
         if (None if part.index is None else integer(part.index, known)) == index:
             momentum, held = indexed(part.id, index), indexed(name, index)
             message = f"'{momentum}': {held} is held here, and has no momentum"
             raise error(model, message, part.span, f"'{held}' and its rate can be recorded")
+
+
+def _refuse_energy(model: Model, scene: Scene) -> None:
+    """Where all coordinates are held, there are states alone."""
+    for part in _asked(scene):
+        if isinstance(part, Name) and part.id == "energy":
+            message = "there is no energy here: every coordinate is held, and states have none"
+            raise error(model, message, part.span, "'T', 'V' and 'L' are known as functions of t")
+
+
+def _asked(scene: Scene) -> Iterator[Expr]:
+    """What it records and expects, with all parts of it."""
+    asked = [column.value for column in scene.record.columns] if scene.record else []
+    asked += [side for item in scene.expects for side in (item.a, item.b)]
+    return (part for expr in asked for part in within(expr))
 
 
 def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
@@ -108,23 +124,27 @@ def _start(model: Model, item: Hold, index: int | None) -> Expr:
 
 
 def _without(model: Model, item: Hold, index: int | None, value: Expr) -> Model:
-    found = families(model, model.coordinates)
+    field = "states" if any(x.name == item.name for x in model.states) else "coordinates"
+    moving = getattr(model, field)
+    found = families(model, moving)
     family = found.get(item.name)
     if family is None or not family.has(index):
-        raise error(model, f"no coordinate '{indexed(item.name, index)}' is left", item.span)
-    declared = next(c for c in model.coordinates if c.name == item.name)
+        what = field.removesuffix("s")
+        raise error(model, f"no {what} '{indexed(item.name, index)}' is left", item.span)
+    declared = next(c for c in moving if c.name == item.name)
     if family.lo is None:
         gone = Definition(
             item.name, None, None, value, declared.unit, declared.description, item.span
         )
         model = with_definitions(model, [gone])
-        coordinates = tuple(c for c in model.coordinates if c is not declared)
+        moving = tuple(c for c in moving if c is not declared)
     else:
         model, shorter = _shorter(model, item, family, declared, index, value)
-        coordinates = tuple(shorter if c is declared else c for c in model.coordinates)
+        moving = tuple(shorter if c is declared else c for c in moving)
     return replace(
         model,
-        coordinates=coordinates,
+        **{field: moving},
+        rates=tuple(r for r in model.rates if not _is_of(model, r, item, index)),
         starts=tuple(s for s in model.starts if not _is_of(model, s, item, index)),
         forces=tuple(f for f in model.forces if not _is_of(model, f, item, index)),
     )
@@ -137,8 +157,8 @@ def _is_of(model: Model, of: object, item: Hold, index: int | None) -> bool:
 
 
 def _shorter(
-    model: Model, item: Hold, family: Family, declared: Coordinate, index: int, value: Expr
-) -> tuple[Model, Coordinate]:
+    model: Model, item: Hold, family: Family, declared: Coordinate | State, index: int, value: Expr
+) -> tuple[Model, Coordinate | State]:
     """A family without its first or last member, which becomes a fixed end."""
     if index not in (family.lo, family.hi) or family.count == 1:
         why, help = "none would be left", "leave the family out of the model"
@@ -162,6 +182,7 @@ def _shorter(
         ends=(*changed, fixed),
         starts=_shorter_too(model, model.starts, item, index),
         forces=_shorter_too(model, model.forces, item, index),
+        rates=_shorter_too(model, model.rates, item, index),
     )
     return model, replace(declared, range=range_)
 

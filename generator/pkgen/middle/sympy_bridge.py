@@ -76,6 +76,7 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
         Kind.INPUT: [quantity.name for quantity in equations.inputs],
         Kind.MOMENTUM: [quantity.name for quantity in equations.momenta_names],
         Kind.TIME: ["t"],
+        Kind.STATE: [quantity.name for quantity in equations.states],
     }
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))
     if size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES:

@@ -41,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
             "pkgen stability finds equilibria and modes by GSL, which is not installed"
         )
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    _refuse_states(compilation)
     asked = _asked(options, compilation)
     with progress(compilation.model.name) as show:
         made = maps.make(compilation, asked, show)
@@ -51,6 +52,17 @@ def run(options: argparse.Namespace) -> int:
         print(text.report(made), end="")
         print(f"\nwritten: {', '.join(map(str, files))}")
     return DONE
+
+
+def _refuse_states(compilation: Compilation) -> None:
+    states = compilation.model.states
+    if states:
+        names = ", ".join(item.name for item in states[:8])
+        raise UsageError(
+            f"{compilation.model.source.place(states[0].span)}: the model has states ({names}), and"
+            " 'pkgen stability' maps equilibria, modes and energies of coordinates alone: 'pkgen"
+            " chart' compares methods on any model"
+        )
 
 
 def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:

@@ -40,7 +40,8 @@ struct pk_equilibria {
 
 /* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half
  * a turn wide for angles, else some times what the motion covers, or |q0|; no length is absolute.
- * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. PK_REFUSED where the equations depend on time or on inputs.
+ * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. PK_REFUSED where the equations depend on
+ * time or on inputs, or have states.
  * That all are found cannot be promised. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);

@@ -238,12 +238,25 @@ struct pk_system {
     size_t sides;
     void (*switching)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *out);
+
+    /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last
+     * n_states degrees of freedom, whose names are those of the rates there. Their q is the
+     * integral of x, on which nothing depends: it is shown nowhere and controls no step. They have
+     * no momenta: where L alone is asked for, or the energy, they count as t does, and energy is
+     * NULL where there are no coordinates. */
+    size_t n_states;
 };
 
 /* Degrees of freedom. */
 static inline size_t pk_system_count(const struct pk_system *system, const void *params)
 {
     return system->count ? system->count(params) : system->n;
+}
+
+/* Coordinates, which come before the integrals of the states. */
+static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
+{
+    return pk_system_count(system, params) - system->n_states;
 }
 
 /* How many numbers guard() writes. */

@@ -17,7 +17,7 @@
 /* The work: stages, derivatives at the end and of the extra stages, an argument, the interpolant,
  * and two numbers. The step's start is what it->next holds after the step. */
 struct pk_embedded_work {
-    size_t m;
+    size_t m, seen, n; /* 2 n; coordinates, whose integrals of states are not counted; n */
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
 };
 
@@ -27,10 +27,13 @@ static inline int pk_embedded_dense_rows(const struct pk_tableau *table)
 }
 
 static PK_INLINE struct pk_embedded_work
-pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n)
+pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n,
+                  size_t states)
 {
     struct pk_embedded_work w;
     w.m = 2 * n;
+    w.seen = n - states;
+    w.n = n;
     w.k = it->work;
     w.last = w.k + (size_t)table->stages * w.m;
     w.y = w.last + (size_t)(1 + table->extra) * w.m;
@@ -57,6 +60,8 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
     const int count = table->stages + (table->e3 ? 0 : 1);
     pk_real e = 0, e3 = 0;
     for (size_t i = 0; i < w->m; i++) {
+        if (i >= w->seen && i < w->n)
+            continue;
         const pk_real scale = pk_embedded_tolerance(it, y0[i], y1[i]);
         const pk_real x = pk_row_sum(table->e, count, w->k, w->m, i) / scale;
         e += x * x;
@@ -65,11 +70,12 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
             e3 += x3 * x3;
         }
     }
+    const pk_real counted = (pk_real)(w->n + w->seen);
     if (!table->e3)
-        return pk_abs(h) * PK_F(sqrt)(e / (pk_real)w->m);
+        return pk_abs(h) * PK_F(sqrt)(e / counted);
     const pk_real blend = e + PK_C(0.01) * e3;
     return blend > 0 || !pk_finite(blend)
-               ? pk_abs(h) * e / PK_F(sqrt)(blend * (pk_real)w->m)
+               ? pk_abs(h) * e / PK_F(sqrt)(blend * counted)
                : 0;
 }
 #endif
@@ -115,7 +121,8 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
 static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
                                                      const struct pk_tableau *table, pk_real limit)
 {
-    const struct pk_embedded_work w = pk_embedded_parts(it, table, PK_STEPPER_N(it));
+    const struct pk_embedded_work w =
+        pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_STATES(it));
     const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);

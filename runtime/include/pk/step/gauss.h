@@ -38,7 +38,7 @@
 /* From constant a over the first step, h0 = .01 |y|/|y'|, ten of which are tried. */
 static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real limit)
 {
-    const size_t n = PK_STEPPER_N(it);
+    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_STATES(it);
     const pk_real *a = pk_part(it->next, n, PK_A);
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0;
@@ -48,8 +48,12 @@ static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real 
         const pk_real q = pk_abs(it->q[i]), v = pk_abs(it->v[i]);
         const pk_real of_q = it->options.atol + it->options.rtol * q + PK_TINY;
         const pk_real of_v = it->options.atol + it->options.rtol * v + PK_TINY;
-        d0 += (q / of_q) * (q / of_q) + (v / of_v) * (v / of_v);
-        d1 += (v / of_q) * (v / of_q) + (a[i] / of_v) * (a[i] / of_v);
+        d0 += (v / of_v) * (v / of_v);
+        d1 += (a[i] / of_v) * (a[i] / of_v);
+        if (i < seen) {
+            d0 += (q / of_q) * (q / of_q);
+            d1 += (v / of_q) * (v / of_q);
+        }
     }
     const pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.1) * PK_F(sqrt)(d0 / d1)
                                                          : PK_C(1e-6) * span;

@@ -1,0 +1,115 @@
+/* Systems with states of systems.h: v has the state, and q, its integral, is in no kernel. */
+#include "systems_make.h"
+
+#define FIRST_ORDER (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH)
+
+/* x' = 1 + x^2 y - 4 x, y' = 3 x - x^2 y */
+static void brusselator_force(ARGS, pk_real *f)
+{
+    UNUSED;
+    f[0] = 1 + v[0] * v[0] * v[1] - 4 * v[0];
+    f[1] = 3 * v[0] - v[0] * v[0] * v[1];
+}
+static int brusselator_acceleration(ARGS, pk_real *a)
+{
+    brusselator_force(params, t, q, v, u, a);
+    return 0;
+}
+static void brusselator_mass(ARGS, pk_real *M)
+{
+    UNUSED;
+    M[0] = M[3] = 1;
+    M[1] = M[2] = 0;
+}
+static void brusselator_canonical(ARGS, pk_real *p, pk_real *pdot)
+{
+    p[0] = v[0];
+    p[1] = v[1];
+    brusselator_force(params, t, q, v, u, pdot);
+}
+static void brusselator_gradient(ARGS, pk_real *d)
+{
+    UNUSED;
+    d[0] = d[1] = 0;
+}
+static void brusselator_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
+{
+    UNUSED;
+    for (int i = 0; i < 4; i++)
+        p_q[i] = pdot_q[i] = 0;
+    pdot_v[0] = 2 * v[0] * v[1] - 4;
+    pdot_v[1] = v[0] * v[0];
+    pdot_v[2] = 3 - 2 * v[0] * v[1];
+    pdot_v[3] = -v[0] * v[0];
+}
+static void brusselator_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    pk_real p_q[4];
+    (void)a;
+    brusselator_jacobian(params, t, q, v, u, p_q, r_q, r_v);
+    r_t[0] = r_t[1] = 0;
+}
+#define brusselator_energy NULL
+SIZES(brusselator, 2, 0)
+#undef PK_MODEL
+#define PK_MODEL(x) brusselator_##x
+#undef PK_MODEL_STATES
+#define PK_MODEL_STATES 2
+#include <pk/inlined.h>
+SYSTEM(brusselator, 2, FIRST_ORDER, PK_C(1.0), PK_C(0.0), none_cyclic, LIST(PK_C(0.0), PK_C(0.0)),
+       LIST(PK_C(1.5), PK_C(3.0)), .linear = brusselator_linear, .n_states = 2, );
+
+/* A pendulum that a Maxwell element holds back: q'' = -g sin q - s, s' = q' - s. */
+static void maxwell_force(ARGS, pk_real *f)
+{
+    UNUSED;
+    f[0] = -G(params) * PK_F(sin)(q[0]) - v[1];
+    f[1] = v[0] - v[1];
+}
+static int maxwell_acceleration(ARGS, pk_real *a)
+{
+    maxwell_force(params, t, q, v, u, a);
+    return 0;
+}
+static void maxwell_mass(ARGS, pk_real *M) { brusselator_mass(params, t, q, v, u, M); }
+static void maxwell_canonical(ARGS, pk_real *p, pk_real *pdot)
+{
+    p[0] = v[0];
+    p[1] = v[1];
+    maxwell_force(params, t, q, v, u, pdot);
+}
+static void maxwell_gradient(ARGS, pk_real *d)
+{
+    UNUSED;
+    d[0] = -G(params) * PK_F(sin)(q[0]);
+    d[1] = 0;
+}
+static void maxwell_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
+{
+    UNUSED;
+    for (int i = 0; i < 4; i++)
+        p_q[i] = pdot_q[i] = pdot_v[i] = 0;
+    pdot_q[0] = -G(params) * PK_F(cos)(q[0]);
+    pdot_v[1] = pdot_v[3] = -1;
+    pdot_v[2] = 1;
+}
+static void maxwell_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    pk_real p_q[4];
+    (void)a;
+    maxwell_jacobian(params, t, q, v, u, p_q, r_q, r_v);
+    r_t[0] = r_t[1] = 0;
+}
+static pk_real maxwell_energy(ARGS)
+{
+    UNUSED;
+    return v[0] * v[0] / 2 - G(params) * PK_F(cos)(q[0]);
+}
+SIZES(maxwell, 2, 0)
+#undef PK_MODEL
+#define PK_MODEL(x) maxwell_##x
+#undef PK_MODEL_STATES
+#define PK_MODEL_STATES 1
+#include <pk/inlined.h>
+SYSTEM(maxwell, 2, FIRST_ORDER, PK_C(9.81), PK_C(0.0), none_cyclic, LIST(PK_C(1.0), PK_C(0.0)),
+       LIST(PK_C(0.0), PK_C(0.2)), .linear = maxwell_linear, .n_states = 1, );

@@ -1,0 +1,198 @@
+/* States, x' = g(t, q, v, x), in v: each method has its order on them, and what stands in q beside
+ * them, their integrals, changes no bit of a motion and no step.
+ */
+#include <stdlib.h>
+
+#include "fixture.h"
+
+#include <pk/gsl_equilibria.h>
+
+enum { FINEST = 5 };
+
+/* The Brusselator from its usual start, in long double, by a Runge-Kutta method of its own. */
+static void exact(double T, double *x)
+{
+    const int steps = (int)(4000 * T);
+    const long double h = (long double)T / steps;
+    long double y[2] = {1.5L, 3}, k[4][2], z[2];
+    for (int step = 0; step < steps; step++) {
+        for (int s = 0; s < 4; s++) {
+            for (int i = 0; i < 2; i++)
+                z[i] = s ? y[i] + (s == 3 ? h : h / 2) * k[s - 1][i] : y[i];
+            k[s][0] = 1 + z[0] * z[0] * z[1] - 4 * z[0];
+            k[s][1] = 3 * z[0] - z[0] * z[0] * z[1];
+        }
+        for (int i = 0; i < 2; i++)
+            y[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
+    }
+    x[0] = (double)y[0], x[1] = (double)y[1];
+}
+
+/* Slope of the finest five errors above round-off. */
+static void order(void)
+{
+    static struct fixture f;
+    double x[2];
+    int found = 0;
+    exact(2, x);
+    for (size_t i = 0; pk_method_at(i); i++) {
+        const struct pk_method *m = pk_method_at(i);
+        double h[60], error[60];
+        int count = 0;
+        if (m->order > 6 || m->traits & PK_EXACT || m->needs & PK_SEPARABLE)
+            continue;
+        for (double steps = 8; steps < 20000 && count < 60; steps = ceil(steps * 1.25)) {
+            fixture_set(&f, &brusselator_system);
+            f.options.h = f.options.h_max = 2 / steps;
+            if (m->traits & PK_ADAPTIVE)
+                f.options.rtol = f.options.atol = 1e10, f.options.newton_tol = 1e-14;
+            if (fixture_init(&f, m->name) < 0 || pk_integrator_to(&f.it, 2) < 0)
+                continue;
+            const double e = fmax(fabs(f.it.v[0] - x[0]), fabs(f.it.v[1] - x[1]));
+            if (e < 1e-12)
+                break;
+            h[count] = 2 / steps;
+            error[count++] = e;
+        }
+        CU_ASSERT_FATAL(count >= FINEST);
+        const double slope = fit_slope(h + count - FINEST, error + count - FINEST, FINEST);
+        printf("\n    %-8s order %d, of states %.3f", m->name, m->order, slope);
+        /* dopri5's error of order 5 is small here: its slope has not settled */
+        CU_ASSERT(slope > m->order - 0.2 && slope < m->order + 0.8);
+        found++;
+    }
+    CU_ASSERT(found >= 13);
+}
+
+static const struct pk_method *method_at(size_t i)
+{
+    size_t core = 0;
+    while (pk_method_at(core))
+        core++;
+    return i < core ? pk_method_at(i) : pk_gsl_method_at(i - core);
+}
+
+/* To t = 12 with the last states' integrals at `integral` where it starts: what it has come to. */
+static enum pk_status moved(struct fixture *f, const struct pk_system *system, const char *method,
+                            double integral, double *out)
+{
+    fixture_set(f, system);
+    f->options.h = 0.02;
+    f->options.rtol = f->options.atol = 1e-7;
+    for (size_t i = system->n - system->n_states; i < system->n; i++)
+        f->q0[i] = integral;
+    enum pk_status status = fixture_init(f, method);
+    if (f->it.method && f->it.method->traits & PK_ADAPTIVE)
+        f->options.h = 0, status = fixture_init(f, method); /* a first step of its own */
+    if (status >= 0)
+        status = pk_integrator_to(&f->it, 12);
+    if (status >= 0) {
+        out[0] = f->it.v[0], out[1] = f->it.v[1];
+        out[2] = (double)f->it.count.steps, out[3] = (double)f->it.count.evaluations;
+        out[4] = system->n_states < system->n ? f->it.q[0] : 0;
+    }
+    pk_integrator_free(&f->it);
+    return status;
+}
+
+static void unseen(void)
+{
+    static struct fixture f;
+    static const struct pk_system *const systems[] = {&brusselator_system, &maxwell_system};
+    int found = 0;
+    for (size_t k = 0; k < 2; k++)
+        for (size_t i = 0; method_at(i); i++) {
+            const char *name = method_at(i)->name;
+            double at0[5], far[5];
+            const enum pk_status status = moved(&f, systems[k], name, 0, at0);
+            CU_ASSERT(moved(&f, systems[k], name, 1e9, far) == status);
+            if (status == PK_REFUSED)
+                continue;
+            CU_ASSERT(status == PK_DONE);
+            const int same = memcmp(at0, far, sizeof far) == 0;
+            if (!same)
+                printf("\n    %s: v %.17g and %.17g, %g and %g steps", name, at0[0], far[0],
+                       at0[2], far[2]);
+            CU_ASSERT(same);
+            found++;
+        }
+    printf("\n    %d runs alike to the last bit", found);
+    CU_ASSERT(found >= 2 * 24);
+}
+
+/* There and back, the integrals' own round-off is nobody's. */
+static void reversed(void)
+{
+    static struct fixture f;
+    struct pk_reversal r[2];
+    for (int k = 0; k < 2; k++) {
+        fixture_set(&f, &maxwell_system);
+        f.options.h = 0.01;
+        f.q0[1] = k ? 1e9 : 0;
+        const struct pk_method *gauss6 = pk_method_find("gauss6");
+        const size_t size = pk_reversal_size(&f.problem, gauss6);
+        void *block = malloc(size);
+        CU_ASSERT(pk_reversal_find(&r[k], &f.it, &f.problem, gauss6, &f.options, 0, f.q0, f.v0, 1,
+                                   0.01, block, size) == PK_DONE);
+        pk_integrator_free(&f.it);
+        free(block);
+    }
+    CU_ASSERT(r[0].count > 5 && r[0].count == r[1].count);
+    CU_ASSERT(r[0].at[r[0].count - 1].error > 0);
+    CU_ASSERT(memcmp(r[0].at, r[1].at, r[0].count * sizeof *r[0].at) == 0);
+}
+
+/* x' = -x beside faster decays: no displacement of an integral stays and looks like a neutral one. */
+static void exponents(void)
+{
+    static struct fixture f;
+    fixture_set(&f, &maxwell_system);
+    f.q0[0] = 1e-3, f.v0[1] = 1e-3; /* linear: eigenvalues of s^3 + s^2 + 10.81 s + 9.81 */
+    const double expected = -0.0429345; /* the real part of the pair */
+    const struct pk_method *method = pk_method_find("dop853");
+    f.options.rtol = f.options.atol = 1e-10;
+    const size_t size = pk_lyapunov_size(&f.problem, method);
+    struct pk_lyapunov l;
+    void *block = malloc(size);
+    CU_ASSERT_FATAL(pk_lyapunov_init(&l, &f.problem, method, &f.options, 0, f.q0, f.v0, 0.2, block,
+                                     size) == PK_DONE);
+    for (int k = 0; k < 1000; k++)
+        CU_ASSERT_FATAL(pk_lyapunov_step(&l) == PK_DONE);
+    double error;
+    const double exponent = pk_lyapunov_exponent(&l, &error);
+    printf("\n    exponent %.6f, of the linear system %.6f", exponent, expected);
+    CU_ASSERT(fabs(exponent - expected) < 5e-4);
+    pk_lyapunov_free(&l);
+    free(block);
+}
+
+/* There are no momenta, so there is no form that a step could keep. */
+static void no_form(void)
+{
+    static struct fixture f;
+    struct pk_stepmap map;
+    fixture_set(&f, &brusselator_system);
+    const struct pk_method *rk4 = pk_method_find("rk4");
+    const size_t size = pk_stepmap_size(&f.problem, rk4);
+    void *block = malloc(size);
+    CU_ASSERT(pk_stepmap_find(&map, &f.problem, rk4, &f.options, 0.1, 0, f.q0, f.v0, NULL, block,
+                              size) == PK_REFUSED);
+    CU_ASSERT(fixture_run(&f, &brusselator_system, "verlet", 0.1, 1) == PK_REFUSED);
+    struct pk_equilibria found = {0};
+    struct pk_mode modes[4];
+    size_t count;
+    double shapes[16];
+    CU_ASSERT(pk_gsl_equilibria(&f.problem, f.q0, f.v0, 1, &found) == PK_REFUSED);
+    CU_ASSERT(pk_gsl_modes(&f.problem, f.q0, f.v0, modes, shapes, &count) == PK_REFUSED);
+    free(block);
+}
+
+void add_states(void)
+{
+    CU_pSuite suite = CU_add_suite("states", NULL, NULL);
+    CU_add_test(suite, "order on a nonlinear pair of states", order);
+    CU_add_test(suite, "their integrals are seen by nobody", unseen);
+    CU_add_test(suite, "there and back", reversed);
+    CU_add_test(suite, "Lyapunov exponent", exponents);
+    CU_add_test(suite, "no symplectic form", no_form);
+}
