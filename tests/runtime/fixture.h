@@ -58,6 +58,7 @@ void add_silence(void);
 void add_control(void);
 void add_limits(void);
 void add_equilibria(void);
+void add_elliptic(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);

@@ -4,6 +4,7 @@
 
 #include <pk/apart.h>
 #include <pk/diagnostics.h>
+#include <pk/elliptic.h>
 #include <pk/ensemble.h>
 #include <pk/events.h>
 #include <pk/integrator.h>
