@@ -14,11 +14,12 @@ static int near(double x, double y, double ulps) { return fabs(x - y) <= ulps * 
 
 static void against_gsl(void)
 {
-    /* k itself is what GSL takes: an m that is its square to the last bit. */
+    /* k itself is what GSL takes: an m that is its square to the last bit. By 30 digits ours are
+     * within 1.8 units of 2^-52, GSL's within 2.7 (K) and 6.2 (E). */
     for (int i = -400; i < 1000; i++) {
         const double k = (i < 0 ? 0 : i) / 1024.0, m = k * k;
         CU_ASSERT(near(pk_elliptic_k(m), gsl_sf_ellint_Kcomp(k, GSL_PREC_DOUBLE), 4));
-        CU_ASSERT(near(pk_elliptic_e(m), gsl_sf_ellint_Ecomp(k, GSL_PREC_DOUBLE), 4));
+        CU_ASSERT(near(pk_elliptic_e(m), gsl_sf_ellint_Ecomp(k, GSL_PREC_DOUBLE), 8));
         if (i < 0) { /* m < 0: K(m) = K(m/(m - 1))/sqrt(1 - m); A&S 17.4.17 */
             const double of = i / 64.0, root = sqrt(1 - of), modulus = sqrt(of / (of - 1));
             CU_ASSERT(near(pk_elliptic_k(of),
