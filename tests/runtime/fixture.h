@@ -59,6 +59,7 @@ void add_control(void);
 void add_limits(void);
 void add_equilibria(void);
 void add_elliptic(void);
+void add_action(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);

@@ -143,6 +143,7 @@ int main(int argc, char **argv)
     add_limits();
     add_equilibria();
     add_elliptic();
+    add_action();
     add_diagnostics();
     add_ensemble();
     add_advance();

@@ -2,6 +2,7 @@
 #ifndef PK_PK_H
 #define PK_PK_H
 
+#include <pk/action.h>
 #include <pk/apart.h>
 #include <pk/diagnostics.h>
 #include <pk/elliptic.h>
