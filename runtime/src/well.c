@@ -131,8 +131,8 @@ struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real dir
         const pk_real whole = pk_well_work(w, q, y, y + direction * d);
         pk_real at[PARTS + 1] = {U}, most = w->most;
         for (int k = 0; k < PARTS; k++) {
-            const pk_real x = y + (pk_real)k * step;
-            at[k + 1] = at[k] + pk_well_work(w, q, x, x + step);
+            const pk_real from = y + (pk_real)k * step, to = y + (pk_real)(k + 1) * step;
+            at[k + 1] = at[k] + pk_well_work(w, q, from, to);
             most = PK_F(fmax)(most, at[k + 1]);
         }
         /* Not followed; or from rest so far that it has come back already. */
