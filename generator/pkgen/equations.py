@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from .middle.graph import Graph, Node
 from .model import Model
+from .source import Span
 
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
@@ -76,6 +77,19 @@ class Hamiltonian:
 
 
 @dataclass(frozen=True)
+class Particles:
+    """Masses and places with T = sum of m/2 |r'|^2, z 0 in a plane; in r'' the accelerations of the
+    coordinates are given. None, and `why` and where, if T was not seen to be such a sum."""
+
+    masses: Row
+    places: Matrix
+    rates: Matrix
+    accelerations: Matrix
+    why: str = ""
+    span: Span | None = None
+
+
+@dataclass(frozen=True)
 class Equations:
     model: Model
     graph: Graph
@@ -117,6 +131,7 @@ class Equations:
     quadratures: Row = ()
     quadrature_start: Row = ()
     hamiltonian: Hamiltonian | None = None  # None: not asked for
+    particles: Particles | None = None  # None: not asked for
 
 
 Indices = tuple[tuple[int, ...], ...]

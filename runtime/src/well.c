@@ -4,7 +4,7 @@
 #include "internal.h"
 #include "root.h"
 
-enum { PANELS = 4000, PARTS = 8, PROBES = 16 };
+enum { PANELS = 4000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
 #define FOLLOWED (1024 * PK_EPSILON) /* of the force in a panel, by its parts */
 
 pk_real pk_well_force(const struct pk_well *w, pk_real q)
@@ -99,10 +99,14 @@ static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least,
     return 1;
 }
 
-/* Whether M, F and b are those of an angle. Where nothing depends on q that cannot be known. */
+/* Whether M, F and b are those of an angle, and once round takes no work. Where nothing depends on q
+ * that cannot be known. */
 static int is_angle(const struct pk_well *w, pk_real q)
 {
-    pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY;
+    pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;
+    for (int k = 0; k < PANELS_ROUND; k++)
+        round += pk_well_work(w, q, (pk_real)k * (PK_TURN / PANELS_ROUND),
+                              (pk_real)(k + 1) * (PK_TURN / PANELS_ROUND));
     for (int k = 0; k < PROBES; k++) {
         const pk_real x = q + (pk_real)k * PK_C(0.7310585786300049);
         const pk_real X = x + PK_TURN;
@@ -117,6 +121,8 @@ static int is_angle(const struct pk_well *w, pk_real q)
     for (int i = 0; i < 3; i++)
         if (!(off[i] <= PK_F(sqrt)(PK_EPSILON) * most[i]))
             return 0;
+    if (!(pk_abs(round) <= PK_F(sqrt)(PK_EPSILON) * PK_TURN * most[0]))
+        return 0;
     return most[0] > 0 || most[1] - M_lo > PK_F(sqrt)(PK_EPSILON) * most[1];
 }
 

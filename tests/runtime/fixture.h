@@ -60,6 +60,7 @@ void add_limits(void);
 void add_equilibria(void);
 void add_elliptic(void);
 void add_action(void);
+void add_particles(void);
 void add_diagnostics(void);
 void add_ensemble(void);
 void add_advance(void);

@@ -144,6 +144,7 @@ int main(int argc, char **argv)
     add_equilibria();
     add_elliptic();
     add_action();
+    add_particles();
     add_diagnostics();
     add_ensemble();
     add_advance();

@@ -158,10 +158,10 @@ static void without(void)
     /* A falling mass, whose force is its input; and without one it is free, on a line. */
     static struct fixture f;
     struct pk_action a;
-    const double q = 1, v = 0.5, u[] = {-1, 0};
+    const double q = 1, v[] = {0.5, 0}, u[] = {-1, 0};
     fixture_set(&f, &free_mass);
-    for (int i = 0; i < 2; i++) {
-        CU_ASSERT(pk_action_find(&a, &f.problem, 0, &q, &v, u + i) == PK_REFUSED);
+    for (int i = 0; i < 3; i++) {
+        CU_ASSERT(pk_action_find(&a, &f.problem, 0, &q, v + i / 2, u + i % 2) == PK_REFUSED);
         CU_ASSERT(a.orbit == PK_ORBIT_UNBOUNDED);
     }
     for (int k = 0; k < PK_ORBIT_COUNT; k++)

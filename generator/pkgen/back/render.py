@@ -53,7 +53,9 @@ SYSTEM_KERNELS = [
     "guard",
     "event",
     "quadrature",
+    "particles",
 ]
+_SELDOM = {"quadrature", "particles"}  # named in the table where they are alone
 
 _TESTED = [
     "acceleration",
@@ -140,6 +142,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
         "n_quadratures": len(equations.quadratures),
+        "n_particles": len(equations.particles.masses) if equations.particles else 0,
         "events": tables.events(program),
         "n_hoisted": program.hoisted,
         "factored": program.factored,
@@ -173,7 +176,7 @@ def _context(program: Program) -> dict[str, Any]:
         "system_kernels": [
             {"name": kernel, "present": kernel in present}
             for kernel in SYSTEM_KERNELS
-            if kernel in present or kernel != "quadrature"
+            if kernel in present or kernel not in _SELDOM
         ],
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),

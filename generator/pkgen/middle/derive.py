@@ -15,7 +15,8 @@ from ..source import Diagnostic, ModelError
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
 from .lagrange import Derived, derived, guards
-from .motion import Energies, Motion, Wanted
+from .motion import PARTICLES, Energies, Motion, Wanted
+from .particles import particles_of
 from .quantities import (
     error,
     families,
@@ -48,6 +49,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     x = Expander(model, orders)
     energies = _energies(x)
     wanted = Wanted(kernels)
+    bodies = particles_of(x, energies.kinetic) if wanted.named(PARTICLES) else None
     with x.statement(model.span):
         try:
             found = derived(
@@ -87,6 +89,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         events=_events(x),
         start_q=start_q,
         start_v=start_v,
+        particles=bodies,
         **found.fields(),
     )
 

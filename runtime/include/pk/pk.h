@@ -14,6 +14,7 @@
 #include <pk/limits.h>
 #include <pk/lyapunov.h>
 #include <pk/method.h>
+#include <pk/particles.h>
 #include <pk/real.h>
 #include <pk/reversal.h>
 #include <pk/spectrum.h>

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 4u
+#define PK_ABI 5u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -226,6 +226,13 @@ struct pk_system {
     void (*quadrature)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *zdot);
     void (*quadrature_start)(const void *params, pk_real *z);
+
+    /* The particles of which T = sum of m/2 |r'|^2: masses, and x, y, z (0 in a plane) of r, r' and
+     * r'' of each, with a = q'' given. NULL: T was not asked about, or is no such sum. */
+    size_t n_particles;
+    void (*particles)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, const pk_real *a, pk_real *m, pk_real *r, pk_real *r_v,
+                      pk_real *r_a);
 };
 
 /* Degrees of freedom. */
