@@ -1,5 +1,5 @@
-/* The area of a loop; see pk/gsl.h. By Fourier series of q and p round the loop, the derivative of q
- * exact: what is wrong is what the samples do not resolve, and that shows in the last harmonics.
+/* The area of a loop; see pk/gsl.h. By Fourier series of q and p round the loop, the derivative of
+ * q exact: what is wrong is what samples do not resolve, and that shows in the last harmonics.
  */
 #include <math.h>
 

@@ -20,7 +20,7 @@ enum {
 
 /* The flags of a name; 0: there is no such diagnostic. */
 unsigned diagnose_flag(const char *name);
-/* Keeps a row of the run: spectra are of rows, and steps and actions are examined where rows are. */
+/* Keeps a row of the run: spectra are of rows, and steps, actions and modes are looked at there. */
 void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
 /* Makes what the settings ask for and keeps it as JSON for the report; messages on standard error.
  * Returns the exit code, `code` unless a diagnostic failed. */

@@ -1,5 +1,5 @@
-/* The action of a run of one degree of freedom: at the start, and at rows, each at its energy and with
- * its t held. Where L depends on time slowly that is the adiabatic invariant.
+/* The action of a run of one degree of freedom: at the start, and at rows, each at its energy and
+ * with its t held. Where L depends on time slowly that is the adiabatic invariant.
  */
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* The area within a loop of members in phase space, sum over coordinates of the closed integral of
- * p dq, which any flow of L preserves (Poincare). Members shear apart along the loop, which then has
- * more structure than they resolve: what the area is worth is told by the last harmonics.
+ * p dq, which any flow of L preserves (Poincare). Members shear apart along the loop, which then
+ * has more structure than they resolve: what the area is worth is told by the last harmonics.
  * Reference: V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
  */
 #include "diagnose_area.h"

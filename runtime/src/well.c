@@ -99,8 +99,8 @@ static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least,
     return 1;
 }
 
-/* Whether M, F and b are those of an angle, and once round takes no work. Where nothing depends on q
- * that cannot be known. */
+/* Whether M, F and b are those of an angle, and once round takes no work. Where nothing depends on
+ * q that cannot be known. */
 static int is_angle(const struct pk_well *w, pk_real q)
 {
     pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;

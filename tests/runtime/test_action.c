@@ -65,8 +65,8 @@ static void turns(const struct pk_system *system, double extra)
 
 static void pendulum_turns(void) { turns(&pendulum_system, 0); }
 
-/* The same pendulum in another coordinate, its angle is Q = q + sin(q)/2; and with a term b(q) v in L
- * that changes no motion: the action of what turns has its mean. */
+/* The same pendulum in another coordinate, its angle is Q = q + sin(q)/2; and with a term b(q) v in
+ * L that changes no motion: the action of what turns has its mean. */
 static void bent_mass(const void *params, double t, const double *q, const double *v,
                       const double *u, double *M)
 {

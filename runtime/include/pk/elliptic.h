@@ -5,9 +5,9 @@
  *
  * and what they say of the pendulum theta'' = -omega0^2 sin theta: periods in units of 1/omega0,
  * actions (1/2 pi) closed integral of p dtheta in units of m l^2 omega0. It swings up to an
- * amplitude; or it has an energy above the upright rest, in units of m l^2 omega0^2: from -2, where it
- * hangs, up to 0 it swings, above it turns round. At 0 it does neither, the period is infinite, and
- * the action is that of the swings, 8/pi; a turning one has half of what it encloses, 4/pi.
+ * amplitude; or it has an energy above the upright rest, in units of m l^2 omega0^2: from -2, where
+ * it hangs, up to 0 it swings, above it turns round. At 0 it does neither, the period is infinite,
+ * and the action is that of the swings, 8/pi; a turning one has half of what it encloses, 4/pi.
  *
  * Reference: M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, 17.3 and 17.6.
  */

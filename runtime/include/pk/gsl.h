@@ -36,12 +36,13 @@ enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t m
 
 enum { PK_LOOP_LEAST = 32 };
 
-/* Closed integral of p dq round a loop of `count` samples, equally far apart in a parameter, the last
- * as far from the first; by Fourier series, which converge as fast as the loop is smooth. `winding`:
- * by how much q is more after once round (of an angle a multiple of 2 pi). `tail`: how much of what
- * varies is in the last eighth of the harmonics, of q or p: near the round-off where the loop is
- * resolved. `size`: the same integral without signs. Both arrays are overwritten. PK_BAD_ARGUMENT: fewer than PK_LOOP_LEAST, or a number
- * with a prime factor above 1000, whose transform would take long; PK_NOT_FINITE; PK_NO_MEMORY. */
+/* Closed integral of p dq round a loop of `count` samples, equally far apart in a parameter, the
+ * last as far from the first; by Fourier series, which converge as fast as the loop is smooth.
+ * `winding`: by how much q is more after once round (of an angle a multiple of 2 pi). `tail`: how
+ * much of what varies is in the last eighth of the harmonics, of q or p: near the round-off where
+ * the loop is resolved. `size`: the same integral without signs. Both arrays are overwritten.
+ * PK_BAD_ARGUMENT: fewer than PK_LOOP_LEAST, or a number with a prime factor above 1000, whose
+ * transform would take long; PK_NOT_FINITE; PK_NO_MEMORY. */
 struct pk_loop_area {
     double area, size, tail;
 };

@@ -59,10 +59,11 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
 /* Normal coordinates at an equilibrium q* of a system without forces besides those of L, and
  * without terms linear in the rates there:
  *
- *     Q = U^T M (q - q*),  P = U^T (p - p*),  U^T M U = 1,  h = h* + sum of (P^2 + omega^2 Q^2)/2 + ...
+ *     Q = U^T M (q - q*),  P = U^T (p - p*),  U^T M U = 1,
+ *     h = h* + sum of (P^2 + omega^2 Q^2)/2 + what is not quadratic.
  *
- * squares: omega^2 of each mode, the smallest first, 0 below 1e-12 of the largest, negative where it
- * leaves; M: n by n; shapes: n by n, a row of U^T for each. PK_REFUSED of other systems, and of one
+ * squares: omega^2 of each mode, the smallest first, 0 below 1e-12 of the largest, negative where
+ * it leaves; M: n by n; shapes: n by n, a row of U^T for each. PK_REFUSED of other systems, and of one
  * compiled without the kernels mass and jacobian; PK_SINGULAR_MASS. */
 enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, double *M,
                              double *squares, double *shapes);
