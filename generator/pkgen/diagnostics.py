@@ -1,4 +1,5 @@
-"""What `pkgen run --diagnose` asks for, and its results as lines for a person.
+"""What `pkgen run --diagnose` asks for, and of which models it is; its results are told by
+`diagnostics_text.py`.
 
 They are made in C, runtime/run/diagnose.c; docs/diagnostics.md has their names and keys.
 """
@@ -6,167 +7,86 @@ They are made in C, runtime/run/diagnose.c; docs/diagnostics.md has their names 
 from __future__ import annotations
 
 from .back.kernels import KERNELS
+from .back.kernels_canonical import CANONICAL
+from .compiler import Compilation
 from .exits import UsageError
+from .middle.motion import PARTICLES
+from .middle.particles import HELP
 from .option_values import near
 
-NAMES = ("lyapunov", "reversal", "spectrum", "symplectic", "least_action")
-UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
-BROAD = 0.03  # a residual that lines do not explain
-LINEARISED = frozenset(("all", "lyapunov", "symplectic", "least_action"))  # by the kernel `linear`
+NAMES = (
+    "lyapunov",
+    "reversal",
+    "spectrum",
+    "symplectic",
+    "least_action",
+    "action",
+    "angular_momentum",
+    "lrl",
+    "modes",
+)
+OF_MEMBERS = ("area",)
+OF_REDUCED = ("action",)  # alone, it is of what a scene's reductions leave
+OF_PARTICLES = frozenset(("all", "angular_momentum", "lrl"))
+LINEARISED = frozenset(("all", "lyapunov", "symplectic", "least_action"))  # by `linear`
 
 
 def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
     """`--diagnose lyapunov,spectrum`, each once, or `all`: those that apply."""
     if text is None:
         return ()
-    if ensemble is not None:
-        raise UsageError("--diagnose is for one trajectory, not for --ensemble")
-    if text.strip() == "all":
-        return ("all",)
     names = [name.strip() for name in text.split(",")]
+    if ensemble is not None:
+        refuse_several(tuple(names), "for --ensemble")
+    if names == ["all"]:
+        return ("all",)
     for name in names:
-        if name not in NAMES:
-            known = [*NAMES, "all"]
+        if name not in (*NAMES, *OF_MEMBERS):
+            known = [*NAMES, *OF_MEMBERS, "all"]
             raise UsageError(
                 f"--diagnose {text}: there is no '{name}'; {near(name, known, 'diagnostic')}"
             )
-    return tuple(name for name in NAMES if name in names)
+    return tuple(name for name in (*NAMES, *OF_MEMBERS) if name in names)
+
+
+def refuse_several(names: tuple[str, ...], what: str) -> None:
+    """All but what is of members together. Raises UsageError."""
+    if set(names) != set(OF_MEMBERS):
+        raise UsageError(f"--diagnose is for one trajectory, not {what}, which has 'area' alone")
 
 
 def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
-    """All of them where `linear` is needed, which a large model leaves out unless it is named."""
-    return frozenset(KERNELS) if LINEARISED.intersection(names) else None
+    """All of them where `linear` is needed, which a large model leaves out unless it is named; and
+    particles, which every model leaves out, where these are asked for."""
+    wanted = frozenset(KERNELS) - CANONICAL
+    if not OF_PARTICLES.intersection(names):
+        wanted -= {PARTICLES}
+    if not LINEARISED.intersection(names):
+        wanted -= {"linear"}
+    return wanted if {"linear", PARTICLES} & wanted or "modes" in names else None
 
 
-def drift_lines(drifts: list[dict]) -> list[str]:
-    """Two lines a constant: its drift, and how that grows."""
-    said = []
-    for drift in drifts:
-        name, scale = drift["name"], drift["scale"]
-        if drift["max"] is None or drift["exponent"] is None:
-            said.append(f"drift({name}): {drift['growth']}")
-            continue
-        line = f"drift({name}) max {drift['max']:.2e}, final {drift['final']:.2e}"
-        line += f", slope {drift['slope']:.1e} per unit of time, relative to {scale:.2g}"
-        growth = drift["growth"]
-        if drift["exponent"] or drift["spread"]:
-            growth += f" (t^{drift['exponent']:.2f})"
-        if not drift["first"] and scale:
-            growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
-        said.append(f"{line}: {growth}")
-    return said
-
-
-def lines(found: dict[str, dict], time: str) -> list[str]:
-    """The results in words; `time` is the unit of time. What failed the driver has said."""
-    said = []
-    for name, result in found.items():
-        if result["status"] == "PK_DONE":
-            said += _TEXTS[name](result, time)
-    return said
-
-
-def _per(time: str) -> str:
-    return f" /{time}" if time else ""
-
-
-def _lyapunov(found: dict, time: str) -> list[str]:
-    if found["error"] is None:
-        return ["lyapunov: too few steps to tell"]
-    value = f"{found['exponent']:.4g} +- {found['error']:.2g}{_per(time)}"
-    megno = f"megno {found['megno']:.3g}"
-    if found["motion"] == "leaving":
-        return [
-            f"lyapunov: displacements grow exponentially, exponent {value}: an instability and no "
-            "chaos as far as this goes, for the motion still leaves its start, or rests there, or "
-            "has one coordinate alone and no explicit time"
-        ]
-    if found["motion"] == "chaotic":
-        return [f"lyapunov: chaotic, exponent {value} ({megno})"]
-    if found["motion"] == "regular":
-        return [
-            f"lyapunov: regular over this time ({megno}: 2 of a quasi-periodic motion, 0 of a "
-            f"harmonic one); exponent {value}, of which a regular motion leaves some 2.6/time"
-        ]
-    return [f"lyapunov: undecided ({megno}: between 3 and 6); exponent {value}; take a longer time"]
-
-
-def _reversal(found: dict, time: str) -> list[str]:
-    unit = f" {time}" if time else ""
-    at, error = max(found["times"])
-    if found["lost"]:
-        said = (
-            f"reversal: there and back, the start is lost to {found['threshold']:g} between "
-            f"{found['horizon_lo']:.4g} and {found['horizon_hi']:.4g}{unit}"
+def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> None:
+    """What is of particles of a model that has none, and of members of one motion. Raises
+    UsageError."""
+    if not several and set(OF_MEMBERS).intersection(names):
+        raise UsageError(
+            "--diagnose area is of a closed loop of starts: of a scene with a swarm, or --ensemble"
         )
-    else:
-        said = f"reversal: there and back over {at:.4g}{unit} misses the start by {error:.1e}"
-    if found["predicted"] is not None:
-        said += f"; round-off alone would lose it near {found['predicted']:.4g}{unit}"
-    if not found["symmetric"]:
-        said += "; the method is not symmetric, so the error is its own too"
-    return [said]
+    particles = compilation.equations.particles if PARTICLES in (kernels(names) or ()) else None
+    if particles is None or "all" in names:
+        return
+    of = next(name for name in names if name in OF_PARTICLES)
+    if not particles.masses:
+        place = compilation.model.source.place(particles.span)
+        raise UsageError(f"{place}: --diagnose {of} is of particles: {particles.why}; {HELP}")
+    if "lrl" in names and len(particles.masses) > 2:
+        raise UsageError(
+            f"--diagnose lrl is of one particle, or of two about each other; "
+            f"'{compilation.model.name}' has {len(particles.masses)}"
+        )
 
 
-def _spectrum(found: dict, time: str) -> list[str]:
-    unit = f" rad/{time}" if time else ""
-    said = []
-    for coordinate in found["coordinates"]:
-        shown = [
-            f"{line['frequency']:.10g} +- {line['error']:.0e} (amplitude {line['amplitude']:.3g})"
-            for line in coordinate["lines"][:3]
-        ]
-        if not shown and coordinate["away"] < UNIFORM:
-            said.append(f"spectrum: {coordinate['name']}: {_uniform(coordinate, time)}")
-            continue
-        text = ", ".join(shown) + unit if shown else "no line"
-        left = coordinate["residual"]
-        said.append(f"spectrum: {coordinate['name']}: {text}; {left:.1e} left by all lines")
-        if left > BROAD:
-            said[-1] += ": more than lines, or the time is too short to tell them apart"
-    return said
-
-
-def _uniform(coordinate: dict, time: str) -> str:
-    if coordinate["drifts"] < UNIFORM:
-        return f"constant, {coordinate['mean']:.6g}"
-    return f"goes uniformly, by {coordinate['rate']:.10g}{_per(time)}; it does not oscillate"
-
-
-def _symplectic(found: dict, time: str) -> list[str]:
-    said = f"symplectic: of {found['states']} steps of {found['step']:.4g} the worst misses by "
-    said += f"{found['defect']:.1e}, its volume by {found['volume']:.1e}; "
-    if found["symplectic"]:
-        said += f"that is round-off (below {found['rounding']:.0e})"
-    else:
-        said += f"round-off would be below {found['rounding']:.0e}"
-    if not found["variational"]:
-        said += "; the motion itself, with forces besides those of L, is not symplectic"
-    if found["failed"]:
-        said += f"; {found['failed']} more could not be made"
-    return [said]
-
-
-def _least_action(found: dict, time: str) -> list[str]:
-    said = f"least_action: {found['action']:.12g} over {found['time']:.6g}"
-    said += f"{f' {time}' if time else ''}, stationary to {found['slope']:.0e}; "
-    points = ", ".join(f"{t:.10g}" for t in found["conjugate"][:4])
-    points += ", ..." if found["conjugate"][4:] else ""
-    if found["minimum"]:
-        said += "a minimum among paths with the same ends"
-    else:
-        least = "" if found["settled"] else "at least "
-        ways = "one way" if found["index"] == 1 else f"{found['index']} independent ways"
-        said += f"no minimum: {least}{ways} to a neighbour with less"
-    if points:
-        said += f"; conjugate to the start: t = {points}"
-    return [said]
-
-
-_TEXTS = {
-    "lyapunov": _lyapunov,
-    "reversal": _reversal,
-    "spectrum": _spectrum,
-    "symplectic": _symplectic,
-    "least_action": _least_action,
-}
+def of_whole(text: str | None) -> bool:
+    """Whether what is asked for is of the whole motion, so that nothing is reduced."""
+    return text is not None and asked(text) != OF_REDUCED

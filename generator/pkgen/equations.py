@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 from .middle.graph import Graph, Node
 from .model import Model
+from .source import Span
 
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
@@ -87,6 +88,19 @@ class Hamiltonian:
 
 
 @dataclass(frozen=True)
+class Particles:
+    """Masses and places with T = sum of m/2 |r'|^2, z 0 in a plane; in r'' the accelerations of the
+    coordinates are given. None, and `why` and where, if T was not seen to be such a sum."""
+
+    masses: Row
+    places: Matrix
+    rates: Matrix
+    accelerations: Matrix
+    why: str = ""
+    span: Span | None = None
+
+
+@dataclass(frozen=True)
 class Equations:
     model: Model
     graph: Graph
@@ -136,6 +150,7 @@ class Equations:
     # Of the coordinates the last so many are nobody's: their rates are the states.
     n_states: int = 0
     inertia: Matrix | None = None  # M before M a = f was solved, where `mass` is the unit matrix
+    particles: Particles | None = None  # None: not asked for
 
 
 Indices = tuple[tuple[int, ...], ...]

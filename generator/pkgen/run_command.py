@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
-from . import choose, diagnostics, rows, scene, scene_check, scene_run, scene_use
+from . import choose, diagnostics, diagnostics_text, rows, scene, scene_check, scene_run, scene_use
 from . import ensemble as members
 from . import options as parsing
 from .choose import Choice
@@ -51,10 +51,12 @@ def run(options: argparse.Namespace) -> int:
     several = swarm or options.ensemble is not None
     # Members of an ensemble run in lanes, which loops do not have.
     unroll = None if several else parsing.UNROLL
-    kernels = diagnostics.kernels(diagnostics.asked(options.diagnose, options.ensemble))
+    asked = diagnostics.asked(options.diagnose, options.ensemble)
+    kernels = diagnostics.kernels(asked)
     compilation = compile_within_limits(
         options, libm=options.libm, unroll=unroll, kernels=kernels, use=scene_use.of_run(options)
     )
+    diagnostics.refuse(asked, compilation, several)
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     if chosen is not None:
         scene_check.refuse(options, compilation, chosen)
@@ -77,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"pkgen: {choose.NOT_PROMISED}", file=sys.stderr)
     choices = choose.chosen(compilation, settings, ensemble)
     settings = choose.with_choices(settings, choices)
-    asked = _Run(compilation, settings, ensemble, threads, chosen, choices)
+    what = _Run(compilation, settings, ensemble, threads, chosen, choices)
     time = "" if compilation.model.dimensionless else "s"
     for choice in choices:
         for line in choose.lines(choice, time, options.json):
@@ -87,13 +89,13 @@ def run(options: argparse.Namespace) -> int:
         print(f"pkgen: {note}", file=sys.stderr)
     if output is None and not options.json:
         sys.stdout.flush()
-        outcome = _simulate(asked, sys.stdout.fileno())
+        outcome = _simulate(what, sys.stdout.fileno())
     else:
-        outcome = _to_file(options, asked, output)
+        outcome = _to_file(options, what, output)
     _tell(options, outcome, time)
     if outcome.code == DONE and not options.diagnose:
         _hint(options, compilation.declared)
-    return _judge(options, asked, outcome)
+    return _judge(options, what, outcome)
 
 
 def _hint(options: argparse.Namespace, model: Model) -> None:
@@ -189,6 +191,8 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
             f"{1000 * report['seconds']:.3g} ms with their rows",
             file=sys.stderr,
         )
+        for line in diagnostics_text.lines(report.get("diagnostics", {}), time):
+            print(line, file=sys.stderr)
         return
     print(
         f"{report['method']}: t = {report['t']:g} after {report['steps']} steps, "
@@ -205,8 +209,8 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
         )
     for event in report["events"]:
         print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
-    said = diagnostics.drift_lines(report["drifts"])
-    said += diagnostics.lines(report.get("diagnostics", {}), time)
+    said = diagnostics_text.drift_lines(report["drifts"])
+    said += diagnostics_text.lines(report.get("diagnostics", {}), time)
     for line in said:
         print(line, file=sys.stderr)
 

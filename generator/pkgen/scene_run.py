@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 
-from . import expects, named, option_values
+from . import diagnostics, expects, named, option_values
 from . import options as parsing
 from . import scene as scenes
 from .compiler import Compilation
@@ -42,7 +42,7 @@ def refuse_swarm(options: argparse.Namespace, model: Model, scene: Scene) -> Non
     if options.ensemble is not None:
         raise UsageError(f"--ensemble {options.ensemble}: {at}: the scene has a swarm already")
     if options.diagnose is not None:
-        raise UsageError(f"--diagnose is for one trajectory, not for a swarm ({at})")
+        diagnostics.refuse_several(diagnostics.asked(options.diagnose), f"for a swarm ({at})")
 
 
 def count(model: Model, scene: Scene) -> int:

@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from . import diagnostics, scene_model
 from . import scene as scenes
-from . import scene_model
 from .compiler import Use
 from .exits import UsageError
 from .methods import called, carries_quadratures
@@ -47,7 +47,9 @@ def of_run(options: argparse.Namespace) -> Use | None:
         columns = tuple("".join(name.split()) for name in options.record.split(","))
     off = switched_off(options.no_reduce)
     if options.diagnose:
-        off |= {*REDUCTIONS, APART}  # diagnostics are of the whole motion
+        off |= {APART}
+    if diagnostics.of_whole(options.diagnose):
+        off |= {*REDUCTIONS}
     asked = Asked(
         columns,
         options.at,

@@ -12,30 +12,15 @@
 #include "words.h"
 
 enum { STATES = 16 };
+/* What is made of rows. */
+static const unsigned OF_ROWS =
+    DIAGNOSE_SPECTRUM | DIAGNOSE_SYMPLECTIC | DIAGNOSE_ACTION | DIAGNOSE_MODES;
 static const double THRESHOLD = 1e-3; /* of reversal: what has come so far from its start is lost */
-
-static const struct {
-    const char *name;
-    unsigned flag;
-} names[] = {{"lyapunov", DIAGNOSE_LYAPUNOV},
-             {"reversal", DIAGNOSE_REVERSAL},
-             {"spectrum", DIAGNOSE_SPECTRUM},
-             {"symplectic", DIAGNOSE_SYMPLECTIC},
-             {"least_action", DIAGNOSE_LEAST_ACTION},
-             {"all", DIAGNOSE_ALL}};
-
-unsigned diagnose_flag(const char *name)
-{
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcmp(names[i].name, name) == 0)
-            return names[i].flag;
-    return 0;
-}
 
 void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
-    if (!(run->settings.diagnose & (DIAGNOSE_SPECTRUM | DIAGNOSE_SYMPLECTIC)))
+    if (!(run->settings.diagnose & OF_ROWS))
         return;
     if (run->at_event && run->settings.has_every) /* spectra are of rows at equal times */
         return;
@@ -60,6 +45,21 @@ void diagnose_real(struct diagnostics *d, const char *key, pk_real x)
 {
     fprintf(d->file, ", \"%s\": ", key);
     output_real(d->file, x);
+}
+
+struct diagnostics *diagnose_open(struct run *run)
+{
+    if (!run->diagnostics)
+        run->diagnostics = (struct diagnostics *)words_allocate(1, sizeof *run->diagnostics);
+    struct diagnostics *d = run->diagnostics;
+    d->file = open_memstream(&d->json, &d->json_size);
+    if (!d->file) {
+        fprintf(stderr, "run: out of memory for --diagnose\n");
+        exit(4);
+    }
+    d->first = 1;
+    d->all = run->settings.diagnose == DIAGNOSE_ALL;
+    return d;
 }
 
 int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
@@ -173,31 +173,42 @@ static void symplectic(struct run *run, struct diagnostics *d)
     free(block);
 }
 
+static const struct {
+    const char *name;
+    unsigned flag;
+    void (*make)(struct run *run, struct diagnostics *d); /* in this order */
+} names[] = {{"lyapunov", DIAGNOSE_LYAPUNOV, diagnose_lyapunov},
+             {"reversal", DIAGNOSE_REVERSAL, reversal},
+             {"spectrum", DIAGNOSE_SPECTRUM, diagnose_spectrum},
+             {"symplectic", DIAGNOSE_SYMPLECTIC, symplectic},
+             {"least_action", DIAGNOSE_LEAST_ACTION, diagnose_least_action},
+             {"action", DIAGNOSE_ACTION, diagnose_action},
+             {"angular_momentum", DIAGNOSE_ANGULAR_MOMENTUM, diagnose_angular_momentum},
+             {"lrl", DIAGNOSE_LRL, diagnose_lrl},
+             {"modes", DIAGNOSE_MODES, diagnose_modes},
+             {"all", DIAGNOSE_ALL, NULL},
+             {"area", DIAGNOSE_AREA, NULL}}; /* see diagnose_area.h */
+
+unsigned diagnose_flag(const char *name)
+{
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(names[i].name, name) == 0)
+            return names[i].flag;
+    return 0;
+}
+
 int diagnose_run(struct run *run, int code)
 {
-    static void (*const make[])(struct run *, struct diagnostics *) = {diagnose_lyapunov, reversal,
-                                                                       diagnose_spectrum,
-                                                                       symplectic,
-                                                                       diagnose_least_action};
     const unsigned wanted = run->settings.diagnose;
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
         !(run->it.t > 0))
         return code;
-    if (!run->diagnostics)
-        run->diagnostics = (struct diagnostics *)words_allocate(1, sizeof *run->diagnostics);
-    struct diagnostics *d = run->diagnostics;
-    d->file = open_memstream(&d->json, &d->json_size);
-    if (!d->file) {
-        fprintf(stderr, "run: out of memory for --diagnose\n");
-        return 4;
-    }
+    struct diagnostics *d = diagnose_open(run);
     fflush(stdout);
     signal(SIGINT, SIG_DFL); /* rows are written; there is nothing else to save */
-    d->first = 1;
-    d->all = wanted == DIAGNOSE_ALL;
-    for (size_t i = 0; i < sizeof make / sizeof *make; i++)
-        if (wanted & names[i].flag)
-            make[i](run, d);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (names[i].make && (wanted & names[i].flag))
+            names[i].make(run, d);
     fclose(d->file);
     return d->code;
 }

@@ -14,6 +14,8 @@ struct diagnostics {
     double exponent; /* by Lyapunov, if that says chaotic or leaving */
 };
 
+/* What is there, ready for members. */
+struct diagnostics *diagnose_open(struct run *run);
 /* Opens a member, with how it went. 1 where its numbers are to follow; then it is still open. */
 int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
                     const char *reason);
@@ -24,5 +26,9 @@ const char *diagnose_no_variation(const struct pk_system *system);
 void diagnose_lyapunov(struct run *run, struct diagnostics *d);
 void diagnose_spectrum(struct run *run, struct diagnostics *d);
 void diagnose_least_action(struct run *run, struct diagnostics *d);
+void diagnose_angular_momentum(struct run *run, struct diagnostics *d);
+void diagnose_lrl(struct run *run, struct diagnostics *d);
+void diagnose_modes(struct run *run, struct diagnostics *d);
+void diagnose_action(struct run *run, struct diagnostics *d);
 
 #endif

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diagnose.h"
+#include "diagnose_area.h"
 #include "ensemble.h"
 #include "expect.h"
 #include "members.h"
@@ -115,9 +117,11 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
         run->monitor.has_energy |= expect_energy(run);
     }
     show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL);
+    area_note(run, 0, 0, b->q0 + i * b->n, b->v0 + i * b->n);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
         show(run, 1, b->t[row], e->q + at, e->v + at, m ? e->z + (i * e->rows + row) * m : NULL);
+        area_note(run, row + 1, b->t[row], e->q + at, e->v + at);
     }
     expect_member(run, &run->monitor.energy);
     s->params = params;
@@ -193,8 +197,10 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     expect_report(run, file);
     fprintf(file,
             "  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
-            "  \"seconds\": %.6g\n}\n",
+            "  \"seconds\": %.6g",
             run->interrupted ? "true" : "false", run->rows, b->threads, run->seconds);
+    diagnose_report(run, file);
+    fputs("\n}\n", file);
     const int failed = ferror(file);
     return fclose(file) || failed;
 }
@@ -227,6 +233,7 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
         fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
         code = 2;
     }
+    code = area_find(run, code);
     run->interrupted = run_interrupted();
     if (run->interrupted) {
         fprintf(stderr, "run: interrupted after %zu of %zu members\n", tally->done,
@@ -270,6 +277,7 @@ int ensemble_run(struct run *run, pk_real count)
     code = members_check(&b);
     if (watched)
         watched_begin(&tally, s);
+    code = code ? code : area_begin(run, rows + 1);
     if (code == 0) {
         fprintf(run->out, "%s,", s->member_name ? s->member_name : "member");
         output_header(run, run->out);
@@ -298,5 +306,6 @@ int ensemble_run(struct run *run, pk_real count)
     free(run->monitor_block);
     free(tally.crossings);
     free(tally.first);
+    diagnose_free(run);
     return code;
 }

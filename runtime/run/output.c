@@ -46,7 +46,7 @@ void output_numbers(FILE *file, const char *key, const pk_real *x, size_t count)
     fputs("]", file);
 }
 
-static void json_drift(FILE *file, const char *name, const struct pk_drift *drift)
+void output_drift(FILE *file, const char *name, const struct pk_drift *drift)
 {
     fputs("{\"name\": ", file);
     output_text(file, name);
@@ -82,19 +82,19 @@ static void json_drifts(struct run *run, FILE *file)
     /* Of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
     fputs("  \"drifts\": [", file);
     if (m->has_energy) {
-        json_drift(file, "energy", &m->energy);
+        output_drift(file, "energy", &m->energy);
         first = 0;
     }
     for (size_t i = 0; m->momenta && i < run->settings.n; i++)
         if (system->cyclic && system->cyclic[i]) {
             fputs(first ? "" : ", ", file);
             first = 0;
-            json_drift(file, system->momenta[i].name, &m->momenta[i]);
+            output_drift(file, system->momenta[i].name, &m->momenta[i]);
         }
     for (size_t i = 0; m->conserved && i < system->n_conserved; i++) {
         fputs(first ? "" : ", ", file);
         first = 0;
-        json_drift(file, system->conserved[i].name, &m->conserved[i]);
+        output_drift(file, system->conserved[i].name, &m->conserved[i]);
     }
     fputs("]", file);
     diagnose_report(run, file);

@@ -51,6 +51,7 @@ struct run {
     unsigned long bad_rows;
     double seconds;
     struct diagnostics *diagnostics; /* NULL: none asked for */
+    struct loop *loop;               /* of members, for their area */
     struct rows *kept;               /* where rows go instead of to a file; see choose_rows.h */
 };
 
@@ -67,6 +68,7 @@ int output_report(struct run *run, const char *path);
 void output_text(FILE *file, const char *text);
 void output_real(FILE *file, pk_real x);
 void output_numbers(FILE *file, const char *key, const pk_real *x, size_t count); /* "key": [..] */
+void output_drift(FILE *file, const char *name, const struct pk_drift *drift);
 /* One JSON object a line. */
 int output_methods(FILE *file);
 

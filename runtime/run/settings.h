@@ -8,7 +8,7 @@
  *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
  *     drift INDEX | drift energy
  *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
- *     diagnose lyapunov|reversal|spectrum|symplectic|all
+ *     diagnose NAME (of diagnose.c)
  *     ensemble PATH | members N | count NAME FIRST | column param|input|q|v|z INDEX | threads N
  *
  * Sizes come before parameters and starts. MEMBER counts from 0 in a family kept as a loop.

@@ -51,7 +51,9 @@ def test_a_chaotic_pendulum(pkgen) -> None:
     # REGIMES D2 and D3, by the midpoint rule, whose reversal is exact but for round-off.
     arguments = ["--method", "gauss1", "--step", "0.004", *starts(math.pi / 2)]
     found, _ = diagnosed(pkgen, DOUBLE, "all", "--until", "100", "--every", "0.1", *arguments)
-    assert list(found) == ["lyapunov", "reversal", "spectrum", "symplectic", "least_action"]
+    of_any = ["lyapunov", "reversal", "spectrum", "symplectic", "least_action"]
+    assert list(found) == [*of_any, "action", "angular_momentum", "lrl", "modes"]
+    assert found["action"]["status"] == "PK_REFUSED"
     chaos, back = found["lyapunov"], found["reversal"]
     assert chaos["motion"] == "chaotic" and 0.01 < chaos["error"] < 0.3
     assert abs(chaos["exponent"] - 0.926) < 4 * chaos["error"]
@@ -111,9 +113,14 @@ def test_what_is_said(pkgen) -> None:
     done = pkgen("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments)
     assert done.returncode == 0, done.stderr
     kinds = [line.partition(":")[0] for line in done.stderr.splitlines()]
-    assert kinds[0] == "run" and "run: warning: the energy" in done.stderr  # off by .1
-    assert kinds[3:7] == ["lyapunov", "reversal", "spectrum", "spectrum"]
-    assert kinds[7:] == ["symplectic", "least_action"]
+    assert "run: warning: the energy" in done.stderr  # off by .1
+    assert "run: diagnose action: 2 coordinates" in done.stderr
+    assert "run: diagnose lrl: at the start the two do not attract" in done.stderr
+    said = [kind for kind in kinds if kind != "run"][2:]
+    of_bobs = [f"angular momentum about the {place}" for place in ("origin", "centre of mass")]
+    of_bobs = [of_bobs[0]] * 2 + [of_bobs[1]] * 2
+    of_any = ["lyapunov", "reversal", "spectrum", "spectrum", "symplectic", "least_action"]
+    assert said == [*of_any, *of_bobs, "modes", "modes", "modes"]
     assert "chaotic, exponent 1." in done.stderr and "/s (megno" in done.stderr
     assert "not symmetric" in done.stderr and "rad/s" in done.stderr
     assert "round-off alone would lose it near" in done.stderr

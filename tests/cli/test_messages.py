@@ -10,7 +10,7 @@ from conftest import ROOT
 from pkgen.__main__ import main
 from pkgen.chart import text
 from pkgen.chart.spectrum import Spectrum
-from pkgen.diagnostics import lines
+from pkgen.diagnostics_text import lines
 from pkgen.front.parse import parse_all
 from pkgen.reasons import with_options
 from pkgen.source import Source

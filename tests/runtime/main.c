@@ -142,6 +142,9 @@ int main(int argc, char **argv)
     add_control();
     add_limits();
     add_equilibria();
+    add_elliptic();
+    add_action();
+    add_particles();
     add_diagnostics();
     add_ensemble();
     add_advance();

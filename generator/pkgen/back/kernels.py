@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..equations import Equations, Matrix, Row
+from ..equations import Equations, Matrix, Particles, Row
 from ..middle.graph import ZERO, Node
 from .kernel_spec import KernelSpec, pivot_checks, stores
 from .kernels_canonical import CANONICAL, canonical_specs
@@ -112,6 +112,16 @@ def _copied(targets: list[Target]) -> list[Target]:
         Target(STORE, where, (node,), also=tuple(copies))
         for node, (where, *copies) in places.items()
     ]
+
+
+def _of_particles(particles: Particles) -> dict[str, Row]:
+    vectors = {
+        "r_out": particles.places,
+        "v_out": particles.rates,
+        "a_out": particles.accelerations,
+    }
+    flat = {name: tuple(x for row in rows for x in row) for name, rows in vectors.items()}
+    return {"m_out": particles.masses} | flat
 
 
 def _specs() -> Iterator[KernelSpec]:
@@ -229,6 +239,19 @@ def _specs() -> Iterator[KernelSpec]:
         exists=lambda e: bool(e.quadratures),
     )
     yield from canonical_specs()
+    yield KernelSpec(
+        "particles",
+        "void",
+        "particles: masses m, places r, r' and r'', a = q'' given",
+        lambda e: tuple(
+            Output(name, len(row), 1) for name, row in _of_particles(e.particles).items()
+        ),
+        lambda e: _copied(
+            [t for name, row in _of_particles(e.particles).items() for t in stores(name, row)]
+        ),
+        exists=lambda e: e.particles is not None and bool(e.particles.masses),
+        given=("a",),
+    )
     yield KernelSpec(
         "start",
         "void",

@@ -54,7 +54,9 @@ SYSTEM_KERNELS = [
     "event",
     "quadrature",
     "switching",
+    "particles",
 ]
+_SELDOM = {"quadrature", "switching", "particles"}  # named in the table where they are alone
 
 _TESTED = [
     "acceleration",
@@ -146,6 +148,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
         "n_quadratures": len(equations.quadratures),
+        "n_particles": len(equations.particles.masses) if equations.particles else 0,
         "events": tables.events(program),
         "switches": [switch.quantity.name for switch in equations.switches],
         "n_hoisted": program.hoisted,
@@ -180,7 +183,7 @@ def _context(program: Program) -> dict[str, Any]:
         "system_kernels": [
             {"name": kernel, "present": kernel in present}
             for kernel in SYSTEM_KERNELS
-            if kernel in present or kernel not in ("quadrature", "switching")
+            if kernel in present or kernel not in _SELDOM
         ],
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),

@@ -17,7 +17,8 @@ from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
 from .lagrange import Derived, derived, guards, switches
-from .motion import Energies, Motion, Wanted
+from .motion import PARTICLES, Energies, Motion, Wanted
+from .particles import particles_of
 from .quantities import (
     error,
     families,
@@ -53,6 +54,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     wanted = Wanted(kernels)
     rates = rates_of_states(x, energies)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
+    bodies = particles_of(x, energies.kinetic) if wanted.named(PARTICLES) else None
     with x.statement(model.span):
         try:
             found = derived(
@@ -104,6 +106,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         start_v=start_v,
         states=states,
         state_start=state_start,
+        particles=bodies,
         **found.fields(),
     )
     return replace(equations, switches=switches(equations))

@@ -25,6 +25,7 @@ TIME = BIT[Kind.TIME]
 # Of 20 links of a pendulum it has more operations than all else, and takes a fifth of the C
 # compiler's time; past this many coordinates it has to be asked for by name.
 LINEARISED = 16
+PARTICLES = "particles"  # a kernel that only diagnostics ask for
 
 
 class Wanted:
@@ -35,6 +36,10 @@ class Wanted:
 
     def __call__(self, *names: str) -> bool:
         return self.kernels is None or not self.kernels.isdisjoint(names)
+
+    def named(self, name: str) -> bool:
+        """Of what is costly and made for a command alone."""
+        return self.kernels is not None and name in self.kernels
 
     def linear(self, count: int) -> bool:
         return "linear" in self.kernels if self.kernels is not None else count <= LINEARISED

@@ -34,6 +34,21 @@ enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, si
 enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t modes,
                                    double *lambda, double *lowest);
 
+enum { PK_LOOP_LEAST = 32 };
+
+/* Closed integral of p dq round a loop of `count` samples, equally far apart in a parameter, the
+ * last as far from the first; by Fourier series, which converge as fast as the loop is smooth.
+ * `winding`: by how much q is more after once round (of an angle a multiple of 2 pi). `tail`: how
+ * much of what varies is in the last eighth of the harmonics, of q or p: near the round-off where
+ * the loop is resolved. `size`: the same integral without signs. Both arrays are overwritten.
+ * PK_BAD_ARGUMENT: fewer than PK_LOOP_LEAST, or a number with a prime factor above 1000, whose
+ * transform would take long; PK_NOT_FINITE; PK_NO_MEMORY. */
+struct pk_loop_area {
+    double area, size, tail;
+};
+enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double winding,
+                                struct pk_loop_area *found);
+
 #ifdef __cplusplus
 }
 #endif

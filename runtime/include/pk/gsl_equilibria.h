@@ -57,6 +57,21 @@ struct pk_mode {
 enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
                             struct pk_mode *modes, double *shapes, size_t *count);
 
+/* Normal coordinates at an equilibrium q* of a system without forces besides those of L, and
+ * without terms linear in the rates there:
+ *
+ *     Q = U^T M (q - q*),  P = U^T (p - p*),  U^T M U = 1,
+ *     h = h* + sum of (P^2 + omega^2 Q^2)/2 + what is not quadratic.
+ *
+ * squares: omega^2 of each mode, the smallest first, 0 below 1e-12 of the largest, negative where
+ * it leaves; M: n by n; shapes: n by n, a row of U^T for each. PK_REFUSED of other systems, and of one
+ * compiled without the kernels mass and jacobian; PK_SINGULAR_MASS. */
+enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, double *M,
+                             double *squares, double *shapes);
+/* (P^2 + omega^2 Q^2)/2 of each, at q - q* and p - p*. */
+void pk_normal_energies(size_t n, const double *M, const double *squares, const double *shapes,
+                        const double *q, const double *p, double *E);
+
 #ifdef __cplusplus
 }
 #endif

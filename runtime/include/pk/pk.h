@@ -2,8 +2,10 @@
 #ifndef PK_PK_H
 #define PK_PK_H
 
+#include <pk/action.h>
 #include <pk/apart.h>
 #include <pk/diagnostics.h>
+#include <pk/elliptic.h>
 #include <pk/ensemble.h>
 #include <pk/events.h>
 #include <pk/integrator.h>
@@ -12,6 +14,7 @@
 #include <pk/limits.h>
 #include <pk/lyapunov.h>
 #include <pk/method.h>
+#include <pk/particles.h>
 #include <pk/real.h>
 #include <pk/reversal.h>
 #include <pk/spectrum.h>

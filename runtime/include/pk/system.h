@@ -245,6 +245,13 @@ struct pk_system {
      * no momenta: where L alone is asked for, or the energy, they count as t does, and energy is
      * NULL where there are no coordinates. */
     size_t n_states;
+
+    /* The particles of which T = sum of m/2 |r'|^2: masses, and x, y, z (0 in a plane) of r, r' and
+     * r'' of each, with a = q'' given. NULL: T was not asked about, or is no such sum. */
+    size_t n_particles;
+    void (*particles)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, const pk_real *a, pk_real *m, pk_real *r, pk_real *r_v,
+                      pk_real *r_a);
 };
 
 /* Degrees of freedom. */

@@ -1,0 +1,239 @@
+"""Drifts and the results of `pkgen run --diagnose` as lines for a person."""
+
+from __future__ import annotations
+
+import math
+
+UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
+NO_TORQUE = 1e-12  # of the size of what it is the sum of
+BROAD = 0.03  # a residual that lines do not explain
+
+
+def drift_lines(drifts: list[dict]) -> list[str]:
+    """Two lines a constant: its drift, and how that grows."""
+    said = []
+    for drift in drifts:
+        name, scale = drift["name"], drift["scale"]
+        if drift["max"] is None or drift["exponent"] is None:
+            said.append(f"drift({name}): {drift['growth']}")
+            continue
+        line = f"drift({name}) max {drift['max']:.2e}, final {drift['final']:.2e}"
+        line += f", slope {drift['slope']:.1e} per unit of time, relative to {scale:.2g}"
+        growth = drift["growth"]
+        if drift["exponent"] or drift["spread"]:
+            growth += f" (t^{drift['exponent']:.2f})"
+        if not drift["first"] and scale:
+            growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
+        said.append(f"{line}: {growth}")
+    return said
+
+
+def lines(found: dict[str, dict], time: str) -> list[str]:
+    """The results in words; `time` is the unit of time. What failed the driver has said."""
+    said = []
+    for name, result in found.items():
+        if result["status"] == "PK_DONE":
+            said += _TEXTS[name](result, time)
+    return said
+
+
+def _per(time: str) -> str:
+    return f" /{time}" if time else ""
+
+
+def _lyapunov(found: dict, time: str) -> list[str]:
+    if found["error"] is None:
+        return ["lyapunov: too few steps to tell"]
+    value = f"{found['exponent']:.4g} +- {found['error']:.2g}{_per(time)}"
+    megno = f"megno {found['megno']:.3g}"
+    if found["motion"] == "leaving":
+        return [
+            f"lyapunov: displacements grow exponentially, exponent {value}: an instability and no "
+            "chaos as far as this goes, for the motion still leaves its start, or rests there, or "
+            "has one coordinate alone and no explicit time"
+        ]
+    if found["motion"] == "chaotic":
+        return [f"lyapunov: chaotic, exponent {value} ({megno})"]
+    if found["motion"] == "regular":
+        return [
+            f"lyapunov: regular over this time ({megno}: 2 of a quasi-periodic motion, 0 of a "
+            f"harmonic one); exponent {value}, of which a regular motion leaves some 2.6/time"
+        ]
+    return [f"lyapunov: undecided ({megno}: between 3 and 6); exponent {value}; take a longer time"]
+
+
+def _reversal(found: dict, time: str) -> list[str]:
+    unit = f" {time}" if time else ""
+    at, error = max(found["times"])
+    if found["lost"]:
+        said = (
+            f"reversal: there and back, the start is lost to {found['threshold']:g} between "
+            f"{found['horizon_lo']:.4g} and {found['horizon_hi']:.4g}{unit}"
+        )
+    else:
+        said = f"reversal: there and back over {at:.4g}{unit} misses the start by {error:.1e}"
+    if found["predicted"] is not None:
+        said += f"; round-off alone would lose it near {found['predicted']:.4g}{unit}"
+    if not found["symmetric"]:
+        said += "; the method is not symmetric, so the error is its own too"
+    return [said]
+
+
+def _spectrum(found: dict, time: str) -> list[str]:
+    unit = f" rad/{time}" if time else ""
+    said = []
+    for coordinate in found["coordinates"]:
+        shown = [
+            f"{line['frequency']:.10g} +- {line['error']:.0e} (amplitude {line['amplitude']:.3g})"
+            for line in coordinate["lines"][:3]
+        ]
+        if not shown and coordinate["away"] < UNIFORM:
+            said.append(f"spectrum: {coordinate['name']}: {_uniform(coordinate, time)}")
+            continue
+        text = ", ".join(shown) + unit if shown else "no line"
+        left = coordinate["residual"]
+        said.append(f"spectrum: {coordinate['name']}: {text}; {left:.1e} left by all lines")
+        if left > BROAD:
+            said[-1] += ": more than lines, or the time is too short to tell them apart"
+    return said
+
+
+def _uniform(coordinate: dict, time: str) -> str:
+    if coordinate["drifts"] < UNIFORM:
+        return f"constant, {coordinate['mean']:.6g}"
+    return f"goes uniformly, by {coordinate['rate']:.10g}{_per(time)}; it does not oscillate"
+
+
+def _symplectic(found: dict, time: str) -> list[str]:
+    said = f"symplectic: of {found['states']} steps of {found['step']:.4g} the worst misses by "
+    said += f"{found['defect']:.1e}, its volume by {found['volume']:.1e}; "
+    if found["symplectic"]:
+        said += f"that is round-off (below {found['rounding']:.0e})"
+    else:
+        said += f"round-off would be below {found['rounding']:.0e}"
+    if not found["variational"]:
+        said += "; the motion itself, with forces besides those of L, is not symplectic"
+    if found["failed"]:
+        said += f"; {found['failed']} more could not be made"
+    return [said]
+
+
+def _least_action(found: dict, time: str) -> list[str]:
+    said = f"least_action: {found['action']:.12g} over {found['time']:.6g}"
+    said += f"{f' {time}' if time else ''}, stationary to {found['slope']:.0e}; "
+    points = ", ".join(f"{t:.10g}" for t in found["conjugate"][:4])
+    points += ", ..." if found["conjugate"][4:] else ""
+    if found["minimum"]:
+        said += "a minimum among paths with the same ends"
+    else:
+        least = "" if found["settled"] else "at least "
+        ways = "one way" if found["index"] == 1 else f"{found['index']} independent ways"
+        said += f"no minimum: {least}{ways} to a neighbour with less"
+    if points:
+        said += f"; conjugate to the start: t = {points}"
+    return [said]
+
+
+def _action(found: dict, time: str) -> list[str]:
+    if found["action"] is None:
+        return [f"action: {found['orbit']}"]
+    unit = f" {time}" if time else ""
+    said = f"action: {found['orbit']}"
+    if found["lo"] is not None:
+        said += f" between {found['lo']:.10g} and {found['hi']:.10g}"
+    said += f": J = {found['action']:.12g}, period {found['period']:.12g}{unit}"
+    said += f" (relative error {found['error']:.0e})"
+    said += ", with t held at the start" if found["held"] else ""
+    lines = [said]
+    drift = found.get("drift")
+    if drift and drift["max"] is not None:
+        (line,) = drift_lines([drift])
+        lines.append(f"action: over {len(found['rows'])} rows {line}")
+        if found["changes"]:
+            lines[-1] += f"; then, at t = {found['rows'][-1][0]:.6g}, it is {found['changes']}"
+        if found["of_forces"]:
+            lines[-1] += "; J is that of L alone, which other forces change"
+    return lines
+
+
+def _angular_momentum(found: dict, time: str) -> list[str]:
+    said = []
+    for about in ("origin", "centre"):
+        of = found[about]
+        if of is None:
+            continue
+        place = "the origin" if about == "origin" else "the centre of mass"
+        lines = drift_lines(of["drifts"])
+        what = "its torque is round-off: this is drift"
+        if of["torque"] > NO_TORQUE:
+            what = "the model does not conserve it (there is a torque): this is how it varies"
+        first = ", ".join(f"{x:.10g}" for x in of["first"][3 - len(lines) :])
+        said.append(f"angular momentum about {place}: {first} at the start; {what}")
+        said += [f"angular momentum about {place}: {line}" for line in lines]
+    return said
+
+
+def _lrl(found: dict, time: str) -> list[str]:
+    said = f"lrl: eccentricity {found['eccentricity']:.10g} at the start"
+    if found["varies"] > NO_TORQUE:
+        said += "; the force is not as 1/r^2: the model does not conserve its vector"
+    lines = [said, f"lrl: {drift_lines([found['drift']])[0]}"]
+    if found["turned"] is None:
+        return [*lines, "lrl: the orbit is a circle, without a pericentre that could turn"]
+    turned = f"lrl: it has turned by {found['turned']:.6g}, {found['rate']:.6g}{_per(time)}"
+    if found["per_period"] is not None:
+        unit = f" {time}" if time else ""
+        turned += (
+            f"; from pericentre to pericentre, {found['period']:.10g}{unit}, "
+            f"by {found['per_period']:.8g}"
+        )
+    return [*lines, turned]
+
+
+def _modes(found: dict, time: str) -> list[str]:
+    unit = f" rad/{time}" if time else ""
+    shown = ["unstable" if f is None else f"{f:.10g}" for f in found["frequencies"][:4]]
+    more = f" and {found['modes'] - 4} more" if found["modes"] > 4 else ""
+    said = [f"modes: {', '.join(shown)}{unit}{more}"]
+    if not found["rows"]:
+        return said
+    for name, row in (("start", found["rows"][0]), ("end", found["rows"][-1])):
+        total, *energies = row[1], *row[3:]
+        order = sorted(range(len(energies)), key=lambda k: -abs(energies[k]))[:3]
+        parts = ", ".join(f"{energies[k]:.6g} in mode {k + 1}" for k in order)
+        said.append(
+            f"modes: at the {name} {total:.6g} in all modes, {parts}; nonlinear {row[2]:.3g}"
+        )
+    return said
+
+
+def _area(found: dict, time: str) -> list[str]:
+    unit = f" {time}" if time else ""
+    rows, until = found["rows"], found["resolved_until"]
+    if until is None:
+        return [
+            f"area: the {found['members']} starts are no smooth closed loop, or too few: "
+            f"{rows[0][2] or math.nan:.1e} of it is in its last harmonics"
+        ]
+    said = f"area: {rows[0][1]:.12g} within {found['members']} members at the start; "
+    if until == rows[-1][0]:
+        said += "resolved to the end"
+    else:
+        said += f"resolved until t = {until:.6g}{unit}, later it is finer than they are apart"
+    if not found["conserved"]:
+        said += "; with forces besides those of L it is not conserved"
+    return [said, f"area: while resolved {drift_lines([found['drift']])[0]}"]
+
+
+_TEXTS = {
+    "area": _area,
+    "modes": _modes,
+    "angular_momentum": _angular_momentum,
+    "lrl": _lrl,
+    "action": _action,
+    "lyapunov": _lyapunov,
+    "reversal": _reversal,
+    "spectrum": _spectrum,
+    "symplectic": _symplectic,
+    "least_action": _least_action,
+}

@@ -1,0 +1,63 @@
+/* Action and period of a motion of one degree of freedom, at its energy and with t held:
+ *
+ *     J = (1/2 pi) closed integral of p dq,     T = closed integral of dq/v = 2 pi dJ/dh,
+ *
+ * of L = M(q) v^2/2 + b(q) v - W(q), where p = M v + b. It goes to and fro between two places where
+ * v = 0 (libration), or once round where the equations have the period 2 pi in q (rotation). With
+ * q = middle + amplitude sin s the integrands of the first are smooth and periodic in s, those of
+ * the second are so in q, and of such sums at equal distances converge geometrically: their number
+ * is doubled until nothing changes. What is left of the energy at q, h - W, is integrated inwards
+ * from where it is 0, so that small swings keep all their digits.
+ *
+ * Where L depends on time slowly J is its adiabatic invariant.
+ *
+ * References: L. Landau, E. Lifshitz, Mechanics, 49 and 50; L. N. Trefethen, J. A. C. Weideman, The
+ * exponentially convergent trapezoidal rule, SIAM Rev. 56 (2014) 385.
+ */
+#ifndef PK_ACTION_H
+#define PK_ACTION_H
+
+#include <pk/integrator.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PK_ORBITS(X)                                                                       \
+    X(PK_ORBIT_LIBRATION, "to and fro")                                                    \
+    X(PK_ORBIT_ROTATION, "round and round")                                                \
+    X(PK_ORBIT_EQUILIBRIUM, "at rest in an equilibrium: it has no orbit")                  \
+    X(PK_ORBIT_SEPARATRIX, "on a separatrix, as far as rounding tells: it never returns")  \
+    X(PK_ORBIT_UNBOUNDED, "not periodic: it goes to infinity or into a singularity")       \
+    X(PK_ORBIT_UNSETTLED, "not smooth enough for the sums to settle")                      \
+    X(PK_ORBIT_SEVERAL, "not of one degree of freedom")                                    \
+    X(PK_ORBIT_NOT_QUADRATIC, "of an L that is not of second degree in the rate")          \
+    X(PK_ORBIT_NO_KERNELS, "compiled without its kernels gradient, mass and canonical")
+
+enum pk_orbit {
+#define PK_ORBIT_ENUM(name, text) name,
+    PK_ORBITS(PK_ORBIT_ENUM)
+#undef PK_ORBIT_ENUM
+    PK_ORBIT_COUNT
+};
+
+struct pk_action {
+    enum pk_orbit orbit;
+    pk_real action, period;
+    pk_real lo, hi; /* the ends of a libration */
+    pk_real error;  /* of both, relative: by what the last doubling changed them, and by what a
+                       rounding of the energy does close to a separatrix */
+    size_t nodes;
+};
+
+/* Of the motion through q, v at t; `u`: its inputs, or NULL. PK_REFUSED: it has none, and `orbit`
+ * says why. */
+enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
+                              const pk_real *q, const pk_real *v, const pk_real *u);
+const char *pk_orbit_text(enum pk_orbit orbit);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

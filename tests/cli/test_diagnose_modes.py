@@ -1,0 +1,102 @@
+"""`--diagnose modes` against closed forms, and Fermi, Pasta, Ulam and Tsingou's recurrence."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+from conftest import ROOT
+
+OSCILLATORS = ROOT / "models/coupled_oscillators.lag"
+FPUT = ROOT / "models/families/fput.lag"
+FREE = """model chain
+size N = 4
+coord q[1..N]
+free q
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 1..N-1)
+start q[1] = 3, q[2]' = 0.5
+"""
+
+
+def modes(pkgen, tmp_path: Path, model: Path, *arguments: object) -> tuple[dict, str]:
+    done = pkgen("run", model, "--diagnose", "modes", "-o", tmp_path / "rows.csv", *arguments)
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
+    return report["diagnostics"]["modes"], done.stderr
+
+
+def test_of_a_linear_chain(pkgen, tmp_path: Path) -> None:
+    # Three masses between walls: 2 sin(j pi/8), shapes sin(j pi i/4)/sqrt 2; energies constant.
+    found, said = modes(pkgen, tmp_path, OSCILLATORS, "--until", "20", "--rtol", "1e-13")
+    frequencies = [2 * math.sin(j * math.pi / 8) for j in (1, 2, 3)]
+    assert all(abs(a - b) < 1e-14 for a, b in zip(found["frequencies"], frequencies, strict=True))
+    shape = [math.sin(math.pi * i / 4) / math.sqrt(2) for i in (1, 2, 3)]
+    assert all(abs(a - b) < 1e-14 for a, b in zip(found["shapes"][0]["shape"], shape, strict=True))
+    assert found["equilibrium"] == [0, 0, 0] and found["energy"] == 0
+    # By hand: q = (.7 -.2 .1), q' = (0 .3 -.5), of the slowest.
+    Q = sum(s * x for s, x in zip(shape, (0.7, -0.2, 0.1), strict=True))
+    P = sum(s * x for s, x in zip(shape, (0, 0.3, -0.5), strict=True))
+    first = found["rows"][0]
+    assert abs(first[3] - (P**2 + (frequencies[0] * Q) ** 2) / 2) < 1e-15
+    assert len(found["rows"]) == 200 and found["left_out"] == 0 and found["modes"] == 3
+    for row in found["rows"]:
+        assert abs(row[1] - sum(row[3:])) < 1e-15 and abs(row[2]) < 1e-15
+        assert all(abs(a - b) < 1e-11 for a, b in zip(row[3:], first[3:], strict=True))
+    assert "modes: 0.7653668647, 1.414213562, 1.847759065 rad/s" in said
+    assert "modes: at the end 0.87 in all modes, 0.607199 in mode 3" in said
+
+
+def test_recurrence(pkgen, tmp_path: Path) -> None:
+    # REGIMES F1: E = .07704437 in the first mode, and .98127 of it again after 146.447 periods; in
+    # between it is elsewhere. The nonlinear energy is what is left of a constant h.
+    period = 64.0257093
+    steps = ["--method", "kahan_li8", "--step", "0.5", "--until", str(146.447 * period)]
+    found, _ = modes(pkgen, tmp_path, FPUT, *steps)
+    assert abs(found["frequencies"][0] * period / (2 * math.pi) - 1) < 1e-8
+    first, last = found["rows"][0], found["rows"][-1]
+    assert abs(first[3] - 0.07704437) < 5e-9 and abs(first[1] - first[3]) < 1e-15
+    assert abs(last[3] / first[3] - 0.98127) < 2e-4
+    assert min(row[3] for row in found["rows"]) < 0.1 * first[3]
+    assert 1e-4 < max(abs(row[2]) for row in found["rows"]) < 0.05 * first[1]
+    assert all(abs(row[1] + row[2] - first[1]) < 1e-9 for row in found["rows"])
+
+
+def test_free_ends_and_a_pendulum(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "model.lag"
+    path.write_text(FREE)
+    found, _ = modes(pkgen, tmp_path, path, "--until", "10")
+    # All together without a force: P^2/2 = (sum of q'/sqrt N)^2/2; the others 2 sin(j pi/8).
+    assert found["frequencies"][0] == 0
+    assert abs(found["frequencies"][1] - 2 * math.sin(math.pi / 8)) < 1e-14
+    assert all(abs(row[3] - 0.25**2 / 2) < 1e-12 for row in found["rows"])
+    assert all(abs(row[2]) < 1e-11 for row in found["rows"])
+    # REGIMES D1, about the equilibrium that is next: hanging, and with the inner rod upright.
+    double = ROOT / "models/double_pendulum.lag"
+    near = ["--start", "theta1=0.1", "--start", "theta2=0.1", "--until", "1"]
+    found, _ = modes(pkgen, tmp_path, double, *near)
+    assert abs(found["frequencies"][0] - 2.3971993979) < 1e-10
+    assert abs(found["frequencies"][1] - 5.7873512980) < 1e-10
+    assert 1e-6 < abs(found["rows"][-1][2]) < 0.01 * found["rows"][-1][1]
+    upright = ["--start", "theta1=3.1", "--start", "theta2=0", "--until", "0.1"]
+    found, said = modes(pkgen, tmp_path, double, *upright)
+    assert abs(found["equilibrium"][0] - math.pi) < 1e-12 and abs(found["equilibrium"][1]) < 1e-12
+    assert found["frequencies"][0] is None and "unstable" in said
+    assert abs(found["squares"][0] + 9.81 * math.sqrt(2)) < 1e-11
+
+
+def test_refusals(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "model.lag"
+    cases = {
+        "coord x\nkinetic x'^2/2\npotential x": "no equilibrium was found",
+        "coord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)": "without explicit time",
+        "coord x\nkinetic x'^2/2\npotential x^2/2\ndissipation x'^2": "forces besides those of L",
+        "coord x, y\nlagrangian (x'^2 + y'^2)/2 + x*y' - y*x' - x^2 - y^2": "depend on rates",
+    }
+    for text, reason in cases.items():
+        path.write_text(f"model m\n{text}\nstart x = 1\n")
+        done = pkgen("run", path, "--diagnose", "modes", "--until", "1")
+        assert done.returncode == 2 and reason in done.stderr, done.stderr
+    done = pkgen("run", ROOT / "models/heavy_top.lag", "--diagnose", "modes", "--until", "1")
+    assert done.returncode in (2, 4) and "run: diagnose modes: " in done.stderr
