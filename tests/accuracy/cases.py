@@ -105,9 +105,7 @@ CASES = (
         "particles/thrown_stone.lag",
         "set k = 0.02; until 7; accuracy 1e-8; record y, y' every 0.05",
     ),
-    Case(
-        "fput", "chains/fput.lag", "until 300; accuracy 1e-6; record q[1], q[16], energy every 1"
-    ),
+    Case("fput", "chains/fput.lag", "until 300; accuracy 1e-6; record q[1], q[16], energy every 1"),
     Case("fput tight", "chains/fput.lag", "until 60; accuracy 1e-10; record q[16] every 5"),
     # oscillators and pendulums
     Case("oscillator", "oscillator.lag", "until 50; accuracy 1e-12; record q every 1", quick=True),

@@ -1111,7 +1111,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 
 const char fput_source_hash[65] =
-    "186e742c224d6fcc697a62ea3ec9be3c91a39ab074d5e80e5ffbea889a9a8651";
+    "6592797b779790150c4a0cdc92d1257d975054065f475b39793298d1dc695190";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},
