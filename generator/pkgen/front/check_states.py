@@ -33,7 +33,8 @@ class States:
             known=unit is not None,
             states=frozenset((item.name,)),
         )
-        self.names.declare(Entry(item.name, "state", facts, item.name_span, members, ends))
+        if not self.names.declare(Entry(item.name, "state", facts, item.name_span, members, ends)):
+            self.wrong.add(item.name)
         dimension = dimension or NONE
         angle = unit.angle if unit is not None else 0
         per_time = units.over(dimension, self.expressions.time_dimension)
