@@ -83,7 +83,9 @@ def test_precession_of_another_force(pkgen, tmp_path: Path) -> None:
     # A circle has no direction.
     round_one = ["--start", "x=1", "--start", "y'=1"]
     of, said = found(pkgen, tmp_path, KEPLER, "lrl", *options[2:], *round_one)
-    assert of["lrl"]["turned"] is None and of["lrl"]["direction"] == [] and "a circle" in said
+    assert (
+        of["lrl"]["turned"] is None and of["lrl"]["direction"] == [] and "that of a circle" in said
+    )
 
 
 @pytest.mark.long
