@@ -179,7 +179,10 @@ def _lrl(found: dict, time: str) -> list[str]:
         said += "; the force is not as 1/r^2: the model does not conserve its vector"
     lines = [said, f"lrl: {drift_lines([found['drift']])[0]}"]
     if found["turned"] is None:
-        return [*lines, "lrl: the orbit is a circle, without a pericentre that could turn"]
+        return [
+            *lines,
+            "lrl: at the start it is that of a circle, without a pericentre that could turn",
+        ]
     turned = f"lrl: it has turned by {found['turned']:.6g}, {found['rate']:.6g}{_per(time)}"
     if found["per_period"] is not None:
         unit = f" {time}" if time else ""

@@ -173,6 +173,10 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
                                         "no energies of their own (pkgen stability has their rates)"
                                       : pk_status_text(status);
     }
+    if (status == PK_SINGULAR_MASS) {
+        status = PK_REFUSED;
+        reason = "where nothing pulls, next to the start, the coordinates themselves are singular";
+    }
     if (diagnose_member(d, "modes", status, reason))
         write_modes(&m, d);
     free(block);

@@ -6,6 +6,8 @@ import json
 import math
 from pathlib import Path
 
+import pytest
+
 PENDULUM = """model swing
 param grow = 0 in [0, 1]
 let l = 1 + grow*t
@@ -56,6 +58,7 @@ def test_of_a_pendulum(pkgen, tmp_path: Path) -> None:
     assert 1e-6 < worse["drift"]["max"] < 1e-3
 
 
+@pytest.mark.long
 def test_adiabatic_invariance(pkgen, tmp_path: Path) -> None:
     # While the pendulum grows to three times its length J keeps to some rate/omega of its size,
     # and its frequency (of small swings l^-1/2) does not.
@@ -88,6 +91,7 @@ def test_of_what_a_scene_leaves(pkgen, tmp_path: Path) -> None:
     assert "a scene whose reductions leave one" in done.stderr
 
 
+@pytest.mark.long
 def test_motions_that_have_none(pkgen, tmp_path: Path) -> None:
     for start, orbit in (
         (["theta=0"], "at rest in an equilibrium"),
