@@ -58,7 +58,7 @@ class Rows:
 
 def find(compilation: Compilation, settings: Settings, columns: int) -> Rows:
     """`settings` have every parameter and start written out as doubles."""
-    ways = _ways(settings.every or settings.until, compilation.structure.smooth)
+    ways = _ways(settings.every or settings.until, compilation.structure.smooth_in_pieces)
     said = repr((sorted(compilation.files.items()), settings.lines(), ways))
     path = FOLDER / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.rows"
     note = path.with_suffix(".error")
