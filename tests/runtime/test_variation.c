@@ -89,6 +89,16 @@ static int follows_the_motion(const struct pk_method *method)
     return strcmp(method->name, "adaptive_verlet") == 0;
 }
 
+/* As if nothing depended on q and v. */
+static void straight_on(const void *params, double t, const double *q, const double *v,
+                        const double *u, const double *a, double *r_q, double *r_v, double *r_t)
+{
+    (void)params, (void)t, (void)q, (void)v, (void)u, (void)a;
+    memset(r_q, 0, 4 * sizeof *r_q);
+    memset(r_v, 0, 4 * sizeof *r_v);
+    memset(r_t, 0, 2 * sizeof *r_t);
+}
+
 static void derivative_of_steps(void)
 {
     struct pk_system systems[] = {double_pendulum_system, relativistic_system, pendulum_system};
@@ -106,7 +116,7 @@ static void derivative_of_steps(void)
             worst = fmax(worst, d);
         }
     printf("\n    displacements against differences of the steps: %.1e", worst);
-    systems[0].linear = relativistic_system.linear; /* not its own */
+    systems[0].linear = straight_on;
     double size = 0;
     CU_ASSERT(missed(&systems[0], pk_method_find("rk4"), 0.05, &size) > 1e-3);
 }
