@@ -2,6 +2,7 @@
 `python -m bench accuracy [--quick] [--only TEXT] [--docs]` judges what scenes promise: accuracy.py
 `python -m bench reductions [--quick] [--docs]` measures what scenes save: reductions.py
 `python -m bench systems [--docs]` runs every scene of every model: systems.py
+`python -m bench side_by_side [--docs]` beside physicskit at its published settings: side_by_side.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
 Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
@@ -14,12 +15,12 @@ What is said: targets.py (figures to reach), tables.py, chart.py, report.py (doc
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 import time
 
 from . import (
-    accuracy,
     chains,
     chart,
     derivation,
@@ -29,9 +30,7 @@ from . import (
     machine,
     measure,
     models,
-    reductions,
     reference,
-    systems,
     tables,
     targets,
 )
@@ -39,13 +38,14 @@ from .builds import OUTPUT, Unavailable
 from .peers import cvode, gsl, mechanicsdsl, own, python, taylor
 from .report import write_docs
 
+# Each a command of its own; those that import pkgen are not for the peers' Python.
+ALONE = ("accuracy", "reductions", "systems", "side_by_side")
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 
 def main() -> int:
-    alone = {"accuracy": accuracy, "reductions": reductions, "systems": systems}
-    if sys.argv[1:] and sys.argv[1] in alone:
-        return alone[sys.argv[1]].main(sys.argv[2:])
+    if sys.argv[1:] and sys.argv[1] in ALONE:
+        return importlib.import_module(f".{sys.argv[1]}", __package__).main(sys.argv[2:])
     arguments = _arguments()
     effort = measure.QUICK if arguments.quick else measure.FULL
     effort = measure.ALONE if arguments.own else effort

@@ -13,6 +13,7 @@ Times are medians of turns taken in one run; theirs after a call that compiles.
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import statistics
 import subprocess
@@ -23,8 +24,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import machine
-from .builds import Unavailable
+from . import environment, machine
 from .side_by_side_cases import CASES, Case
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -106,16 +106,27 @@ def main(words: list[str]) -> int:
     parser.add_argument("--only", default="", help="systems whose name has this text")
     parser.add_argument("--docs", action="store_true", help="write docs/models.md")
     arguments = parser.parse_args(words)
-    try:
-        rows = [row(case) for case in CASES if arguments.only in case.name]
-    except Unavailable as reason:
-        print(f"bench: {reason}", file=sys.stderr)
-        return 1
+    if importlib.util.find_spec("physicskit") is None:
+        return with_peers(words)
+    rows = [row(case) for case in CASES if arguments.only in case.name]
     text = table(rows)
     print(text)
     if arguments.docs:
         write(text)
     return 0
+
+
+def with_peers(words: list[str]) -> int:
+    """The same in the Python that has physicskit."""
+    if environment.main():
+        return 1
+    python = environment.VENV / "bin" / "python"
+    there = subprocess.run([python, "-c", "import physicskit"], capture_output=True, check=False)
+    if there.returncode:
+        print("bench: physicskit cannot be had here", file=sys.stderr)
+        return 1
+    command = [python, "-m", "bench", "side_by_side", *words]
+    return subprocess.run(command, cwd=ROOT, check=False).returncode
 
 
 def row(case: Case) -> Row:

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
+import importlib
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-
-from .builds import Unavailable
 
 EXPLICIT = ("verlet", "yoshida4", "blanes_moan6", "kahan_li8", "dop853", "gauss")
 IMPLICIT = ("gauss2", "gauss4", "dop853", "gauss")
@@ -41,7 +41,8 @@ class Case:
         found = [*self.words, *given, "--every", repr(every)]
         if self.members > 1:
             system = self.make()
-            lines = (f"{q!r},{p!r}" for q, p in zip(map(float, system.q), map(float, system.p)))
+            pairs = zip(map(float, system.q), map(float, system.p), strict=True)
+            lines = (f"{q!r},{p!r}" for q, p in pairs)
             path = directory / "members.csv"
             path.write_text("theta,theta'\n" + "\n".join(lines) + "\n", encoding="utf-8")
             found += ["--ensemble", str(path), "--threads", "1"]
@@ -94,20 +95,13 @@ def _of_members(rows: list[list[float]]) -> tuple[float, float, list[float]]:
 
 
 def _plane(end: list[float]) -> list[float]:
-    import math
-
     r, phi, dr, dphi = end
     c, s = math.cos(phi), math.sin(phi)
     return [r * c, r * s, dr * c - r * dphi * s, dr * s + r * dphi * c]
 
 
 def _systems(module: str):
-    try:
-        import importlib
-
-        return importlib.import_module(f"physicskit.classical.systems.{module}")
-    except ImportError:
-        raise Unavailable("physicskit is not installed: make bench installs it") from None
+    return importlib.import_module(f"physicskit.classical.systems.{module}")
 
 
 def _of(module: str, name: str, *arguments: object, maker: str = "", **named: object):
@@ -178,7 +172,8 @@ CASES = (
         ("--set", "Omega=3", "--start", "theta=0.3"), ours=IMPLICIT, longest=0.11, offset=9.81,
     ),
     Case(
-        "coupled oscillators", _of("lagrangian", "CoupledOscillators", [0.1, -0.2, 0.15], [0.0] * 3),
+        "coupled oscillators",
+        _of("lagrangian", "CoupledOscillators", [0.1, -0.2, 0.15], [0.0] * 3),
         1e-4, 10_000, MIDPOINT, "models/coupled_oscillators.lag",
         ("--start", "q[1]=0.1", "--start", "q[2]=-0.2", "--start", "q[3]=0.15",
          "--start", "q[2]'=0", "--start", "q[3]'=0"),
