@@ -1,0 +1,182 @@
+"""Pictures of docs/models.md, from rows of `pkgen run`: python tools/pictures.py [NAME ...]
+
+    kepler       the ellipse of a perturbed sun turns
+    sections     Poincare sections of Henon and Heiles' well at three energies
+    swarm        a loop of pendulums in phase space, which keeps its area
+    fput         energies of normal modes, and their recurrence
+    kinks        a kink and an antikink go through each other
+    foucault     the rosettes of Foucault's pendulum
+
+Into docs/pictures/NAME.png.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+ROOT = Path(__file__).resolve().parent.parent
+OUTPUT = ROOT / "docs" / "pictures"
+MODELS = ROOT / "models"
+INK, BLUE, RED, GREY = "#222222", "#1f5fa8", "#c0392b", "#999999"
+
+
+class Rows:
+    """The rows of one run by the names of their columns, and its report."""
+
+    def __init__(self, model: str, *words: object):
+        with tempfile.TemporaryDirectory() as directory:
+            path = Path(directory, "rows.npy")
+            command = [sys.executable, "-m", "pkgen", "run", MODELS / model, *words, "-o", path]
+            done = subprocess.run([str(w) for w in command], capture_output=True, text=True)
+            if done.returncode not in (0, 4):  # 4: with other settings expectations may be missed
+                raise SystemExit(f"pictures: {model}: {done.stderr}")
+            self.data = np.load(path)
+            told = json.loads(Path(f"{path}.json").read_text(encoding="utf-8"))
+        self.names = [column["name"] for column in told["columns"]]
+        self.report = told["report"]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.data[:, self.names.index(name)]
+
+    def family(self, name: str) -> np.ndarray:
+        """A column a member."""
+        return self.data[:, [i for i, x in enumerate(self.names) if x.startswith(f"{name}[")]]
+
+
+def panels(count: int, width: float = 4.0, height: float = 4.0):
+    figure, axes = plt.subplots(1, count, figsize=(width * count, height), squeeze=False)
+    return figure, list(axes[0])
+
+
+def orbit(axis, x, y, title: str, **style) -> None:
+    axis.plot(x, y, **{"lw": 0.6, "color": BLUE, **style})
+    axis.set_aspect("equal")
+    axis.set_title(title, fontsize=10)
+
+
+def kepler():
+    """Both perturbations that the model has, over a dozen turns."""
+    figure, axes = panels(2)
+    cases = {"− μ/r + γ/r³, γ = −0.01": ["gamma=-0.01"], "− μ/r + κ/r², κ = 0.02": ["kappa=0.02"]}
+    for axis, (title, given) in zip(axes, cases.items(), strict=True):
+        words = [w for x in (*given, "e=0.6") for w in ("--set", x)]
+        rows = Rows("particles/kepler_perturbed.lag", *words, "--until", 50, "--every", 0.02)
+        x, y = rows["r"] * np.cos(rows["phi"]), rows["r"] * np.sin(rows["phi"])
+        orbit(axis, x, y, title)
+        axis.plot([0], [0], "o", color="#e0a000", ms=6)
+    return figure
+
+
+def sections():
+    """y and y' where x = 0 is crossed upwards."""
+    figure, axes = panels(3)
+    for axis, (energy, name) in zip(
+        axes, ((1 / 12, "1/12"), (1 / 8, "1/8"), (1 / 6, "1/6")), strict=True
+    ):
+        rows = Rows("particles/henon_heiles.lag", "--scene", "sections", "--set", f"E={energy!r}")
+        for member in np.unique(rows["k"]):
+            own = rows["k"] == member
+            axis.plot(rows["y"][own], rows["y'"][own], ",", color=plt.cm.twilight(member % 17 / 17))
+        axis.set_title(f"E = {name}", fontsize=10)
+        axis.set_xlabel("y")
+    axes[0].set_ylabel("y′ where x = 0, x′ > 0")
+    return figure
+
+
+def swarm():
+    """The loop at four times; its area is that of the diagnostic."""
+    rows = Rows("pendulums/pendulum.lag", "--scene", "loop")
+    times = np.unique(rows["t"])
+    shown = times[[0, len(times) // 6, len(times) // 3, -1]]
+    figure, axes = panels(len(shown), 3.4, 3.4)
+    for axis, t in zip(axes, shown, strict=True):
+        now = rows["t"] == t
+        axis.plot(rows["theta"][now], rows["theta'"][now], lw=0.5, color=BLUE)
+        axis.set_title(f"t = {t:g}", fontsize=10)
+        axis.set_xlabel("θ")
+    axes[0].set_ylabel("θ′")
+    return figure
+
+
+def fput():
+    """Energies of the first modes of the alpha chain, over a super-period and more."""
+    n = 31
+    rows = Rows(
+        "chains/fput.lag", "--until", 11000, "--every", 20, "--method", "kahan_li8", "--step", 0.2
+    )
+    i = np.arange(1, n + 1)
+    figure, (axis,) = panels(1, 8, 4)
+    for k, colour in zip((1, 2, 3, 4), (BLUE, RED, "#2e8b57", "#8e44ad"), strict=True):
+        shape = np.sqrt(2 / (n + 1)) * np.sin(np.pi * i * k / (n + 1))
+        frequency = 2 * np.sin(np.pi * k / (2 * (n + 1)))
+        place, rate = rows.family("q")[:, :n] @ shape, rows.family("q")[:, n:] @ shape
+        energy = (rate**2 + (frequency * place) ** 2) / 2
+        axis.plot(rows["t"] / 64.0257093, energy, color=colour, lw=1, label=f"mode {k}")
+    axis.set_xlabel("periods of the first mode")
+    axis.set_ylabel("energy")
+    axis.legend(frameon=False, loc="upper center", ncols=4)
+    return figure
+
+
+def kinks():
+    """q(x, t) of the collision, and a breather."""
+    figure, axes = panels(2, 5, 4)
+    for axis, (scene, until) in zip(axes, (("collision", 40), ("breather", 40)), strict=True):
+        rows = Rows(
+            "chains/sine_gordon.lag", "--scene", scene, "--until", until, "--every", 0.25,
+            "--record", ",".join(f"q[{i}]" for i in range(1, 400, 2)),
+        )  # fmt: skip
+        q = rows.family("q")
+        shown = axis.imshow(
+            q, origin="lower", aspect="auto", cmap="RdBu_r", vmin=-2 * np.pi, vmax=2 * np.pi,
+            extent=(-20, 20, 0, until),
+        )  # fmt: skip
+        axis.set_title(scene, fontsize=10)
+        axis.set_xlabel("x")
+    axes[0].set_ylabel("t")
+    figure.colorbar(shown, ax=axes[1], label="q")
+    return figure
+
+
+def foucault():
+    """On an earth that turns 400 times as fast, so that the petals part."""
+    figure, axes = panels(2)
+    turn = ("--set", "turn=0.03", "--until", 139, "--every", 0.2)  # half a turn
+    cases = {
+        "released at rest beside the earth: cusps": (),
+        "at rest beside the stars: through the middle": ("--scene", "rosette"),
+    }
+    for axis, (title, words) in zip(axes, cases.items(), strict=True):
+        rows = Rows("pendulums/foucault.lag", *words, *turn, "--record", "x,y")
+        orbit(axis, rows["x"], rows["y"], title)
+    return figure
+
+
+PICTURES: dict[str, Callable[[], plt.Figure]] = {
+    f.__name__: f for f in (kepler, sections, swarm, fput, kinks, foucault)
+}
+
+
+def main(names: list[str]) -> int:
+    for name in names or PICTURES:
+        figure = PICTURES[name]()
+        figure.tight_layout()
+        figure.savefig(OUTPUT / f"{name}.png", dpi=110)
+        plt.close(figure)
+        print(OUTPUT / f"{name}.png")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
