@@ -18,11 +18,12 @@ struct tally {
     enum pk_status status;       /* of the first that failed, */
     pk_real t;
     char reason[512];            /* in words */
-    unsigned long *crossings, *never; /* of events and switches: in all, and of how many members none */
-    pk_real *first; /* the time of each event's first one in each member, infinite without; or NULL */
+    unsigned long *crossings; /* of events and switches, in all, */
+    unsigned long *never;     /* and how many members had none */
+    pk_real *first; /* when each event was first in each member, infinite without; or NULL */
 };
-/* Of watched.c: members that run one by one since events are watched or there are switches. Memory of
- * the tally; so many members; the members "events" and "switches" of the report. */
+/* Of watched.c: members that run one by one since events are watched or there are switches.
+ * Memory of the tally; so many members; the members "events" and "switches" of the report. */
 struct batch;
 enum { WATCHED_AT_ONCE = 1024 };
 int watched_by_one(const struct settings *s);

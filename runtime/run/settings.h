@@ -15,8 +15,8 @@
  *
  * Each `show` is a column of the rows, behind t; without any they have all columns. `at` is an event:
  * a row at each of its crossings, and others only if there is an `every`.
- * Of an ensemble events are looked for where there is a `watch`; `times` reports when each member first
- * met them.
+ * Of an ensemble events are looked for where there is a `watch`; `times` reports when each member
+ * first met them.
  * What is `expect`ed are relations between outputs A and B, `=` up to a third one; what `drift`s is
  * measured over all steps. Outputs that are `hidden` are no columns.
  *

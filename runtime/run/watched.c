@@ -1,6 +1,6 @@
-/* Members of an ensemble whose events are watched, or whose equations have switches: each is a run of
- * its own, with the rows and the verdicts of one, several at a time; what they wrote comes out in their
- * order.
+/* Members of an ensemble whose events are watched, or whose equations have switches: each is a run
+ * of its own, with the rows and the verdicts of one, several at a time; what they wrote comes out in
+ * their order.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -192,8 +192,10 @@ void watched_report(const struct tally *tally, const struct settings *s, FILE *f
         fputs(k ? "," : "", file);
         report_kind(file, tally, k, run_system->events[k].what.name);
         fprintf(file, ", \"stop\": %s", run_system->events[k].stop ? "true" : "false");
-        if (tally->first)
-            fputs(", ", file), output_numbers(file, "first", tally->first + k * s->members, s->members);
+        if (tally->first) {
+            fputs(", ", file);
+            output_numbers(file, "first", tally->first + k * s->members, s->members);
+        }
         fputs("}", file);
     }
     fputs("],\n  \"switches\": [", file);

@@ -37,7 +37,8 @@ int pk_sides_missing(const struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     if (!(it->method->needs & ~system->facts & PK_SMOOTH))
         return 0;
-    const pk_real *side = (const pk_real *)(const void *)((const char *)it->problem.params + system->sides);
+    const char *const params = (const char *)it->problem.params;
+    const pk_real *side = (const pk_real *)(const void *)(params + system->sides);
     for (size_t k = 0; k < system->n_switches; k++)
         if (!(side[k] > 0) && !(side[k] < 0))
             return 1;

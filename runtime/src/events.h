@@ -59,8 +59,8 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k);
 /* Adds the crossings of event k to the list, which is in the order in which they are met. */
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k);
-/* Reports what is in the list, as far as the first event that stops, or the first switch, and what is
- * at the same time. */
+/* Reports what is in the list, as far as the first event that stops, or the first switch, and what
+ * is at the same time. */
 enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it);
 
 #endif

@@ -1,7 +1,8 @@
 /* Switches: which side of its zero each is held on, and where that changes; see pk/events.h.
  *
- * A step is one of the equations of one side throughout, also where its stages or its end lie beyond
- * the zero; only then is its end cut back to it, by events.c. So a method keeps its order.
+ * A step is one of the equations of one side throughout, also where its stages or its end lie
+ * beyond the zero; only then is its end cut back to it, by events_report.c. So a method keeps its
+ * order.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
  * ed., Springer 1993, section II.6; of motions that stay on a zero (PK_SLIDING): A. F. Filippov,

@@ -44,7 +44,12 @@ static double moved(const struct parameters *p, double t, double q)
 {
     return q - 2 * STEP(p->side[0], t - 1);
 }
-SWITCHING(of_nested) { UNUSED, x[0] = t - 1, x[1] = moved((const struct parameters *)params, t, q[0]); }
+SWITCHING(of_nested)
+{
+    UNUSED;
+    x[0] = t - 1;
+    x[1] = moved((const struct parameters *)params, t, q[0]);
+}
 KERNEL(nested)
 {
     const struct parameters *p = (const struct parameters *)params;

@@ -30,7 +30,7 @@
  * (pk_integrator_reset()) g may be on the other side, and that is no crossing.
  *
  * Switches of the system (struct pk_system) are located as events are. Each is held on the side on
- * which the motion is, so that within a step the equations are smooth, and every method has its order
+ * which the motion is, so that within a step the equations are smooth, every method has its order
  * and may be used; where one crosses zero the step ends, and the next one begins on the other side.
  * At the start, and after a reset, the sides are those of the state; of a switch that is zero there
  * the one to which the motion goes, or else 1. The sides are in a copy of the params that is the

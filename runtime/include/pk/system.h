@@ -228,11 +228,12 @@ struct pk_system {
                        const pk_real *u, pk_real *zdot);
     void (*quadrature_start)(const void *params, pk_real *z);
 
-    /* Switches: arguments x of step(x), abs(x), and a - b of min(a, b), at whose zeros the equations
-     * change from one smooth form to another. `switching` writes them. On which side each is held,
-     * whatever x: 1 above, -1 below; 0, as defaults() leaves it: where x is. With all sides given the
-     * equations are smooth. They are n_switches pk_real from the byte `sides` of the params on; see
-     * pk/events.h, which sets them in a copy. 0 and NULL: not smooth and nowhere located, or smooth. */
+    /* Switches: arguments x of step(x), abs(x), and a - b of min(a, b), at whose zeros the
+     * equations change from one smooth form to another. `switching` writes them. On which side
+     * each is held, whatever x: 1 above, -1 below; 0, as defaults() leaves it: where x is. With
+     * all sides given the equations are smooth. They are n_switches pk_real from the byte `sides`
+     * of the params on; see pk/events.h, which sets them in a copy. 0 and NULL: there are none, or
+     * the system is not smooth and nobody knows where. */
     size_t n_switches;
     const struct pk_quantity *switches; /* names: the expressions as text, "t - t0" */
     size_t sides;
