@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from .cache import cache_directory
@@ -201,9 +202,10 @@ def _publish(staging: Path, directory: Path) -> None:
 
 def _prune(parent: Path) -> None:
     """Keep the newest programs; the rest can be built again."""
-    entries = sorted(
-        (p for p in parent.iterdir() if not p.name.startswith(".")),
-        key=lambda p: p.stat().st_mtime,
-    )
-    for old in entries[:-KEPT_PROGRAMS]:
+    found = []
+    for path in parent.iterdir():
+        with suppress(FileNotFoundError):  # another process prunes as well
+            found.append((path.stat().st_mtime, path))
+    entries = sorted(entry for entry in found if not entry[1].name.startswith("."))
+    for _, old in entries[:-KEPT_PROGRAMS]:
         shutil.rmtree(old, ignore_errors=True)

@@ -44,14 +44,17 @@ FUNCTIONS: dict[str, Function] = {
     "pow": Function(2, "none", "pow", internal=True),
     # -1, 0 or 1: the derivative of abs
     "sign": Function(1, "any", ":sign", smooth=False, internal=True),
-    # The same with the side of their switch in front, which is not 0 while a run has it located.
+    # 1/x, and 0 at 0: with it sqrt, norm and abs have derivative 0 at 0
+    "reciprocal": Function(1, "any", ":reciprocal", internal=True),
+}
+
+# In C alone: the same with the side of their switch in front, not 0 while a run has it located.
+IN_C = FUNCTIONS | {
     "side_step": Function(2, "any", ":side_step", smooth=False, internal=True),
     "side_sign": Function(2, "any", ":side_sign", smooth=False, internal=True),
     "side_abs": Function(2, "any", ":side_abs", smooth=False, internal=True),
     "side_min": Function(3, "any", ":side_min", smooth=False, internal=True),
     "side_max": Function(3, "any", ":side_max", smooth=False, internal=True),
-    # 1/x, and 0 at 0: with it sqrt, norm and abs have derivative 0 at 0
-    "reciprocal": Function(1, "any", ":reciprocal", internal=True),
 }
 
 ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})

@@ -254,7 +254,7 @@ def test_least_action_is_a_minimum_up_to_the_first_conjugate_point(pkgen, tmp_pa
 
 
 def test_least_action_wants_a_lagrangian_alone(pkgen, tmp_path: Path) -> None:
-    model = ROOT / "models/events/thrown_stone.lag"
+    model = ROOT / "models/particles/thrown_stone.lag"
     done = pkgen("run", model, "--until", "3", "--diagnose", "least_action")
     assert done.returncode == 2
     assert "forces act besides those of L" in done.stderr

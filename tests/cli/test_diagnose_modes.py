@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 
 OSCILLATORS = ROOT / "models/coupled_oscillators.lag"
-FPUT = ROOT / "models/families/fput.lag"
+FPUT = ROOT / "models/chains/fput.lag"
 FREE = """model chain
 size N = 4
 coord q[1..N]

@@ -131,6 +131,10 @@ class Facts:
     variational: bool = True
     affine: bool = False
 
+    @property
+    def smooth_in_pieces(self) -> bool:
+        return self.smooth
+
 
 KNOWN = [
     method("exponential", 0, requires=("affine",)),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
 
-from ..functions import FUNCTIONS
+from ..functions import IN_C
 from ..middle.graph import Node, Op
 from .expressions import Form, added, atom, called, inverted, multiplied, negated, text
 from .literals import literal
@@ -203,7 +203,7 @@ class Schedule:
         if op is Op.POWER:
             assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
             return inverted(forms[args[0]])
-        function = FUNCTIONS[str(self.work.data[node])].c
+        function = IN_C[str(self.work.data[node])].c
         if function[0] == ":":
             self.helpers.add(function[1:])
             function = self.prefix + function[1:]
