@@ -87,7 +87,9 @@ def sections():
         rows = Rows("particles/henon_heiles.lag", "--scene", "sections", "--set", f"E={energy!r}")
         for member in np.unique(rows["k"]):
             own = rows["k"] == member
-            axis.plot(rows["y"][own], rows["y'"][own], ",", color=plt.cm.twilight(member % 17 / 17))
+            axis.plot(
+                rows["y"][own], rows["y'"][own], ".", ms=0.9, color=plt.cm.tab10(int(member) % 10)
+            )
         axis.set_title(f"E = {name}", fontsize=10)
         axis.set_xlabel("y")
     axes[0].set_ylabel("y′ where x = 0, x′ > 0")
@@ -97,14 +99,13 @@ def sections():
 def swarm():
     """The loop at four times; its area is that of the diagnostic."""
     rows = Rows("pendulums/pendulum.lag", "--scene", "loop")
-    times = np.unique(rows["t"])
-    shown = times[[0, len(times) // 6, len(times) // 3, -1]]
+    shown = np.unique(rows["t"])
     figure, axes = panels(len(shown), 3.4, 3.4)
     for axis, t in zip(axes, shown, strict=True):
         now = rows["t"] == t
         axis.plot(rows["theta"][now], rows["theta'"][now], lw=0.5, color=BLUE)
+        axis.set(xlim=(-3, 3), ylim=(-2.2, 2.2), xlabel="θ")
         axis.set_title(f"t = {t:g}", fontsize=10)
-        axis.set_xlabel("θ")
     axes[0].set_ylabel("θ′")
     return figure
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import shlex
 import shutil
@@ -72,3 +73,25 @@ def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) 
     whole = off(pkgen, path, scene, "sin(", *rows)
     half = off(pkgen, path, scene, "sin(", "--set", "gamma=5e-6", *rows)
     assert half > 1e-9 and 3.8 < whole / half < 4.2
+
+
+@pytest.mark.long
+def test_a_hundred_thousand_pendulums_keep_their_area_while_they_resolve_it(
+    pkgen, tmp_path: Path
+) -> None:
+    """Until t = 3900 and no longer, by a method whose energies are off by 1e-3."""
+    rows = tmp_path / "loop.npy"
+    done = pkgen(
+        *("run", ROOT / "models/pendulums/pendulum.lag", "--scene", "loop", "--until", "5000"),
+        *("--method", "verlet", "--step", "0.1", "--every", "100", "--diagnose", "area"),
+        *("-o", rows),
+    )
+    assert done.returncode == 4 and "drift(energy)" in done.stderr
+    found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["area"]
+    assert found["members"] == 100_000 and found["conserved"]
+    assert 3000 <= found["resolved_until"] < 4900
+    assert 0 < found["drift"]["max"] <= 1e-12
+    areas = [area for t, area, _ in found["rows"] if t <= found["resolved_until"]]
+    assert areas[0] == pytest.approx(-math.pi, rel=1e-14)
+    wrong = max(abs(area + math.pi) for t, area, _ in found["rows"] if t >= 4800)
+    assert wrong > 1e3 * max(abs(area + math.pi) for area in areas)
