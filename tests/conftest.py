@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
@@ -23,6 +24,12 @@ STRICT = [
     "-Wdouble-promotion",
     "-Werror",
 ]  # for C that is generated
+
+
+def long_but(kept: Iterable[object], values: Iterable[object]) -> list:
+    """Parameters of a test, of which all but `kept` are for `make test-long`."""
+    kept = set(kept)
+    return [v if v in kept else pytest.param(v, marks=pytest.mark.long) for v in values]
 
 
 @lru_cache

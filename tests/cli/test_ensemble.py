@@ -41,8 +41,10 @@ def single(pkgen, member, *options: str) -> list[list[str]]:
     "options",
     [
         ["--method", "rk4", "--step", "0.01"],
-        ["--method", "gauss2", "--step", "0.05"],
-        ["--method", "dop853", "--rtol", "1e-9", "--set", "l2=0.7"],
+        pytest.param(["--method", "gauss2", "--step", "0.05"], marks=pytest.mark.long),
+        pytest.param(
+            ["--method", "dop853", "--rtol", "1e-9", "--set", "l2=0.7"], marks=pytest.mark.long
+        ),
     ],
 )
 def test_members_are_single_runs(pkgen, ensemble, options: list[str]) -> None:

@@ -7,6 +7,7 @@ import math
 import random
 
 import pytest
+from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
 from pkgen.middle.loops import Unrolled as CannotLoop
@@ -17,8 +18,13 @@ SCALARS = ("energy", "lagrangian", "kinetic", "potential")
 
 
 LONG = {"paired": 70, "ring": 70, "wheel": 15}  # members whose unrolled code takes long
+SHORT = {"fput", "ring", "paired", "gravity", "cart"}  # in make test
 CASES = [
-    (name, [size for size in sizes if size != LONG.get(name)])
+    pytest.param(
+        name,
+        [size for size in sizes if size != LONG.get(name)],
+        marks=[] if name in SHORT else pytest.mark.long,
+    )
     for name, (_, sizes) in MODELS.items()
 ]
 CASES += [pytest.param(name, [size], marks=pytest.mark.long) for name, size in LONG.items()]
@@ -150,7 +156,7 @@ def test_fused_steps_equal_kicks_and_drifts_one_by_one(name, tmp_path):
                 assert_close(one, other, f"{name} N = {size} {method}", scale=50.0)
 
 
-@pytest.mark.parametrize("name", STEPPED)
+@pytest.mark.parametrize("name", long_but({"loosely"}, STEPPED))
 def test_stages_in_flight_equal_single_steps_to_the_bit(name, tmp_path):
     loops = Looped(STEPPED[name], tmp_path)
     kick, drift = METHODS["symplectic_euler"]

@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 
 import pytest
+from conftest import long_but
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCES = json.loads((Path(__file__).parent / "references.json").read_text())
@@ -44,7 +45,7 @@ def final_error(pkgen, name: str, *method: object) -> float:
     )
 
 
-@pytest.mark.parametrize("name", REFERENCES)
+@pytest.mark.parametrize("name", long_but({"double_pendulum"}, REFERENCES))
 def test_dop853(pkgen, name: str) -> None:
     assert 0 < final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-13") < BOUNDS[name]
     assert final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-5") > BOUNDS[name]
