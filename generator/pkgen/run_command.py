@@ -182,9 +182,9 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
     """Say to a person how the run went."""
     if outcome.messages:
         print(outcome.messages.rstrip("\n"), file=sys.stderr)
-    if options.json or outcome.code != DONE:
-        return
     report = outcome.report
+    if options.json or (outcome.code != DONE and "diagnostics" not in report):
+        return  # where a diagnostic alone has failed the run itself has not
     if "members" in report:
         print(
             f"{report['method']}: {report['done']} members by {report['threads']} threads, "

@@ -13,7 +13,7 @@
 
 #include <pk/gsl.h>
 
-enum { MODES = 24, MOST = 192, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
+enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
 static const double SETTLED = 1e-12; /* of the action, from panels to twice as many */
 static const double AMPLITUDE = 1e-3; /* of a neighbour, in the length in which B is 1 */
 
@@ -35,6 +35,20 @@ static void renew(struct stage *x, struct run *run, size_t panels, size_t modes)
     pk_least_action_free(x->found);
     x->status = pk_least_action_find(x->found, &run->problem, s->method, &s->options, 0, s->q,
                                      s->v, run->it.t, panels, modes, x->block, size);
+}
+
+/* With panels, each at most half a wave of the shortest mode, until the action has settled. */
+static void integrate(struct stage *x, struct run *run, size_t modes)
+{
+    const size_t least = modes > PANELS ? modes : PANELS;
+    double before = 0;
+    for (size_t panels = least; panels <= MOST_PANELS; panels *= 2) {
+        renew(x, run, panels, modes);
+        const double change = fabs(x->found->action - before);
+        before = x->found->action;
+        if (x->status < 0 || (panels > least && change <= SETTLED * x->found->size))
+            return;
+    }
 }
 
 static size_t negative(const double *lambda, size_t count)
@@ -65,10 +79,17 @@ static void neighbour(struct diagnostics *d, const struct pk_least_action *found
     diagnose_real(d, "neighbour", there - found->action);
 }
 
+/* A conjugate point within the path is a way down, whether or not so few modes show it. */
+static size_t index_of(const struct pk_least_action *found, const double *lambda)
+{
+    const size_t index = negative(lambda, found->n * found->modes);
+    return index > found->n_conjugate ? index : found->n_conjugate;
+}
+
 static void write(struct diagnostics *d, const struct pk_least_action *found, const double *lambda,
                   double *lowest, size_t index_of_half)
 {
-    const size_t m = found->n * found->modes, index = negative(lambda, m);
+    const size_t m = found->n * found->modes, index = index_of(found, lambda);
     diagnose_real(d, "action", found->action);
     diagnose_real(d, "time", found->time);
     diagnose_real(d, "slope", found->slope);
@@ -87,7 +108,7 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
 {
     const struct pk_system *system = run->problem.system;
     const size_t n = run->settings.n;
-    const size_t modes = MODES * n <= MOST ? MODES : MOST / n;
+    size_t modes = MODES * n <= MOST ? MODES : MOST / n;
     struct pk_least_action found = {0};
     struct stage x = {&found, NULL, PK_REFUSED};
     char reason[512] = "";
@@ -98,32 +119,29 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
     else if (diagnose_no_variation(system))
         strcpy(reason, diagnose_no_variation(system));
     else if (modes < 2)
-        strcpy(reason, "too many coordinates for its neighbours: 96 at most");
-    if (!*reason) {
-        double before = 0;
-        size_t panels = PANELS;
-        do {
-            renew(&x, run, panels, modes);
-            const double change = fabs(found.action - before);
-            before = found.action;
-            if (panels > PANELS && change <= SETTLED * found.size)
-                break;
-        } while (x.status >= 0 && (panels *= 2) <= MOST_PANELS);
+        strcpy(reason, "too many coordinates for its neighbours: 200 at most");
+    double *lambda = NULL;
+    size_t half = 0;
+    while (!*reason) {
+        const size_t m = n * modes;
+        integrate(&x, run, modes);
         strcpy(reason, pk_status_text(x.status));
         if (x.status < 0 && found.it.method)
             pk_integrator_reason(&found.it, reason, sizeof reason);
+        free(lambda);
+        lambda = (double *)words_allocate(2 * m, sizeof *lambda);
+        if (x.status >= 0)
+            x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
+        half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));
+        if (x.status >= 0 && (x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m)) < 0)
+            strcpy(reason, pk_status_text(x.status));
+        if (x.status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST) {
+            modes *= 2; /* so few do not show all ways yet */
+            *reason = 0;
+        }
     }
-    double *lambda = (double *)words_allocate(2 * n * modes + 1, sizeof *lambda);
-    double *lowest = lambda + n * modes;
-    size_t half = 0;
-    if (x.status >= 0) {
-        x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
-        half = negative(lambda, n * (modes / 2));
-    }
-    if (x.status >= 0 && (x.status = pk_gsl_least_action(&found, modes, lambda, lowest)) < 0)
-        strcpy(reason, pk_status_text(x.status));
     if (diagnose_member(d, "least_action", x.status, reason))
-        write(d, &found, lambda, lowest, half);
+        write(d, &found, lambda, lambda + n * modes, half);
     free(lambda);
     pk_least_action_free(&found);
     free(x.block);

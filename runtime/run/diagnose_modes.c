@@ -45,6 +45,8 @@ static int rests(const struct modes *m, const double *q)
         off[i] = q[i] + 1e-6 * (m->run->settings.q[i] - q[i]);
     problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
     for (size_t i = 0; i < n; i++) {
+        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* two bodies in one place, say */
+            return 0;
         force = fmax(force, fabs(pdot[i]));
         change = fmax(change, fabs(moved[i] - pdot[i]));
     }

@@ -66,6 +66,10 @@ pk_real pk_elliptic_e(pk_real m)
 static struct pk_elliptic swing(pk_real amplitude)
 {
     struct pk_elliptic found;
+    if (!(pk_abs(amplitude) < PK_PI)) { /* no swing: m above 1, of which all is no number */
+        pk_elliptic_find(2, -1, &found);
+        return found;
+    }
     const pk_real s = PK_F(sin)(amplitude / 2), c = PK_F(cos)(amplitude / 2);
     pk_elliptic_find(s * s, c * c, &found);
     return found;
@@ -79,7 +83,10 @@ pk_real pk_pendulum_action(pk_real amplitude) { return 8 / PK_PI * swing(amplitu
 static pk_real by_energy(pk_real above, struct pk_elliptic *found)
 {
     if (above <= 0) {
-        pk_elliptic_find(1 + above / 2, -above / 2, found);
+        if (above < -2) /* below the lowest */
+            pk_elliptic_find(2, -1, found);
+        else
+            pk_elliptic_find(1 + above / 2, pk_abs(above) / 2, found);
         return 0;
     }
     pk_elliptic_find(2 / (2 + above), above / (2 + above), found);

@@ -66,8 +66,9 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         changed = 0;
         values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
-            const pk_real was = e->sides[k], guess = was < 0 ? PK_C(-1.0) : PK_C(1.0);
-            e->sides[k] = x[k] > 0 ? PK_C(1.0) : x[k] < 0 ? PK_C(-1.0) : guess;
+            /* Exactly 0, as where another switch in it has turned, is above: step(0) = 1. */
+            const pk_real was = e->sides[k];
+            e->sides[k] = x[k] < 0 ? PK_C(-1.0) : PK_C(1.0);
             e->fresh[k] = x[k] > 0 || x[k] < 0 ? PK_C(0.0) : PK_C(1.0);
             changed |= e->sides[k] > was || e->sides[k] < was;
         }

@@ -258,3 +258,15 @@ def test_least_action_wants_a_lagrangian_alone(pkgen, tmp_path: Path) -> None:
     done = pkgen("run", model, "--until", "3", "--diagnose", "least_action")
     assert done.returncode == 2
     assert "forces act besides those of L" in done.stderr
+
+
+def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp_path) -> None:
+    """Of an eccentric orbit 24 modes show no way down yet, and there are eight."""
+    rows = tmp_path / "rows.csv"
+    words = ["--until", "30", "--method", "gauss", "--rtol", "1e-13", "-o", rows]
+    model = ROOT / "models/particles/kepler.lag"
+    done = pkgen("run", model, *words, "--diagnose", "least_action,modes")
+    assert done.returncode == 2 and "modes: no equilibrium was found" in done.stderr
+    found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
+    assert not found["minimum"] and found["index"] == len(found["conjugate"]) == 8
+    assert found["modes"] > 24

@@ -174,7 +174,9 @@ def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_the_chart_has_states(pkgen, tmp_path: Path) -> None:
-    model = written(tmp_path, LOTKA)
+    """One state beside one coordinate: three numbers, of which one is a place."""
+    text = "model q\ncoord x\nstate s\nkinetic x'^2/2\npotential x^2/2 + x^4/10\n"
+    model = written(tmp_path, text + "rate s = x - s\nstart x = 1\n")
     done = pkgen(
         "chart", model, "--until", "5", "--quick", "--methods", "rk4,gauss,radau,verlet",
         "-o", tmp_path, "--json",

@@ -192,3 +192,34 @@ end
         assert a == pytest.approx(b, abs=2e-10)
     assert one["report"]["switches"] == two["report"]["switches"]
     assert sum(s["count"] for s in one["report"]["switches"]) > 20000
+
+
+def test_an_argument_that_stays_zero_is_above(pkgen, tmp_path: Path) -> None:
+    """step(0) = 1, also where another switch has made it 0: max(y, 0) for y < 0."""
+    path = tmp_path / "plateau.lag"
+    path.write_text(
+        "model plateau\ncoord y, z\nkinetic (y'^2 + z'^2)/2\npotential (y^2 + z^2)/2\n"
+        "force y = 0.2*step(max(y, 0))\nforce z = 0.2\nstart y = 1, z = 1\n"
+    )
+    done = pkgen("run", path, "--until", "6", "--every", "2")
+    assert done.returncode == 0, done.stderr
+    table = [[float(x) for x in row.split(",")] for row in done.stdout.splitlines()[1:]]
+    assert len(table) == 4 and table[2][1] < -0.3
+    for row in table:
+        assert row[1] == pytest.approx(row[2], abs=1e-9)
+
+
+def test_what_has_no_value_beyond_the_zero_is_taken_as_it_stands(pkgen, tmp_path: Path) -> None:
+    """Hertz's contact, max(0, -x)^1.5, held on one side would be a root of what is negative."""
+    path = tmp_path / "hertz.lag"
+    path.write_text(
+        "model hertz\ncoord x\nkinetic x'^2/2\npotential 9.81*x\n"
+        "force x = 1000*max(0, -x)^1.5\nstart x = 0.5\n"
+    )
+    done = pkgen("run", path, "--until", "5", "--every", "5", "--rtol", "1e-10")
+    assert done.returncode == 0, done.stderr
+    assert "dop853" in done.stderr
+    last = [float(x) for x in done.stdout.splitlines()[-1].split(",")]
+    assert last[1:3] == pytest.approx([0.40022, -1.39917], abs=2e-5)  # by SciPy
+    refused = pkgen("run", path, "--until", "5", "--method", "gauss")
+    assert refused.returncode == 2

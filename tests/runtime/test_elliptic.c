@@ -68,6 +68,9 @@ static void pendulum(void)
     CU_ASSERT(fabs(pk_pendulum_action(PI / 2) - 1.0787052024) < 6e-11);
     CU_ASSERT(fabs(2 * PI / pk_pendulum_period(PI / 2) - .8472130848) < 6e-11);
     CU_ASSERT(near(pk_pendulum_energy_action(0), 8 / PI, 1));
+    CU_ASSERT(pk_pendulum_energy_period(0) > 1e300);
+    CU_ASSERT(isnan(pk_pendulum_energy_period(-3)) && isnan(pk_pendulum_energy_action(-3)));
+    CU_ASSERT(isnan(pk_pendulum_period(3.2)) && isnan(pk_pendulum_action(7)));
     CU_ASSERT(isinf(pk_pendulum_energy_period(0)));
     /* By energy as by amplitude; of small swings amplitude^2/2. */
     for (double amplitude = 0.5; amplitude < 3; amplitude += 0.1) {

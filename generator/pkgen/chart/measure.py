@@ -18,14 +18,19 @@ from .points import Method, Point
 
 
 class Exact(list):
-    """A state of more digits than a double's: a fraction for each coordinate, then each rate."""
+    """A state of more digits than a double's: a fraction for each coordinate, then each rate and
+    each first-order variable."""
+
+    coordinates = 0  # how many of the former
 
     @staticmethod
     def of(state: dict[str, list]) -> Exact:
         pairs = [*state["q"], *state["v"]]
         if any(x is None for pair in pairs for x in pair):
             raise NumericsFailed("a state is not finite")
-        return Exact(Fraction(high) + Fraction(low) for high, low in pairs)
+        exact = Exact(Fraction(high) + Fraction(low) for high, low in pairs)
+        exact.coordinates = len(state["q"])
+        return exact
 
 
 def difference(one: Exact, other: Exact, scales: list[float]) -> float:

@@ -140,8 +140,8 @@ def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[f
 
 
 def _at_rest(states: list[Exact]) -> bool:
-    """No coordinate moves by what a double can tell."""
-    for i in range(len(states[0]) // 2):
+    """Nothing moves by what a double can tell."""
+    for i in range(len(states[0])):
         xs = [state[i] for state in states]
         if float(max(xs) - min(xs)) > sys.float_info.epsilon * float(max(map(abs, xs))):
             return False
@@ -151,10 +151,10 @@ def _at_rest(states: list[Exact]) -> bool:
 def _scales(states: list[Exact]) -> list[float]:
     """The largest magnitude of each coordinate and each rate; of one that never moves, that of the
     others of its kind."""
-    n = len(states[0]) // 2
-    largest = [float(max(abs(state[i]) for state in states)) for i in range(2 * n)]
-    scales = []
+    n = states[0].coordinates
+    largest = [float(max(abs(state[i]) for state in states)) for i in range(len(states[0]))]
+    scales: list[float] = []
     for kind in (largest[:n], largest[n:]):
-        usual = max(kind) or 1.0
+        usual = max(kind, default=0.0) or 1.0
         scales += [x or usual for x in kind]
     return scales

@@ -26,8 +26,15 @@ SIDED = {name: f"side_{name}" for name in ("step", "sign", "abs", "min", "max")}
 def switches_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
 ) -> tuple[Switch, ...]:
-    """Those of the equations that `outputs` are, each argument once: of x and -x the first."""
+    """Those of the equations that `outputs` are, each argument once: of x and -x the first.
+
+    None where one stands in what has no value everywhere, max(0, x)^(3/2) say: a step that is held
+    on one side goes a little beyond the zero, where that is no number. Then all are left as they are.
+    """
     found: dict[Node, None] = {}
+    bounded = [a for n in reachable(g, outputs, VARIABLE) if _bounded(g, n) for a in g.args[n]]
+    if any(_argument(g, n)[0] != ZERO for n in reachable(g, bounded, VARIABLE)):
+        return ()
     for node in reachable(g, outputs, VARIABLE):
         argument, _ = _argument(g, node)
         if g.depends[argument] & VARIABLE and g.negate(argument) not in found:
@@ -49,6 +56,13 @@ def sides(g: Graph, switches: Iterable[Switch]) -> dict[Node, tuple[int, int]]:
             k, side = places[argument]
             found[node] = k, sign * side
     return found
+
+
+def _bounded(g: Graph, node: Node) -> bool:
+    """Whether it has a value for some arguments alone."""
+    if g.op[node] is Op.POWER:
+        return g.data[node].denominator != 1
+    return g.op[node] is Op.CALL and g.data[node] in ("sqrt", "log", "asin", "acos", "pow")
 
 
 def _argument(g: Graph, node: Node) -> tuple[Node, int]:
