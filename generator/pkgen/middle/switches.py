@@ -29,7 +29,7 @@ def switches_of(
     """Those of the equations that `outputs` are, each argument once: of x and -x the first.
 
     None where one stands in what has no value everywhere, max(0, x)^(3/2) say: a step that is held
-    on one side goes a little beyond the zero, where that is no number. Then all are left as they are.
+    on one side goes a little beyond the zero, where that is no number. Then all stay as they are.
     """
     found: dict[Node, None] = {}
     bounded = [a for n in reachable(g, outputs, VARIABLE) if _bounded(g, n) for a in g.args[n]]
