@@ -66,7 +66,7 @@ pk_real pk_elliptic_e(pk_real m)
 static struct pk_elliptic swing(pk_real amplitude)
 {
     struct pk_elliptic found;
-    if (!(pk_abs(amplitude) < PK_PI)) { /* no swing: m above 1, of which all is no number */
+    if (!(PK_F(fabs)(amplitude) < PK_PI)) { /* no swing: m above 1, of which all is no number */
         pk_elliptic_find(2, -1, &found);
         return found;
     }
@@ -86,7 +86,7 @@ static pk_real by_energy(pk_real above, struct pk_elliptic *found)
         if (above < -2) /* below the lowest */
             pk_elliptic_find(2, -1, found);
         else
-            pk_elliptic_find(1 + above / 2, pk_abs(above) / 2, found);
+            pk_elliptic_find(1 + above / 2, PK_F(fabs)(above) / 2, found);
         return 0;
     }
     pk_elliptic_find(2 / (2 + above), above / (2 + above), found);
