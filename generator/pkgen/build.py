@@ -80,10 +80,10 @@ def _gsl(tools: Toolchain) -> list[str]:
 # The driver is linked with whatever model this names.
 CHOICE = """#include <pk/apart.h>
 extern const struct pk_system {name}_system;
-extern const struct pk_system *const run_system;
+extern const struct pk_system *const run_model;
 extern const struct pk_part *const run_parts;
 extern const size_t run_n_parts;
-const struct pk_system *const run_system = &{name}_system;
+const struct pk_system *const run_model = &{name}_system;
 """
 WHOLE = """const struct pk_part *const run_parts = NULL;
 const size_t run_n_parts = 0;

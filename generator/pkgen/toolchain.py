@@ -25,6 +25,8 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
 )
+# A function that no header declares would return an int.
+DECLARED = "-Werror=implicit-function-declaration"
 # For this very processor; the first that the compiler accepts.
 NATIVE = (("-march=native",), ("-mcpu=native",), ())
 STANDARD = "-std=c11"
@@ -104,7 +106,7 @@ def _output(command: list[str]) -> str | None:
 
 def compile_c(tools: Toolchain, arguments: list[str], directory: Path) -> None:
     include = f"-I{RUNTIME / 'include'}"
-    run([*tools.cc, STANDARD, *tools.flags, include, *arguments], directory)
+    run([*tools.cc, STANDARD, DECLARED, *tools.flags, include, *arguments], directory)
 
 
 def run(command: list[str], directory: Path) -> None:

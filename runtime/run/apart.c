@@ -59,7 +59,7 @@ int apart_choose(struct run *run)
 {
     struct settings *s = &run->settings;
     const char *none = s->ensemble             ? "ensembles"
-                       : run_system->n_events  ? "events"
+                       : run_model->n_events  ? "events"
                        : s->diagnose           ? "diagnostics"
                        : s->land == 0          ? "dense rows"
                                                : NULL;
@@ -120,22 +120,22 @@ static void look(struct run *run)
     }
 }
 
-int apart_start(struct run *run)
+int apart_begin(struct run *run)
 {
     struct settings *s = &run->settings;
-    const size_t m = run_system->n_quadratures, n = s->n;
+    const size_t m = run_model->n_quadratures, n = s->n;
     run->problem = settings_problem(s);
     const size_t size = pk_apart_size(&run->problem, run_parts, run->choices, run_n_parts);
     const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = words_allocate(size, 1);
     run->monitor_block = words_allocate(monitor_size, 1);
-    run->row = (pk_real *)words_allocate(2 * n + run_system->n_observed + m + 1, sizeof *run->row);
+    run->row = (pk_real *)words_allocate(2 * n + run_model->n_observed + m + 1, sizeof *run->row);
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
-    run->monitor.has_energy |= expect_energy(run);
+    run->monitor.has_energy |= expect_uses_h(run);
     enum pk_status status = pk_apart_init(&run->apart, &run->problem, run_parts, run->choices,
                                           run_n_parts, 0, s->q, s->v, run->block, size);
     if (status >= 0 && m) {
-        settings_z(s, run_system, s->params, run->row);
+        settings_z(s, run_model, s->params, run->row);
         status = pk_apart_set_quadratures(&run->apart, run->row);
     }
     look(run);

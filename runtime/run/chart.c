@@ -150,10 +150,10 @@ static void print_drifts(const struct chart *c)
     if (m->has_energy)
         print_drift("energy", &m->energy, &separator);
     for (size_t i = 0; i < c->s.n; i++)
-        if (run_system->cyclic && run_system->cyclic[i])
-            print_drift(run_system->momenta[i].name, &m->momenta[i], &separator);
-    for (size_t i = 0; i < run_system->n_conserved; i++)
-        print_drift(run_system->conserved[i].name, &m->conserved[i], &separator);
+        if (run_model->cyclic && run_model->cyclic[i])
+            print_drift(run_model->momenta[i].name, &m->momenta[i], &separator);
+    for (size_t i = 0; i < run_model->n_conserved; i++)
+        print_drift(run_model->conserved[i].name, &m->conserved[i], &separator);
     fputs("]", stdout);
 }
 
@@ -171,7 +171,7 @@ static void point(struct chart *c, const struct pk_method *method, pk_real setti
     print_end(c);
     print_drifts(c);
     if (c->it.state) {
-        numbers_pairs(stdout, "q", c->it.q, pk_system_coordinates(run_system, c->s.params));
+        numbers_pairs(stdout, "q", c->it.q, pk_system_coordinates(run_model, c->s.params));
         numbers_pairs(stdout, "v", c->it.v, c->s.n);
     }
     if (arrived)
@@ -194,7 +194,7 @@ static void path(struct chart *c, const struct pk_method *method, pk_real settin
             break;
         fputs(k ? ", {\"t\": " : "{\"t\": ", stdout);
         output_real(stdout, t);
-        numbers_pairs(stdout, "q", c->it.q, n - run_system->n_states);
+        numbers_pairs(stdout, "q", c->it.q, n - run_model->n_states);
         numbers_pairs(stdout, "v", c->it.v, n);
         if (linear && jacobians_at(&c->problem, c->it.t, c->it.q, c->it.v, c->s.u, a_q,
                                    a_q + n * n, c->work)) {
@@ -248,7 +248,7 @@ int chart_run(const char *settings)
 {
     static struct chart c;
     char text[4096];
-    int code = settings_file(&c.s, run_system, settings);
+    int code = settings_file(&c.s, run_model, settings);
     if (code == 0) {
         c.problem = settings_motion(&c.s);
         c.system = *c.problem.system;

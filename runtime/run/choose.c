@@ -100,9 +100,9 @@ static int once(struct choice *c, const struct trial *trial)
         s->options.h_max = trial->max_step;
     rows_clear(&c->tried);
     run->kept = &c->tried;
-    expect_start(run);
+    expect_begin(run);
     const double began = processor_now();
-    const int able = run_settle(run) == 0 && run_start(run) == 0;
+    const int able = run_settle(run) == 0 && run_begin(run) == 0;
     if (able)
         run_rows(run);
     c->seconds = processor_now() - began;
@@ -239,7 +239,7 @@ int choose_run(const char *settings)
 {
     static struct choice c;
     char text[4096];
-    int code = settings_file(&c.s, run_system, settings);
+    int code = settings_file(&c.s, run_model, settings);
     c.absolute = 1;
     if (code == 0) {
         c.ignored = (unsigned char *)words_allocate(rows_columns(&c.s), 1);

@@ -11,11 +11,11 @@ enum { MOST_ROWS = 20000, MOST_NUMBERS = 4000000 }; /* kept; of more, every othe
 
 size_t rows_columns(const struct settings *s)
 {
-    size_t count = pk_system_coordinates(run_system, s->params) + s->n +
-                   run_system->n_quadratures + (run_system->energy != NULL);
+    size_t count = pk_system_coordinates(run_model, s->params) + s->n +
+                   run_model->n_quadratures + (run_model->energy != NULL);
     if (s->n_show)
         return s->n_show;
-    for (size_t i = 0; i < run_system->n_observed; i++)
+    for (size_t i = 0; i < run_model->n_observed; i++)
         count += !expect_hides(s, i);
     return count;
 }
@@ -50,7 +50,7 @@ static void thin(struct rows *rows)
 static void shown(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *z, const pk_real *out, pk_real *x)
 {
-    const struct pk_system *system = run_system;
+    const struct pk_system *system = run_model;
     const pk_real *const of[] = {q, v, out, z};
     static const char kinds[] = "qvoz";
     for (size_t i = 0; i < s->n_show; i++) {
@@ -84,8 +84,8 @@ void rows_keep(struct run *run, pk_real t, const pk_real *q, const pk_real *v, c
     const int last = t == s->until;
     if (rows->seen++ % rows->stride && !last)
         return;
-    if (run_system->n_observed)
-        run_system->observe(s->params, t, q, v, s->u, out);
+    if (run_model->n_observed)
+        run_model->observe(s->params, t, q, v, s->u, out);
     if (rows->count == rows->room)
         grow(rows);
     rows->t[rows->count] = t;
@@ -98,10 +98,10 @@ void rows_keep_ends(struct run *run)
 {
     const struct pk_integrator *it = &run->it;
     struct settings *s = &run->settings;
-    pk_real *out = run->row + 2 * s->n, *z = out + run_system->n_observed;
+    pk_real *out = run->row + 2 * s->n, *z = out + run_model->n_observed;
     if (!s->at || run->kept->count || it->status < 0)
         return;
-    settings_z(s, run_system, s->params, z);
+    settings_z(s, run_model, s->params, z);
     rows_keep(run, 0, s->q, s->v, z, out);
     rows_keep(run, it->t, it->q, it->v, it->z, out);
     run->kept->without = 1;

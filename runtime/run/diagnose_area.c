@@ -44,7 +44,7 @@ int area_begin(struct run *run, size_t rows)
         if (s->columns[k].kind == 'p' || s->columns[k].kind == 'i')
             return refuse("members with parameters or inputs of their own are no loop of one "
                           "motion: let starts alone differ");
-    if (!run_system->canonical)
+    if (!run_model->canonical)
         return refuse("the system has no kernel canonical");
     if (16.0 * (double)s->members * (double)rows * (double)s->n > BYTES)
         return refuse("so many rows of so many members take more than 2 GB: record less often");
@@ -67,7 +67,7 @@ void area_note(struct run *run, size_t row, pk_real t, const pk_real *q, const p
     struct loop *l = run->loop;
     if (!l)
         return;
-    run_system->canonical(run->settings.params, t, q, v, run->settings.u, l->p, l->pdot);
+    run_model->canonical(run->settings.params, t, q, v, run->settings.u, l->p, l->pdot);
     l->t[row] = (double)t;
     for (size_t i = 0; i < l->n; i++) {
         series(l, row, i, 0)[run->member] = (double)q[i];
@@ -115,7 +115,7 @@ static void write_rows(struct run *run, struct diagnostics *d, const double *win
     output_numbers(d->file, "winding", winding, l->n);
     diagnose_real(d, "threshold", RESOLVED);
     fprintf(d->file, ", \"conserved\": %s, \"rows\": [",
-            run_system->facts & PK_VARIATIONAL ? "true" : "false");
+            run_model->facts & PK_VARIATIONAL ? "true" : "false");
     for (size_t row = 0; row < l->rows; row++) {
         double area, tail;
         const int done = area_at(l, row, winding, parts, &area, &tail) == PK_DONE;

@@ -44,7 +44,7 @@ static void excursion_begin(struct excursion *e, size_t n)
 static void excursion_note(struct excursion *e, const struct settings *s,
                            const struct pk_integrator *it, int half)
 {
-    const size_t n = s->n, seen = pk_system_coordinates(run_system, s->params);
+    const size_t n = s->n, seen = pk_system_coordinates(run_model, s->params);
     for (size_t i = 0; i < e->count; i++) {
         if (i >= seen && i < n)
             continue;

@@ -24,7 +24,7 @@ int ensemble_fixed(const struct settings *s)
     if (watched_by_one(s))
         return !(s->method->traits & PK_ADAPTIVE);
     const struct pk_ensemble e = {
-        .system = run_system, .method = s->method, .options = s->options};
+        .system = run_model, .method = s->method, .options = s->options};
     return pk_ensemble_fixed(&e);
 }
 
@@ -63,7 +63,7 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
     const struct pk_problem problem = {.system = b->system, .params = s->params};
     if (run->monitor_block) {
         pk_monitor_init(&run->monitor, &problem, run->monitor_block, pk_monitor_size(&problem));
-        run->monitor.has_energy |= expect_energy(run);
+        run->monitor.has_energy |= expect_uses_h(run);
     }
     show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL);
     area_note(run, 0, 0, b->q0 + i * b->n, b->v0 + i * b->n);
@@ -204,7 +204,7 @@ int ensemble_run(struct run *run, pk_real count)
     const double began = run_now();
     int code = 0;
 
-    run->problem.system = run_system;
+    run->problem.system = run_model;
     b.file = fopen(s->ensemble, "rb");
     if (!b.file || s->members == 0) {
         fprintf(stderr, "run: cannot read %s\n", s->ensemble);
@@ -213,9 +213,9 @@ int ensemble_run(struct run *run, pk_real count)
     members_allocate(&b, run, rows, stop);
     if (watched && b.size > WATCHED_AT_ONCE)
         b.size = WATCHED_AT_ONCE;
-    if ((ensemble_fixed(s) && (run_system->facts & PK_CONSERVATIVE)) || expect_energy(run))
+    if ((ensemble_fixed(s) && (run_model->facts & PK_CONSERVATIVE)) || expect_uses_h(run))
         run->monitor_block = words_allocate(
-            pk_monitor_size(&(struct pk_problem){.system = run_system, .params = b.params}), 1);
+            pk_monitor_size(&(struct pk_problem){.system = run_model, .params = b.params}), 1);
     for (size_t k = 0; k < rows; k++)
         b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
     if (rows > 1 && ensemble_fixed(s)) {

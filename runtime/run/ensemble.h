@@ -41,7 +41,7 @@ void run_interrupt(int whether);
  * its memory, integrators and events (both an exit code); all its rows. run_free() gives all back but
  * the settings. */
 int run_settle(struct run *run);
-int run_start(struct run *run);
+int run_begin(struct run *run);
 void run_rows(struct run *run);
 void run_free(struct run *run);
 double run_now(void);

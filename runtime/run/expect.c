@@ -30,8 +30,8 @@ static void compare(struct run *run, struct expected *x, pk_real t, pk_real a, p
 static const pk_real *outputs(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
 {
     const struct settings *s = &run->settings;
-    if (run_system->n_observed)
-        run_system->observe(s->params, t, q, v, s->u, run->expected);
+    if (run_model->n_observed)
+        run_model->observe(s->params, t, q, v, s->u, run->expected);
     return run->expected;
 }
 
@@ -83,7 +83,7 @@ void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, 
     compare_all(run, 'r', 0, t, q, v, z);
 }
 
-void expect_event(struct run *run, const struct pk_events *at)
+void expect_landed_at(struct run *run, const struct pk_events *at)
 {
     compare_all(run, 'e', at->which, at->t, at->q, at->v, at->z);
 }
@@ -101,11 +101,11 @@ void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *
     }
 }
 
-int expect_energy(const struct run *run)
+int expect_uses_h(const struct run *run)
 {
     for (size_t i = 0; i < run->settings.n_drifting; i++)
         if (run->settings.drifting[i].energy)
-            return run_system->energy && run_system->canonical;
+            return run_model->energy && run_model->canonical;
     return 0;
 }
 
@@ -226,10 +226,10 @@ int expect_setting(struct settings *s, const struct pk_system *system, size_t li
     return 1;
 }
 
-void expect_start(struct run *run)
+void expect_begin(struct run *run)
 {
     if (run->settings.n_expected || run->settings.n_drifting)
-        run->expected = (pk_real *)words_allocate(run_system->n_observed + 1, sizeof(pk_real));
+        run->expected = (pk_real *)words_allocate(run_model->n_observed + 1, sizeof(pk_real));
 }
 
 int expect_hides(const struct settings *s, size_t output)

@@ -12,17 +12,17 @@ int expect_setting(struct settings *s, const struct pk_system *system, size_t li
 /* Whether an output is no column. */
 int expect_hides(const struct settings *s, size_t output);
 /* Memory for the outputs, or the end of the process. */
-void expect_start(struct run *run);
+void expect_begin(struct run *run);
 /* The next time up to `limit` at which something is expected: a step ends there. */
 pk_real expect_limit(const struct run *run, pk_real limit);
 /* A state at a time t: what is expected then; in rows; at an event. z: as of output_row(). */
 void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *z);
 void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
-void expect_event(struct run *run, const struct pk_events *at);
+void expect_landed_at(struct run *run, const struct pk_events *at);
 /* Whether the drift of the energy is asked for. It is then watched where the equations do not show
  * it to be constant as well: a parameter that makes it so may be left to the run (--no-reduce). */
-int expect_energy(const struct run *run);
+int expect_uses_h(const struct run *run);
 /* A sample for the drifts; what has drifted so far is of one member, and the next one begins. */
 void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
 void expect_member(struct run *run, const struct pk_drift *energy);

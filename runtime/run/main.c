@@ -1,5 +1,5 @@
 /* The program that `pkgen run` builds for a model: settings in, CSV out, a report beside it.
- * Linked with the generated C and with a definition of run_system, the model it is to run.
+ * Linked with the generated C and with a definition of run_model, the model it is to run.
  *
  * Exit: 0 done; 2 wrong settings or output that cannot be written; 4 the numerics failed, or an
  * energy or observed value was no finite number in some row; 130 interrupted. Rows up to the last
@@ -96,7 +96,7 @@ static int settle(struct run *run)
 static int start(struct run *run)
 {
     struct settings *s = &run->settings;
-    const struct pk_system *system = run_system;
+    const struct pk_system *system = run_model;
     if (!run->problem.system) /* that of a member is known */
         run->problem = settings_shows_z(s) ? settings_problem(s) : settings_motion(s);
     const size_t size = pk_integrator_size(&run->problem, s->method);
@@ -110,7 +110,7 @@ static int start(struct run *run)
         return 4;
     }
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
-    run->monitor.has_energy |= expect_energy(run);
+    run->monitor.has_energy |= expect_uses_h(run);
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0 ||
         settings_quadratures(s, &run->it) < 0)
@@ -126,9 +126,9 @@ static int start(struct run *run)
 
 int run_settle(struct run *run) { return run_parts ? apart_choose(run) : settle(run); }
 
-int run_start(struct run *run)
+int run_begin(struct run *run)
 {
-    const int code = run_parts ? apart_start(run) : start(run);
+    const int code = run_parts ? apart_begin(run) : start(run);
     return code || run_parts ? code : watch_begin(run);
 }
 
@@ -204,7 +204,7 @@ int main(int argc, char **argv)
                         "--chart FILE, --stability FILE and --choose FILE\n");
         return 2;
     }
-    int code = settings_read(&run.settings, run_system, stdin);
+    int code = settings_read(&run.settings, run_model, stdin);
     if (code == 0)
         code = run_settle(&run);
     if (code) {
@@ -216,13 +216,13 @@ int main(int argc, char **argv)
     signal(SIGINT, on_interrupt);
     const double began = run_now();
     run.out = stdout;
-    expect_start(&run);
+    expect_begin(&run);
     if (run.settings.ensemble) {
         code = ensemble_run(&run, run.count);
         settings_free(&run.settings);
         return code;
     }
-    code = run_start(&run);
+    code = run_begin(&run);
     if (code == 0 || run.it.state)
         output_header(&run, stdout);
     if (code == 0)

@@ -97,7 +97,7 @@ void members_allocate(struct batch *b, struct run *run, size_t rows, int (*stop)
     const struct settings *s = &run->settings;
     struct pk_ensemble *e = &b->e;
     b->s = s;
-    b->system = run_system;
+    b->system = run_model;
     b->n = pk_system_count(b->system, s->params);
     const size_t fit = RUN_BATCH_BYTES / (2 * b->n * rows * sizeof(pk_real)) + 1;
     b->size = fit < s->members ? fit : s->members;

@@ -102,14 +102,14 @@ void settings_follow(struct settings *s, const struct pk_system *system)
 void settings_tell(const struct settings *s, FILE *file)
 {
     fputs("{\"parameters\": [", file);
-    for (size_t i = 0; i < run_system->n_parameters; i++) {
+    for (size_t i = 0; i < run_model->n_parameters; i++) {
         pk_real x;
-        memcpy(&x, (const char *)s->params + run_system->parameters[i].offset, sizeof x);
+        memcpy(&x, (const char *)s->params + run_model->parameters[i].offset, sizeof x);
         fputs(i ? ", " : "", file);
         output_real(file, x);
     }
     fputs("]", file);
-    numbers_list(file, "q", s->q, pk_system_coordinates(run_system, s->params));
+    numbers_list(file, "q", s->q, pk_system_coordinates(run_model, s->params));
     numbers_list(file, "v", s->v, s->n);
     fputs("}\n", file);
 }

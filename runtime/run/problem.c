@@ -9,19 +9,19 @@ static void constant_input(void *context, pk_real t, pk_real *u)
 {
     const struct settings *s = (const struct settings *)context;
     (void)t;
-    memcpy(u, s->u, run_system->n_inputs * sizeof *u);
+    memcpy(u, s->u, run_model->n_inputs * sizeof *u);
 }
 
 struct pk_problem settings_problem(struct settings *s)
 {
-    return (struct pk_problem){run_system, s->params, constant_input, s};
+    return (struct pk_problem){run_model, s->params, constant_input, s};
 }
 
 struct pk_problem settings_motion(struct settings *s)
 {
     static struct pk_system bare;
     struct pk_problem problem = settings_problem(s);
-    bare = *run_system;
+    bare = *run_model;
     bare.n_quadratures = 0;
     problem.system = &bare;
     return problem;

@@ -33,7 +33,7 @@
 
 /* The model that the program runs; and the blocks of coordinates that it is integrated in, each by
  * itself, or NULL. */
-extern const struct pk_system *const run_system;
+extern const struct pk_system *const run_model;
 extern const struct pk_part *const run_parts;
 extern const size_t run_n_parts;
 

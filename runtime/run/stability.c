@@ -51,7 +51,7 @@ void stability_end(struct pk_integrator *it)
 static int answer(struct stability *s, size_t line, char *const words[])
 {
     if (strcmp(words[0], "start") == 0)
-        return stability_start(s);
+        return stability_ready(s);
     if (strcmp(words[0], "motion") == 0)
         return stability_motion(s);
     if (strcmp(words[0], "point") == 0)
@@ -78,7 +78,7 @@ int stability_run(const char *path)
         fprintf(stderr, "run: cannot read %s: %s\n", path, strerror(errno));
         return EXIT_USAGE;
     }
-    int code = settings_read(&s.settings, run_system, stdin);
+    int code = settings_read(&s.settings, run_model, stdin);
     if (code == 0) {
         const size_t n = s.n = s.settings.n;
         s.problem = settings_motion(&s.settings);

@@ -70,7 +70,7 @@ void stability_end(struct pk_integrator *it);
 struct reference stability_reference(struct stability *s, double until);
 
 /* What is asked; words[0] is its name. 0, or 2 with a message. */
-int stability_start(struct stability *s);
+int stability_ready(struct stability *s);
 int stability_motion(struct stability *s);
 int stability_point(struct stability *s, size_t line, char *const words[]);
 int stability_oscillator(size_t line, char *const words[]);

@@ -158,7 +158,7 @@ static int print(const struct stability *s, double scale)
     return 0;
 }
 
-int stability_start(struct stability *s)
+int stability_ready(struct stability *s)
 {
     begin(s);
     return print(s, summary(s, 0).scale);

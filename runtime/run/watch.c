@@ -30,7 +30,7 @@ static int found(void *context, const struct pk_events *events)
 {
     struct run *run = (struct run *)context;
     note_time(&run->crossed[events->which], events->t);
-    expect_event(run, events);
+    expect_landed_at(run, events);
     if (!run->settings.land && !run_dense_rows(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {

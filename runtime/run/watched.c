@@ -34,9 +34,9 @@ struct work {
     struct done *done;
 };
 
-int watched_by_one(const struct settings *s) { return s->watch || run_system->n_switches > 0; }
+int watched_by_one(const struct settings *s) { return s->watch || run_model->n_switches > 0; }
 
-static size_t kinds(void) { return run_system->n_events + run_system->n_switches; }
+static size_t kinds(void) { return run_model->n_events + run_model->n_switches; }
 
 /* With a state, parameters, inputs and verdicts of its own. */
 static struct run *prepared(const struct work *w, size_t i)
@@ -63,13 +63,13 @@ static struct run *prepared(const struct work *w, size_t i)
     run->problem = w->problem;
     run->problem.params = s->params;
     run->problem.context = s;
-    expect_start(run);
+    expect_begin(run);
     return run;
 }
 
 static void integrate(struct run *run, const pk_real *z0)
 {
-    if (run_start(run) != 0) {
+    if (run_begin(run) != 0) {
         if (run->it.status >= 0)
             run->it.status = PK_NO_MEMORY;
         return;
@@ -140,7 +140,7 @@ static void merge(struct run *run, struct done *done, struct tally *tally)
     for (size_t k = 0; k < kinds(); k++) {
         tally->crossings[k] += done->count[k];
         tally->never[k] += done->count[k] == 0;
-        if (tally->first && k < run_system->n_events)
+        if (tally->first && k < run_model->n_events)
             tally->first[k * run->settings.members + i] = done->first[k];
     }
 }
@@ -150,7 +150,7 @@ void watched_begin(struct tally *tally, const struct settings *s)
     tally->crossings = (unsigned long *)words_allocate(2 * kinds(), sizeof *tally->crossings);
     tally->never = tally->crossings + kinds();
     if (s->watch > 1)
-        tally->first = (pk_real *)words_allocate(run_system->n_events * s->members,
+        tally->first = (pk_real *)words_allocate(run_model->n_events * s->members,
                                                  sizeof *tally->first);
 }
 
@@ -184,14 +184,14 @@ static void report_kind(FILE *file, const struct tally *tally, size_t k, const c
 
 void watched_report(const struct tally *tally, const struct settings *s, FILE *file)
 {
-    const size_t m = run_system->n_events;
+    const size_t m = run_model->n_events;
     if (!tally->crossings)
         return;
     fprintf(file, "  \"first_member\": %ld,\n  \"events\": [", ensemble_number(s, 0));
     for (size_t k = 0; k < m; k++) {
         fputs(k ? "," : "", file);
-        report_kind(file, tally, k, run_system->events[k].what.name);
-        fprintf(file, ", \"stop\": %s", run_system->events[k].stop ? "true" : "false");
+        report_kind(file, tally, k, run_model->events[k].what.name);
+        fprintf(file, ", \"stop\": %s", run_model->events[k].stop ? "true" : "false");
         if (tally->first) {
             fputs(", ", file);
             output_numbers(file, "first", tally->first + k * s->members, s->members);
@@ -201,7 +201,7 @@ void watched_report(const struct tally *tally, const struct settings *s, FILE *f
     fputs("],\n  \"switches\": [", file);
     for (size_t k = m; k < kinds(); k++) {
         fputs(k > m ? "," : "", file);
-        report_kind(file, tally, k, run_system->switches[k - m].name);
+        report_kind(file, tally, k, run_model->switches[k - m].name);
         fputs("}", file);
     }
     fputs("],\n", file);

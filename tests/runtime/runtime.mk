@@ -62,7 +62,7 @@ $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 	$(CC) $(RT_RUN_CFLAGS) -c $< -o $@
 $(RT_TESTS)/run_%: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
-	    'const struct pk_system *const run_system = &$*_system;' >$@.c
+	    'const struct pk_system *const run_model = &$*_system;' >$@.c
 	printf '%s\n' 'const struct pk_part *const run_parts = $(if $(filter pair,$*),pair_parts,NULL);' \
 	    'const size_t run_n_parts = $(if $(filter pair,$*),2,0);' >>$@.c
 	$(CC) $(RT_RUN_CFLAGS) $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@

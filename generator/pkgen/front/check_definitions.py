@@ -37,6 +37,12 @@ class Definitions:
             self.report.error(
                 f"'{statement.name}' {why} and cannot name a model", statement.name_span
             )
+        elif statement.name == "pk" or statement.name.startswith("pk_"):
+            self.report.error(
+                f"'{statement.name}' cannot name a model: symbols of the runtime begin with 'pk_'",
+                statement.name_span,
+                f"choose another name, e.g. {statement.name.replace('pk', 'my', 1)}",
+            )
         elif statement.name in C_HEADERS:
             self.report.error(
                 f"'{statement.name}.h' is a header of C; a model's would hide it",
