@@ -5,10 +5,9 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+from conftest import ROOT
 from pkgen.build import runtime_library
 from pkgen.toolchain import find_toolchain
-
-from conftest import ROOT
 
 # Between them these have every kind of function.
 SWITCHED = """model switched
