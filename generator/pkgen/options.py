@@ -169,7 +169,8 @@ def _recorded(
     if chosen is not None and chosen.record is not None:
         at = chosen.record.at or None
     if options.record is not None:
-        show = [values.shown_as(text) for text in options.record.split(",")]
+        columns = scene_model.written_out(compilation.declared, options.record.split(","))
+        show = [values.shown_as(text) for text in columns]
         _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]

@@ -16,7 +16,7 @@ from .indices import indexed, integer, parted
 from .middle.quantities import ends, sizes
 from .middle.specialise import with_definitions
 from .model import Coordinate, Definition, Input, Model, Record, Scene, State
-from .tree import Expr, Name, Number, Prime, names, of_member, replaced
+from .tree import AXES, Expr, Name, Number, Prime, names, of_member, replaced
 
 
 def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
@@ -39,6 +39,22 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
         starts=(*model.starts, *(s for s in scene.starts if not of_swarm(scene, s.value))),
         observed=(*model.observed, *outputs),
     )
+
+
+def written_out(model: Model, columns: Iterable[str]) -> tuple[str, ...]:
+    """Columns as an option names them: of a vector, each component."""
+    known = {item.name for item in (*model.observed, *model.conserved)}
+    found: list[str] = []
+    for text in columns:
+        try:
+            side = left_side(text, sizes(model))
+        except OptionError:
+            found.append(text)  # reported where columns are looked up
+            continue
+        parts = [f"{side.name}.{axis}" for axis in AXES]
+        whole = side.name in known or not known.issuperset(parts)
+        found += [replace(side, name=name).text() for name in ([side.name] if whole else parts)]
+    return tuple(found)
 
 
 def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:

@@ -80,12 +80,15 @@ def of_compile(options: argparse.Namespace) -> Use | None:
     """For C of a scene."""
     if options.scene is None:
         return None
-    return of_scene(options.scene, switched_off(options.no_reduce))
+    more = frozenset({"canonical"}) if options.canonical else frozenset()  # p of the starts
+    return of_scene(options.scene, switched_off(options.no_reduce), more)
 
 
-def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
+def of_scene(
+    name: str, off: frozenset[str] = frozenset(), more: frozenset[str] = frozenset()
+) -> Use:
     """For C to be embedded: named after model and scene, and no more kernels than the scene's
-    method calls."""
+    method calls, and `more`."""
     asked = Asked(
         None, None, frozenset(), off, quadratures=True, method="", apart=True, judged=False
     )
@@ -97,7 +100,7 @@ def of_scene(name: str, off: frozenset[str] = frozenset()) -> Use:
 
     def kernels(used: Model) -> frozenset[str]:
         scene = _chosen(used, name, asked)
-        return called(scene.method) | shown(used, scene)
+        return called(scene.method) | shown(used, scene) | more
 
     return Use(named, use.needs, kernels)
 
@@ -140,7 +143,8 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
             place = scenes.place(declared, scene.swarm.span)
             raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
         if asked.columns is not None:
-            scene = scene_model.recording(declared, scene, asked.columns)
+            columns = scene_model.written_out(declared, asked.columns)
+            scene = scene_model.recording(declared, scene, columns)
         used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)
@@ -150,7 +154,7 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
 
     def needs(used: Model) -> Needs | None:
         scene = _chosen(used, name, asked)
-        columns = asked.columns
+        columns = asked.columns and scene_model.written_out(used, asked.columns)
         if columns is None and scene.record is not None:
             columns = tuple(scene_model.columns(scene))
         if columns is None or frozenset(REDUCTIONS) <= asked.off:

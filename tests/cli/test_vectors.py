@@ -109,6 +109,9 @@ end
     assert float(many[0]["x"]) == pytest.approx(float(single[0]["x"]), abs=1e-15)
     assert abs(float(many[0]["x"]) - float(many[-1]["x"])) > 1e-2
     assert list(single[0]) == ["t", "again.y", "x"]
+    for scene in ([], ["--scene", "one"]):  # a vector's name is its components
+        done = pkgen("run", path, "--until", "1", "--record", "x,again", *scene)
+        assert list(rows(done.stdout)[0]) == ["t", "x", "again.x", "again.y", "again.z"]
 
 
 def test_components_have_names_of_their_own_in_c(pkgen, turning: Path, tmp_path: Path) -> None:

@@ -176,3 +176,23 @@ def test_explain_shows_it(pkgen, tmp_path: Path) -> None:
     assert "  H = -l*cos(a) + p_a^2/(2*l^2)\n" in done.stdout
     assert "  dH/d(a) = l*sin(a)\n  dH/d(p_a) = p_a/l^2\n" in done.stdout
     assert "Canonical" not in pkgen("explain", path).stdout
+
+
+def test_c_of_a_scene_has_the_momenta_of_its_starts(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "one.lag"
+    path.write_text("""model one
+coord q
+kinetic (1 + q^2)*q'^2/2
+potential q^2/2
+scene still
+  start q = 1
+  until 1
+  method rk4 step 0.1
+  record q every 0.1
+end
+""")
+    for options, there in ([], False), (["--canonical"], True):
+        assert pkgen(path, "--scene", "still", *options, "-o", tmp_path).returncode == 0
+        header = (tmp_path / "one_still.h").read_text()
+        assert ("one_still_hamilton(" in header) is there
+        assert ("one_still_canonical(" in header) is there  # p of the start; rk4 does without
