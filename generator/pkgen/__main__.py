@@ -65,6 +65,8 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _explain_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--scene", metavar="NAME", help="what one scene leaves of the model")
+    _no_reduce_argument(parser)
     _canonical_argument(parser)
     parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
 

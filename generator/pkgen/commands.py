@@ -107,13 +107,15 @@ def check(options: argparse.Namespace) -> int:
 
 def explain(options: argparse.Namespace) -> int:
     """Show a model's equations and structure."""
-    compilation = compile_within_limits(options, symmetric=True, canonical=options.canonical)
+    compilation = compile_within_limits(
+        options, symmetric=True, canonical=options.canonical, use=scene_use.of_compile(options)
+    )
     with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
         if compilation.looped:
             shown, record = explain_loops, record_loops
         else:
             shown, record = explanation.explain, explanation.record
-        scenes = scenes_shown(compilation, parsing.sizes(options.size))
+        scenes = [] if options.scene else scenes_shown(compilation, parsing.sizes(options.size))
         written = html(compilation, scenes) if options.html else ""
         text = ""
         if options.json:

@@ -70,6 +70,15 @@ def test_explain_names_what_is_constant(pkgen) -> None:
     assert [c.strip(" ,") for c in constants.split()[1:]] == ["energy", "p_phi", "p_psi"]
 
 
+def test_explain_shows_what_a_scene_leaves(pkgen) -> None:
+    done = pkgen("explain", ROOT / "models/heavy_top.lag", "--scene", "nutation", "--canonical")
+    assert done.stdout.startswith("heavy_top_nutation: ")
+    assert "\n1 degree of freedom\n" in done.stdout and "Scene " not in done.stdout
+    assert "dH/d(p_theta) = p_theta/I1\n" in done.stdout
+    done = pkgen("explain", ROOT / "models/heavy_top.lag", "--scene", "nutatio")
+    assert done.returncode == 2 and "did you mean 'nutation'?" in done.stderr
+
+
 def test_explain_combines_products_of_sines(pkgen) -> None:
     text = pkgen("explain", DOUBLE).stdout
     assert "M[theta2, theta1] = l1*l2*m2*cos(theta1 - theta2)\n" in text
