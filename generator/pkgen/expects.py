@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 class Compared:
     """A relation between columns, as the driver reads it."""
 
-    number: int  # of the expectation
+    text: str  # the expectation as it is written
     relation: str
     a: Shown
     b: Shown
@@ -55,9 +55,9 @@ class Watched:
     hidden: tuple[int, ...] = ()
 
     def columns(self) -> list[Shown]:
-        """Both sides of each relation, named after it."""
-        sides = ((c.number, side) for c in self.compared for side in (c.a, c.b))
-        return [replace(side, name=f"expectation {number}") for number, side in sides]
+        """Both sides of each relation, under the name of the whole."""
+        sides = ((c.text, side) for c in self.compared for side in (c.a, c.b))
+        return [replace(side, name=text) for text, side in sides]
 
     def lines(self) -> list[str]:
         drifts = ("energy" if d is None else d for d in self.drifts)
@@ -117,7 +117,14 @@ def events(scene: Scene) -> frozenset[str]:
     return frozenset(names | {call.arguments[0].id for call in times})
 
 
+def written(source: Source, item: Expect) -> str:
+    """An expectation as its author has it."""
+    text = " ".join(source.text[item.span.start : item.span.end].split())
+    return f"{text} ({item.component})" if item.component else text
+
+
 def watched(
+    source: Source,
     scene: Scene,
     observed: list[str],
     events: list[str],
@@ -141,7 +148,8 @@ def watched(
             allowed = None if item.within is None else side(i, "within", item.within)
             event = events.index(item.event) if item.event else None
             sides = side(i, "a", item.a), side(i, "b", item.b), allowed
-            compared.append(Compared(i, item.relation, *sides, times[i - 1], event))
+            text = written(source, item)
+            compared.append(Compared(text, item.relation, *sides, times[i - 1], event))
     hidden = tuple(index[name] for name in outputs(scene) if name in index)
     return Watched(tuple(compared), tuple(drifts), hidden)
 

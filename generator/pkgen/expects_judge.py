@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .expects import of_run
+from .expects import of_run, written
 from .front.check_expects import calls
 from .front.scene_values import Values, WrongValue
 from .model import Expect, Model, Scene
@@ -60,8 +60,7 @@ class Judge:
         ]
 
     def _verdict(self, item: Expect, met: bool, said: str, **found: float | int | None) -> Verdict:
-        text = " ".join(self.model.source.text[item.span.start : item.span.end].split())
-        text += f" ({item.component})" if item.component else ""
+        text = written(self.model.source, item)
         keys = ("value", "bound", "within", "t", "member")
         return Verdict(text, item.span, met, said, *(found.get(key) for key in keys))
 

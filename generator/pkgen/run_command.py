@@ -153,8 +153,9 @@ def _judge(options: argparse.Namespace, asked: _Run, outcome: Outcome) -> int:
         for verdict in missed:
             print(verdict.diagnostic().text(source), file=sys.stderr)
         if verdicts:
-            met = len(verdicts) - len(missed)
-            print(f"expected: {met} of {len(verdicts)} met", file=sys.stderr)
+            met = f"{len(verdicts) - len(missed)} of {len(verdicts)} met"
+            far = "" if _whole(outcome) else ", as far as it came"
+            print(f"expected: {met}{far}", file=sys.stderr)
     return NUMERICS_FAILED if missed and outcome.code == DONE else outcome.code
 
 
@@ -183,8 +184,8 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
     if outcome.messages:
         print(outcome.messages.rstrip("\n"), file=sys.stderr)
     report = outcome.report
-    if options.json or (outcome.code != DONE and "diagnostics" not in report):
-        return  # where a diagnostic alone has failed the run itself has not
+    if options.json or not _whole(outcome):
+        return
     if "members" in report:
         print(
             f"{report['method']}: {report['done']} members by {report['threads']} threads, "
@@ -213,6 +214,11 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
     said += diagnostics_text.lines(report.get("diagnostics", {}), time)
     for line in said:
         print(line, file=sys.stderr)
+
+
+def _whole(outcome: Outcome) -> bool:
+    """Whether the motion was integrated to its end; a diagnostic, made after it, may have failed."""
+    return outcome.code == DONE or "diagnostics" in outcome.report
 
 
 def _crossings(event: dict) -> str:

@@ -82,7 +82,8 @@ def watched(
         expects.refuse_of_members(compilation.declared.source, scene, times, settings)
     observed = [quantity.name for quantity in named.observed(compilation)]
     shown = option_values.Values(compilation).shown
-    return expects.watched(scene, observed, named.events(compilation), times, shown)
+    events, source = named.events(compilation), compilation.declared.source
+    return expects.watched(source, scene, observed, events, times, shown)
 
 
 def watch(compilation: Compilation, scene: Scene | None, settings: Settings) -> str:

@@ -172,8 +172,9 @@ def test_what_is_expected_is_judged_beside_what_is_recorded(tmp_path) -> None:
     assert said["settings"]["rtol"] < 1e-6 and said["accuracy"]["horizon"] is None
     assert "expected: 4 of 4 met" in messages
     # What is made of errors alone does not forbid the accuracy of all else, and is named.
-    assert said["accuracy"]["reference"]["left_out"] == ["expectation 4"]
-    assert messages.count("expectation 4: ") == 1 and "expectation 2" not in messages
+    zero = "expect (x + 1)^2 - x^2 - 2*x - 1 = 0 within 1e-9"
+    assert said["accuracy"]["reference"]["left_out"] == [zero]
+    assert messages.count(f"{zero}: zero but for") == 1 and "= 1 within 1e-9" not in messages
 
 
 @pytest.mark.long

@@ -41,6 +41,17 @@ def test_numerical_failure_says_when(pkgen, tmp_path: Path) -> None:
     assert all(x == x for row in json.loads(done.stdout)["rows"] for x in row)
 
 
+def test_what_is_met_of_a_run_that_failed_is_met_so_far(pkgen, tmp_path: Path) -> None:
+    scene = "scene s\nuntil 10\nrecord x every 0.1\nexpect x < 2\nend\n"
+    (tmp_path / "fall.lag").write_text(FALL + scene)
+    done = pkgen("run", tmp_path / "fall.lag", "--scene", "s")
+    assert done.returncode == 4 and done.stderr.endswith(
+        "expected: 1 of 1 met, as far as it came\n"
+    )
+    done = pkgen("run", tmp_path / "fall.lag", "--scene", "s", "--until", "1")
+    assert done.returncode == 0 and done.stderr.endswith("expected: 1 of 1 met\n")
+
+
 def test_a_size_that_the_model_has_not(pkgen) -> None:
     done = pkgen("check", DOUBLE, "--size", "N=3")
     assert done.returncode == 1 and "no size 'N'" in done.stderr
