@@ -217,7 +217,7 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
 
 
 def _whole(outcome: Outcome) -> bool:
-    """Whether the motion was integrated to its end; a diagnostic, made after it, may have failed."""
+    """Whether the motion was integrated to its end; a diagnostic, made after it, may fail."""
     return outcome.code == DONE or "diagnostics" in outcome.report
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .. import model as m
 from ..source import Span
+from ..tree import Expr, Name, Prime, names, within
 from . import statements as st
 from . import units
 from .check_expr import Target
@@ -48,13 +49,24 @@ class Dynamics:
         if facts.state_rates:
             self.report.error(
                 f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'",
-                statement.value.span,
+                self._rate_of_a_state(statement.value),
                 "rates follow from the energies: write what stands after 'rate' in its place",
             )
         if not power:
             self.shared.energies.append(facts)
         self.shared.use_inputs(facts)
         self.parts[keyword].append(value)
+
+    def _rate_of_a_state(self, value: Expr) -> Span:
+        """The first place where it occurs, by itself or in a definition."""
+        found = [value.span]
+        for part in within(value):
+            entry = self.names.table.get(part.id) if isinstance(part, Name) else None
+            if (isinstance(part, Prime) and names(part.of) & self.names.states) or (
+                entry is not None and entry.facts.state_rates
+            ):
+                found.append(part.span)
+        return min(found, key=lambda span: (span.end - span.start, span.start))
 
     def force(self, statement: st.ForceAlong) -> None:
         left = statement.left
