@@ -32,7 +32,7 @@ from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 from pkgen.simulate import Settings
 
-from . import machine
+from . import machine, tables
 
 ROOT = Path(__file__).resolve().parent.parent
 MARK = "<!-- python -m bench reductions --docs -->\n"
@@ -117,7 +117,7 @@ def main(words: list[str]) -> int:
         for name in _scenes(path):
             rows.append(_row(path, name, rounds))
             print(_line(rows[-1]), file=sys.stderr)
-    text = _table(rows)
+    text = tables.table(HEAD, map(_cells, rows)) + "\n"
     print(text)
     if arguments.docs:
         _write(text)
@@ -253,11 +253,6 @@ HEAD = (
 
 def _line(row: Row) -> str:
     return " | ".join(_cells(row))
-
-
-def _table(rows: list[Row]) -> str:
-    lines = [HEAD, tuple("---" for _ in HEAD), *(_cells(row) for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def _write(text: str) -> None:

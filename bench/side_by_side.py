@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import environment, machine
+from . import environment, machine, tables
 from .side_by_side_cases import CASES, Case
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -109,7 +109,7 @@ def main(words: list[str]) -> int:
     if importlib.util.find_spec("physicskit") is None:
         return with_peers(words)
     rows = [row(case) for case in CASES if arguments.only in case.name]
-    text = table(rows)
+    text = tables.table(HEAD, (row.cells() for row in rows)) + "\n"
     print(text)
     if arguments.docs:
         write(text)
@@ -194,11 +194,6 @@ def run(case: Case, method: str, option: str, setting: str) -> Ours | None:
     drift, energy, end = case.found(told)
     shown = f"{option.removeprefix('--')} {setting}"
     return Ours(method, shown, told["report"]["seconds"], drift, energy, end)
-
-
-def table(rows: list[Row]) -> str:
-    lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def write(text: str) -> None:

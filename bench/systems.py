@@ -23,7 +23,7 @@ from pkgen import options as parsing
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 
-from . import machine
+from . import machine, tables
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "models.md"
@@ -108,7 +108,7 @@ def main(words: list[str]) -> int:
     met, asked = sum(row.met for row in rows), sum(len(row.expects) for row in rows)
     models = len({row.model for row in rows})
     said = f"Scenes: {len(rows)}, of models: {models}, expectations met: {met} of {asked}"
-    text = f"{said}.\n\n{_table(rows)}"
+    text = f"{said}.\n\n{tables.table(HEAD, (row.cells() for row in rows))}\n"
     print(text)
     if arguments.docs:
         if arguments.only:
@@ -173,8 +173,3 @@ def _part(expected: dict) -> tuple[float, float, float] | None:
 
 def _degrees(declared: int, integrated: int) -> str:
     return str(declared) if declared == integrated else f"{declared} → {integrated}"
-
-
-def _table(rows: list[Row]) -> str:
-    lines = [HEAD, tuple("---" for _ in HEAD), *(row.cells() for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"

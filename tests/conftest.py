@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 
@@ -68,3 +68,21 @@ def run_pkgen(
 @pytest.fixture
 def pkgen():
     return run_pkgen
+
+
+def written(folder: Path, text: str) -> Path:
+    """The model in a file of its name."""
+    path = folder / f"{text.split()[1]}.lag"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def table(text: str) -> tuple[list[str], list[list[float]]]:
+    """The head and the rows of what a run has printed."""
+    head, *lines = text.splitlines()
+    return head.split(","), [[float(x) for x in line.split(",")] for line in lines]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[[str], Path]:
+    return lambda text: written(tmp_path, text)

@@ -47,4 +47,4 @@ def test_a_model_is_run_scene_by_scene(capsys) -> None:
     assert systems.main(["--only", "beats"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "Scenes: 3, of models: 1, expectations met: 6 of 6."
-    assert [line.split(" | ")[1] for line in lines[4:7]] == ["beat", "in_phase", "against"]
+    assert [line.split(" | ")[1].strip() for line in lines[4:7]] == ["beat", "in_phase", "against"]

@@ -50,16 +50,6 @@ end
 """
 
 
-@pytest.fixture
-def write(tmp_path: Path):
-    def write(text: str) -> Path:
-        path = tmp_path / f"{text.split()[1]}.lag"
-        path.write_text(text)
-        return path
-
-    return write
-
-
 def test_a_section_is_that_of_each_member_alone(pkgen, write) -> None:
     path = write(HENON_HEILES)
     runs = [pkgen("run", path, "--scene", "many", "--json", "--threads", str(n)) for n in (1, 2)]

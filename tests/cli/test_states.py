@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+from conftest import table, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a
 # half and 1 by the virial theorem, and the area is that of the ellipse.
@@ -68,17 +69,6 @@ def orbit(tmp_path: Path) -> Path:
     return written(tmp_path, ORBIT)
 
 
-def written(folder: Path, text: str) -> Path:
-    path = folder / f"{text.split()[1]}.lag"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def rows(text: str) -> tuple[list[str], list[list[float]]]:
-    head, *lines = text.splitlines()
-    return head.split(","), [[float(x) for x in line.split(",")] for line in lines]
-
-
 def test_the_action_of_a_revolution(pkgen, orbit: Path) -> None:
     done = pkgen("run", orbit, "--scene", "revolution", "--json")
     assert done.returncode == 0, done.stderr
@@ -92,7 +82,7 @@ def test_the_action_of_a_revolution(pkgen, orbit: Path) -> None:
 def test_columns_in_the_order_of_the_language(pkgen, orbit: Path) -> None:
     """Coordinates, rates, states, observed names, energy; starts by the option."""
     done = pkgen("run", orbit, "--until", "1", "--every", "1", "--start", "area=0.25")
-    head, (first, _) = rows(done.stdout)
+    head, (first, _) = table(done.stdout)
     assert head == ["t", "x", "y", "x'", "y'", "S", "area", "energies", "energy"]
     assert first[5:7] == [0, 0.25]
 
@@ -159,17 +149,17 @@ def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
 @pytest.mark.long
 def test_held_and_many(pkgen, orbit: Path, tmp_path: Path) -> None:
     done = pkgen("run", orbit, "--scene", "still")
-    head, (_, last) = rows(done.stdout)
+    head, (_, last) = table(done.stdout)
     assert head == ["t", "S", "S'", "area"] and done.returncode == 0
     swept = math.sqrt(1 - 0.36) / 2
     assert last[1:] == pytest.approx([math.sin(1), math.cos(1), 2 + swept], abs=1e-9)
-    head, found = rows(pkgen("run", orbit, "--scene", "many").stdout)
+    head, found = table(pkgen("run", orbit, "--scene", "many").stdout)
     assert head == ["k", "t", "area"]
     assert [row[2] for row in found] == pytest.approx([k + swept for k in (1, 2, 3)], abs=1e-5)
-    table = tmp_path / "members.csv"
-    table.write_text("area,x'\n1,0\n5,0.1\n")
-    done = pkgen("run", orbit, "--ensemble", table, "--until", "1", "--record", "area")
-    assert [row[2] for row in rows(done.stdout)[1]] == pytest.approx([1.4, 5.4], abs=0.1)
+    members = tmp_path / "members.csv"
+    members.write_text("area,x'\n1,0\n5,0.1\n")
+    done = pkgen("run", orbit, "--ensemble", members, "--until", "1", "--record", "area")
+    assert [row[2] for row in table(done.stdout)[1]] == pytest.approx([1.4, 5.4], abs=0.1)
 
 
 @pytest.mark.long

@@ -7,19 +7,9 @@ import math
 from pathlib import Path
 
 import pytest
+from conftest import table, written
 
 pytestmark = pytest.mark.long
-
-
-def written(folder: Path, text: str) -> Path:
-    path = folder / f"{text.split()[1]}.lag"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def rows(text: str) -> tuple[list[str], list[list[float]]]:
-    head, *lines = text.splitlines()
-    return head.split(","), [[float(x) for x in line.split(",")] for line in lines]
 
 
 DECAY = """\
@@ -63,7 +53,7 @@ def test_order_on_lorenz(pkgen, tmp_path: Path, method: str, order: int) -> None
     model, at = written(tmp_path, LORENZ), ("--until", "0.5", "--every", "0.5")
 
     def end(*how: str) -> list[float]:
-        return rows(pkgen("run", model, *at, *how).stdout)[1][-1]
+        return table(pkgen("run", model, *at, *how).stdout)[1][-1]
 
     exact = end("--method", "gauss", "--rtol", "1e-14")
     steps = [0.5 / n for n in (4000, 8000)] if order < 3 else [0.5 / n for n in (400, 800)]
@@ -99,7 +89,7 @@ def test_a_stiff_reaction(pkgen, tmp_path: Path) -> None:
     assert said["rows"][-1][1:] == pytest.approx(expected, rel=1e-6)
     assert said["report"]["steps"] < 3000
     done = pkgen("run", model, "--until", "40", "--every", "40", *radau)
-    assert rows(done.stdout)[1][-1][1:] == pytest.approx([0.71582, 9.1855e-6, 0.28417], rel=1e-4)
+    assert table(done.stdout)[1][-1][1:] == pytest.approx([0.71582, 9.1855e-6, 0.28417], rel=1e-4)
 
 
 DIFFUSION = """\
@@ -127,12 +117,12 @@ def test_a_chain_of_states(pkgen, tmp_path: Path, how: tuple[str, ...]) -> None:
     model = written(tmp_path, DIFFUSION)
     assert "unrolled: a model with states" in pkgen("explain", model).stdout
     run = ("run", model, "--until", "0.05", "--every", "0.05", "--method", *how)
-    head, (first, last) = rows(pkgen(*run, "--start", "c[9]=0.30901699437494745").stdout)
+    head, (first, last) = table(pkgen(*run, "--start", "c[9]=0.30901699437494745").stdout)
     assert head == ["t", *(f"c[{i}]" for i in range(1, 10))]
     left = math.exp(-0.05 * 400 * math.sin(math.pi / 20) ** 2)
     assert left < 0.7
     assert last[1:] == pytest.approx([left * c for c in first[1:]], rel=1e-8)
-    _, (_, last) = rows(pkgen("run", model, "--scene", "between").stdout)
+    _, (_, last) = table(pkgen("run", model, "--scene", "between").stdout)
     end = math.sin(0.9 * math.pi)  # straight between what is held
     straight = [1 - (1 - end) * i / 8 for i in (0, 1, 7, 8)]
     assert last[1:] == pytest.approx(straight, abs=1e-7)
@@ -161,7 +151,7 @@ observe off = z' - closed
 def test_a_mass_that_is_a_state(pkgen, tmp_path: Path, how: tuple[str, ...]) -> None:
     """K. E. Tsiolkovsky (1903)."""
     run = ("run", written(tmp_path, ROCKET), "--until", "20", "--every", "10", "--method", *how)
-    head, (*_, last) = rows(pkgen(*run).stdout)
+    head, (*_, last) = table(pkgen(*run).stdout)
     end = dict(zip(head, last, strict=True))
     assert end["z'"] > 1600 and end["m"] == pytest.approx(40)
     assert abs(end["off"]) < 1e-6

@@ -56,16 +56,6 @@ def last(done) -> list[float]:
     return json.loads(done.stdout)["rows"][-1]
 
 
-@pytest.fixture
-def write(tmp_path: Path):
-    def write(text: str) -> Path:
-        path = tmp_path / f"{text.split()[1]}.lag"
-        path.write_text(text)
-        return path
-
-    return write
-
-
 def test_a_force_for_a_while_is_exact(pkgen, write) -> None:
     path = write(PULSE)
     a, on = 3 / 2, 0.7123 - 0.3

@@ -12,7 +12,7 @@ from .check_names import KIND_TEXT, Entry, Facts
 from .check_scope import PLACES, Scope
 from .check_shared import Shared, described
 from .check_states import States
-from .units import NONE, si_text
+from .units import si_text
 
 
 class Coordinates:
@@ -42,28 +42,18 @@ class Coordinates:
             self.declared[statement.keyword](item, unit, statement.description)
 
     def _coordinate(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        found = self.shared.family(item)
+        own = frozenset((item.name,))
+        found = self.shared.variable(item, unit, "coordinate", coordinates=own)
         if found is None:
             return
-        ends, members, family = found
-        dimension = None if unit is None else unit.dimension
-        facts = Facts(
-            dimension,
-            united=dimension is not None and unit is not units.ONE,
-            known=unit is not None,
-            coordinates=frozenset((item.name,)),
-        )
-        self.names.declare(Entry(item.name, "coordinate", facts, item.name_span, members, ends))
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
-        dimension = dimension or NONE
-        angle = unit.angle if unit is not None else 0
-        momentum = units.over(units.times(energy, time), dimension)
+        momentum = units.over(units.times(energy, time), found.dimension)
         self.parts["coord"].append(
             m.Coordinate(
                 item.name,
-                family,
-                si_text(dimension, angle),
-                si_text(units.over(dimension, time), angle),
+                found.family,
+                si_text(found.dimension, found.angle),
+                si_text(units.over(found.dimension, time), found.angle),
                 si_text(momentum),
                 description,
                 item.span,

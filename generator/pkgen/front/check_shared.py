@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from ..indices import integer
 from ..source import Span
 from ..tree import Expr, Name, Quantity, Range
 from . import statements as st
+from . import units
 from .check_expr import Expressions
 from .check_names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
 from .check_scope import PLACES, Scope
-from .units import NONE, si_text
+from .units import NONE, Dimension, si_text
 from .units import described as described_dimension
 
 _PART_NAMES = """
@@ -20,6 +21,16 @@ _PART_NAMES = """
     observe conserve event start scene state rate
 """
 _PARTS = tuple(_PART_NAMES.split())
+
+
+@dataclass(frozen=True)
+class Variable:
+    """What was declared: its family, its unit, and whether the name was free."""
+
+    family: Range | None
+    dimension: Dimension
+    angle: int
+    new: bool
 
 
 class Shared:
@@ -90,6 +101,20 @@ class Shared:
             self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
             return None
         return ends, Members(ends), Range("i", item.lo, item.hi, item.span)
+
+    def variable(
+        self, item: st.Declared, unit: units.Unit | None, kind: str, **own: frozenset[str]
+    ) -> Variable | None:
+        """Declare a coordinate or a state; `own` is the member of its facts that has its name."""
+        found = self.family(item)
+        if found is None:
+            return None
+        ends, members, family = found
+        dimension = None if unit is None else unit.dimension
+        united = dimension is not None and unit is not units.ONE
+        facts = Facts(dimension, united=united, known=unit is not None, **own)
+        new = self.names.declare(Entry(item.name, kind, facts, item.name_span, members, ends))
+        return Variable(family, dimension or NONE, 0 if unit is None else unit.angle, new)
 
     def named(
         self, left: st.Left, what: str, kinds: tuple[str, ...] = ("coordinate",)

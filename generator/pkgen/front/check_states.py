@@ -7,7 +7,7 @@ from ..indices import integer
 from . import statements as st
 from . import units
 from .check_expr import Target
-from .check_names import Entry, Facts, Members
+from .check_names import Members
 from .check_scope import PLACES, Scope
 from .check_shared import Shared
 from .units import NONE, si_text
@@ -22,25 +22,15 @@ class States:
         self.wrong: set[str] = set()  # states of which nobody knows what rates they have
 
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        found = self.shared.family(item)
+        found = self.shared.variable(item, unit, "state", states=frozenset((item.name,)))
         if found is None:
             return
-        ends, members, family = found
-        dimension = None if unit is None else unit.dimension
-        facts = Facts(
-            dimension,
-            united=dimension is not None and unit is not units.ONE,
-            known=unit is not None,
-            states=frozenset((item.name,)),
-        )
-        if not self.names.declare(Entry(item.name, "state", facts, item.name_span, members, ends)):
+        if not found.new:
             self.wrong.add(item.name)
-        dimension = dimension or NONE
-        angle = unit.angle if unit is not None else 0
-        per_time = units.over(dimension, self.expressions.time_dimension)
-        shown = si_text(dimension, angle), si_text(per_time, angle)
+        per_time = units.over(found.dimension, self.expressions.time_dimension)
+        shown = si_text(found.dimension, found.angle), si_text(per_time, found.angle)
         self.shared.parts["state"].append(
-            m.State(item.name, family, *shown, description, item.span)
+            m.State(item.name, found.family, *shown, description, item.span)
         )
 
     def rate(self, statement: st.Define) -> None:
