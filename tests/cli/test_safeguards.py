@@ -61,6 +61,15 @@ def test_the_cache_keeps_the_newest(tmp_path: Path) -> None:
     assert left == {f"model-{age}" for age in range(build.KEPT_PROGRAMS)}
 
 
+def test_another_process_may_empty_the_cache_meanwhile(monkeypatch, tmp_path: Path) -> None:
+    (tmp_path / "kept").mkdir()
+    listed = [tmp_path / "gone", tmp_path / "kept"]
+    monkeypatch.setattr(Path, "iterdir", lambda _: iter(listed))
+    monkeypatch.setattr(build, "KEPT_PROGRAMS", 1)
+    build._prune(tmp_path)
+    assert (tmp_path / "kept").exists()
+
+
 def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
     monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: directory.mkdir())
