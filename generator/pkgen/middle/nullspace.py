@@ -128,12 +128,20 @@ def _solved(needed: list[Row], every: list[Row], width: int) -> list[Vector]:
     table = [[element(row.get(c, {})) for c in range(width)] for row in needed]
     matrix = DomainMatrix(table, (len(table), width), polynomials.to_domain())
     found = []
-    for vector in matrix.nullspace().to_list():
-        whole = _without_common_factors(polynomials, vector)
+    # Over the field of fractions: SymPy 1.11 has no null space over a ring.
+    for vector in matrix.to_field().nullspace().to_list():
+        whole = _without_common_factors(polynomials, _without_denominators(polynomials, vector))
         # Each of the rows, not only of those that were solved.
         if all(sum((x * whole[c] for c, x in row.items()), polynomials.zero) == 0 for row in rows):
             found.append({k: polynomial_of(x) for k, x in enumerate(whole) if x})
     return found
+
+
+def _without_denominators(ring, fractions: list) -> list:
+    common = ring.one
+    for x in fractions:
+        common = common.lcm(x.denom)
+    return [x.numer * common.exquo(x.denom) for x in fractions]
 
 
 def _without_common_factors(ring, vector: list) -> list:
