@@ -10,7 +10,7 @@ import re
 from functools import cache
 from html import escape, unescape
 from typing import TYPE_CHECKING
-from xml.dom.minidom import parseString
+from xml.dom.minidom import Element, parseString
 
 from .front.words import greek
 
@@ -110,8 +110,31 @@ def _dotted(letter: str, primes: int) -> str:
 
 
 def expression(expr: sympy.Expr) -> str:
-    text = _printer()._print(expr).toxml()
+    element = _printer()._print(expr)
+    text = _with_brackets(element).toxml()
     return _ENTITY.sub(lambda found: unescape(found[0]), text)
+
+
+def _with_brackets(element: Element) -> Element:
+    """Brackets as operators. SymPy 1.11 has them as mfenced, which browsers no longer draw."""
+    for child in [*element.childNodes]:
+        if child.nodeType == child.ELEMENT_NODE:
+            element.replaceChild(_with_brackets(child), child)
+    if element.tagName != "mfenced":
+        return element
+    drawn = Element("mrow")
+    sign = parseString("<all><mo>(</mo><mo>,</mo><mo>)</mo></all>").documentElement
+    left, comma, right = sign.childNodes
+    left.firstChild.data = element.getAttribute("open") or "("
+    right.firstChild.data = element.getAttribute("close") or ")"
+    inside = [*element.childNodes]
+    drawn.appendChild(left)
+    for k, child in enumerate(inside):
+        if k:
+            drawn.appendChild(comma.cloneNode(True))
+        drawn.appendChild(child)
+    drawn.appendChild(right)
+    return drawn
 
 
 @cache
