@@ -73,6 +73,10 @@ def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) 
     whole = off(pkgen, path, scene, "sin(", *rows)
     half = off(pkgen, path, scene, "sin(", "--set", "gamma=5e-6", *rows)
     assert half > 1e-9 and 3.8 < whole / half < 4.2
+    # Of `power` over kappa^2, by quadrature of the exact turn with mpmath: half of ten orbits.
+    for eps, second in (("0.1", -0.3964), ("0.4", -1.0574), ("0.7", 1.3724)):
+        found = off(pkgen, path, "power", "sin(", "--set", f"eps={eps}", *rows)
+        assert found == pytest.approx(abs(5 * second), rel=0.01)
 
 
 @pytest.mark.long
