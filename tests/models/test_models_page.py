@@ -80,6 +80,19 @@ def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) 
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("size", [2, 3, 5, 6, 7])
+def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
+    mu = sum(1 / math.sin(math.pi * k / size) for k in range(1, size)) / 4
+    path = ROOT / "models/particles/n_body_space.lag"
+    command = ["run", path, "--scene", "polygon", "--size", f"N={size}", "-o", tmp_path / "o.csv"]
+    for eccentricity in (0, 0.4):
+        done = pkgen(*command, "--set", f"mu={mu}", "--set", f"e={eccentricity}")
+        assert done.returncode == 0, done.stderr
+    worse = pkgen(*command, "--set", f"mu={1.0001 * mu}")
+    assert worse.returncode == 4 and "r + e*xi" in worse.stderr
+
+
+@pytest.mark.long
 def test_a_hundred_thousand_pendulums_keep_their_area_while_they_resolve_it(
     pkgen, tmp_path: Path
 ) -> None:
