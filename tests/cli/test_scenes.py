@@ -59,6 +59,8 @@ WORSE = {
     "pendulum all_amplitudes": ["--step", "0.2"],
     "pendulum over_the_top": ["--start", "theta'=9.4"],
     "pendulum_action drawn_up": ["--start", "theta=1.5"],
+    "projectile flat": ["--start", "x'=35"],
+    "projectile steep": ["--start", "x'=35"],
     "projectile thrown": ["--start", "x'=35"],
     "projectile vacuum": ["--start", "x'=35"],
     "restricted_three_body L4_above": ["--set", "mu=0.038"],
