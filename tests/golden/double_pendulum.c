@@ -787,7 +787,7 @@ pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_rea
 }
 
 const char double_pendulum_source_hash[65] =
-    "93ff0cf614cceb88ec11bee51135ccf4c0dc755c7ea13582e0327b1abc100875";
+    "46b2dbc5c6a085b1789d19a02401e14424a4856996610974dda7a32ac82b901f";
 
 const struct double_pendulum_parameter double_pendulum_parameters[5] = {
     {{"m1", "kg", "upper bob"}, offsetof(struct double_pendulum_params, m1), 0, 1, 1},

@@ -1111,7 +1111,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 
 const char fput_source_hash[65] =
-    "6592797b779790150c4a0cdc92d1257d975054065f475b39793298d1dc695190";
+    "c608794ba483b80db842b416cc110f4e2c36a6d4127cf7a81b720dc99d4579de";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},

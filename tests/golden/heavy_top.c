@@ -840,7 +840,7 @@ void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_re
 }
 
 const char heavy_top_source_hash[65] =
-    "ccecae04a3dae718a543f3f3ab913da3649952e79e0949dbe383d14a1d329495";
+    "f83c1db7fb2049649144d609db8ba9f78694bfb8c8b558423eee2bfa548d4348";
 
 const struct heavy_top_parameter heavy_top_parameters[5] = {
     {{"I1", "kg*m^2", "about the tip, across the axis"}, offsetof(struct heavy_top_params, I1), 0,

@@ -16,6 +16,8 @@ TEXT = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
 PAGE, _, TABLE = TEXT.partition("## All of them")
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 TRIES = re.findall(r"^Try `pkgen ([^`]*)`", PAGE, re.M)
+# Of two masses with the frequencies 1 and sqrt 2, up to t = 7.
+HALF_TURNS = [(1, 0.5**0.5), (1, 1), (2, 0.5**0.5), (2, 1), (3, 0.5**0.5)]
 
 
 def test_each_model_has_its_place_on_the_page() -> None:
@@ -73,6 +75,43 @@ def test_precession_leaves_the_first_order_by_the_second(pkgen, tmp_path: Path) 
     whole = off(pkgen, path, scene, "sin(", *rows)
     half = off(pkgen, path, scene, "sin(", "--set", "gamma=5e-6", *rows)
     assert half > 1e-9 and 3.8 < whole / half < 4.2
+    # Of `power` over kappa^2, by quadrature of the exact turn with mpmath: half of ten orbits.
+    for eps, second in (("0.1", -0.3964), ("0.4", -1.0574), ("0.7", 1.3724)):
+        found = off(pkgen, path, "power", "sin(", "--set", f"eps={eps}", *rows)
+        assert found == pytest.approx(abs(5 * second), rel=0.01)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", [2, 3, 5, 6, 7])
+def test_polygons_of_bodies(pkgen, tmp_path: Path, size: int) -> None:
+    mu = sum(1 / math.sin(math.pi * k / size) for k in range(1, size)) / 4
+    path = ROOT / "models/particles/n_body_space.lag"
+    command = ["run", path, "--scene", "polygon", "--size", f"N={size}", "-o", tmp_path / "o.csv"]
+    for eccentricity in (0, 0.4):
+        done = pkgen(*command, "--set", f"mu={mu}", "--set", f"e={eccentricity}")
+        assert done.returncode == 0, done.stderr
+    worse = pkgen(*command, "--set", f"mu={1.0001 * mu}")
+    assert worse.returncode == 4 and "r + e*xi" in worse.stderr
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("path", "words", "times"),
+    [
+        ("chains/beats.lag", ["--until", "7"], [k * math.pi * r for k, r in HALF_TURNS]),
+        ("chains/beats.lag", ["--until", "2.2"], []),
+        ("particles/kepler.lag", ["--until", "6.5"], [2 * math.pi]),
+        ("particles/kepler.lag", ["--until", "6.2"], []),
+        ("particles/projectile.lag", ["--scene", "vacuum"], []),
+    ],
+)
+def test_conjugate_points(pkgen, tmp_path: Path, path: str, words: list, times: list) -> None:
+    rows = tmp_path / "rows.csv"
+    done = pkgen(*("run", ROOT / "models" / path, *words, "--diagnose", "least_action", "-o", rows))
+    assert done.returncode == 0, done.stderr
+    found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
+    assert found["conjugate"] == pytest.approx(times, abs=1e-8)
+    assert found["index"] == len(times) and found["minimum"] == (not times)
 
 
 @pytest.mark.long
