@@ -121,7 +121,7 @@ def _near(a, b) -> bool:
 
 
 def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]):
-    """The equations a m = b, an entry at a state each, where all in it is finite."""
+    """The equations a m = b, an entry at a state each, of one size; where all in it is finite."""
     import numpy as np
 
     matrices = [*squares, mass]
@@ -129,7 +129,9 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
     nodes = [matrix.get(place, ZERO) for place in at for matrix in matrices]
     rows = [np.reshape(evaluate(g, nodes, values), (len(at), len(matrices))) for values in states]
     every = np.concatenate(rows)
-    every = every[np.isfinite(every).all(axis=1)]
+    largest = np.abs(every).max(axis=1)
+    good = (largest > 0) & (largest < np.inf)  # nor nan
+    every = every[good] / largest[good, None]
     return every[:, :-1], every[:, -1]
 
 

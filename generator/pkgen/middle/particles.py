@@ -39,7 +39,8 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
     """Of a model; without any, and why, where it is not seen to be of some."""
     found: list[Particles] = []
     refusals: list[NoParticles] = []
-    for proposals in (_by_text, particles_places.proposals):
+    # A polar r may be of one from another, so places that are named go before.
+    for proposals in (_by_text, particles_places.proposals, _by_polar_text):
         try:
             for bodies in proposals(x, energies, given):
                 found.append(_proved(x, energies, bodies))
@@ -55,7 +56,12 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
 
 
 def _by_text(x: Expander, energies: Energies, given: Given) -> Iterable[list[Body]]:
-    bodies = particles_text.read(x)
+    bodies = particles_text.read(x, polar=False)
+    return [bodies] if bodies else []
+
+
+def _by_polar_text(x: Expander, energies: Energies, given: Given) -> Iterable[list[Body]]:
+    bodies = particles_text.read(x, polar=True)
     return [bodies] if bodies else []
 
 

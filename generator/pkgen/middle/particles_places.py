@@ -22,7 +22,7 @@ from .motion import Energies
 from .terms import Value
 
 RATES, COORDINATES = BIT[Kind.RATE], BIT[Kind.COORDINATE]
-PLACES, COUNT = 60, 120  # of coordinates; so that it takes a second or so
+PLACES, COUNT = 100, 150  # of coordinates; so that it takes seconds at most
 ALIKE = 4  # places of one particle that are tried
 
 
@@ -79,16 +79,24 @@ def _named(x: Expander) -> list[_Place]:
 
 
 def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
-    """Of coordinates, definitions and outputs, without those that go with rates."""
-    for name, family in x.coordinates.items():
-        for index in family.members:
-            yield name, index, x.coordinate(name, index, family.span)
+    """Of coordinates, definitions and outputs those that are lengths and do not go with rates."""
+    length = "" if x.model.dimensionless else "m"
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members if item.unit == length else ():
+            yield item.name, index, x.coordinate(item.name, index, item.span)
     for item in (*x.model.definitions, *x.model.observed):
-        for index, loop in x.unrolled(item.index, item.range):
-            try:
-                value = x.value(item.value, loop)
-            except ModelError:  # of outputs some use what is not known yet: energies, momenta
-                continue
+        if item.unit != length:
+            continue
+        try:
+            with x.statement(item.span):
+                members = [
+                    (index, x.value(item.value, loop))
+                    for index, loop in x.unrolled(item.index, item.range)
+                ]
+        except ModelError:  # of outputs some use what is not known yet: energies, momenta
+            continue
+        for index, value in members:
             nodes = value if isinstance(value, tuple) else (value,)
             if not any(x.graph.depends[node] & RATES for node in nodes):
                 yield item.name, index, value

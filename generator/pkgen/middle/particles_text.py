@@ -6,8 +6,8 @@ down to squares of rates:
     m/2*(x'^2 + y'^2 + z'^2)    m/2*dot(r', r')    m/2*norm(r')^2    m/2*(r'^2 + r^2*phi'^2)
 
 Squares of one mass whose names are those of one place (bodies.py) are of one particle, and so are
-two or three in one bracket that have no names, or are of polar coordinates. Terms that are not of
-the second degree in the rates are passed over. What is found here is proved elsewhere.
+two or three in one bracket that have no names, or, as a guess, are those of polar coordinates.
+What is not of the second degree in the rates is passed over. What is found is proved elsewhere.
 """
 
 from __future__ import annotations
@@ -55,14 +55,14 @@ class _Square:
     bracket: int
 
 
-def read(x: Expander) -> list[Body]:
+def read(x: Expander, polar: bool) -> list[Body]:
     """None where the text is of another form."""
     reader = _Reader(x)
     squares = []
     try:
         for expr in (*x.model.kinetic, *x.model.lagrangian):
             squares += reader.terms(expr, x.sizes, x.graph.number(1), reader.next())
-        return [*reader.bodies, *_together(x, squares)]
+        return [*reader.bodies, *_together(x, squares, polar)]
     except _Unread:
         return []
 
@@ -211,7 +211,7 @@ def _body(x: Expander, half_mass: Node, place: tuple[Node, ...], name: str) -> B
     return Body(x.graph.multiply(x.graph.number(2), half_mass), place, name)
 
 
-def _together(x: Expander, squares: list[_Square]) -> list[Body]:
+def _together(x: Expander, squares: list[_Square], polar: bool) -> list[Body]:
     found, used = [], set()
     by_mass = [
         (k, [((s.factor, shared), axis) for shared, axis in s.keys]) for k, s in enumerate(squares)
@@ -227,8 +227,8 @@ def _together(x: Expander, squares: list[_Square]) -> list[Body]:
         if k not in used:
             by_bracket.setdefault(square.bracket, []).append(square)
     for group in by_bracket.values():
-        body = _polar(x, group) or _unnamed(x, group)
-        if body is None:
+        body = _unnamed(x, group) or (polar and _polar(x, group))
+        if not body:
             raise _Unread
         found.append(body)
     return found
