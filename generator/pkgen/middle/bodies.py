@@ -46,13 +46,8 @@ def places(items: Iterable[tuple[Item, Iterable[Key]]]) -> list[dict[int, Item]]
     for item, known in items:
         for shared, axis in known:
             by_key.setdefault(shared, []).append((axis, item))
-    found = [dict(sorted(group)) for group in by_key.values() if _once(group)]
-    return sorted(found, key=len, reverse=True)
-
-
-def _once(group: list[tuple[int, Item]]) -> bool:
-    """Each axis once, and more than one of them."""
-    return len(group) > 1 and len({axis for axis, _ in group}) == len(group)
+    found = [dict(sorted(group)) for group in by_key.values()]
+    return sorted((group for group in found if len(group) > 1), key=len, reverse=True)
 
 
 def listed(names: tuple[str, ...]) -> str:

@@ -1,9 +1,9 @@
 """Masses m of given places with M = sum of m J^T J, the mass matrix of T = sum of m/2 |r'|^2.
 
-Which places have one, and how much, is found in numbers, at some states about the start and with
-parameters at their defaults: the first places that make M, others left out. Each mass is then
-solved for as an expression, with the coordinates at numbers (angles at 0, others at 0, 1 or 2),
-since it does not depend on them: all that is left is made of parameters.
+Which places have one is found in numbers, at some states about the start and with parameters about
+their defaults: the first places that make M, others left out. Each mass is then solved for as an
+expression, with the coordinates at numbers (angles at 0, others at 0, 1 or 2), since it does not
+depend on them: all that is left is made of parameters.
 """
 
 from __future__ import annotations
@@ -37,21 +37,24 @@ class Given:
 
 def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> Masses | None:
     """None where there are no such masses, or one is negative."""
-    fixed = defaults(g, given.parameters)
-    chosen = _in_numbers(g, mass, squares, _states(g, [mass, *squares], fixed, given))
+    draw = random.Random(2385)
+    fixed = {s: _about(draw, value, 4) for s, value in defaults(g, given.parameters).items()}
+    chosen = _in_numbers(g, mass, squares, _states(g, draw, [mass, *squares], fixed, given))
     if chosen is None:
         return None
-    values = [value for _, value in chosen]
-    used = [squares[alike[0]] for alike, _ in chosen]
-    solved = _as_expressions(g, mass, used, fixed, values)
-    return solved and [(alike, node) for (alike, _), node in zip(chosen, solved, strict=True)]
+    solved = _as_expressions(g, mass, [squares[alike[0]] for alike in chosen], fixed)
+    return solved and list(zip(chosen, solved, strict=True))
 
 
 # -- in numbers ----------------------------------------------------------------------------------
 
 
 def _states(
-    g: Graph, matrices: list[Entries], fixed: dict[Symbol, float], given: Given
+    g: Graph,
+    draw: random.Random,
+    matrices: list[Entries],
+    fixed: dict[Symbol, float],
+    given: Given,
 ) -> list[dict[Symbol, float]]:
     """Values of all that occurs, at states about the start, the later the nearer."""
     start = {}
@@ -59,15 +62,18 @@ def _states(
         for i, value in enumerate(evaluate(g, row, fixed)):
             start[Symbol(kind, i)] = value if math.isfinite(value) else 0.0
     symbols = _symbols(g, matrices)
-    draw = random.Random(2385)
     found = []
     for k in range(STATES):
         values = dict(fixed)
         for symbol in symbols:
-            at = start.get(symbol, 0.0)
-            values[symbol] = at + draw.uniform(-1, 1) * (abs(at) or 1.0) / 4**k
+            values[symbol] = _about(draw, start.get(symbol, 0.0), 4**k)
         found.append(values)
     return found
+
+
+def _about(draw: random.Random, at: float, part: int) -> float:
+    """Up to a part of it more or less; more than 0, which is special."""
+    return at * (1 + draw.uniform(-1, 1) / part) or draw.uniform(0.1, 1) / part
 
 
 def _symbols(g: Graph, matrices: list[Entries]) -> list[Symbol]:
@@ -78,8 +84,8 @@ def _symbols(g: Graph, matrices: list[Entries]) -> list[Symbol]:
 
 def _in_numbers(
     g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]
-) -> list[tuple[list[int], float]] | None:
-    """Places, those alike together, and the mass there."""
+) -> list[list[int]] | None:
+    """Places at which there are masses, those alike together."""
     import numpy as np
 
     a, b = _rows(g, mass, squares, states)
@@ -111,7 +117,7 @@ def _in_numbers(
     kept = [k for k in range(len(groups)) if abs(found[k]) > SAME * size]
     if any(found[k] < 0 for k in kept):
         return None
-    return [(groups[k], float(found[k] / scale[k])) for k in kept]
+    return [groups[k] for k in kept]
 
 
 def _near(a, b) -> bool:
@@ -139,26 +145,12 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
 
 
 def _as_expressions(
-    g: Graph,
-    mass: Entries,
-    squares: list[Entries],
-    fixed: dict[Symbol, float],
-    values: list[float],
+    g: Graph, mass: Entries, squares: list[Entries], fixed: dict[Symbol, float]
 ) -> list[Node] | None:
-    """The masses, whose values are known, in parameters."""
-    rows = [
-        row
-        for others in (0, 1, 2)
-        for row in _at_numbers(g, mass, squares, others)
-        if all(map(math.isfinite, evaluate(g, row, fixed)))
-    ]
+    """The masses in parameters."""
+    rows = [row for others in (0, 1, 2) for row in _at_numbers(g, mass, squares, others)]
     rows = _independent(g, rows, fixed)
-    found = rows and _eliminated(g, rows, fixed)
-    if not found:
-        return None
-    made = evaluate(g, found, fixed)
-    right = all(abs(m - v) <= 1e-6 * abs(v) for m, v in zip(made, values, strict=True))
-    return found if right else None
+    return _eliminated(g, rows, fixed) if rows else None
 
 
 def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) -> list[Row]:
@@ -191,11 +183,11 @@ def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[
     basis: list[np.ndarray] = []
     chosen = []
     for row in rows:
-        rest = np.array(evaluate(g, row[:-1], fixed))
-        length = np.linalg.norm(rest)
-        if len(chosen) == count or not length > 0:
+        *coefficients, whole = evaluate(g, row, fixed)
+        length = np.linalg.norm(coefficients)
+        if len(chosen) == count or not (length > 0 and math.isfinite(whole)):
             continue
-        rest = rest / length
+        rest = np.array(coefficients) / length
         for _ in range(2):
             for unit in basis:
                 rest = rest - (unit @ rest) * unit
@@ -206,13 +198,12 @@ def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[
 
 
 def _eliminated(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Node]:
-    """The solution of as many independent equations as unknowns, one with few at a time."""
+    """The solution of as many independent equations as unknowns, the simplest first."""
     count = len(rows)
     waiting = [list(row) for row in rows]
     order = []
     while waiting:
-        row = min(waiting, key=lambda row: sum(node != ZERO for node in row[:-1]))
-        waiting.remove(row)
+        row = waiting.pop(0)
         sizes = [abs(value) for value in evaluate(g, row[:-1], fixed)]
         k = sizes.index(max(sizes))
         order.append((k, row))
