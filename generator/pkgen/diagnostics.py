@@ -92,9 +92,9 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
 
 def name_places(report: dict, compilation: Compilation) -> None:
     """In the results of what is of particles: where these are, and what of L is not theirs."""
-    particles = compilation.equations.particles
     for name, found in report.get("diagnostics", {}).items():
         if name in OF_PARTICLES and found["status"] == "PK_DONE":
+            particles = compilation.equations.particles
             found["places"] = list(particles.names)
             found["beyond"] = particles.beyond or None
 
