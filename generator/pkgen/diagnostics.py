@@ -11,7 +11,7 @@ from .back.kernels_canonical import CANONICAL
 from .compiler import Compilation
 from .exits import UsageError
 from .middle.bodies import listed
-from .middle.motion import PARTICLES
+from .middle.motion import LINEAR_OF_FEW, PARTICLES
 from .middle.particles import HELP
 from .option_values import near
 from .source import Diagnostic
@@ -64,7 +64,7 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
     if not OF_PARTICLES.intersection(names):
         wanted -= {PARTICLES}
     if not LINEARISED.intersection(names):
-        wanted -= {"linear"}
+        wanted = wanted - {"linear"} | {LINEAR_OF_FEW}
     return wanted if {"linear", PARTICLES} & wanted or "modes" in names else None
 
 

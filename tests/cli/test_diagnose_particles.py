@@ -228,6 +228,13 @@ def test_a_start_at_the_pericentre_counts_once(pkgen, tmp_path: Path) -> None:
     assert abs(of["lrl"]["period"] / (2 * math.pi) - 1) < 1e-9
 
 
+def test_methods_that_need_derivatives_have_them(pkgen, tmp_path: Path) -> None:
+    # A diagnostic that does not need them leaves them as they are without it.
+    method = ["--method", "adaptive_verlet", "--step", "0.001", "--until", "1"]
+    of, _ = found(pkgen, tmp_path, KEPLER, "angular_momentum", *method)
+    assert of["angular_momentum"]["origin"]["drifts"][0]["max"] < 1e-13
+
+
 def test_refusals(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "model.lag"
     path.write_text("model line\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
