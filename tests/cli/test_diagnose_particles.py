@@ -244,8 +244,9 @@ this model none are seen: it names no place in a plane or in space, and a motion
 about nothing
     3 | kinetic x'^2/2
       |         ^^^^^^
-   help: name the place of each particle, as let x = l*sin(theta), let y = -l*cos(theta), so that \
-the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a rigid body, record p_ANGLE
+   help: name the place of each particle, by let or observe, as x = l*sin(theta) and \
+y = -l*cos(theta), so that the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a rigid \
+body, record p_ANGLE
 """
     assert done.returncode == 2 and done.stderr == expected
     # What the help says to add is enough.

@@ -22,8 +22,9 @@ from .masses import Given
 from .motion import Energies
 
 HELP = (
-    "name the place of each particle, as let x = l*sin(theta), let y = -l*cos(theta), so that the "
-    "kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a rigid body, record p_ANGLE"
+    "name the place of each particle, by let or observe, as x = l*sin(theta) and "
+    "y = -l*cos(theta), so that the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a "
+    "rigid body, record p_ANGLE"
 )
 LINEAR = (
     "L has other terms linear in the rates, as of a turning frame, in which r' is then measured, "
