@@ -131,6 +131,7 @@ NOT = {  # and of others where they say what
     "coord q[1..2]\nkinetic q[1]'^2/2 + q[2]'^2/2": NONE,
     PENDULUM + "kinetic m/2*l^2*theta'^2": NONE,
     "state s\nrate s = -s\nstart s = 1": NONE,
+    "coord a_x, a_y [rad]\nkinetic (1 [kg*m^2])/2*(a_x'^2 + a_y'^2)": NONE,  # angles
     PLANE + "kinetic x'^2 + y'^2/2": OTHER,
     "coord x, y, z\nkinetic x'^2 + y'^2 + z'^2/2": OTHER,
     PLANE + "kinetic (x'^2 + y'^2 + x'*y')/2": OTHER,

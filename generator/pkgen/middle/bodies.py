@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from ..equations import Row
+from ..model import Model
 from .graph import Node
 
 AXES = "xyz"
@@ -31,6 +32,12 @@ class Body:
     mass: Node
     place: Row  # of three, 0 beside a plane
     name: str  # "(x, y)"
+
+
+def lengths(model: Model) -> frozenset[str]:
+    """The names of coordinates, definitions and outputs that are lengths; all, without units."""
+    items = (*model.coordinates, *model.definitions, *model.observed)
+    return frozenset(item.name for item in items if model.dimensionless or item.unit == "m")
 
 
 def keys(name: str, index: int | None = None) -> Iterator[Key]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from ..equations import Row
 from ..indices import indexed
 from ..source import ModelError
-from .bodies import Body, Key, NoParticles, keys, listed, places
+from .bodies import Body, Key, NoParticles, keys, lengths, listed, places
 from .differentiate import gradient
 from .expand import Expander
 from .graph import BIT, ZERO, Graph, Kind, Node
@@ -80,13 +80,13 @@ def _named(x: Expander) -> list[_Place]:
 
 def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
     """Of coordinates, definitions and outputs those that are lengths and do not go with rates."""
-    length = "" if x.model.dimensionless else "m"
+    known = lengths(x.model)
     for item in x.model.coordinates:
         family = x.coordinates[item.name]
-        for index in family.members if item.unit == length else ():
+        for index in family.members if item.name in known else ():
             yield item.name, index, x.coordinate(item.name, index, item.span)
     for item in (*x.model.definitions, *x.model.observed):
-        if item.unit != length:
+        if item.name not in known:
             continue
         try:
             with x.statement(item.span):

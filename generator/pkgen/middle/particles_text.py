@@ -29,7 +29,7 @@ from ..tree import (
     Sum,
     Vector,
 )
-from .bodies import Body, Key, keys, places
+from .bodies import Body, Key, keys, lengths, places
 from .differentiate import gradient
 from .expand import Expander
 from .graph import BIT, ZERO, Kind, Node
@@ -72,6 +72,7 @@ class _Reader:
 
     def __init__(self, x: Expander):
         self.x = x
+        self.lengths = lengths(x.model)
         self.brackets = 0
         self.bodies: list[Body] = []
         self.definitions = {}
@@ -153,7 +154,7 @@ class _Reader:
         x, g = self.x, self.x.graph
         match base:
             case Prime(of=of):
-                name, known = _named(x, of, loop)
+                name, known = self.named(of, loop)
                 named = isinstance(of, Name | Component)
                 yield _Square(factor, x.scalar(of, loop), name, known, named, bracket)
                 return
@@ -184,7 +185,7 @@ class _Reader:
         """factor * expr . expr."""
         match expr:
             case Prime(of=of):
-                name, _ = _named(self.x, of, loop)
+                name, _ = self.named(of, loop)
                 self.bodies.append(_body(self.x, factor, self.x.value(of, loop), name))
             case Name() if found := self.opened(expr, loop):
                 yield from self.vector(*found, factor)
@@ -196,15 +197,16 @@ class _Reader:
             case _:
                 raise _Unread
 
-
-def _named(x: Expander, of: Expr, loop: Loop) -> tuple[str, tuple[Key, ...]]:
-    match of:
-        case Component(of=whole, axis=axis):
-            return x.model.source.text[of.span.start : of.span.end], ((x.value(whole, loop), axis),)
-        case Name(id=name, index=index):
-            at = None if index is None else integer(index, loop)
-            return indexed(name, at), tuple(keys(name, at))
-    return x.model.source.text[of.span.start : of.span.end], ()
+    def named(self, of: Expr, loop: Loop) -> tuple[str, tuple[Key, ...]]:
+        """What is said of it, and of which places it may be."""
+        text = self.x.model.source.text[of.span.start : of.span.end]
+        match of:
+            case Component(of=whole, axis=axis):
+                return text, ((self.x.value(whole, loop), axis),)
+            case Name(id=name, index=index):
+                at = None if index is None else integer(index, loop)
+                return indexed(name, at), tuple(keys(name, at)) if name in self.lengths else ()
+        return text, ()
 
 
 def _body(x: Expander, half_mass: Node, place: tuple[Node, ...], name: str) -> Body:
