@@ -10,9 +10,11 @@ from .back.kernels import KERNELS
 from .back.kernels_canonical import CANONICAL
 from .compiler import Compilation
 from .exits import UsageError
-from .middle.motion import PARTICLES
+from .middle.bodies import listed
+from .middle.motion import LINEAR_OF_FEW, PARTICLES
 from .middle.particles import HELP
 from .option_values import near
+from .source import Diagnostic
 
 NAMES = (
     "lyapunov",
@@ -62,7 +64,7 @@ def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
     if not OF_PARTICLES.intersection(names):
         wanted -= {PARTICLES}
     if not LINEARISED.intersection(names):
-        wanted -= {"linear"}
+        wanted = wanted - {"linear"} | {LINEAR_OF_FEW}
     return wanted if {"linear", PARTICLES} & wanted or "modes" in names else None
 
 
@@ -78,13 +80,23 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
         return
     of = next(name for name in names if name in OF_PARTICLES)
     if not particles.masses:
-        place = compilation.model.source.place(particles.span)
-        raise UsageError(f"{place}: --diagnose {of} is of particles: {particles.why}; {HELP}")
+        said = f"--diagnose {of} is of particles, and of this model none are seen: {particles.why}"
+        found = Diagnostic(said, particles.span, HELP)
+        raise UsageError(found.text(compilation.model.source))
     if "lrl" in names and len(particles.masses) > 2:
         raise UsageError(
             f"--diagnose lrl is of one particle, or of two about each other; "
-            f"'{compilation.model.name}' has {len(particles.masses)}"
+            f"'{compilation.model.name}' has {len(particles.masses)}: {listed(particles.names)}"
         )
+
+
+def name_places(report: dict, compilation: Compilation) -> None:
+    """In the results of what is of particles: where these are, and what of L is not theirs."""
+    for name, found in report.get("diagnostics", {}).items():
+        if name in OF_PARTICLES and found["status"] == "PK_DONE":
+            particles = compilation.equations.particles
+            found["places"] = list(particles.names)
+            found["beyond"] = particles.beyond or None
 
 
 def of_whole(text: str | None) -> bool:

@@ -156,8 +156,15 @@ def _action(found: dict, time: str) -> list[str]:
     return lines
 
 
+def _places(found: dict) -> str:
+    """Of which particles the results are, and of what part of L."""
+    places = found["places"]
+    said = ", ".join(places[:4]) + (f" and {len(places) - 4} more" if places[4:] else "")
+    return said + (f" ({found['beyond']})" if found["beyond"] else "")
+
+
 def _angular_momentum(found: dict, time: str) -> list[str]:
-    said = []
+    said = [f"angular momentum of the particles at {_places(found)}"]
     for about in ("origin", "centre"):
         of = found[about]
         if of is None:
@@ -167,14 +174,15 @@ def _angular_momentum(found: dict, time: str) -> list[str]:
         what = "its torque is round-off: this is drift"
         if of["torque"] > NO_TORQUE:
             what = "the model does not conserve it (there is a torque): this is how it varies"
-        first = ", ".join(f"{x:.10g}" for x in of["first"][3 - len(lines) :])
+        axes = [["L_x", "L_y", "L_z"].index(drift["name"]) for drift in of["drifts"]]
+        first = ", ".join(f"{of['first'][axis]:.10g}" for axis in axes)
         said.append(f"angular momentum about {place}: {first} at the start; {what}")
         said += [f"angular momentum about {place}: {line}" for line in lines]
     return said
 
 
 def _lrl(found: dict, time: str) -> list[str]:
-    said = f"lrl: eccentricity {found['eccentricity']:.10g} at the start"
+    said = f"lrl of {_places(found)}: eccentricity {found['eccentricity']:.10g} at the start"
     if found["varies"] > NO_TORQUE:
         said += "; the force is not as 1/r^2: the model does not conserve its vector"
     lines = [said, f"lrl: {drift_lines([found['drift']])[0]}"]

@@ -90,12 +90,15 @@ class Hamiltonian:
 @dataclass(frozen=True)
 class Particles:
     """Masses and places with T = sum of m/2 |r'|^2, z 0 in a plane; in r'' the accelerations of the
-    coordinates are given. None, and `why` and where, if T was not seen to be such a sum."""
+    coordinates are given. What L has `beyond` that, in words: of the second degree in the rates
+    there is nothing. None, and `why` and where, if T was not seen to be such a sum."""
 
     masses: Row
     places: Matrix
     rates: Matrix
     accelerations: Matrix
+    names: tuple[str, ...] = ()  # of the places: "(x, y)"
+    beyond: str = ""
     why: str = ""
     span: Span | None = None
 

@@ -169,7 +169,7 @@ def _result(asked: _Run, outcome: Outcome, table: Path) -> dict[str, object]:
 
 def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
     with progress(asked.compilation.model.name) as on_progress:
-        return simulate(
+        outcome = simulate(
             asked.compilation,
             asked.settings,
             output,
@@ -177,6 +177,8 @@ def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
             asked.ensemble,
             asked.threads,
         )
+    diagnostics.name_places(outcome.report, asked.compilation)
+    return outcome
 
 
 def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:

@@ -7,7 +7,7 @@
 struct turning {
     struct pk_drift drift[2][3]; /* about the origin, about the centre of mass */
     pk_real first[2][3], last[2][3], torque[2], arm[2];
-    int spatial;
+    int moves[3]; /* along which axes */
 };
 
 static void turn(void *context, struct bodies *b, pk_real t)
@@ -23,13 +23,21 @@ static void turn(void *context, struct bodies *b, pk_real t)
             x->torque[centre] = PK_F(fmax)(x->torque[centre], PK_F(fabs)(torque[k]));
         x->arm[centre] = PK_F(fmax)(x->arm[centre], size);
     }
-    for (size_t i = 0; i < b->n; i++)
-        x->spatial |= PK_F(fabs)(b->r[3 * i + 2]) > 0 || PK_F(fabs)(b->v[3 * i + 2]) > 0;
+    for (size_t i = 0; i < 3 * b->n; i++)
+        x->moves[i % 3] |= PK_F(fabs)(b->r[i]) > 0 || PK_F(fabs)(b->v[i]) > 0;
+}
+
+/* The axis that a motion in a plane turns about; -1: it is one in space. */
+static int normal(const struct turning *x)
+{
+    return !x->moves[2] ? 2 : !x->moves[1] ? 1 : !x->moves[0] ? 0 : -1;
 }
 
 static void about(FILE *file, const struct turning *x, int centre)
 {
     static const char *const axes[] = {"L_x", "L_y", "L_z"};
+    const int only = normal(x);
+    const char *before = "";
     fputs("{", file);
     output_numbers(file, "first", x->first[centre], 3);
     fputs(", ", file);
@@ -37,9 +45,12 @@ static void about(FILE *file, const struct turning *x, int centre)
     fputs(", \"torque\": ", file);
     output_real(file, x->arm[centre] > 0 ? x->torque[centre] / x->arm[centre] : 0);
     fputs(", \"drifts\": [", file);
-    for (int k = x->spatial ? 0 : 2; k < 3; k++) {
-        fputs(k > 0 && x->spatial ? ", " : "", file);
+    for (int k = 0; k < 3; k++) {
+        if (only >= 0 && k != only)
+            continue;
+        fputs(before, file);
         output_drift(file, axes[k], &x->drift[centre][k]);
+        before = ", ";
     }
     fputs("]}", file);
 }

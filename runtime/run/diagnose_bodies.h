@@ -4,9 +4,9 @@
 
 #include "diagnose_parts.h"
 
-#define BODIES_NONE                                                                  \
-    "the kinetic energy is no sum over particles: write it as a sum of m/2*(x'^2 + " \
-    "y'^2), with x, y and z coordinates or definitions"
+#define BODIES_NONE                                                              \
+    "the kinetic energy is not seen to be a sum of m/2 r'^2 over particles; named, " \
+    "it says why"
 
 /* The particles at a state. */
 struct bodies {

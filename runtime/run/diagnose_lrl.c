@@ -5,6 +5,7 @@
 #include <string.h>
 
 static const double ROUND = 1e-8; /* an eccentricity of rounding: the orbit has no direction */
+static const double AGAIN = 1e-6; /* of r/r': the passage of the start, found a rounding later */
 
 struct apsides {
     struct pk_lrl lrl;
@@ -13,6 +14,11 @@ struct apsides {
     unsigned long count; /* pericentres */
     pk_real first_t, first_angle, last_t, last_angle;
 };
+
+static pk_real length(const pk_real *x)
+{
+    return PK_F(sqrt)(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
 
 static void update(struct apsides *x, struct bodies *b)
 {
@@ -35,6 +41,11 @@ static void orbit(void *context, struct bodies *b, pk_real t)
 static void passage(void *context, struct bodies *b, pk_real t)
 {
     struct apsides *x = (struct apsides *)context;
+    pk_real r[3], v[3];
+    bodies_relative(b, b->r, r);
+    bodies_relative(b, b->v, v);
+    if (x->count > 0 && (t - x->last_t) * length(v) < (pk_real)AGAIN * length(r))
+        return;
     update(x, b);
     if (x->count++ == 0) {
         x->first_t = t;
@@ -88,14 +99,13 @@ void diagnose_lrl(struct run *run, struct diagnostics *d)
     if (status >= 0) {
         const pk_real direction[3] = {x.lrl.along[0], x.lrl.along[1], x.lrl.along[2]};
         const pk_real closing = bodies_approach(&b);
-        const pk_real swift = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        const pk_real distance = PK_F(sqrt)(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+        const pk_real distance = length(r), speed = length(v);
         b.see = orbit;
         b.pericentre = passage;
         b.context = &x;
         orbit(&x, &b, 0);
-        if (PK_F(fabs)(closing) <= 16 * PK_EPSILON * distance * PK_F(sqrt)(swift) &&
-            swift * distance > x.lrl.k)
+        if (PK_F(fabs)(closing) <= 16 * PK_EPSILON * distance * speed &&
+            speed * speed * distance > x.lrl.k)
             passage(&x, &b, 0);
         status = bodies_follow(&b, reason, sizeof reason);
         if (diagnose_member(d, "lrl", status, reason))

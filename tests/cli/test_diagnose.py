@@ -119,6 +119,7 @@ def test_what_is_said(pkgen) -> None:
     said = [kind for kind in kinds if kind != "run"][2:]
     of_bobs = [f"angular momentum about the {place}" for place in ("origin", "centre of mass")]
     of_bobs = [of_bobs[0]] * 2 + [of_bobs[1]] * 2
+    of_bobs = ["angular momentum of the particles at (x1, y1), (x2, y2)", *of_bobs]
     of_any = ["lyapunov", "reversal", "spectrum", "spectrum", "symplectic", "least_action"]
     assert said == [*of_any, *of_bobs, "modes", "modes", "modes"]
     assert "chaotic, exponent 1." in done.stderr and "/s (megno" in done.stderr

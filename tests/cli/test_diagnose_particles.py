@@ -6,6 +6,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 KEPLER = """model kepler
@@ -122,16 +123,144 @@ def test_what_is_not_conserved_is_said(pkgen, tmp_path: Path) -> None:
     assert "the model does not conserve it (there is a torque): this is how it varies" in said
 
 
+PENDULUM = """model pendulum
+param m = 2 in (0, inf)
+param l = 3 in (0, inf)
+coord theta
+kinetic m/2*l^2*theta'^2
+potential -9.81*m*l*cos(theta)
+observe x = l*sin(theta)
+observe z = -l*cos(theta)
+start theta = 2, theta' = 0.3
+"""
+DOUBLE = """model two_bobs
+param m1 = 1 in (0, inf)
+param m2 = 2 in (0, inf)
+param l1 = 3 in (0, inf)
+param l2 = 4 in (0, inf)
+coord a, b
+let x1 = l1*sin(a)
+let y1 = -l1*cos(a)
+let x2 = x1 + l2*sin(b)
+let y2 = y1 - l2*cos(b)
+lagrangian m1/2*l1^2*a'^2 + m2/2*(l1^2*a'^2 + l2^2*b'^2 + 2*l1*l2*a'*b'*cos(a - b)) - m1*y1 - m2*y2
+start a = 1, b = 2, a' = 0.5
+"""
+FOUCAULT = """model foucault
+param Omega = 0.3
+coord x, y
+let r = [x, y, 0]
+lagrangian 3/2*dot(r', r') + 3*Omega*(x*y' - y*x') - x^2 - y^2
+start x = 1, y' = 0.2
+"""
+STARS = """observe X = x*cos(Omega*t) - y*sin(Omega*t)
+observe Y = x*sin(Omega*t) + y*cos(Omega*t)
+"""
+STEPS = ["--until", "4", "--method", "gauss8", "--step", "0.01"]
+
+
+def rows(tmp_path: Path) -> dict[str, np.ndarray]:
+    table = np.genfromtxt(tmp_path / "rows.csv", delimiter=",", skip_header=1)
+    names = (tmp_path / "rows.csv").read_text().splitlines()[0].split(",")
+    return dict(zip(names, table.T, strict=True))
+
+
+def check(of: dict, about: str, axis: int, expected: np.ndarray) -> None:
+    """One component against what it is by the rows; it alone has a drift."""
+    found = of["angular_momentum"][about]
+    scale = np.abs(expected).max()
+    assert abs(found["first"][axis] - expected[0]) < 1e-14 * scale
+    assert abs(found["final"][axis] - expected[-1]) < 1e-12 * scale
+    assert all(found["first"][k] == 0 for k in range(3) if k != axis)
+    (drift,) = found["drifts"]
+    assert drift["name"] == "L_" + "xyz"[axis]
+    largest = np.abs(expected - expected[0]).max() / drift["scale"]
+    assert 0.9 * largest <= drift["max"] + 1e-13 and drift["max"] <= 1.1 * largest + 1e-13
+
+
+def test_against_the_rows(pkgen, tmp_path: Path) -> None:
+    # On a circle in the plane of x and z, which is named by outputs: z x' - x z'.
+    of, said = found(pkgen, tmp_path, PENDULUM, "angular_momentum", *STEPS)
+    row = rows(tmp_path)
+    check(of, "origin", 1, -2 * 9 * row["theta'"])
+    assert of["angular_momentum"]["places"] == ["(x, z)"] and "the particles at (x, z)" in said
+    # Two whose T is written in angles, of L alone.
+    of, _ = found(pkgen, tmp_path, DOUBLE, "angular_momentum", *STEPS)
+    row = rows(tmp_path)
+    x1, y1 = 3 * np.sin(row["a"]), -3 * np.cos(row["a"])
+    u1, w1 = -y1 * row["a'"], x1 * row["a'"]
+    x2, y2 = x1 + 4 * np.sin(row["b"]), y1 - 4 * np.cos(row["b"])
+    u2, w2 = u1 + 4 * np.cos(row["b"]) * row["b'"], w1 + 4 * np.sin(row["b"]) * row["b'"]
+    whole = x1 * w1 - y1 * u1 + 2 * (x2 * w2 - y2 * u2)
+    of_centre = ((x1 + 2 * x2) * (w1 + 2 * w2) - (y1 + 2 * y2) * (u1 + 2 * u2)) / 3
+    check(of, "origin", 2, whole)
+    check(of, "centre", 2, whole - of_centre)
+    assert of["angular_momentum"]["origin"]["torque"] > 0.01
+
+
+def test_in_a_frame_that_turns(pkgen, tmp_path: Path) -> None:
+    # m r x r' is of the frame in which the places are: it turns, and there it is not conserved.
+    of, said = found(pkgen, tmp_path, FOUCAULT, "angular_momentum", *STEPS)
+    row = rows(tmp_path)
+    turning = 3 * (row["x"] * row["y'"] - row["y"] * row["x'"])
+    check(of, "origin", 2, turning)
+    assert of["angular_momentum"]["places"] == ["r"]
+    assert "linear in the rates" in of["angular_momentum"]["beyond"]
+    assert "as of a turning frame, in which r' is then measured" in said
+    assert of["angular_momentum"]["origin"]["torque"] > 0.01
+    # Beside the stars, once their places are named, it is: m r x r' + m Omega r^2.
+    of, said = found(pkgen, tmp_path, FOUCAULT + STARS, "angular_momentum", *STEPS)
+    row = rows(tmp_path)
+    beside = turning + 3 * 0.3 * (row["x"] ** 2 + row["y"] ** 2)
+    check(of, "origin", 2, beside)
+    assert of["angular_momentum"]["places"] == ["(X, Y)"]
+    assert of["angular_momentum"]["beyond"] is None and "turning" not in said
+    assert of["angular_momentum"]["origin"]["torque"] < 1e-14
+    assert np.ptp(beside) < 1e-12 < 0.1 < np.ptp(turning)
+
+
+def test_a_start_at_the_pericentre_counts_once(pkgen, tmp_path: Path) -> None:
+    # r . r' is a rounding below 0 there, and passes 0 right after.
+    model = Path(__file__).parents[2] / "models" / "particles" / "kepler_space.lag"
+    options = ["--set", "mu=1", "--set", "a=1", "--set", "m=1", "--until", "20"]
+    of, _ = found(pkgen, tmp_path, model.read_text(), "lrl", *options)
+    assert of["lrl"]["pericentres"] == 4
+    assert abs(of["lrl"]["period"] / (2 * math.pi) - 1) < 1e-9
+
+
+def test_methods_that_need_derivatives_have_them(pkgen, tmp_path: Path) -> None:
+    # A diagnostic that does not need them leaves them as they are without it.
+    method = ["--method", "adaptive_verlet", "--step", "0.001", "--until", "1"]
+    of, _ = found(pkgen, tmp_path, KEPLER, "angular_momentum", *method)
+    assert of["angular_momentum"]["origin"]["drifts"][0]["max"] < 1e-13
+
+
 def test_refusals(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "model.lag"
     path.write_text("model line\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\n")
     done = pkgen("run", path, "--diagnose", "angular_momentum")
-    assert done.returncode == 2 and f"{path}:3:9: --diagnose angular_momentum is of" in done.stderr
-    assert "write kinetic as a sum of m/2*(x'^2 + y'^2)" in done.stderr
+    expected = f"""pkgen: {path}:3:9: error: --diagnose angular_momentum is of particles, and of \
+this model none are seen: it names no place in a plane or in space, and a motion on a line turns \
+about nothing
+    3 | kinetic x'^2/2
+      |         ^^^^^^
+   help: name the place of each particle, by let or observe, as x = l*sin(theta) and \
+y = -l*cos(theta), so that the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a rigid \
+body, record p_ANGLE
+"""
+    assert done.returncode == 2 and done.stderr == expected
+    # What the help says to add is enough.
+    path.write_text(PENDULUM.replace("observe", "let"))
+    steps = ["--diagnose", "angular_momentum", "--until", "1"]
+    assert pkgen("run", path, *steps).returncode == 0
+    lines = PENDULUM.splitlines(keepends=True)
+    path.write_text("".join(line for line in lines if not line.startswith("observe")))
+    done = pkgen("run", path, *steps)
+    assert done.returncode == 2 and "it names no place" in done.stderr
     path.write_text(SWING.replace("x^2/2 + y^2", "-x^2"))
     done = pkgen("run", path, "--diagnose", "lrl", "--until", "1")
     assert done.returncode == 2 and "not drawn to the origin" in done.stderr
     three = TWO.replace("x2, y2, z2\n", "x2, y2, z2, x3, y3\n", 1)
     path.write_text(three.replace("potential", "kinetic (x3'^2 + y3'^2)/2\npotential"))
     done = pkgen("run", path, "--diagnose", "lrl", "--until", "1")
-    assert done.returncode == 2 and "or of two about each other; 'two' has 3" in done.stderr
+    assert done.returncode == 2 and "or of two about each other; 'two' has 3: (x1," in done.stderr

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 
 from ..equations import Equations, Matrix, Particles, Row
 from ..middle.graph import ZERO, Node
+from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import KernelSpec, pivot_checks, stores
 from .kernels_canonical import CANONICAL, canonical_specs
 from .program import FILL, RETURN, STORE, Output
@@ -22,7 +23,7 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     """Those of `wanted` that the model has, and those that these call."""
     names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
     if wanted is not None:
-        names &= wanted | CANONICAL
+        names &= wanted | CANONICAL | ({"linear"} if LINEAR_OF_FEW in wanted else set())
     if equations.quadratures:
         names |= {"quadrature"}
     if equations.switches:

@@ -17,6 +17,7 @@ from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
 from .lagrange import Derived, derived, guards, switches
+from .masses import Given
 from .motion import PARTICLES, Energies, Motion, Wanted
 from .particles import particles_of
 from .quantities import (
@@ -54,7 +55,11 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     wanted = Wanted(kernels)
     rates = rates_of_states(x, energies)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
-    bodies = particles_of(x, energies.kinetic) if wanted.named(PARTICLES) else None
+    parameters = _parameters(x)
+    start_q, start_v, state_start = _starts(x)
+    bodies = None
+    if wanted.named(PARTICLES):
+        bodies = particles_of(x, energies, Given(parameters, start_q, state_start))
     with x.statement(model.span):
         try:
             found = derived(
@@ -77,8 +82,6 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
     outputs = _outputs(x, found, rates)
-    parameters = _parameters(x)
-    start_q, start_v, state_start = _starts(x)
     names = x.coordinates
     declared = model.coordinates
     states = quantities(model.states, x.states, "{}", "unit")

@@ -25,6 +25,7 @@ TIME = BIT[Kind.TIME]
 # Of 20 links of a pendulum it has more operations than all else, and takes a fifth of the C
 # compiler's time; past this many coordinates it has to be asked for by name.
 LINEARISED = 16
+LINEAR_OF_FEW = "linear of few"  # asked for as if it were not named
 PARTICLES = "particles"  # a kernel that only diagnostics ask for
 
 
@@ -42,7 +43,7 @@ class Wanted:
         return self.kernels is not None and name in self.kernels
 
     def linear(self, count: int) -> bool:
-        return "linear" in self.kernels if self.kernels is not None else count <= LINEARISED
+        return "linear" in (self.kernels or ()) or (self(LINEAR_OF_FEW) and count <= LINEARISED)
 
 
 @dataclass(frozen=True)

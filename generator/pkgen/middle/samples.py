@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ..equations import Equations
+from ..equations import Equations, ParameterSlot
 from .balls import Ball, Balls
 from .differentiate import reachable
 from .evaluate import evaluate
@@ -41,7 +41,7 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
     apart = (Kind.PI, Kind.PARAMETER, Kind.ACCELERATION)
     symbols = sorted(s for s in found if s.kind not in apart)
     used = {s.index for s in found if s.kind is Kind.PARAMETER}
-    fixed = _defaults(equations)
+    fixed = defaults(equations.graph, equations.parameters)
     start, numbers = _starts(equations, fixed), _numbers(g, below, fixed)
     effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)
     tried = max(2, min(TRIED, EFFORT // effort))
@@ -72,10 +72,10 @@ def _apart(draw: random.Random) -> Fraction:
     return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
 
 
-def _defaults(equations: Equations) -> dict[Symbol, float]:
+def defaults(g: Graph, parameters: tuple[ParameterSlot, ...]) -> dict[Symbol, float]:
     fixed: dict[Symbol, float] = {}
-    for k, slot in enumerate(equations.parameters):
-        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(equations.graph, [slot.default], fixed)
+    for k, slot in enumerate(parameters):
+        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
     return fixed
 
 

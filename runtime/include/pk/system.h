@@ -247,8 +247,9 @@ struct pk_system {
      * NULL where there are no coordinates. */
     size_t n_states;
 
-    /* The particles of which T = sum of m/2 |r'|^2: masses, and x, y, z (0 in a plane) of r, r' and
-     * r'' of each, with a = q'' given. NULL: T was not asked about, or is no such sum. */
+    /* The particles of which T = sum of m/2 |r'|^2, or what of L is of the second degree in the rates:
+     * masses, and x, y, z (0 beside a plane) of r, r' and r'' of each, with a = q'' given. NULL: it
+     * was not asked for, or is no such sum. */
     size_t n_particles;
     void (*particles)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, const pk_real *a, pk_real *m, pk_real *r, pk_real *r_v,
