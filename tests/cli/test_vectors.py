@@ -142,3 +142,30 @@ start x = 1
     assert done.returncode == 1
     assert "'L.x' is not constant" in done.stderr and "'L.y' is not constant" in done.stderr
     assert "'L.z'" not in done.stderr
+
+
+@pytest.mark.parametrize("size", [3, 60])  # unrolled, and kept as loops
+def test_sums_of_vectors(pkgen, tmp_path: Path, size: int) -> None:
+    path = tmp_path / "many.lag"
+    path.write_text("""model many
+size N = 3
+param c = 2
+coord x[1..N], y[1..N]
+let r[i = 1..N] = [x[i], y[i], i]
+kinetic sum(dot(r[i]', r[i]')/2, i = 1..N)
+potential sum(dot(r[i], r[i])/2, i = 1..N)
+observe L = sum(cross(r[i], r[i]'), i = 1..N)
+observe P = sum(i*r[i]', i = 1..N)
+observe Q = c*sum(r[i], i = 1..N) - [0, 0, N*(N + 1)]
+observe Y = sum(r[i], i = 1..N).y
+start x[1] = 1, y[2]' = 3, y[3]' = 4
+""")
+    how = ("--size", f"N={size}", "--until", "0.5", "--every", "0.5", "--record", "P,Q,Y,L.x,L.z")
+    done = pkgen("run", path, *how)
+    assert done.returncode == 0, done.stderr
+    first, last = rows(done.stdout)
+    sin, cos = math.sin(0.5), math.cos(0.5)
+    found = [float(last[k]) for k in ("P.x", "P.y", "P.z", "Q.x", "Q.y", "Q.z", "Y", "L.x", "L.z")]
+    exact = [-sin, 18 * cos, 0, 2 * cos, 14 * sin, 0, 7 * sin, -18 * cos, 0]
+    assert found == pytest.approx(exact, abs=1e-9)
+    assert float(first["P.y"]) == 18

@@ -11,16 +11,19 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..model import Definition
-from ..tree import AXES, Call, Component, Expr, Multiply, Name, Vector
+from ..tree import AXES, Call, Component, Expr, Multiply, Name, Sum, Vector
 from .check_names import Facts, Report, Turns
 
 EXAMPLE = "rot([0, 0, 1], angle)*r"
 
 
 def component(vector: Expr, axis: int) -> Expr:
-    """Of a checked vector; of one that is written out the item itself."""
+    """Of a checked vector; of one that is written out the item itself, and of a sum the sum of
+    components, which can stay a loop."""
     if isinstance(vector, Vector):
         return vector.items[axis]
+    if isinstance(vector, Sum):
+        return replace(vector, body=component(vector.body, axis))
     return Component(vector, axis, vector.span)
 
 

@@ -137,7 +137,7 @@ class LoopExpander:
     def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
         value = self.value(expr, self.sizes if loop is None else loop)
         if isinstance(value, tuple):
-            raise error(self.model, "a vector where a single value is needed", expr.span)
+            raise Unrolled("vectors are summed where loops add numbers")
         return value
 
     def value(self, expr: Expr, loop: Loop) -> Value:
