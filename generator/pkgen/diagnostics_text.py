@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 NO_TORQUE = 1e-12  # of the size of what it is the sum of
 BROAD = 0.03  # a residual that lines do not explain
@@ -22,7 +20,7 @@ def drift_lines(drifts: list[dict]) -> list[str]:
         growth = drift["growth"]
         if drift["exponent"] or drift["spread"]:
             growth += f" (t^{drift['exponent']:.2f})"
-        if not drift["first"] and scale:
+        if not drift["first"] and drift["max"] == 1:  # of what is not beside something larger
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
         said.append(f"{line}: {growth}")
     return said
@@ -213,19 +211,23 @@ def _modes(found: dict, time: str) -> list[str]:
 def _area(found: dict, time: str) -> list[str]:
     unit = f" {time}" if time else ""
     rows, until = found["rows"], found["resolved_until"]
-    if until is None:
-        return [
-            f"area: the {found['members']} starts are no smooth closed loop, or too few: "
-            f"{rows[0][2] or math.nan:.1e} of it is in its last harmonics"
-        ]
     said = f"area: {rows[0][1]:.12g} within {found['members']} members at the start; "
-    if until == rows[-1][0]:
+    if found["ends"] is None:
         said += "resolved to the end"
+    elif until == rows[-1][0]:
+        said += f"resolved until t = {until:.6g}{unit}, as far as all members come"
     else:
-        said += f"resolved until t = {until:.6g}{unit}, later it is finer than they are apart"
+        said += f"resolved until t = {until:.6g}{unit}, later {found['ends']}"
     if not found["conserved"]:
-        said += "; with forces besides those of L it is not conserved"
-    return [said, f"area: while resolved {drift_lines([found['drift']])[0]}"]
+        said += "; with states, or forces besides those of L, it need not be conserved"
+    if found["drift"] is None:
+        return [said]
+    lines = [said, f"area: while resolved {drift_lines([found['drift']])[0]}"]
+    noisy = [row for row in rows if row[0] <= until and row[2] > found["threshold"]]
+    if noisy:
+        noise = max(row[3] for row in noisy) / found["drift"]["scale"]
+        lines[-1] += f"; errors of each member's own are {noise:.0e} of it"
+    return lines
 
 
 _TEXTS = {
