@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 NO_TORQUE = 1e-12  # of the size of what it is the sum of
 BROAD = 0.03  # a residual that lines do not explain
@@ -33,6 +35,15 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
         if result["status"] == "PK_DONE":
             said += _TEXTS[name](result, time)
     return said
+
+
+def _rad(time: str) -> str:
+    return f" rad/{time}" if time else ""
+
+
+def _few(numbers: list[str], unit: str) -> str:
+    more = f" and {len(numbers) - 4} more" if len(numbers) > 4 else ""
+    return f"{', '.join(numbers[:4])}{unit}{more}"
 
 
 def _per(time: str) -> str:
@@ -78,7 +89,7 @@ def _reversal(found: dict, time: str) -> list[str]:
 
 
 def _spectrum(found: dict, time: str) -> list[str]:
-    unit = f" rad/{time}" if time else ""
+    unit = _rad(time)
     said = []
     for coordinate in found["coordinates"]:
         shown = [
@@ -192,10 +203,19 @@ def _lrl(found: dict, time: str) -> list[str]:
 
 
 def _modes(found: dict, time: str) -> list[str]:
-    unit = f" rad/{time}" if time else ""
-    shown = ["unstable" if f is None else f"{f:.10g}" for f in found["frequencies"][:4]]
-    more = f" and {found['modes'] - 4} more" if found["modes"] > 4 else ""
-    said = [f"modes: {', '.join(shown)}{unit}{more}"]
+    squares = found["squares"]
+    leaving = [math.sqrt(-x) for x in squares if x < 0]  # the first of them, for they are in order
+    swings = [f for f in found["frequencies"] if f is not None]
+    said = []
+    if leaving:
+        rates = _few([f"{rate:.10g}" for rate in leaving], _per(time))
+        said.append(
+            f"modes: about an unstable equilibrium, in which the motion starts, or no stable one below "
+            f"its energy was found: {len(leaving)} of {found['modes']} modes leave it, at the rate "
+            f"{rates}; energies of these tell little"
+        )
+    if swings:
+        said.append(f"modes: {_few([f'{f:.10g}' for f in swings], _rad(time))}")
     if not found["rows"]:
         return said
     for name, row in (("start", found["rows"][0]), ("end", found["rows"][-1])):

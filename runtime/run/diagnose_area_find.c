@@ -213,10 +213,9 @@ static int parted(const struct run *run, const struct finding *f, const char *go
             missing++, first = k;
     if (missing)
         snprintf(text, size,
-                 "%zu of %zu members, first %s %ld, are not there at t = %.6g, for %s: the last row "
+                 "%zu of %zu members, first member %ld, are not there at t = %.6g, for %s: the last row "
                  "that all have is at t = %.6g",
-                 missing, l->members, run->settings.member_name ? run->settings.member_name : "member",
-                 ensemble_number(&run->settings, first), l->t[f->common], gone,
+                 missing, l->members, ensemble_number(&run->settings, first), l->t[f->common], gone,
                  l->t[f->common - 1]);
     else
         snprintf(text, size, "a momentum is not finite at t = %.6g: the last row before is at t = %.6g",

@@ -1,4 +1,9 @@
-/* Normal modes at the equilibrium next to the start, and how the energy is shared among them. */
+/* Normal modes at the equilibrium that a motion is about, and how the energy is shared among them.
+ *
+ * That is the one in which it starts, at rest; else a minimum of the potential no higher than the
+ * motion's energy, of those the nearest to which the way is nowhere higher, else the nearest; and
+ * where none was found the nearest equilibrium of all, which is unstable.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,23 +17,31 @@
 #endif
 
 #ifdef PK_WITH_GSL
-enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8 };
+enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
 
 struct modes {
     struct run *run;
     size_t n;
     double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, p, h: of the equilibrium */
+    unsigned char *turns; /* whether q_i + 2 pi is the same place as q_i */
 };
+
+/* How fit an equilibrium is, the fittest first. */
+enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, NO_MODES, NOTHING };
 
 static const char *unfit(const struct pk_system *system, size_t n)
 {
+    if (system->n_states)
+        return "normal modes are of coordinates alone, and the model has states besides, which have "
+               "no momenta";
     if (n > MOST)
         return "of more than 256 coordinates: take a shorter family";
     if (!system->jacobian || !system->mass || !system->canonical || !system->energy)
         return "the system has no kernel jacobian: its families are kept as loops";
-    if (!(system->facts & PK_AUTONOMOUS) || !(system->facts & PK_VARIATIONAL))
-        return "normal modes are of a system without explicit time, and without forces besides "
-               "those of L";
+    if (!(system->facts & PK_AUTONOMOUS))
+        return "normal modes are of a system without explicit time, and without inputs";
+    if (!(system->facts & PK_VARIATIONAL))
+        return "normal modes are of a system without forces besides those of L";
     return NULL;
 }
 
@@ -58,34 +71,92 @@ static double distance(const struct modes *m, const double *q)
     double sum = 0;
     for (size_t i = 0; i < m->n; i++)
         sum += (q[i] - m->run->settings.q[i]) * (q[i] - m->run->settings.q[i]);
-    return sum;
+    return sqrt(sum);
 }
 
-/* The nearest equilibrium: q = 0, if it is one, or what is found from the start and around. */
-static int nearest(struct modes *m)
+static double energy_at(const struct modes *m, const double *q, const double *v)
+{
+    return m->run->problem.system->energy(m->run->problem.params, 0, q, v, NULL);
+}
+
+/* Whether it starts here, at rest. */
+static int is_start(const struct modes *m, const double *q)
+{
+    const struct settings *s = &m->run->settings;
+    double size = 0;
+    for (size_t i = 0; i < m->n; i++) {
+        if (fabs(s->v[i]) > 0)
+            return 0;
+        size = fmax(size, fabs(s->q[i]));
+    }
+    return distance(m, q) <= 1e-6 * size;
+}
+
+/* Whether the potential is nowhere above h on the straight way from the start. */
+static int in_sight(const struct modes *m, const double *q, const double *rest, double h)
+{
+    const double *from = m->run->settings.q;
+    for (int k = 1; k < WAY; k++) {
+        for (size_t i = 0; i < m->n; i++)
+            m->x[i] = from[i] + (q[i] - from[i]) * k / WAY;
+        if (!(energy_at(m, m->x, rest) <= h))
+            return 0;
+    }
+    return 1;
+}
+
+static enum fitness fitness_of(const struct modes *m, const double *q)
+{
+    const struct settings *s = &m->run->settings;
+    double *rest = m->E;
+    memset(rest, 0, m->n * sizeof *rest);
+    const double h = energy_at(m, s->q, s->v), there = energy_at(m, q, rest);
+    const double slack = 1e-9 * fmax(fabs(h), fabs(there));
+    if (pk_gsl_normal(&m->run->problem, q, m->M, m->squares, m->shapes) < 0)
+        return NO_MODES;
+    if (is_start(m, q))
+        return START;
+    if (m->squares[0] < 0 || there > h + slack)
+        return UNSTABLE;
+    return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
+}
+
+/* Of angles the nearest turn of it; into m->q where it is fitter than what is there, or nearer. */
+static enum fitness consider(struct modes *m, double *q, enum fitness best)
+{
+    for (size_t i = 0; i < m->n; i++)
+        if (m->turns[i])
+            q[i] += 2 * PK_PI * round((m->run->settings.q[i] - q[i]) / (2 * PK_PI));
+    const enum fitness found = fitness_of(m, q);
+    if (found > best || (found == best && distance(m, q) >= distance(m, m->q)))
+        return best;
+    memcpy(m->q, q, m->n * sizeof *q);
+    return found;
+}
+
+/* The fittest into m->q: of q = 0, if nothing pulls there, and what is found from the start and
+ * around. */
+static enum fitness choose(struct modes *m)
 {
     struct run *run = m->run;
     const struct settings *s = &run->settings;
     struct pk_system still = *run->problem.system;
     struct pk_problem problem = run->problem;
     double *q = (double *)words_allocate(2 * PLACES * m->n, sizeof *q);
-    struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, NULL, NULL};
+    struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, m->turns, NULL};
     double *rest = (double *)words_allocate(m->n, sizeof *rest);
-    int any = rests(m, rest); /* at 0 */
-    memcpy(m->q, rest, m->n * sizeof *rest);
     still.cyclic = NULL; /* those that go on rest nowhere */
     problem.system = &still;
-    if (pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found) >= 0)
-        for (size_t k = 0; k < found.count; k++) {
-            const double *at = q + k * m->n;
-            if (any && distance(m, at) >= distance(m, m->q))
-                continue;
-            memcpy(m->q, at, m->n * sizeof *at);
-            any = 1;
-        }
+    enum fitness best = NOTHING;
+    const enum pk_status status =
+        pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
+    if (rests(m, rest)) /* at 0 */
+        best = consider(m, rest, best);
+    for (size_t k = 0; status >= 0 && k < found.count; k++)
+        best = consider(m, q + k * m->n, best);
     free(rest);
     free(q);
-    return any;
+    return best;
 }
 
 static void row(struct modes *m, FILE *file, double t, const double *q, const double *v, int first)
@@ -95,7 +166,7 @@ static void row(struct modes *m, FILE *file, double t, const double *q, const do
     double *p = m->work, *pdot = p + n, sum = 0;
     problem->system->canonical(problem->params, t, q, v, NULL, p, pdot);
     for (size_t i = 0; i < n; i++) {
-        m->x[i] = q[i] - m->q[i];
+        m->x[i] = m->turns[i] ? remainder(q[i] - m->q[i], 2 * PK_PI) : q[i] - m->q[i];
         p[i] -= m->p[i];
     }
     pk_normal_energies(n, m->M, m->squares, m->shapes, m->x, p, m->E);
@@ -163,7 +234,8 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     m.x = m.E + n;
     m.work = m.x + n; /* 5 n */
     m.h = m.work + 5 * n;
-    enum pk_status status = nearest(&m) ? PK_DONE : PK_REFUSED;
+    m.turns = (unsigned char *)words_allocate(n, 1);
+    enum pk_status status = choose(&m) < NOTHING ? PK_DONE : PK_REFUSED;
     reason = "no equilibrium was found about which it could oscillate";
     if (status == PK_DONE) {
         double *rest = m.work, *pdot = m.work + n;
@@ -181,6 +253,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     }
     if (diagnose_member(d, "modes", status, reason))
         write_modes(&m, d);
+    free(m.turns);
     free(block);
 }
 #else
