@@ -18,6 +18,7 @@
 
 #ifdef PK_WITH_GSL
 enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
+static const double PART = 1e-6; /* of the way to the start */
 
 struct modes {
     struct run *run;
@@ -45,8 +46,9 @@ static const char *unfit(const struct pk_system *system, size_t n)
     return NULL;
 }
 
-/* Whether nothing pulls at q: beside what would if each coordinate were a little off. */
-static int rests(const struct modes *m, const double *q)
+/* Whether what pulls at q is below `share` of what would if it grew towards the start as it does at
+ * q: 1 or so where forces only fall off, far away. */
+static int rests(const struct modes *m, const double *q, double share)
 {
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n;
@@ -55,7 +57,7 @@ static int rests(const struct modes *m, const double *q)
     memset(rest, 0, n * sizeof *rest);
     problem->system->canonical(problem->params, 0, q, rest, NULL, p, pdot);
     for (size_t i = 0; i < n; i++)
-        off[i] = q[i] + 1e-6 * (m->run->settings.q[i] - q[i]);
+        off[i] = q[i] + PART * (m->run->settings.q[i] - q[i]);
     problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* two bodies in one place, say */
@@ -63,7 +65,7 @@ static int rests(const struct modes *m, const double *q)
         force = fmax(force, fabs(pdot[i]));
         change = fmax(change, fabs(moved[i] - pdot[i]));
     }
-    return force <= 1e-6 * change || !(force > 0);
+    return force <= share / PART * change || !(force > 0);
 }
 
 static double distance(const struct modes *m, const double *q)
@@ -79,17 +81,23 @@ static double energy_at(const struct modes *m, const double *q, const double *v)
     return m->run->problem.system->energy(m->run->problem.params, 0, q, v, NULL);
 }
 
+/* How far it is, beside the start. */
+static double away(const struct modes *m, const double *q)
+{
+    const double far = distance(m, q);
+    double size = 0;
+    for (size_t i = 0; i < m->n; i++)
+        size = fmax(size, fabs(m->run->settings.q[i]));
+    return size > 0 ? far / size : far > 0 ? HUGE_VAL : 0;
+}
+
 /* Whether it starts here, at rest. */
 static int is_start(const struct modes *m, const double *q)
 {
-    const struct settings *s = &m->run->settings;
-    double size = 0;
-    for (size_t i = 0; i < m->n; i++) {
-        if (fabs(s->v[i]) > 0)
+    for (size_t i = 0; i < m->n; i++)
+        if (fabs(m->run->settings.v[i]) > 0)
             return 0;
-        size = fmax(size, fabs(s->q[i]));
-    }
-    return distance(m, q) <= 1e-6 * size;
+    return away(m, q) <= 1e-6;
 }
 
 /* Whether the potential is nowhere above h on the straight way from the start. */
@@ -112,6 +120,8 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
     memset(rest, 0, m->n * sizeof *rest);
     const double h = energy_at(m, s->q, s->v), there = energy_at(m, q, rest);
     const double slack = 1e-9 * fmax(fabs(h), fabs(there));
+    if (away(m, q) > 0.1 && !rests(m, q, 1e-3))
+        return NOTHING;
     if (pk_gsl_normal(&m->run->problem, q, m->M, m->squares, m->shapes) < 0)
         return NO_MODES;
     if (is_start(m, q))
@@ -128,7 +138,7 @@ static enum fitness consider(struct modes *m, double *q, enum fitness best)
         if (m->turns[i])
             q[i] += 2 * PK_PI * round((m->run->settings.q[i] - q[i]) / (2 * PK_PI));
     const enum fitness found = fitness_of(m, q);
-    if (found > best || (found == best && distance(m, q) >= distance(m, m->q)))
+    if (found == NOTHING || found > best || (found == best && distance(m, q) >= distance(m, m->q)))
         return best;
     memcpy(m->q, q, m->n * sizeof *q);
     return found;
@@ -150,7 +160,7 @@ static enum fitness choose(struct modes *m)
     enum fitness best = NOTHING;
     const enum pk_status status =
         pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
-    if (rests(m, rest)) /* at 0 */
+    if (rests(m, rest, 1e-12)) /* at 0 */
         best = consider(m, rest, best);
     for (size_t k = 0; status >= 0 && k < found.count; k++)
         best = consider(m, q + k * m->n, best);
