@@ -59,7 +59,7 @@ def _lyapunov(found: dict, time: str) -> list[str]:
         return [
             f"lyapunov: displacements grow exponentially, exponent {value}: an instability and no "
             "chaos as far as this goes, for the motion still leaves its start, or rests there, or "
-            "has one coordinate alone and no explicit time"
+            "has one coordinate, or two states, alone and no explicit time"
         ]
     if found["motion"] == "chaotic":
         return [f"lyapunov: chaotic, exponent {value} ({megno})"]
@@ -121,7 +121,8 @@ def _symplectic(found: dict, time: str) -> list[str]:
     else:
         said += f"round-off would be below {found['rounding']:.0e}"
     if not found["variational"]:
-        said += "; the motion itself, with forces besides those of L, is not symplectic"
+        kept = "have left that as it is" if found["symplectic"] else "need not keep areas"
+        said += f"; the forces besides those of L {kept}"
     if found["failed"]:
         said += f"; {found['failed']} more could not be made"
     return [said]
@@ -152,7 +153,7 @@ def _action(found: dict, time: str) -> list[str]:
         said += f" between {found['lo']:.10g} and {found['hi']:.10g}"
     said += f": J = {found['action']:.12g}, period {found['period']:.12g}{unit}"
     said += f" (relative error {found['error']:.0e})"
-    said += ", with t held at the start" if found["held"] else ""
+    said += ", with t and any inputs held at the start" if found["held"] else ""
     lines = [said]
     drift = found.get("drift")
     if drift and drift["max"] is not None:
@@ -161,7 +162,7 @@ def _action(found: dict, time: str) -> list[str]:
         if found["changes"]:
             lines[-1] += f"; then, at t = {found['rows'][-1][0]:.6g}, it is {found['changes']}"
         if found["of_forces"]:
-            lines[-1] += "; J is that of L alone, which other forces change"
+            lines[-1] += "; J is that of L alone, which other forces may change"
     return lines
 
 
@@ -210,9 +211,9 @@ def _modes(found: dict, time: str) -> list[str]:
     if leaving:
         rates = _few([f"{rate:.10g}" for rate in leaving], _per(time))
         said.append(
-            f"modes: about an unstable equilibrium, in which the motion starts, or no stable one below "
-            f"its energy was found: {len(leaving)} of {found['modes']} modes leave it, at the rate "
-            f"{rates}; energies of these tell little"
+            "modes: about an unstable equilibrium, in which the motion starts, or no stable one "
+            f"below its energy was found: {len(leaving)} of {found['modes']} modes leave it, at "
+            f"the rate {rates}; energies of these tell little"
         )
     if swings:
         said.append(f"modes: {_few([f'{f:.10g}' for f in swings], _rad(time))}")

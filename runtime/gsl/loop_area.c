@@ -11,7 +11,8 @@
 #include "../src/internal.h"
 
 enum { LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
-       ROUNDINGS = 4 };  /* units in the last place by which a sample may be wrong */
+       ROUNDINGS = 4,    /* units in the last place by which a sample may be wrong */
+       FEW = 4 };        /* of harmonics there are as many at least, to tell how large they are */
 
 static size_t largest_factor(size_t count)
 {
@@ -20,6 +21,12 @@ static size_t largest_factor(size_t count)
         for (; count % f == 0; count /= f)
             most = f;
     return count > most ? count : most;
+}
+
+/* How many are the last ones. */
+static size_t last_of(size_t harmonics)
+{
+    return harmonics / 8 > FEW ? harmonics / 8 : FEW;
 }
 
 static double square(const double *c, size_t j)
@@ -41,13 +48,12 @@ static double mean_square(const double *c, size_t from, size_t to)
 static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
                      double besides)
 {
-    const size_t harmonics = (count - 1) / 2, eighth = harmonics / 8, quarter = harmonics / 4;
+    const size_t harmonics = (count - 1) / 2, last = last_of(harmonics);
     const double all = mean_square(c, 0, harmonics) * (double)harmonics + besides * besides;
-    const double last = mean_square(c, harmonics - eighth, harmonics) * (double)eighth;
-    const double end = mean_square(c, harmonics - quarter, harmonics);
-    const double before = mean_square(c, harmonics - 2 * quarter, harmonics - quarter);
+    const double end = mean_square(c, harmonics - last, harmonics);
+    const double before = mean_square(c, harmonics - 2 * last, harmonics - last);
     s->rms = sqrt(2 * all) / (double)count;
-    s->tail = all > 0 ? sqrt(last / all) : 0;
+    s->tail = all > 0 ? sqrt(end * (double)last / all) : 0;
     s->rounding = all > 0 ? ROUNDINGS * PK_EPSILON * most / s->rms : 0;
     s->flat = end >= PK_LOOP_FLAT * PK_LOOP_FLAT * before;
 }
@@ -93,7 +99,7 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
     if (!transform(q, p, count))
         return PK_NO_MEMORY;
     const double n = (double)count;
-    const size_t harmonics = (count - 1) / 2, rest = harmonics - harmonics / 4;
+    const size_t harmonics = (count - 1) / 2, rest = harmonics - last_of(harmonics);
     const double noise_q = mean_square(q, rest, harmonics);
     const double noise_p = mean_square(p, rest, harmonics);
     double sum = 0, noise = 0;

@@ -57,8 +57,14 @@ void diagnose_action(struct run *run, struct diagnostics *d)
     pk_real *u = (pk_real *)words_allocate(run->problem.system->n_inputs, sizeof *u);
     const struct pk_action found = action_at(run, 0, s->q, s->v, u);
     const int periodic = found.orbit <= PK_ORBIT_ROTATION;
+    const size_t coordinates = pk_system_coordinates(run->problem.system, s->params);
     char reason[200];
-    if (found.orbit == PK_ORBIT_SEVERAL)
+    if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_states)
+        snprintf(reason, sizeof reason,
+                 "coordinates and states: %zu and %zu; it is of one coordinate and no states%s",
+                 coordinates, s->n - coordinates,
+                 coordinates ? ": name it alone, in a scene whose reductions leave that" : "");
+    else if (found.orbit == PK_ORBIT_SEVERAL)
         snprintf(reason, sizeof reason,
                  "%zu coordinates: it is of one degree of freedom; name it alone, in a scene whose "
                  "reductions leave one", s->n);

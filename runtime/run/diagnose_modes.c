@@ -33,8 +33,8 @@ enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, NO_MODES, NOTHING };
 static const char *unfit(const struct pk_system *system, size_t n)
 {
     if (system->n_states)
-        return "normal modes are of coordinates alone, and the model has states besides, which have "
-               "no momenta";
+        return "normal modes are of coordinates alone, and the model has states, which have no "
+               "momenta";
     if (n > MOST)
         return "of more than 256 coordinates: take a shorter family";
     if (!system->jacobian || !system->mass || !system->canonical || !system->energy)

@@ -75,8 +75,8 @@ def test_free_ends_and_a_pendulum(pkgen, tmp_path: Path) -> None:
     assert abs(found["frequencies"][1] - 2 * math.sin(math.pi / 8)) < 1e-14
     assert all(abs(row[3] - 0.25**2 / 2) < 1e-12 for row in found["rows"])
     assert all(abs(row[2]) < 1e-11 for row in found["rows"])
-    # REGIMES D1, about the equilibrium that it swings about: hanging, and at rest with the inner rod
-    # upright.
+    # REGIMES D1, about the equilibrium that it swings about: hanging, and at rest with the inner
+    # rod upright.
     double = ROOT / "models/double_pendulum.lag"
     near = ["--start", "theta1=0.1", "--start", "theta2=0.1", "--until", "1"]
     found, _ = modes(pkgen, tmp_path, double, *near)
@@ -147,8 +147,8 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
         "coord x\nkinetic x'^2/2\npotential x": "no equilibrium was found",
         "coord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)": "without explicit time",
         "coord x\nkinetic x'^2/2\npotential x^2/2\ndissipation x'^2": "forces besides those of L",
-        "coord x\nstate s\nkinetic x'^2/2\npotential x^2/2\nrate s = x": "has states besides",
-        "state x\nrate x = -x": "has states besides",
+        "coord x\nstate s\nkinetic x'^2/2\npotential x^2/2\nrate s = x": "model has states",
+        "state x\nrate x = -x": "model has states",
         "coord x, y\nlagrangian (x'^2 + y'^2)/2 + x*y' - y*x' - x^2 - y^2": "depend on rates",
     }
     for text, reason in cases.items():

@@ -42,12 +42,12 @@ enum { PK_LOOP_LEAST = 32 };
  * are overwritten.
  *
  * Of the series of q and of p: `rms` of what varies, `tail`, how much of it is in the last eighth of
- * the harmonics, root mean square, and `rounding`, what roundings of the samples would put there.
+ * the harmonics (four at least), root mean square, and `rounding`, what roundings of the samples would put there.
  * Of a loop that is resolved the tail is near that. What is too fine for the samples leaves
  * harmonics that fall off towards the last one; errors of each sample's own leave a plateau: `flat`
- * says that the last quarter of the harmonics is no less than PK_LOOP_FLAT of the quarter before.
+ * says that the last ones are no less than PK_LOOP_FLAT of as many before.
  * `size` is the area of an ellipse of the same rms in q and p, and `noise` the standard deviation of
- * the area if the last quarter is noise, as much in every harmonic.
+ * the area if the last ones are noise, as much in every harmonic.
  * PK_BAD_ARGUMENT: not pk_gsl_loop_takes(count); PK_NOT_FINITE; PK_NO_MEMORY. */
 #define PK_LOOP_FLAT 0.25
 struct pk_loop_series {
