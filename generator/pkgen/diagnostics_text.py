@@ -247,7 +247,7 @@ def _area(found: dict, time: str) -> list[str]:
     noisy = [row for row in rows if row[0] <= until and row[2] > found["threshold"]]
     if noisy:
         noise = max(row[3] for row in noisy) / found["drift"]["scale"]
-        lines[-1] += f"; errors of each member's own are {noise:.0e} of it"
+        lines[-1] += f"; errors of each member's own may be {noise:.0e} of that"
     return lines
 
 

@@ -145,9 +145,8 @@ def test_noise_of_steps_of_their_own(pkgen, tmp_path: Path) -> None:
         errors = [abs(row[1] + math.pi / 4) for row in found["rows"]]
         noise = max(row[3] for row in found["rows"])
         assert noise / 10 < max(errors) < 3 * noise  # which tells the error, not only bounds it
-        assert (
-            f"errors of each member's own are {noise / found['drift']['scale']:.0e} of it" in said
-        )
+        beside = noise / found["drift"]["scale"]
+        assert f"errors of each member's own may be {beside:.0e} of that" in said
     # Too fine is too fine, whatever the steps, and that shows about as soon as it leaves the noise.
     fine = ring(PENDULUM, 64, 60, 2, "kahan_li8 step 0.1")
     until = area(pkgen, tmp_path, fine)[0]["resolved_until"]
@@ -157,8 +156,6 @@ def test_noise_of_steps_of_their_own(pkgen, tmp_path: Path) -> None:
     # A method whose steps leave more noise than can be told from a torn loop.
     found, said = area(pkgen, tmp_path, text, "--method", "adaptive_verlet", "--step", "0.1")
     assert found["resolved_until"] < 5 and "take a fixed step, of a symplectic method" in said
-    found, said = area(pkgen, tmp_path, text, "--method", "adaptive_verlet", "--step", "0.5")
-    assert found["resolved_until"] == 0 and found["drift"] is None and "drift" not in said
 
 
 def test_loops_that_enclose_nothing(pkgen, tmp_path: Path) -> None:
@@ -230,6 +227,7 @@ def test_states_have_no_part_in_it(pkgen, tmp_path: Path) -> None:
 def test_a_loop_with_kinks(pkgen, tmp_path: Path) -> None:
     found, said = area(pkgen, tmp_path, ring("abs(theta)", 256, 4, 1, "gauss8 step 0.01"))
     assert found["resolved_until"] == 0 and "it has kinks, where the equations have" in said
+    assert found["drift"] is None and "drift" not in said  # of one row there is none
     assert abs(found["rows"][-1][1] + math.pi / 4) < 0.01  # and the area is there, but for them
 
 
