@@ -113,5 +113,7 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
     describe(&found->q, q, count, most_q, winding * n / (2 * PK_PI));
     describe(&found->p, p, count, most_p, fabs(winding) > 0 ? p[0] : 0);
     found->size = 2 * PK_PI * found->q.rms * found->p.rms;
+    if (!isfinite(found->area) || !isfinite(found->size) || !isfinite(found->noise))
+        return PK_NOT_FINITE; /* of finite q and p: squares that a double does not hold */
     return PK_DONE;
 }

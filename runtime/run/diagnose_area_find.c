@@ -145,7 +145,7 @@ static int no_loop(const struct run *run, const struct finding *f, const struct 
     double worst = 0;
     if (!(all > 0)) {
         snprintf(reason, size, "the starts are no loop: they enclose nothing, all of them in one "
-                               "place or with the same q or the same p");
+                               "place or with the same q or the same p, or less than a double holds");
         return 1;
     }
     for (size_t k = 0; k < 2 * l->n; k++) {
@@ -177,7 +177,7 @@ static enum pk_status transform(struct run *run, struct finding *f)
             const enum pk_status status = pk_gsl_loop_area(
                 area_series(l, row, i, 0), area_series(l, row, i, 1), l->members, f->winding[i],
                 f->parts + row * l->n + i);
-            if (status == PK_NOT_FINITE && row > 0) { /* a momentum, where the mass is singular */
+            if (status == PK_NOT_FINITE && row > 0) { /* where the mass is singular, or too large */
                 f->common = row;
                 return PK_DONE;
             }
@@ -218,7 +218,7 @@ static int parted(const struct run *run, const struct finding *f, const char *go
                  missing, l->members, ensemble_number(&run->settings, first), l->t[f->common], gone,
                  l->t[f->common - 1]);
     else
-        snprintf(text, size, "a momentum is not finite at t = %.6g: the last row before is at t = %.6g",
+        snprintf(text, size, "q, p or the area is not finite at t = %.6g: the last row before is at t = %.6g",
                  l->t[f->common], l->t[f->common - 1]);
     return 1;
 }
@@ -228,7 +228,7 @@ static void write_rows(struct run *run, struct diagnostics *d, const struct find
 {
     const struct loop *l = f->l;
     struct pk_drift drift;
-    double until = -1;
+    double until = -1, size = 0; /* of the first row that has one: it may start all at rest */
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
     if (parted(run, f, gone, apart, sizeof apart)) {
@@ -248,7 +248,8 @@ static void write_rows(struct run *run, struct diagnostics *d, const struct find
             snprintf(ends, sizeof ends, "%s", words_of(f, row.quality));
         }
         if (resolved) {
-            pk_drift_update_scaled(&drift, l->t[k], row.area, fmax(fabs(row.area), row.size));
+            size = size > 0 ? size : row.size;
+            pk_drift_update_scaled(&drift, l->t[k], row.area, fmax(fabs(row.area), size));
             until = l->t[k];
         }
         const double numbers[] = {l->t[k], row.area, row.tail, row.noise};
@@ -307,7 +308,9 @@ int area_find(struct run *run, int code, const char *gone)
         status = PK_REFUSED;
     else
         snprintf(reason, sizeof reason, "%s",
-                 f.common ? pk_status_text(status) : "there are members that could not start");
+                 !f.common                 ? "there are members that could not start"
+                 : status == PK_NOT_FINITE ? "q, p or the area is not finite at the start"
+                                           : pk_status_text(status));
     if (diagnose_member(d, "area", status, reason))
         write_rows(run, d, &f, gone);
     fclose(d->file);

@@ -28,7 +28,7 @@ struct modes {
 };
 
 /* How fit an equilibrium is, the fittest first. */
-enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, NO_MODES, NOTHING };
+enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, KINKED, NO_MODES, NOTHING };
 
 static const char *unfit(const struct pk_system *system, size_t n)
 {
@@ -113,6 +113,18 @@ static int in_sight(const struct modes *m, const double *q, const double *rest, 
     return 1;
 }
 
+/* Whether the equations have a kink there, as one sees it from the start. */
+static int is_kinked(const struct modes *m, const double *q)
+{
+    const double *start = m->run->settings.q;
+    double *before = m->work, *behind = before + m->n;
+    for (size_t i = 0; i < m->n; i++) {
+        before[i] = q[i] + PART * (start[i] - q[i]);
+        behind[i] = q[i] - PART * (start[i] - q[i]);
+    }
+    return diagnose_kink(m->run, before, behind);
+}
+
 static enum fitness fitness_of(const struct modes *m, const double *q)
 {
     const struct settings *s = &m->run->settings;
@@ -124,6 +136,8 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
         return NOTHING;
     if (pk_gsl_normal(&m->run->problem, q, m->M, m->squares, m->shapes) < 0)
         return NO_MODES;
+    if (is_kinked(m, q))
+        return KINKED;
     if (is_start(m, q))
         return START;
     if (m->squares[0] < 0 || there > h + slack)
@@ -245,8 +259,11 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     m.work = m.x + n; /* 5 n */
     m.h = m.work + 5 * n;
     m.turns = (unsigned char *)words_allocate(n, 1);
-    enum pk_status status = choose(&m) < NOTHING ? PK_DONE : PK_REFUSED;
-    reason = "no equilibrium was found about which it could oscillate";
+    const enum fitness best = choose(&m);
+    enum pk_status status = best < NOTHING && best != KINKED ? PK_DONE : PK_REFUSED;
+    reason = best == KINKED ? "where nothing pulls the equations have a kink (abs, min, max, step): "
+                              "there are no modes, for no motion is small beside it"
+                            : "no equilibrium was found about which it could oscillate";
     if (status == PK_DONE) {
         double *rest = m.work, *pdot = m.work + n;
         memset(rest, 0, n * sizeof *rest);

@@ -58,6 +58,25 @@ def test_of_a_pendulum(pkgen, tmp_path: Path) -> None:
     assert 1e-6 < worse["drift"]["max"] < 1e-3
 
 
+def test_where_the_force_nearly_vanishes(pkgen, tmp_path: Path) -> None:
+    """A row at 5e-5 of the bottom of x^4/4: the first panel is 1e12 long, its end is not."""
+    quartic = "model m\ncoord x\nkinetic x'^2/2\npotential x^4/4\nstart x = 1\n"
+    found, _ = action(pkgen, tmp_path, quartic, "--until", "3", "--every", "0.003")
+    quarter = math.gamma(1 / 4)
+    assert abs(found["period"] / (quarter**2 / math.sqrt(math.pi)) - 1) < 1e-14
+    assert 0 < found["drift"]["max"] < 1e-10
+
+
+def test_kinks(pkgen, tmp_path: Path) -> None:
+    kinked = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2 + max(0, x - 1)^2\nstart x = {}\n"
+    path = tmp_path / "kinked.lag"
+    path.write_text(kinked.format(1.5))
+    done = pkgen("run", path, "--diagnose", "action", "--until", "1")
+    assert done.returncode == 2 and "have a kink (abs, min, max, step) on its way" in done.stderr
+    found, _ = action(pkgen, tmp_path, kinked.format(0.9), "--until", "1")  # it has none on its way
+    assert abs(found["period"] - 2 * math.pi) < 1e-14
+
+
 @pytest.mark.long
 def test_adiabatic_invariance(pkgen, tmp_path: Path) -> None:
     # While the pendulum grows to three times its length J keeps to some rate/omega of its size,

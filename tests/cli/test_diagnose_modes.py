@@ -120,6 +120,13 @@ def test_about_what_a_motion_swings(pkgen, tmp_path: Path) -> None:
     path.write_text("model m\ncoord x\nkinetic x'^2/2\npotential -x^2/2\nstart x = 0.1\n")
     found, said = modes(pkgen, tmp_path, path, "--until", "1")
     assert found["squares"] == [-1] and "1 of 1 modes leave it, at the rate 1;" in said
+    # Kinks elsewhere are no matter. Of bodies that attract each other no place far off is taken.
+    path.write_text("model m\ncoord x\nkinetic x'^2/2\npotential x^2/2 + max(0, x - 1)^2\n")
+    found, _ = modes(pkgen, tmp_path, path, "--start", "x=1.5", "--until", "1")
+    assert found["squares"] == [1]
+    bodies = ROOT / "models/particles/n_body.lag"
+    done = pkgen("run", bodies, "--diagnose", "modes", "--until", "1")
+    assert done.returncode == 2 and "no equilibrium was found" in done.stderr
     # A far valley in sight, and a near one behind a ridge.
     ridge = "potential x^2/2 - 3*exp(-2*(x - 3)^2) + 4*exp(-8*(x - 2)^2)"
     path.write_text(f"model m\ncoord x\nkinetic x'^2/2\n{ridge}\nstart x = 1.6\n")
@@ -149,6 +156,7 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
         "coord x\nkinetic x'^2/2\npotential x^2/2\ndissipation x'^2": "forces besides those of L",
         "coord x\nstate s\nkinetic x'^2/2\npotential x^2/2\nrate s = x": "model has states",
         "state x\nrate x = -x": "model has states",
+        "coord x\nkinetic x'^2/2\npotential abs(x)": "the equations have a kink",
         "coord x, y\nlagrangian (x'^2 + y'^2)/2 + x*y' - y*x' - x^2 - y^2": "depend on rates",
     }
     for text, reason in cases.items():
