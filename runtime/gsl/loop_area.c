@@ -44,7 +44,7 @@ static double mean_square(const double *c, size_t from, size_t to)
 }
 
 /* Of the transform c of samples of which the largest is `most`; `besides`, on the same footing, is
- * what the series varies by without its harmonics: of what winds the winding, and the mean momentum. */
+ * what the series varies by without its harmonics: of what winds the winding, and the mean of p. */
 static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
                      double besides)
 {

@@ -1,5 +1,5 @@
-/* The members of a loop while they run: q and p of each at the rows. What they enclose is found from
- * them in diagnose_area_find.c.
+/* The members of a loop while they run: q and p of each at the rows. What they enclose is found
+ * from them in diagnose_area_find.c.
  */
 #include "diagnose_area.h"
 

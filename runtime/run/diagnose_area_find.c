@@ -3,8 +3,8 @@
  * has more structure than they resolve: what the area is worth is told by the last harmonics.
  *
  * A series that matters less in the sum than another one may be resolved the worse: its tail counts
- * by the size of what it and its conjugate enclose, an ellipse as wide and high, beside that of all.
- * Tails that fall off are of a loop finer than its members are apart, and once it is that the area
+ * by the size of what it and its conjugate enclose, an ellipse as wide and high, beside that of
+ * all. Tails that fall off are of a loop finer than its members are apart, and once it is that the area
  * is worth nothing. A tail that is flat, and small, is an error of each member's own, by the last
  * rounding or by steps of its own length; what it does to the area is known (`noise`).
  * Reference: V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
@@ -92,7 +92,8 @@ static int is_turn(const struct run *run, size_t i, double turn)
     const struct settings *s = &run->settings;
     const size_t n = l->whole;
     const char *unit = run_system->coordinates ? run_system->coordinates[i].unit : NULL;
-    pk_real *q = (pk_real *)words_allocate(6 * n, sizeof *q), *v = q + n, *p = v + n, *P = p + 2 * n;
+    pk_real *q = (pk_real *)words_allocate(6 * n, sizeof *q), *v = q + n;
+    pk_real *p = v + n, *P = p + 2 * n; /* here and there, with their rates */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
     for (size_t k = 0; k < 3 && same; k++) {
         double off = 0, most = 0;
@@ -114,7 +115,7 @@ static int is_turn(const struct run *run, size_t i, double turn)
     return same;
 }
 
-/* By how much a coordinate of the starts is more after once round: of an angle a multiple of 2 pi. */
+/* By how much a coordinate of the starts is more after once round: an angle, by turns. */
 static double winding_of(const struct run *run, size_t i)
 {
     const size_t count = run->loop->members;
@@ -213,12 +214,13 @@ static int parted(const struct run *run, const struct finding *f, const char *go
             missing++, first = k;
     if (missing)
         snprintf(text, size,
-                 "%zu of %zu members, first member %ld, are not there at t = %.6g, for %s: the last row "
-                 "that all have is at t = %.6g",
+                 "%zu of %zu members, first member %ld, are not there at t = %.6g, for %s: the last "
+                 "row that all have is at t = %.6g",
                  missing, l->members, ensemble_number(&run->settings, first), l->t[f->common], gone,
                  l->t[f->common - 1]);
     else
-        snprintf(text, size, "q, p or the area is not finite at t = %.6g: the last row before is at t = %.6g",
+        snprintf(text, size,
+                 "q, p or the area is not finite at t = %.6g: the last row before is at t = %.6g",
                  l->t[f->common], l->t[f->common - 1]);
     return 1;
 }
