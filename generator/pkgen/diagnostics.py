@@ -79,6 +79,8 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
     if particles is None or "all" in names:
         return
     of = next(name for name in names if name in OF_PARTICLES)
+    if not compilation.model.coordinates:
+        raise UsageError(f"--diagnose {of} is of particles, and the model has states alone")
     if not particles.masses:
         said = f"--diagnose {of} is of particles, and of this model none are seen: {particles.why}"
         found = Diagnostic(said, particles.span, HELP)

@@ -22,7 +22,7 @@ def drift_lines(drifts: list[dict]) -> list[str]:
         growth = drift["growth"]
         if drift["exponent"] or drift["spread"]:
             growth += f" (t^{drift['exponent']:.2f})"
-        if not drift["first"] and scale:
+        if not drift["first"] and drift["max"] == 1:  # of what is not beside something larger
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
         said.append(f"{line}: {growth}")
     return said
@@ -35,6 +35,15 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
         if result["status"] == "PK_DONE":
             said += _TEXTS[name](result, time)
     return said
+
+
+def _rad(time: str) -> str:
+    return f" rad/{time}" if time else ""
+
+
+def _few(numbers: list[str], unit: str) -> str:
+    more = f" and {len(numbers) - 4} more" if len(numbers) > 4 else ""
+    return f"{', '.join(numbers[:4])}{unit}{more}"
 
 
 def _per(time: str) -> str:
@@ -50,7 +59,7 @@ def _lyapunov(found: dict, time: str) -> list[str]:
         return [
             f"lyapunov: displacements grow exponentially, exponent {value}: an instability and no "
             "chaos as far as this goes, for the motion still leaves its start, or rests there, or "
-            "has one coordinate alone and no explicit time"
+            "has one coordinate, or two states, alone and no explicit time"
         ]
     if found["motion"] == "chaotic":
         return [f"lyapunov: chaotic, exponent {value} ({megno})"]
@@ -80,7 +89,7 @@ def _reversal(found: dict, time: str) -> list[str]:
 
 
 def _spectrum(found: dict, time: str) -> list[str]:
-    unit = f" rad/{time}" if time else ""
+    unit = _rad(time)
     said = []
     for coordinate in found["coordinates"]:
         shown = [
@@ -112,7 +121,8 @@ def _symplectic(found: dict, time: str) -> list[str]:
     else:
         said += f"round-off would be below {found['rounding']:.0e}"
     if not found["variational"]:
-        said += "; the motion itself, with forces besides those of L, is not symplectic"
+        kept = "have left that as it is" if found["symplectic"] else "need not keep areas"
+        said += f"; the forces besides those of L {kept}"
     if found["failed"]:
         said += f"; {found['failed']} more could not be made"
     return [said]
@@ -143,7 +153,7 @@ def _action(found: dict, time: str) -> list[str]:
         said += f" between {found['lo']:.10g} and {found['hi']:.10g}"
     said += f": J = {found['action']:.12g}, period {found['period']:.12g}{unit}"
     said += f" (relative error {found['error']:.0e})"
-    said += ", with t held at the start" if found["held"] else ""
+    said += ", with t and any inputs held at the start" if found["held"] else ""
     lines = [said]
     drift = found.get("drift")
     if drift and drift["max"] is not None:
@@ -152,7 +162,7 @@ def _action(found: dict, time: str) -> list[str]:
         if found["changes"]:
             lines[-1] += f"; then, at t = {found['rows'][-1][0]:.6g}, it is {found['changes']}"
         if found["of_forces"]:
-            lines[-1] += "; J is that of L alone, which other forces change"
+            lines[-1] += "; J is that of L alone, which other forces may change"
     return lines
 
 
@@ -202,10 +212,19 @@ def _lrl(found: dict, time: str) -> list[str]:
 
 
 def _modes(found: dict, time: str) -> list[str]:
-    unit = f" rad/{time}" if time else ""
-    shown = ["unstable" if f is None else f"{f:.10g}" for f in found["frequencies"][:4]]
-    more = f" and {found['modes'] - 4} more" if found["modes"] > 4 else ""
-    said = [f"modes: {', '.join(shown)}{unit}{more}"]
+    squares = found["squares"]
+    leaving = [math.sqrt(-x) for x in squares if x < 0]  # the first of them, for they are in order
+    swings = [f for f in found["frequencies"] if f is not None]
+    said = []
+    if leaving:
+        rates = _few([f"{rate:.10g}" for rate in leaving], _per(time))
+        said.append(
+            "modes: about an unstable equilibrium, in which the motion starts, or no stable one "
+            f"below its energy was found: {len(leaving)} of {found['modes']} modes leave it, at "
+            f"the rate {rates}; energies of these tell little"
+        )
+    if swings:
+        said.append(f"modes: {_few([f'{f:.10g}' for f in swings], _rad(time))}")
     if not found["rows"]:
         return said
     for name, row in (("start", found["rows"][0]), ("end", found["rows"][-1])):
@@ -221,19 +240,23 @@ def _modes(found: dict, time: str) -> list[str]:
 def _area(found: dict, time: str) -> list[str]:
     unit = f" {time}" if time else ""
     rows, until = found["rows"], found["resolved_until"]
-    if until is None:
-        return [
-            f"area: the {found['members']} starts are no smooth closed loop, or too few: "
-            f"{rows[0][2] or math.nan:.1e} of it is in its last harmonics"
-        ]
     said = f"area: {rows[0][1]:.12g} within {found['members']} members at the start; "
-    if until == rows[-1][0]:
+    if found["ends"] is None:
         said += "resolved to the end"
+    elif until == rows[-1][0]:
+        said += f"resolved until t = {until:.6g}{unit}, as far as all members come"
     else:
-        said += f"resolved until t = {until:.6g}{unit}, later it is finer than they are apart"
+        said += f"resolved until t = {until:.6g}{unit}, later {found['ends']}"
     if not found["conserved"]:
-        said += "; with forces besides those of L it is not conserved"
-    return [said, f"area: while resolved {drift_lines([found['drift']])[0]}"]
+        said += "; with states, or forces besides those of L, it need not be conserved"
+    if found["drift"] is None:
+        return [said]
+    lines = [said, f"area: while resolved {drift_lines([found['drift']])[0]}"]
+    noisy = [row for row in rows if row[0] <= until and row[2] > found["threshold"]]
+    if noisy:
+        noise = max(row[3] for row in noisy) / found["drift"]["scale"]
+        lines[-1] += f"; errors of each member's own may be {noise:.0e} of that"
+    return lines
 
 
 _TEXTS = {

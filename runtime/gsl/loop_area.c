@@ -10,7 +10,9 @@
 
 #include "../src/internal.h"
 
-enum { LARGEST = 1000 }; /* a prime factor p of the length costs as p^2 */
+enum { LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
+       ROUNDINGS = 4,    /* units in the last place by which a sample may be wrong */
+       FEW = 4 };        /* of harmonics there are as many at least, to tell how large they are */
 
 static size_t largest_factor(size_t count)
 {
@@ -21,29 +23,51 @@ static size_t largest_factor(size_t count)
     return count > most ? count : most;
 }
 
-/* How much of the harmonics is in the last eighth, of their root mean square and of what there is
- * besides: of what winds, the winding and the mean momentum, of which it may be all. */
-static double tail_of(const double *c, size_t count, double besides)
+/* How many are the last ones. */
+static size_t last_of(size_t harmonics)
 {
-    double all = besides * besides, last = 0;
-    const size_t harmonics = (count - 1) / 2, edge = harmonics - harmonics / 8;
-    for (size_t j = 1; j <= harmonics; j++) {
-        const double square = c[2 * j - 1] * c[2 * j - 1] + c[2 * j] * c[2 * j];
-        all += square;
-        last += j > edge ? square : 0;
-    }
-    return all > 0 ? sqrt(last / all) : 0;
+    return harmonics / 8 > FEW ? harmonics / 8 : FEW;
 }
 
-enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double winding,
-                                struct pk_loop_area *found)
+static double square(const double *c, size_t j)
 {
-    if (count < PK_LOOP_LEAST || largest_factor(count) > LARGEST)
-        return PK_BAD_ARGUMENT;
+    return c[2 * j - 1] * c[2 * j - 1] + c[2 * j] * c[2 * j];
+}
+
+/* Mean square of the harmonics from + 1 .. to. */
+static double mean_square(const double *c, size_t from, size_t to)
+{
+    double sum = 0;
+    for (size_t j = from + 1; j <= to; j++)
+        sum += square(c, j);
+    return to > from ? sum / (double)(to - from) : 0;
+}
+
+/* Of the transform c of samples of which the largest is `most`; `besides`, on the same footing, is
+ * what the series varies by without its harmonics: of what winds the winding, and the mean of p. */
+static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
+                     double besides)
+{
+    const size_t harmonics = (count - 1) / 2, last = last_of(harmonics);
+    const double all = mean_square(c, 0, harmonics) * (double)harmonics + besides * besides;
+    const double end = mean_square(c, harmonics - last, harmonics);
+    const double before = mean_square(c, harmonics - 2 * last, harmonics - last);
+    s->rms = sqrt(2 * all) / (double)count;
+    s->tail = all > 0 ? sqrt(end * (double)last / all) : 0;
+    s->rounding = all > 0 ? ROUNDINGS * PK_EPSILON * most / s->rms : 0;
+    s->flat = end >= PK_LOOP_FLAT * PK_LOOP_FLAT * before;
+}
+
+static double largest(const double *x, size_t count)
+{
+    double most = 0;
     for (size_t k = 0; k < count; k++)
-        q[k] -= winding * (double)k / (double)count;
-    if (!pk_all_finite(q, count) || !pk_all_finite(p, count))
-        return PK_NOT_FINITE;
+        most = fmax(most, fabs(x[k]));
+    return most;
+}
+
+static int transform(double *q, double *p, size_t count)
+{
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     gsl_fft_real_wavetable *table = gsl_fft_real_wavetable_alloc(count);
     gsl_fft_real_workspace *work = gsl_fft_real_workspace_alloc(count);
@@ -54,17 +78,42 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
     if (work)
         gsl_fft_real_workspace_free(work);
     gsl_set_error_handler(handler);
-    if (failed)
+    return !failed;
+}
+
+int pk_gsl_loop_takes(size_t count)
+{
+    return count >= PK_LOOP_LEAST && largest_factor(count) <= LARGEST;
+}
+
+enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double winding,
+                                struct pk_loop_area *found)
+{
+    if (!pk_gsl_loop_takes(count))
+        return PK_BAD_ARGUMENT;
+    if (!pk_all_finite(q, count) || !pk_all_finite(p, count))
+        return PK_NOT_FINITE;
+    const double most_q = largest(q, count), most_p = largest(p, count);
+    for (size_t k = 0; k < count; k++)
+        q[k] -= winding * (double)k / (double)count;
+    if (!transform(q, p, count))
         return PK_NO_MEMORY;
     const double n = (double)count;
-    double sum = 0, size = fabs(winding * p[0]) * n / (4 * PK_PI);
-    for (size_t j = (count - 1) / 2; j > 0; j--) { /* the smallest first */
-        sum += (double)j * (p[2 * j] * q[2 * j - 1] - p[2 * j - 1] * q[2 * j]);
-        size += (double)j * hypot(p[2 * j], p[2 * j - 1]) * hypot(q[2 * j], q[2 * j - 1]);
+    const size_t harmonics = (count - 1) / 2, rest = harmonics - last_of(harmonics);
+    const double noise_q = mean_square(q, rest, harmonics);
+    const double noise_p = mean_square(p, rest, harmonics);
+    double sum = 0, noise = 0;
+    for (size_t j = harmonics; j > 0; j--) { /* the smallest first */
+        const double weight = (double)j;
+        sum += weight * (p[2 * j] * q[2 * j - 1] - p[2 * j - 1] * q[2 * j]);
+        noise += weight * weight * (square(p, j) * noise_q + square(q, j) * noise_p) / 2;
     }
     found->area = winding * p[0] / n + 4 * PK_PI * sum / (n * n);
-    found->size = 4 * PK_PI * size / (n * n);
-    const double turn = winding * n / (2 * PK_PI), mean = fabs(winding) > 0 ? p[0] : 0;
-    found->tail = fmax(tail_of(q, count, turn), tail_of(p, count, mean));
+    found->noise = hypot(4 * PK_PI * sqrt(noise) / n, fabs(winding) * sqrt(noise_p)) / n;
+    describe(&found->q, q, count, most_q, winding * n / (2 * PK_PI));
+    describe(&found->p, p, count, most_p, fabs(winding) > 0 ? p[0] : 0);
+    found->size = 2 * PK_PI * found->q.rms * found->p.rms;
+    if (!isfinite(found->area) || !isfinite(found->size) || !isfinite(found->noise))
+        return PK_NOT_FINITE; /* of finite q and p: squares that a double does not hold */
     return PK_DONE;
 }

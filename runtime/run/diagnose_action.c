@@ -2,6 +2,7 @@
  * with its t held. Where L depends on time slowly that is the adiabatic invariant.
  */
 #include <stdlib.h>
+#include <string.h>
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
@@ -57,14 +58,27 @@ void diagnose_action(struct run *run, struct diagnostics *d)
     pk_real *u = (pk_real *)words_allocate(run->problem.system->n_inputs, sizeof *u);
     const struct pk_action found = action_at(run, 0, s->q, s->v, u);
     const int periodic = found.orbit <= PK_ORBIT_ROTATION;
+    const int turns = found.orbit == PK_ORBIT_ROTATION;
+    const pk_real lo = turns ? s->q[0] : found.lo, hi = turns ? s->q[0] + 2 * PK_PI : found.hi;
+    const int kinked = periodic && diagnose_kink(run, &lo, &hi);
+    const size_t coordinates = pk_system_coordinates(run->problem.system, s->params);
     char reason[200];
-    if (found.orbit == PK_ORBIT_SEVERAL)
+    if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_states)
+        snprintf(reason, sizeof reason,
+                 "coordinates and states: %zu and %zu; it is of one coordinate and no states%s",
+                 coordinates, s->n - coordinates,
+                 coordinates ? ": name it alone, in a scene whose reductions leave that" : "");
+    else if (kinked)
+        strcpy(reason, "the equations have a kink (abs, min, max, step) on its way, across which its "
+                       "sums do not hold");
+    else if (found.orbit == PK_ORBIT_SEVERAL)
         snprintf(reason, sizeof reason,
                  "%zu coordinates: it is of one degree of freedom; name it alone, in a scene whose "
                  "reductions leave one", s->n);
     else
         snprintf(reason, sizeof reason, "%s", pk_orbit_text(found.orbit));
-    const enum pk_status status = found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
+    const enum pk_status status =
+        kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
     if (diagnose_member(d, "action", status, reason)) {
         fputs(", \"orbit\": ", d->file);
         output_text(d->file, pk_orbit_text(found.orbit));

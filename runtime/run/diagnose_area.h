@@ -4,11 +4,29 @@
 
 #include "output.h"
 
-/* Room for q and p of all members at all rows, the start among them; else the exit code. */
-int area_begin(struct run *run, size_t rows);
-/* A member's state at row number `row`, its parameters in the settings. */
-void area_note(struct run *run, size_t row, pk_real t, const pk_real *q, const pk_real *v);
-/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. */
-int area_find(struct run *run, int code);
+/* q and p of all members at the rows that they have in common, as far as each has come. */
+struct loop {
+    size_t members, rows, n; /* n: coordinates; states have no momenta */
+    double *x;       /* of each row: q of all members for each coordinate, then p */
+    double *t;       /* of the start and each row */
+    size_t *came;    /* how many rows each member has */
+    pk_real *work;   /* of each member, who may run beside others: p and pdot */
+    size_t whole;    /* of these: coordinates and states */
+};
+
+/* Room for them at the start and `count` times; else the exit code. */
+int area_begin(struct run *run, const pk_real *t, size_t count);
+/* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
+void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
+/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. `gone`:
+ * what may have become of members that have not come to the end. */
+int area_find(struct run *run, int code, const char *gone);
+void area_free(struct run *run);
+
+/* Of one of them at one row, in member order. */
+static inline double *area_series(const struct loop *l, size_t row, size_t i, int momentum)
+{
+    return l->x + ((2 * row + (size_t)momentum) * l->n + i) * l->members;
+}
 
 #endif

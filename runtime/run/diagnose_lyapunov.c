@@ -27,6 +27,28 @@ const char *diagnose_no_variation(const struct pk_system *system)
     return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
 }
 
+int diagnose_kink(const struct run *run, const pk_real *from, const pk_real *to)
+{
+    enum { PLACES = 64 };
+    const struct pk_system *system = run->problem.system;
+    const struct settings *s = &run->settings;
+    const size_t n = s->n, m = system->n_switches;
+    if (system->facts & PK_SMOOTH || m == 0)
+        return !(system->facts & PK_SMOOTH);
+    pk_real *q = (pk_real *)words_allocate(2 * n + 2 * m, sizeof *q), *v = q + n;
+    pk_real *side = v + n, *first = side + m;
+    int kink = 0;
+    for (size_t k = 0; k <= PLACES && !kink; k++) {
+        for (size_t i = 0; i < n; i++)
+            q[i] = from[i] + (to[i] - from[i]) * (pk_real)k / PLACES;
+        system->switching(s->params, 0, q, v, s->u, k ? side : first);
+        for (size_t i = 0; i < m; i++)
+            kink |= !((k ? side[i] : first[i]) * first[i] > 0);
+    }
+    free(q);
+    return kink;
+}
+
 /* How far each coordinate and rate has come from its start, in the first half and in the second. */
 struct excursion {
     size_t count;

@@ -1,4 +1,9 @@
-/* Normal modes at the equilibrium next to the start, and how the energy is shared among them. */
+/* Normal modes at the equilibrium that a motion is about, and how the energy is shared among them.
+ *
+ * That is the one in which it starts, at rest; else a minimum of the potential no higher than the
+ * motion's energy, of those the nearest to which the way is nowhere higher, else the nearest; and
+ * where none was found the nearest equilibrium of all, which is unstable.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,28 +17,38 @@
 #endif
 
 #ifdef PK_WITH_GSL
-enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8 };
+enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
+static const double PART = 1e-6; /* of the way to the start */
 
 struct modes {
     struct run *run;
     size_t n;
     double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, p, h: of the equilibrium */
+    unsigned char *turns; /* whether q_i + 2 pi is the same place as q_i */
 };
+
+/* How fit an equilibrium is, the fittest first. */
+enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, KINKED, NO_MODES, NOTHING };
 
 static const char *unfit(const struct pk_system *system, size_t n)
 {
+    if (system->n_states)
+        return "normal modes are of coordinates alone, and the model has states, which have no "
+               "momenta";
     if (n > MOST)
         return "of more than 256 coordinates: take a shorter family";
     if (!system->jacobian || !system->mass || !system->canonical || !system->energy)
         return "the system has no kernel jacobian: its families are kept as loops";
-    if (!(system->facts & PK_AUTONOMOUS) || !(system->facts & PK_VARIATIONAL))
-        return "normal modes are of a system without explicit time, and without forces besides "
-               "those of L";
+    if (!(system->facts & PK_AUTONOMOUS))
+        return "normal modes are of a system without explicit time, and without inputs";
+    if (!(system->facts & PK_VARIATIONAL))
+        return "normal modes are of a system without forces besides those of L";
     return NULL;
 }
 
-/* Whether nothing pulls at q: beside what would if each coordinate were a little off. */
-static int rests(const struct modes *m, const double *q)
+/* Whether what pulls at q is below `share` of what would if it grew towards the start as it does at
+ * q: 1 or so where forces only fall off, far away. */
+static int rests(const struct modes *m, const double *q, double share)
 {
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n;
@@ -42,7 +57,7 @@ static int rests(const struct modes *m, const double *q)
     memset(rest, 0, n * sizeof *rest);
     problem->system->canonical(problem->params, 0, q, rest, NULL, p, pdot);
     for (size_t i = 0; i < n; i++)
-        off[i] = q[i] + 1e-6 * (m->run->settings.q[i] - q[i]);
+        off[i] = q[i] + PART * (m->run->settings.q[i] - q[i]);
     problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* two bodies in one place, say */
@@ -50,7 +65,7 @@ static int rests(const struct modes *m, const double *q)
         force = fmax(force, fabs(pdot[i]));
         change = fmax(change, fabs(moved[i] - pdot[i]));
     }
-    return force <= 1e-6 * change || !(force > 0);
+    return force <= share / PART * change || !(force > 0);
 }
 
 static double distance(const struct modes *m, const double *q)
@@ -58,34 +73,114 @@ static double distance(const struct modes *m, const double *q)
     double sum = 0;
     for (size_t i = 0; i < m->n; i++)
         sum += (q[i] - m->run->settings.q[i]) * (q[i] - m->run->settings.q[i]);
-    return sum;
+    return sqrt(sum);
 }
 
-/* The nearest equilibrium: q = 0, if it is one, or what is found from the start and around. */
-static int nearest(struct modes *m)
+static double energy_at(const struct modes *m, const double *q, const double *v)
+{
+    return m->run->problem.system->energy(m->run->problem.params, 0, q, v, NULL);
+}
+
+/* How far it is, beside the start. */
+static double away(const struct modes *m, const double *q)
+{
+    const double far = distance(m, q);
+    double size = 0;
+    for (size_t i = 0; i < m->n; i++)
+        size = fmax(size, fabs(m->run->settings.q[i]));
+    return size > 0 ? far / size : far > 0 ? HUGE_VAL : 0;
+}
+
+/* Whether it starts here, at rest. */
+static int is_start(const struct modes *m, const double *q)
+{
+    for (size_t i = 0; i < m->n; i++)
+        if (fabs(m->run->settings.v[i]) > 0)
+            return 0;
+    return away(m, q) <= 1e-6;
+}
+
+/* Whether the potential is nowhere above h on the straight way from the start. */
+static int in_sight(const struct modes *m, const double *q, const double *rest, double h)
+{
+    const double *from = m->run->settings.q;
+    for (int k = 1; k < WAY; k++) {
+        for (size_t i = 0; i < m->n; i++)
+            m->x[i] = from[i] + (q[i] - from[i]) * k / WAY;
+        if (!(energy_at(m, m->x, rest) <= h))
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether the equations have a kink there, as one sees it from the start. */
+static int is_kinked(const struct modes *m, const double *q)
+{
+    const double *start = m->run->settings.q;
+    double *before = m->work, *behind = before + m->n;
+    for (size_t i = 0; i < m->n; i++) {
+        before[i] = q[i] + PART * (start[i] - q[i]);
+        behind[i] = q[i] - PART * (start[i] - q[i]);
+    }
+    return diagnose_kink(m->run, before, behind);
+}
+
+static enum fitness fitness_of(const struct modes *m, const double *q)
+{
+    const struct settings *s = &m->run->settings;
+    double *rest = m->E;
+    memset(rest, 0, m->n * sizeof *rest);
+    const double h = energy_at(m, s->q, s->v), there = energy_at(m, q, rest);
+    const double slack = 1e-9 * fmax(fabs(h), fabs(there));
+    if (away(m, q) > 0.1 && !rests(m, q, 1e-3))
+        return NOTHING;
+    if (pk_gsl_normal(&m->run->problem, q, m->M, m->squares, m->shapes) < 0)
+        return NO_MODES;
+    if (is_kinked(m, q))
+        return KINKED;
+    if (is_start(m, q))
+        return START;
+    if (m->squares[0] < 0 || there > h + slack)
+        return UNSTABLE;
+    return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
+}
+
+/* Of angles the nearest turn of it; into m->q where it is fitter than what is there, or nearer. */
+static enum fitness consider(struct modes *m, double *q, enum fitness best)
+{
+    for (size_t i = 0; i < m->n; i++)
+        if (m->turns[i])
+            q[i] += 2 * PK_PI * round((m->run->settings.q[i] - q[i]) / (2 * PK_PI));
+    const enum fitness found = fitness_of(m, q);
+    if (found == NOTHING || found > best || (found == best && distance(m, q) >= distance(m, m->q)))
+        return best;
+    memcpy(m->q, q, m->n * sizeof *q);
+    return found;
+}
+
+/* The fittest into m->q: of q = 0, if nothing pulls there, and what is found from the start and
+ * around. */
+static enum fitness choose(struct modes *m)
 {
     struct run *run = m->run;
     const struct settings *s = &run->settings;
     struct pk_system still = *run->problem.system;
     struct pk_problem problem = run->problem;
     double *q = (double *)words_allocate(2 * PLACES * m->n, sizeof *q);
-    struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, NULL, NULL};
+    struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, m->turns, NULL};
     double *rest = (double *)words_allocate(m->n, sizeof *rest);
-    int any = rests(m, rest); /* at 0 */
-    memcpy(m->q, rest, m->n * sizeof *rest);
     still.cyclic = NULL; /* those that go on rest nowhere */
     problem.system = &still;
-    if (pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found) >= 0)
-        for (size_t k = 0; k < found.count; k++) {
-            const double *at = q + k * m->n;
-            if (any && distance(m, at) >= distance(m, m->q))
-                continue;
-            memcpy(m->q, at, m->n * sizeof *at);
-            any = 1;
-        }
+    enum fitness best = NOTHING;
+    const enum pk_status status =
+        pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
+    if (rests(m, rest, 1e-12)) /* at 0 */
+        best = consider(m, rest, best);
+    for (size_t k = 0; status >= 0 && k < found.count; k++)
+        best = consider(m, q + k * m->n, best);
     free(rest);
     free(q);
-    return any;
+    return best;
 }
 
 static void row(struct modes *m, FILE *file, double t, const double *q, const double *v, int first)
@@ -95,7 +190,7 @@ static void row(struct modes *m, FILE *file, double t, const double *q, const do
     double *p = m->work, *pdot = p + n, sum = 0;
     problem->system->canonical(problem->params, t, q, v, NULL, p, pdot);
     for (size_t i = 0; i < n; i++) {
-        m->x[i] = q[i] - m->q[i];
+        m->x[i] = m->turns[i] ? remainder(q[i] - m->q[i], 2 * PK_PI) : q[i] - m->q[i];
         p[i] -= m->p[i];
     }
     pk_normal_energies(n, m->M, m->squares, m->shapes, m->x, p, m->E);
@@ -163,8 +258,12 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     m.x = m.E + n;
     m.work = m.x + n; /* 5 n */
     m.h = m.work + 5 * n;
-    enum pk_status status = nearest(&m) ? PK_DONE : PK_REFUSED;
-    reason = "no equilibrium was found about which it could oscillate";
+    m.turns = (unsigned char *)words_allocate(n, 1);
+    const enum fitness best = choose(&m);
+    enum pk_status status = best < NOTHING && best != KINKED ? PK_DONE : PK_REFUSED;
+    reason = best == KINKED ? "where nothing pulls the equations have a kink (abs, min, max, step): "
+                              "there are no modes, for no motion is small beside it"
+                            : "no equilibrium was found about which it could oscillate";
     if (status == PK_DONE) {
         double *rest = m.work, *pdot = m.work + n;
         memset(rest, 0, n * sizeof *rest);
@@ -181,6 +280,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     }
     if (diagnose_member(d, "modes", status, reason))
         write_modes(&m, d);
+    free(m.turns);
     free(block);
 }
 #else

@@ -23,6 +23,9 @@ void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
 
 /* Why there are no variational equations, or NULL. */
 const char *diagnose_no_variation(const struct pk_system *system);
+/* Whether the equations have a kink on the straight way from one place to another, at rest: a switch
+ * that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1. */
+int diagnose_kink(const struct run *run, const pk_real *from, const pk_real *to);
 void diagnose_lyapunov(struct run *run, struct diagnostics *d);
 void diagnose_spectrum(struct run *run, struct diagnostics *d);
 void diagnose_least_action(struct run *run, struct diagnostics *d);

@@ -66,11 +66,10 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
         run->monitor.has_energy |= expect_uses_h(run);
     }
     show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL);
-    area_note(run, 0, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+    area_note(run, 0, b->q0 + i * b->n, b->v0 + i * b->n);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
         show(run, 1, b->t[row], e->q + at, e->v + at, m ? e->z + (i * e->rows + row) * m : NULL);
-        area_note(run, row + 1, b->t[row], e->q + at, e->v + at);
     }
     expect_member(run, &run->monitor.energy);
     s->params = params;
@@ -154,6 +153,16 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     return fclose(file) || failed;
 }
 
+/* What may have ended members before the end. */
+static const char *ended(const struct settings *s, const struct tally *tally)
+{
+    int stops = 0;
+    for (size_t k = 0; s->watch && k < run_model->n_events; k++)
+        stops |= run_model->events[k].stop;
+    return !stops ? "they failed" : tally->failed ? "they failed or an event stopped them"
+                                                  : "an event stopped them";
+}
+
 /* What is said at the end, and the exit code. */
 static int finish(struct run *run, const struct batch *b, const struct tally *tally)
 {
@@ -182,7 +191,8 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
         fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
         code = 2;
     }
-    code = area_find(run, code);
+    if (!run_interrupted())
+        code = area_find(run, code, ended(&run->settings, tally));
     run->interrupted = run_interrupted();
     if (run->interrupted) {
         fprintf(stderr, "run: interrupted after %zu of %zu members\n", tally->done,
@@ -226,7 +236,7 @@ int ensemble_run(struct run *run, pk_real count)
     code = members_check(&b);
     if (watched)
         watched_begin(&tally, s);
-    code = code ? code : area_begin(run, rows + 1);
+    code = code ? code : area_begin(run, b.t, rows);
     if (code == 0) {
         fprintf(run->out, "%s,", s->member_name ? s->member_name : "member");
         output_header(run, run->out);
@@ -255,6 +265,7 @@ int ensemble_run(struct run *run, pk_real count)
     free(run->monitor_block);
     free(tally.crossings);
     free(tally.first);
+    area_free(run);
     diagnose_free(run);
     return code;
 }

@@ -1,6 +1,7 @@
 /* Rows. CSV quotes a name that holds a comma, a quote or a blank (RFC 4180). */
 #include "choose_rows.h"
 #include "diagnose.h"
+#include "diagnose_area.h"
 #include "ensemble.h"
 #include "expect.h"
 
@@ -160,6 +161,8 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
         run->bad_t = (double)t;
     }
     diagnose_row(run, t, q, v);
+    if (!run->at_event)
+        area_note(run, t, q, v);
     expect_row(run, t, q, v, z);
     if (ferror(file))
         run->write_failed = errno ? errno : EIO;

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diagnose_area.h"
 #include "ensemble.h"
 #include "expect.h"
 #include "members.h"
@@ -60,6 +61,8 @@ static struct run *prepared(const struct work *w, size_t i)
     run->member = w->first + i;
     run->next = 1;
     run->count = w->run->count;
+    run->loop = w->run->loop;
+    area_note(run, 0, s->q, s->v);
     run->problem = w->problem;
     run->problem.params = s->params;
     run->problem.context = s;

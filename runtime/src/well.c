@@ -67,13 +67,17 @@ static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
     return PK_DONE;
 }
 
-/* How far on f has become 0, which has not there and has, or has passed it, at `far`. */
+/* How far on f has become 0, which has not there and has, or has passed it, at `far`; to the last
+ * digit, be `far` a million times as far: where the force nearly vanishes panels begin so long. */
 static pk_real root_of(struct place *p, pk_function f, pk_real far)
 {
-    pk_real near = 0, at_near, at_far;
-    f(p, near, &at_near);
-    f(p, far, &at_far);
-    pk_root(f, p, &near, at_near, &far, at_far, PK_EPSILON * far);
+    for (pk_real before = PK_INFINITY; far < before / 2;) {
+        pk_real near = 0, at_near, at_far;
+        before = far;
+        f(p, near, &at_near);
+        f(p, far, &at_far);
+        pk_root(f, p, &near, at_near, &far, at_far, PK_EPSILON * before);
+    }
     return far;
 }
 

@@ -102,6 +102,39 @@ def test_forces_shrink_the_form(pkgen, tmp_path: Path) -> None:
     assert result["volume"] == pytest.approx(math.exp(-0.02) - 1, abs=1e-12)
 
 
+def test_forces_that_keep_the_form(pkgen, tmp_path: Path) -> None:
+    """A force of an input alone moves all alike; that there are forces is said, and no more."""
+    path = tmp_path / "pushed.lag"
+    path.write_text("model m\ncoord x\ninput f\nkinetic x'^2/2\npotential x^2/2\nforce x = f\n")
+    words = ["--start", "x=1", "--step", "0.1", "--method", "gauss4"]
+    found, _ = diagnosed(pkgen, path, "symplectic", *words)
+    assert found["symplectic"]["symplectic"] and not found["symplectic"]["variational"]
+    done = pkgen("run", path, "--diagnose", "symplectic", "--until", "1", *words)
+    assert "forces besides those of L have left that as it is" in done.stderr
+    path.write_text(DAMPED)
+    done = pkgen("run", path, "--diagnose", "symplectic", "--until", "1", *words[2:])
+    assert "forces besides those of L need not keep areas" in done.stderr
+
+
+def test_of_states_alone_no_coordinates_are_spoken_of(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "states.lag"
+    path.write_text("model m\nstate x, y\nrate x = y\nrate y = -x\nstart x = 1\n")
+    said = {
+        "symplectic": "states have no momenta",
+        "least_action": "the model has states, whose rates follow from no action",
+        "modes": "and the model has states, which",
+        "angular_momentum": "is of particles, and the model has states alone",
+        "lrl": "is of particles, and the model has states alone",
+    }
+    for name, reason in said.items():
+        done = pkgen("run", path, "--diagnose", name, "--until", "9")
+        assert done.returncode == 2 and reason in done.stderr, (name, done.stderr)
+    # A saddle of two states: an instability, in a plane where there is no chaos.
+    path.write_text("model m\nstate x, y\nrate x = x\nrate y = -y\nstart y = 1\n")
+    done = pkgen("run", path, "--diagnose", "lyapunov", "--until", "40")
+    assert done.returncode == 0 and "or two states, alone" in done.stderr
+
+
 def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
     arguments = ["--until", "300", "--size", "N=17", "--method", "verlet", "--step", "0.1"]
     found, _ = diagnosed(pkgen, FPUT, "lyapunov", *arguments)

@@ -58,6 +58,25 @@ def test_of_a_pendulum(pkgen, tmp_path: Path) -> None:
     assert 1e-6 < worse["drift"]["max"] < 1e-3
 
 
+def test_where_the_force_nearly_vanishes(pkgen, tmp_path: Path) -> None:
+    """A row at 5e-5 of the bottom of x^4/4: the first panel is 1e12 long, its end is not."""
+    quartic = "model m\ncoord x\nkinetic x'^2/2\npotential x^4/4\nstart x = 1\n"
+    found, _ = action(pkgen, tmp_path, quartic, "--until", "3", "--every", "0.003")
+    quarter = math.gamma(1 / 4)
+    assert abs(found["period"] / (quarter**2 / math.sqrt(math.pi)) - 1) < 1e-14
+    assert 0 < found["drift"]["max"] < 1e-10
+
+
+def test_kinks(pkgen, tmp_path: Path) -> None:
+    kinked = "model m\ncoord x\nkinetic x'^2/2\npotential x^2/2 + max(0, x - 1)^2\nstart x = {}\n"
+    path = tmp_path / "kinked.lag"
+    path.write_text(kinked.format(1.5))
+    done = pkgen("run", path, "--diagnose", "action", "--until", "1")
+    assert done.returncode == 2 and "have a kink (abs, min, max, step) on its way" in done.stderr
+    found, _ = action(pkgen, tmp_path, kinked.format(0.9), "--until", "1")  # it has none on its way
+    assert abs(found["period"] - 2 * math.pi) < 1e-14
+
+
 @pytest.mark.long
 def test_adiabatic_invariance(pkgen, tmp_path: Path) -> None:
     # While the pendulum grows to three times its length J keeps to some rate/omega of its size,
@@ -66,7 +85,7 @@ def test_adiabatic_invariance(pkgen, tmp_path: Path) -> None:
     small = ["--start", "theta=0.1", *slow]
     found, said = action(pkgen, tmp_path, PENDULUM, *small, "grow=0.001")
     faster, _ = action(pkgen, tmp_path, PENDULUM, *small, "grow=0.01")
-    assert found["held"] and "with t held" in said
+    assert found["held"] and "with t and any inputs held" in said
     assert 1e-4 < found["drift"]["max"] < 2e-3
     assert faster["drift"]["max"] > 5 * found["drift"]["max"]
     assert found["drift"]["growth"] == "bounded"
@@ -104,6 +123,21 @@ def test_motions_that_have_none(pkgen, tmp_path: Path) -> None:
     falling = "model fall\ncoord x\nkinetic x'^2/2\npotential x\n"
     found, _ = action(pkgen, tmp_path, falling, "--until", "1")
     assert found["orbit"].startswith("not periodic") and found["action"] is None
+    # States are no coordinates, and a scene may leave them out.
+    states = (
+        "model m\ncoord x\nstate S, R\nkinetic x'^2/2\npotential x^2/2\nrate S = L\nrate R = x\n"
+    )
+    states += "start x = 1\nscene alone\n  until 1\n  record x\nend\n"
+    path = tmp_path / "states.lag"
+    path.write_text(states)
+    done = pkgen("run", path, "--diagnose", "action", "--until", "1")
+    assert done.returncode == 2 and "states: 1 and 2; it is of one coordinate" in done.stderr
+    found, _ = action(pkgen, tmp_path, states, "--scene", "alone")
+    assert abs(found["period"] - 2 * math.pi) < 1e-14
+    path.write_text("model m\nstate x, y\nrate x = y\nrate y = -x\nstart x = 1\n")
+    done = pkgen("run", path, "--diagnose", "action", "--until", "1")
+    assert done.returncode == 2 and "states: 0 and 2; it is of one coordinate" in done.stderr
+    assert "scene" not in done.stderr
     charged = "model charged\ncoord x\nkinetic -sqrt(1 - x'^2)\npotential x^2/2\nstart x = 1\n"
     path = tmp_path / "model.lag"
     path.write_text(charged)

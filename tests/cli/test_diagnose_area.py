@@ -24,12 +24,12 @@ end
 PENDULUM = "-cos(theta)"
 
 
-def area(pkgen, tmp_path: Path, text: str, *options: object) -> tuple[dict, str]:
+def area(pkgen, tmp_path: Path, text: str, *options: object, code: int = 0) -> tuple[dict, str]:
     path = tmp_path / "model.lag"
     path.write_text(text)
     scene = ["--scene", "ring"] if "ring" in text else []
     done = pkgen("run", path, *scene, "--diagnose", "area", "-o", tmp_path / "o.csv", *options)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == code, done.stderr
     report = json.loads((tmp_path / "o.csv.json").read_text())["report"]
     return report["diagnostics"]["area"], done.stderr
 
@@ -79,9 +79,19 @@ def test_a_loop_round_the_cylinder(pkgen, tmp_path: Path) -> None:
     found, _ = area(pkgen, tmp_path, text)
     assert found["winding"] == [2 * math.pi] and found["resolved_until"] == 2
     assert all(abs(row[1] - 6 * math.pi) < 1e-12 for row in found["rows"])
-    open_ends = text.replace("theta = 2*pi*k", "theta = pi*k")
-    found, said = area(pkgen, tmp_path, open_ends)
-    assert found["resolved_until"] is None and "no smooth closed loop" in said
+    # Not where theta + 2 pi is another place, nor where theta is a length.
+    for new in (
+        text.replace(PENDULUM, "theta^2/2"),
+        text.replace("coord theta", "coord theta [m]"),
+    ):
+        new = (
+            new.replace("kinetic theta'^2/2", "kinetic (1 [kg])/2*theta'^2")
+            if "[m]" in new
+            else new
+        )
+        new = new.replace("g*(-cos(theta))", "(1 [J])*0") if "[m]" in new else new
+        found, said = area(pkgen, tmp_path, new, code=2)
+        assert "from the last member to the first it goes by -6.28, from the one before" in said
 
 
 @pytest.mark.long
@@ -98,6 +108,132 @@ def test_two_coordinates_and_an_ensemble(pkgen, tmp_path: Path) -> None:
     expected = -math.pi * 0.3 * 0.4 + math.pi * 0.2  # of (r, p_r), of (phi, p_phi)
     assert len(found["rows"]) == 4
     assert all(abs(row[1] - expected) < 1e-11 for row in found["rows"])
+
+
+STARTS = "theta = 1 + 0.5*cos(2*pi*k/256), theta' = 0.5*sin(2*pi*k/256)"
+
+
+@pytest.mark.parametrize(
+    ("starts", "reason"),
+    [
+        (STARTS.replace("2*pi", "1.5*pi"), "from the last member to the first it goes by 0.5"),
+        ("theta = 0.01*k", "of theta is in its last harmonics"),  # a line, at rest
+        ("theta = sin(k^2), theta' = cos(7*k^3)", "is in its last harmonics"),
+        ("theta = abs(k - 128.5)/100, theta' = 1", "of theta is in its last harmonics"),  # kinks
+        (STARTS.replace("theta =", "theta = 1e-9*sin(k^2) +"), "of too few digits"),
+        ("theta = 1 + 0*k", "they enclose nothing, all of them in one place"),
+    ],
+    ids=["gap", "line", "strewn", "kinks", "digits", "point"],
+)
+def test_starts_that_are_no_loop(pkgen, tmp_path: Path, starts: str, reason: str) -> None:
+    text = ring(PENDULUM, 256, 2, 1, "kahan_li8 step 0.1")
+    text = text.replace(STARTS, starts)
+    found, said = area(pkgen, tmp_path, text, code=2)
+    assert found["status"] == "PK_REFUSED" and reason in found["reason"], said
+    assert "rows" not in found and "drift" not in said and "the starts are no" in said
+
+
+def test_noise_of_steps_of_their_own(pkgen, tmp_path: Path) -> None:
+    """A plateau of the harmonics at the tolerance is no structure of the loop: the area has its
+    digits, and how many is known."""
+    text = ring(PENDULUM, 256, 10, 1, "gauss rtol 1e-9").replace(" step 0.1", "")
+    for rtol, least, most in (("1e-9", 1e-12, 1e-9), ("1e-6", 1e-9, 1e-6)):
+        found, said = area(pkgen, tmp_path, text, "--rtol", rtol)
+        assert found["resolved_until"] == 10 and found["ends"] is None
+        tails = [row[2] for row in found["rows"]]
+        assert tails[0] < 1e-15 and least < max(tails) < most
+        errors = [abs(row[1] + math.pi / 4) for row in found["rows"]]
+        noise = max(row[3] for row in found["rows"])
+        assert noise / 10 < max(errors) < 3 * noise  # which tells the error, not only bounds it
+        beside = noise / found["drift"]["scale"]
+        assert f"errors of each member's own may be {beside:.0e} of that" in said
+    # Too fine is too fine, whatever the steps, and that shows about as soon as it leaves the noise.
+    fine = ring(PENDULUM, 64, 60, 2, "kahan_li8 step 0.1")
+    until = area(pkgen, tmp_path, fine)[0]["resolved_until"]
+    found, said = area(pkgen, tmp_path, fine, "--method", "gauss", "--rtol", "1e-9")
+    assert 8 < until < 30 and until - 4 <= found["resolved_until"] <= until + 8
+    assert "it is finer than its members are apart" in found["ends"]
+    # A method whose steps leave more noise than can be told from a torn loop.
+    found, said = area(pkgen, tmp_path, text, "--method", "adaptive_verlet", "--step", "0.1")
+    assert found["resolved_until"] < 5 and "take a fixed step, of a symplectic method" in said
+
+
+def test_loops_that_enclose_nothing(pkgen, tmp_path: Path) -> None:
+    # An eight, and there and back again at rest: 0, and so exact beside their size.
+    text = ring(PENDULUM, 256, 10, 1, "kahan_li8 step 0.1")
+    for starts in (
+        "theta = 0.5*sin(2*pi*k/256), theta' = 0.5*sin(4*pi*k/256)",
+        "theta = 0.5*sin(2*pi*k/256)",
+    ):
+        found, said = area(pkgen, tmp_path, text.replace(STARTS, starts))
+        assert found["resolved_until"] == 10 and all(abs(r[1]) < 1e-15 for r in found["rows"])
+        assert found["drift"]["max"] < 1e-15 and 0.1 < found["drift"]["scale"] < 2
+        assert "round-off" in said and "starts at 0" not in said
+        worse, _ = area(pkgen, tmp_path, text.replace(STARTS, starts), "--method", "euler")
+        assert worse["drift"]["max"] < 1e-2  # they enclose nothing by their symmetry
+    lopsided = "theta = 0.3 + 0.5*sin(2*pi*k/256), theta' = 0.5*sin(4*pi*k/256)"
+    worse, said = area(pkgen, tmp_path, text.replace(STARTS, lopsided), "--method", "euler")
+    assert abs(worse["rows"][0][1]) < 1e-15 and 1e-4 < worse["drift"]["max"] < 0.5
+
+
+EVENTS = """
+event low: theta + 0.9 falling{stop}
+event top: theta' falling
+"""
+
+
+def test_members_that_part(pkgen, tmp_path: Path) -> None:
+    """By an event that stops some, by a failure: what is told is up to the last row of all."""
+    text = ring(PENDULUM, 256, 10, 0.05, "gauss8 step 0.05")
+    text = text.replace("scene ring", EVENTS + "scene ring").replace(
+        "end\n", "  expect time(top) > 0\nend\n"
+    )
+    whole, said = area(pkgen, tmp_path, text.format(stop=""))
+    assert whole["resolved_until"] == 10 and len(whole["rows"]) == 201
+    assert whole["drift"]["max"] < 1e-13
+    found, said = area(pkgen, tmp_path, text.format(stop=" stop"), code=4)
+    rows = found["rows"]
+    assert 2 < len(rows) < 80 and rows == whole["rows"][: len(rows)]
+    assert found["resolved_until"] == rows[-1][0] and " of 256 members, first k = " in said
+    assert "for an event stopped them: the last row that all have is at t = " in said
+    assert f"until t = {rows[-1][0]:.6g}, as far as all members come" in said
+    falling = text.replace(EVENTS, "").replace("  expect time(top) > 0\n", "")
+    falling = falling.replace("g*(-cos(theta))", "-1/theta")
+    found, said = area(pkgen, tmp_path, falling, code=4)
+    assert "for they failed: the last row that all have is at t = " in said
+    assert len(found["rows"]) > 3 and found["drift"]["max"] < 1e-10
+    # Rows at an event are at other times for each.
+    path = tmp_path / "model.lag"
+    path.write_text(text.format(stop="").replace("every 0.05", "at top"))
+    done = pkgen("run", path, "--scene", "ring", "--diagnose", "area")
+    assert done.returncode == 2 and "rows at an event are at other times" in done.stderr
+
+
+def test_states_have_no_part_in_it(pkgen, tmp_path: Path) -> None:
+    text = ring("theta^2/2", 64, 10, 1, "gauss8 step 0.1")
+    text = text.replace("coord theta", "coord theta\nstate S").replace("scene", "rate S = L\nscene")
+    found, said = area(pkgen, tmp_path, text)
+    assert found["winding"] == [0] and all(abs(r[1] + math.pi / 4) < 1e-14 for r in found["rows"])
+    assert "with states, or forces besides those of L, it need not be conserved" in said
+    path = tmp_path / "model.lag"
+    path.write_text(
+        "model m\nstate a, b\nrate a = b\nrate b = -a\nscene ring\n  swarm k = 1..64\n"
+        "  start a = cos(2*pi*k/64), b = sin(2*pi*k/64)\n  until 1\n  record a every 1\nend\n"
+    )
+    done = pkgen("run", path, "--scene", "ring", "--diagnose", "area")
+    assert done.returncode == 2 and "states alone, which have no momenta" in done.stderr
+
+
+def test_a_loop_with_kinks(pkgen, tmp_path: Path) -> None:
+    found, said = area(pkgen, tmp_path, ring("abs(theta)", 256, 4, 1, "gauss8 step 0.01"))
+    assert found["resolved_until"] == 0 and "it has kinks, where the equations have" in said
+    assert found["drift"] is None and "drift" not in said  # of one row there is none
+    # A kink so small that its harmonics could be noise.
+    slight = ring("theta^2/2 + 1e-6*abs(theta)", 256, 4, 1, "gauss8 step 0.1")
+    slightly, said = area(pkgen, tmp_path, slight)
+    assert slightly["resolved_until"] == 1 and "it has kinks" in said  # then the first come to 0
+    assert 1e-12 < slightly["rows"][2][2] < 1e-7
+    assert abs(found["rows"][-1][1] + math.pi / 4) < 0.01  # and the area is there, but for them
 
 
 def test_refusals(pkgen, tmp_path: Path) -> None:

@@ -75,18 +75,76 @@ def test_free_ends_and_a_pendulum(pkgen, tmp_path: Path) -> None:
     assert abs(found["frequencies"][1] - 2 * math.sin(math.pi / 8)) < 1e-14
     assert all(abs(row[3] - 0.25**2 / 2) < 1e-12 for row in found["rows"])
     assert all(abs(row[2]) < 1e-11 for row in found["rows"])
-    # REGIMES D1, about the equilibrium that is next: hanging, and with the inner rod upright.
+    # REGIMES D1, about the equilibrium that it swings about: hanging, and at rest with the inner
+    # rod upright.
     double = ROOT / "models/double_pendulum.lag"
     near = ["--start", "theta1=0.1", "--start", "theta2=0.1", "--until", "1"]
     found, _ = modes(pkgen, tmp_path, double, *near)
     assert abs(found["frequencies"][0] - 2.3971993979) < 1e-10
     assert abs(found["frequencies"][1] - 5.7873512980) < 1e-10
     assert 1e-6 < abs(found["rows"][-1][2]) < 0.01 * found["rows"][-1][1]
-    upright = ["--start", "theta1=3.1", "--start", "theta2=0", "--until", "0.1"]
+    rest = [x for name in ("theta1'", "theta2'", "theta2") for x in ("--start", f"{name}=0")]
+    upright = [*rest, "--start", "theta1=180 [deg]", "--until", "0.1"]
     found, said = modes(pkgen, tmp_path, double, *upright)
     assert abs(found["equilibrium"][0] - math.pi) < 1e-12 and abs(found["equilibrium"][1]) < 1e-12
-    assert found["frequencies"][0] is None and "unstable" in said
+    assert found["frequencies"][0] is None and found["frequencies"][1] is not None
     assert abs(found["squares"][0] + 9.81 * math.sqrt(2)) < 1e-11
+    rate = math.sqrt(9.81 * math.sqrt(2))
+    assert f"1 of 2 modes leave it, at the rate {rate:.10g} /s" in said
+    assert f"modes: {rate:.10g} rad/s" in said  # of the other, as it happens the same
+
+
+def test_about_what_a_motion_swings(pkgen, tmp_path: Path) -> None:
+    """Not about the nearest place where nothing pulls, but in the well in which it is."""
+    wells = "model m\ncoord x\nkinetic x'^2/2\npotential (x^2 - 1)^2*(1 + x/8)/4\n"
+    path = tmp_path / "model.lag"
+    # x = 0.03 is the top between them, of an energy above that of these starts but the last two.
+    for starts, place in (
+        (["x=0.3"], 1),  # nearer to the top
+        (["x=-0.3"], -1),
+        (["x=-0.3", "x'=0.01"], -1),
+        (["x=1.2"], 1),
+        (["x=0.1", "x'=3"], 1),  # over the top: of both the nearer
+        (["x=-0.1", "x'=3"], -1),
+    ):
+        path.write_text(wells)
+        words = [x for text in starts for x in ("--start", text)]
+        found, said = modes(pkgen, tmp_path, path, "--until", "1", *words)
+        assert abs(found["equilibrium"][0] - place) < 1e-12, starts
+        assert abs(found["squares"][0] - (2 + place / 4)) < 1e-12 and "unstable" not in said
+    # At rest on top of a hill, and beside one behind which there is no valley.
+    path.write_text("model m\ncoord x\nkinetic x'^2/2\npotential (x^2 - 1)^2/4\nstart x = 0\n")
+    found, said = modes(pkgen, tmp_path, path, "--until", "1")
+    assert found["squares"] == [-1] and found["frequencies"] == [None]
+    assert "unstable equilibrium, in which the motion starts" in said and "rad/s" not in said
+    path.write_text("model m\ncoord x\nkinetic x'^2/2\npotential -x^2/2\nstart x = 0.1\n")
+    found, said = modes(pkgen, tmp_path, path, "--until", "1")
+    assert found["squares"] == [-1] and "1 of 1 modes leave it, at the rate 1;" in said
+    # Kinks elsewhere are no matter. Of bodies that attract each other no place far off is taken.
+    path.write_text("model m\ncoord x\nkinetic x'^2/2\npotential x^2/2 + max(0, x - 1)^2\n")
+    found, _ = modes(pkgen, tmp_path, path, "--start", "x=1.5", "--until", "1")
+    assert found["squares"] == [1]
+    bodies = ROOT / "models/particles/n_body.lag"
+    done = pkgen("run", bodies, "--diagnose", "modes", "--until", "1")
+    assert done.returncode == 2 and "no equilibrium was found" in done.stderr
+    # A far valley in sight, and a near one behind a ridge.
+    ridge = "potential x^2/2 - 3*exp(-2*(x - 3)^2) + 4*exp(-8*(x - 2)^2)"
+    path.write_text(f"model m\ncoord x\nkinetic x'^2/2\n{ridge}\nstart x = 1.6\n")
+    found, _ = modes(pkgen, tmp_path, path, "--until", "1")
+    assert abs(found["equilibrium"][0]) < 1e-6
+
+
+def test_about_the_turn_of_an_angle_that_is_next(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "model.lag"
+    path.write_text("model m\ncoord a\nkinetic a'^2/2\npotential -cos(a)\n")
+    found, _ = modes(pkgen, tmp_path, path, "--start", "a=9", "--until", "1")
+    assert abs(found["equilibrium"][0] - 2 * math.pi) < 1e-12
+    first = found["rows"][0]
+    assert abs(first[1] - (9 - 2 * math.pi) ** 2 / 2) < 1e-12 and abs(first[2]) < 2
+    turning = ["--start", "a=0", "--start", "a'=3", "--until", "10"]
+    found, _ = modes(pkgen, tmp_path, path, *turning)
+    assert all(abs(row[1] + row[2] - 4.5) < 1e-8 for row in found["rows"])
+    assert all(row[1] < math.pi**2 / 2 + 4.5 for row in found["rows"])
 
 
 @pytest.mark.long
@@ -96,6 +154,9 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
         "coord x\nkinetic x'^2/2\npotential x": "no equilibrium was found",
         "coord x\nkinetic x'^2/2\npotential x^2/2 - x*cos(t)": "without explicit time",
         "coord x\nkinetic x'^2/2\npotential x^2/2\ndissipation x'^2": "forces besides those of L",
+        "coord x\nstate s\nkinetic x'^2/2\npotential x^2/2\nrate s = x": "model has states",
+        "state x\nrate x = -x": "model has states",
+        "coord x\nkinetic x'^2/2\npotential abs(x)": "the equations have a kink",
         "coord x, y\nlagrangian (x'^2 + y'^2)/2 + x*y' - y*x' - x^2 - y^2": "depend on rates",
     }
     for text, reason in cases.items():

@@ -130,7 +130,7 @@ def test_a_hundred_thousand_pendulums_keep_their_area_while_they_resolve_it(
     assert found["members"] == 100_000 and found["conserved"]
     assert 3000 <= found["resolved_until"] < 4900
     assert 0 < found["drift"]["max"] <= 1e-12
-    areas = [area for t, area, _ in found["rows"] if t <= found["resolved_until"]]
+    areas = [area for t, area, *_ in found["rows"] if t <= found["resolved_until"]]
     assert areas[0] == pytest.approx(-math.pi, rel=1e-14)
     assert max(abs(area + math.pi) for area in areas) <= 1e-12
     assert found["rows"][1][2] < 1e-13 and found["rows"][-1][2] > 1e-12

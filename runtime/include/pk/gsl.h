@@ -38,16 +38,31 @@ enum { PK_LOOP_LEAST = 32 };
 
 /* Closed integral of p dq round a loop of `count` samples, equally far apart in a parameter, the
  * last as far from the first; by Fourier series, which converge as fast as the loop is smooth.
- * `winding`: by how much q is more after once round (of an angle a multiple of 2 pi). `tail`: how
- * much of what varies is in the last eighth of the harmonics, of q or p: near the round-off where
- * the loop is resolved. `size`: the same integral without signs. Both arrays are overwritten.
- * PK_BAD_ARGUMENT: fewer than PK_LOOP_LEAST, or a number with a prime factor above 1000, whose
- * transform would take long; PK_NOT_FINITE; PK_NO_MEMORY. */
+ * `winding`: by how much q is more after once round (of an angle a multiple of 2 pi). Both arrays
+ * are overwritten.
+ *
+ * Of the series of q and of p: `rms` of what varies, `tail`, how much of it is in the last eighth of
+ * the harmonics (four at least), root mean square, and `rounding`, what roundings of the samples would put there.
+ * Of a loop that is resolved the tail is near that. What is too fine for the samples leaves
+ * harmonics that fall off towards the last one; errors of each sample's own leave a plateau: `flat`
+ * says that the last ones are no less than PK_LOOP_FLAT of as many before.
+ * `size` is the area of an ellipse of the same rms in q and p, and `noise` the standard deviation of
+ * the area if the last ones are noise, as much in every harmonic.
+ * PK_BAD_ARGUMENT: not pk_gsl_loop_takes(count); PK_NOT_FINITE; PK_NO_MEMORY. */
+#define PK_LOOP_FLAT 0.25
+struct pk_loop_series {
+    double rms, tail, rounding;
+    int flat;
+};
 struct pk_loop_area {
-    double area, size, tail;
+    double area, size, noise;
+    struct pk_loop_series q, p;
 };
 enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double winding,
                                 struct pk_loop_area *found);
+/* Whether there are PK_LOOP_LEAST, and no prime factor above 1000, with which a transform would take
+ * long. */
+int pk_gsl_loop_takes(size_t count);
 
 #ifdef __cplusplus
 }
