@@ -137,8 +137,8 @@ MIDPOINT = "implicit_midpoint"
 CASES = (
     Case(
         "projectile", _of("newtonian", "ProjectileMotion", 20.0, 45.0, g=9.81, maker="from_launch"),
-        1e-3, 100_000, "yoshida4", "models/particles/projectile.lag",
-        ("--set", "k=0", "--set", "speed=20"), longest=10.0, ours=("gauss", "dop853", "gauss2"),
+        1e-3, 100_000, "yoshida4", "bench/lag/projectile.lag",
+        longest=10.0, ours=("exponential", "gauss", "dop853", "gauss2"),
     ),
     Case(
         "Kepler, e = .5",
