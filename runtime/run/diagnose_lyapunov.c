@@ -14,6 +14,7 @@
 #include "words.h"
 
 enum { BLOCKS = 1000 };
+#define REST 1e-8 /* of the largest coordinate: an equilibrium from which round-off grows */
 #define LEAVING 8 /* times as far in the second half as in the first: t^3 at most is 8 times */
 
 static const char NO_LINEAR[] = "the system has no kernel linear: it was left out, or its families "
@@ -75,13 +76,16 @@ static void excursion_note(struct excursion *e, const struct settings *s,
     }
 }
 
-static int excursion_leaves(const struct excursion *e)
+static int excursion_leaves(const struct excursion *e, const struct settings *s)
 {
     int moves = 0;
+    pk_real size = 0;
+    for (size_t i = 0; i < s->n; i++)
+        size = PK_F(fmax)(size, PK_F(fabs)(s->q[i]));
     for (size_t i = 0; i < e->count; i++) {
         if (e->most[1][i] > LEAVING * e->most[0][i])
             return 1;
-        moves |= e->most[1][i] > 0;
+        moves |= e->most[1][i] > (pk_real)REST * size;
     }
     return !moves;
 }
@@ -126,7 +130,7 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
         diagnose_real(d, "megno", pk_lyapunov_megno(&l));
         diagnose_real(d, "time", l.it.t);
         const int leaving = motion == PK_CHAOTIC &&
-                            (excursion_leaves(&excursion) || !can_be_chaotic(run->problem.system));
+                            (excursion_leaves(&excursion, s) || !can_be_chaotic(run->problem.system));
         fprintf(d->file, ", \"motion\": \"%s\"}", leaving ? "leaving" : motions[motion]);
     }
     free(excursion.most[0]);

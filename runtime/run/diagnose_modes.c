@@ -136,10 +136,15 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
         return NOTHING;
     if (pk_gsl_normal(&m->run->problem, q, m->M, m->squares, m->shapes) < 0)
         return NO_MODES;
+    int pulled = 0;
+    for (size_t k = 0; k < m->n; k++)
+        pulled |= m->squares[k] < 0 || m->squares[k] > 0;
     if (is_kinked(m, q))
         return KINKED;
     if (is_start(m, q))
         return START;
+    if (!pulled) /* so far away that what falls off exponentially is 0 */
+        return NOTHING;
     if (m->squares[0] < 0 || there > h + slack)
         return UNSTABLE;
     return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
@@ -188,6 +193,10 @@ static void row(struct modes *m, FILE *file, double t, const double *q, const do
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n, shown = n < MODES ? n : MODES;
     double *p = m->work, *pdot = p + n, sum = 0;
+    /* M q' alone: p of rest is of a total derivative in L, or depends on rates and is refused. */
+    memset(m->p, 0, n * sizeof *m->p);
+    problem->system->canonical(problem->params, t, q, m->p, NULL, p, pdot);
+    memcpy(m->p, p, n * sizeof *p);
     problem->system->canonical(problem->params, t, q, v, NULL, p, pdot);
     for (size_t i = 0; i < n; i++) {
         m->x[i] = m->turns[i] ? remainder(q[i] - m->q[i], 2 * PK_PI) : q[i] - m->q[i];
@@ -265,9 +274,8 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
                               "there are no modes, for no motion is small beside it"
                             : "no equilibrium was found about which it could oscillate";
     if (status == PK_DONE) {
-        double *rest = m.work, *pdot = m.work + n;
+        double *rest = m.work;
         memset(rest, 0, n * sizeof *rest);
-        problem->system->canonical(problem->params, 0, m.q, rest, NULL, m.p, pdot);
         *m.h = problem->system->energy(problem->params, 0, m.q, rest, NULL);
         status = pk_gsl_normal(problem, m.q, m.M, m.squares, m.shapes);
         reason = status == PK_REFUSED ? "at the equilibrium forces depend on rates: its modes have "

@@ -4,7 +4,7 @@
 #include "internal.h"
 #include "well.h"
 
-enum { LEAST = 32, MOST = 1 << 18 };
+enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
 #define SETTLED (32 * PK_EPSILON)  /* relative changes: of rounding, */
 #define NOISE (16384 * PK_EPSILON) /* of sums of many roundings, */
 #define PASSABLE PK_C(1e-6)        /* and of what is told with its error */
@@ -115,11 +115,30 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     return a->error <= LOST ? PK_ORBIT_LIBRATION : PK_ORBIT_SEPARATRIX;
 }
 
+/* Whether W itself is h at the ends and nowhere above it between, as its integrated force has it: a
+ * hump narrower than a panel hides from that. */
+static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_real q, pk_real h)
+{
+    const struct pk_system *s = w->system;
+    if (!s->energy || a->orbit != PK_ORBIT_LIBRATION)
+        return 1;
+    const pk_real rest = 0, shown = PK_F(sqrt)(PK_EPSILON) * w->most / 256;
+    for (int k = 0; k <= SAMPLES; k++) {
+        const pk_real x = q + a->lo + (a->hi - a->lo) * ((pk_real)k / SAMPLES);
+        const pk_real left = h - s->energy(w->params, w->t, &x, &rest, w->u);
+        const pk_real rounding = pk_abs(h) + pk_abs(x * pk_well_force(w, x));
+        const pk_real slack = shown + 256 * PK_EPSILON * rounding;
+        if (!(left >= -slack) || ((k == 0 || k == SAMPLES) && !(left <= slack)))
+            return 0;
+    }
+    return 1;
+}
+
 enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u)
 {
     const struct pk_system *s = problem->system;
-    struct pk_well w = {s, problem->params, t, u, 0, PK_INFINITY};
+    struct pk_well w = {s, problem->params, t, u, PK_INFINITY, 0, PK_INFINITY};
     *found = (struct pk_action){PK_ORBIT_SEVERAL, 0, 0, 0, 0, 0, 0};
     if (pk_system_count(s, problem->params) != 1)
         return PK_REFUSED;
@@ -132,7 +151,17 @@ enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *
     const pk_real direction = *v < 0 ? -1 : 1;
     w.most = pk_well_mass(&w, *q) * *v * *v / 2;
     const pk_real U = w.most;
-    found->orbit = orbit_of(found, &w, *q, U, direction);
+    const pk_real h = s->energy ? s->energy(w.params, t, q, v, u) : 0;
+    int followed = 0;
+    for (int n = 0; n < TIMES && !followed; n++) {
+        w.most = U;
+        w.least = PK_INFINITY;
+        found->orbit = orbit_of(found, &w, *q, U, direction);
+        followed = is_followed(found, &w, *q, h);
+        w.longest = (found->hi - found->lo) / (n == 0 ? SAMPLES : 4 * SAMPLES);
+    }
+    if (!followed)
+        found->orbit = PK_ORBIT_UNSETTLED;
     if (found->orbit == PK_ORBIT_LIBRATION || found->orbit == PK_ORBIT_ROTATION)
         sums(found, &w, *q, U, direction);
     found->lo += *q;

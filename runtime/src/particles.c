@@ -77,16 +77,31 @@ enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real
     cross(r, v, l);
     cross(l, lrl->e, lrl->across);
     const pk_real length = norm(lrl->across);
-    for (size_t k = 0; k < 3 && lrl->eccentricity > 0 && length > 0; k++) {
+    for (size_t k = 0; k < 3 && lrl->eccentricity > 0; k++) {
         lrl->along[k] = lrl->e[k] / lrl->eccentricity;
-        lrl->across[k] /= length;
+        lrl->across[k] = length > 0 ? lrl->across[k] / length : 0;
     }
     return PK_DONE;
+}
+
+/* Begun at rest, or straight to or from the centre, it has the plane in which it then turns. */
+static void find_plane(struct pk_lrl *lrl, const pk_real *r, const pk_real *v)
+{
+    pk_real l[3], across[3];
+    cross(r, v, l);
+    if (!(norm(l) > 64 * PK_EPSILON * norm(r) * norm(v)))
+        return;
+    cross(l, lrl->along, across);
+    const pk_real length = norm(across);
+    for (size_t k = 0; k < 3 && length > 0; k++)
+        lrl->across[k] = across[k] / length;
 }
 
 void pk_lrl_update(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3], const pk_real a[3])
 {
     vector(lrl, r, v, a);
+    if (!(norm(lrl->across) > 0))
+        find_plane(lrl, r, v);
     const pk_real turn = 2 * PK_PI;
     const pk_real now = PK_F(atan2)(dot(lrl->e, lrl->across), dot(lrl->e, lrl->along));
     lrl->angle = now + turn * PK_F(round)((lrl->angle - now) / turn);

@@ -4,7 +4,7 @@
 #include "internal.h"
 #include "root.h"
 
-enum { PANELS = 4000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
+enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
 #define FOLLOWED (1024 * PK_EPSILON) /* of the force in a panel, by its parts */
 
 pk_real pk_well_force(const struct pk_well *w, pk_real q)
@@ -137,6 +137,7 @@ struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real dir
     const pk_real F = pk_abs(pk_well_force(w, q));
     pk_real y = 0, d = U > 0 && F > 0 ? U / F : pk_abs(q) > 0 ? pk_abs(q) : 1;
     for (int panel = 0; panel < PANELS && pk_finite(d); panel++) {
+        d = PK_F(fmin)(d, w->longest);
         const pk_real step = direction * d / PARTS;
         const pk_real whole = pk_well_work(w, q, y, y + direction * d);
         pk_real at[PARTS + 1] = {U}, most = w->most;

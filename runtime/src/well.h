@@ -11,6 +11,7 @@ struct pk_well {
     const void *params;
     pk_real t;
     const pk_real *u;
+    pk_real longest;     /* panel of a march */
     pk_real most, least; /* of h - W on the way: the largest, the smallest where it has a minimum */
 };
 

@@ -39,6 +39,25 @@ def action(pkgen, tmp_path: Path, text: str, *arguments: object) -> tuple[dict, 
     return report["diagnostics"]["action"], done.stderr
 
 
+@pytest.mark.parametrize(
+    ("width", "height", "lo", "period"),
+    [(0.01, 0.6, 0.506923, 2.0970046556), (0.003, 0.3, -1, 6.29347498263)],
+)
+def test_humps_narrower_than_its_panels(
+    pkgen, tmp_path: Path, width: float, height: float, lo: float, period: float
+) -> None:
+    """One turns the motion back, one is passed; periods from events, and by quadrature."""
+    text = f"""model hump
+coord x
+lagrangian x'^2/2 - x^2/2 - {height}*exp(-(x - 0.5)^2/{width}^2)
+start x = 1
+"""
+    how = ["--until", "1", "--method", "rk4", "--step", "0.001", "--every", "1"]
+    found, _ = action(pkgen, tmp_path, text, *how)
+    assert found["lo"] == pytest.approx(lo, abs=1e-6)
+    assert found["period"] == pytest.approx(period, rel=1e-10)
+
+
 def test_of_a_pendulum(pkgen, tmp_path: Path) -> None:
     # REGIMES P2 and P1; and its rows by a method that keeps the energy.
     steps = ["--until", "20", "--method", "gauss8", "--step", "0.1"]

@@ -148,6 +148,29 @@ def test_about_the_turn_of_an_angle_that_is_next(pkgen, tmp_path: Path) -> None:
 
 
 @pytest.mark.long
+def test_energies_without_what_a_total_derivative_adds_to_momenta(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "gauge.lag"
+    path.write_text("""model gauge
+coord x, y
+lagrangian (x'^2 + y'^2)/2 + 1.5*(x*y' + y*x') - x^2/2 - y^2
+start x = 0.1, y' = 0.5
+""")
+    out = tmp_path / "rows.csv"
+    done = pkgen("run", path, "--until", "20", "--diagnose", "modes", "-o", out)
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "rows.csv.json").read_text())["report"]
+    for _, together, beyond, slow, fast in report["diagnostics"]["modes"]["rows"]:
+        assert together == pytest.approx(0.13, abs=1e-9) and abs(beyond) < 1e-9
+        assert (slow, fast) == pytest.approx((0.005, 0.125), abs=1e-9)
+
+
+def test_far_away_is_no_equilibrium(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "far.lag"
+    path.write_text("model far\ncoord x\nlagrangian x'^2/2 - exp(-x)\nstart x = 1\n")
+    done = pkgen("run", path, "--until", "3", "--diagnose", "modes", "-o", tmp_path / "rows.csv")
+    assert done.returncode == 2 and "no equilibrium was found" in done.stderr
+
+
 def test_refusals(pkgen, tmp_path: Path) -> None:
     path = tmp_path / "model.lag"
     cases = {

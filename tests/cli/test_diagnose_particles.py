@@ -219,6 +219,26 @@ def test_in_a_frame_that_turns(pkgen, tmp_path: Path) -> None:
     assert np.ptp(beside) < 1e-12 < 0.1 < np.ptp(turning)
 
 
+def test_a_start_at_rest_has_the_plane_in_which_it_turns(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "charged.lag"
+    path.write_text("""model charged
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential (x^2 + y^2)/2
+force x = y'
+force y = -x'
+start x = 1
+""")
+    out = tmp_path / "rows.csv"
+    done = pkgen("run", path, "--until", "10", "--diagnose", "lrl", "-o", out)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "rows.csv.json").read_text())["report"]["diagnostics"]["lrl"]
+    assert found["direction"] == pytest.approx([-1, 0, 0], abs=1e-15)
+    # By SciPy's DOP853 from the same start.
+    assert found["turned"] == pytest.approx(6.58004, abs=1e-5)
+    assert found["per_period"] == pytest.approx(1.7366297, abs=1e-6)
+
+
 def test_a_start_at_the_pericentre_counts_once(pkgen, tmp_path: Path) -> None:
     # r . r' is a rounding below 0 there, and passes 0 right after.
     model = Path(__file__).parents[2] / "models" / "particles" / "kepler_space.lag"

@@ -131,6 +131,14 @@ def test_an_energy_of_held_coordinates(pkgen, tmp_path: Path) -> None:
     assert pkgen("check", written(tmp_path, text.format("T"))).returncode == 0
 
 
+def test_a_state_beside_two_blocks_is_explained(pkgen, tmp_path: Path) -> None:
+    text = "model two\ncoord x, y\nstate work\nkinetic x'^2/2 + y'^2/2\npotential x^2 + y^2\n"
+    model = written(tmp_path, text + "rate work = x\nstart x = 1\n")
+    for command in (["explain", model], [model, "-o", tmp_path]):
+        done = pkgen(*command)
+        assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.long
 def test_explained(pkgen, orbit: Path, tmp_path: Path) -> None:
     said = pkgen("explain", orbit).stdout

@@ -29,6 +29,8 @@ def block_energies(
     """Those that are constant, but for what is a function of one momentum that is `known` to be."""
     g = along.graph
     for block, lagrangian in _split(g, e.lagrangian, blocks):
+        if any(i >= len(e.momenta) for i in block):  # a state, whose rate is no power
+            continue
         if len(block) == 1 and e.momenta_names[block[0]].name in known:
             continue
         v = {i: g.symbol(Symbol(Kind.RATE, i)) for i in block}
