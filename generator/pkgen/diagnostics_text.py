@@ -6,6 +6,7 @@ import math
 
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 NO_TORQUE = 1e-12  # of the size of what it is the sum of
+CONJUGATE_SHOWN = 64  # points that a report has at most
 BROAD = 0.03  # a residual that lines do not explain
 
 
@@ -141,6 +142,9 @@ def _least_action(found: dict, time: str) -> list[str]:
         said += f"no minimum: {least}{ways} to a neighbour with less"
     if points:
         said += f"; conjugate to the start: t = {points}"
+    more = found["index"] - len(found["conjugate"])
+    if more > 0 and len(found["conjugate"]) < CONJUGATE_SHOWN:
+        said += f"; {more} more by points that count twice, where the determinant keeps its sign"
     return [said]
 
 

@@ -44,6 +44,9 @@ def test_reads(text, factor, pi, dim):
     [
         ("foo", "unknown unit 'foo'", ""),
         ("Nm", "unknown unit 'Nm'", "did you mean 'N*m'?"),  # yarn, says pint
+        ("AU", "unknown unit 'AU'", "did you mean 'au'?"),  # absorbance, says pint
+        ("Pc", "unknown unit 'Pc'", ""),  # a petaspeed of light
+        ("G", "unknown unit 'G'", ""),  # gauss: exponents of a half
         ("Kg", "unknown unit 'Kg'", "did you mean 'kg'?"),
         ("degC", "has an offset", "use K"),
         ("dB", "has an offset or a logarithm", ""),

@@ -118,7 +118,7 @@ def test_conjugate_points(pkgen, tmp_path: Path, path: str, words: list, times: 
 def test_a_hundred_thousand_pendulums_keep_their_area_while_they_resolve_it(
     pkgen, tmp_path: Path
 ) -> None:
-    """Until t = 3900 and no longer, by a method whose energies are off by 1e-3."""
+    """Until t = 4700 or so and no longer, by a method whose energies are off by 1e-3."""
     rows = tmp_path / "loop.npy"
     done = pkgen(
         *("run", ROOT / "models/pendulums/pendulum.lag", "--scene", "loop", "--until", "5000"),

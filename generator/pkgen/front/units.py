@@ -235,11 +235,20 @@ def _malformed(text: str, at: int) -> UnitError:
     return UnitError(f"'{text.strip()}' is not a unit", at, at + 1, help)
 
 
+RATIOS = {"dimensionless", "percent", "permille", "ppm", "count"}
+
+
 @cache
 def _registry():
     import pint
 
     return pint.UnitRegistry(non_int_type=Fraction)
+
+
+def _is_odd(registry, name: str) -> bool:
+    """A constant with a prefix: to pint Pc is a petaspeed of light."""
+    prefix, unit, _ = registry.parse_unit_name(name)[0]
+    return bool(prefix) and unit.endswith(("_constant", "speed_of_light"))
 
 
 @cache
@@ -259,8 +268,12 @@ def _look_up(name: str) -> Unit | str:
     except Exception:  # pint raises a dozen kinds for what it does not know
         return f"unknown unit '{name}'"
     exponents = dict(base._units)
+    if any(Fraction(x).denominator != 1 for x in exponents.values()) or _is_odd(registry, name):
+        return f"unknown unit '{name}'"
     dim = tuple(_plain(Fraction(exponents.get(b, 0))) for b in _PINT_BASE)
     angle = exponents.get("radian", 0)
+    if not any(dim) and not angle and not set(units._units) <= RATIOS:
+        return f"unknown unit '{name}'"  # to pint AU is one of absorbance
     exact, pi = _without_pi(Fraction(factor))
     return Unit(exact, pi, dim, int(angle) if angle == int(angle) else 0)
 
@@ -283,7 +296,7 @@ def _named(name: str, at: int) -> Unit:
             return found
         found = f"unknown unit '{name}'"  # to pint Nm is a measure of yarn
     help = ""
-    near = [n for n in _SIMPLE if n.lower() == name.lower()]
+    near = [n for n in (*_SIMPLE, "au") if n.lower() == name.lower()]
     near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)
     if "offset" in found:
         help = "use K for temperatures, pure numbers for ratios"
