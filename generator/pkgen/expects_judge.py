@@ -180,6 +180,8 @@ class Judge:
             return f"no finite number{where}"
         off = abs(value - bound)
         shown = f"{_text(value)}{where}"
+        if within is not None and within < 0:
+            return f"its tolerance is {within:.3g}: it cannot be negative"
         if item.relation == "=":
             return f"{shown} is off {_text(bound)} by {off:.3g}, where {within:.3g} is allowed"
         kind = "below" if item.relation == "<" else "above"

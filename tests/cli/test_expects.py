@@ -222,3 +222,21 @@ def test_an_energy_that_a_parameter_left_to_the_run_makes_constant_is_watched(
     # By h^6/72 of it a step, and the scale of an energy is that of its parts, here 3 times it.
     assert found[0] == pytest.approx(100 * 0.1**6 / 72 / 3, rel=0.05)
     assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
+def test_a_tolerance_that_a_parameter_makes_negative_is_said(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "free.lag"
+    path.write_text("""model free
+param d = 1
+coord x
+kinetic x'^2/2
+scene s
+  until 1
+  record x every 0.5
+  expect x = 0 within d
+end
+""")
+    run = ("run", path, "--scene", "s", "-o", tmp_path / "rows.csv")
+    assert pkgen(*run).returncode == 0
+    done = pkgen(*run, "--set", "d=-1")
+    assert done.returncode == 4 and "its tolerance is -1: it cannot be negative" in done.stderr

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .. import model as m
 from ..source import Span
-from ..tree import Expr, Name, Prime, names, within
+from ..tree import Call, Expr, Multiply, Name, Negate, Prime, names, within
 from . import statements as st
 from . import units
 from .check_expr import Target
@@ -144,6 +144,12 @@ class Dynamics:
                 at,
                 "it is where an expression of the motion crosses zero, e.g. y - h falling",
             )
+        elif (step := _step_of(statement.value)) is not None:
+            self.report.error(
+                f"the event '{statement.name}' does not cross zero: a step is 0 on one whole side",
+                step.span,
+                "write what is in the step, which crosses zero where it jumps; or step(...) - 1/2",
+            )
         self.shared.use_inputs(facts)
         self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
         self.parts["event"].append(
@@ -157,6 +163,19 @@ class Dynamics:
                 statement.span,
             )
         )
+
+
+def _step_of(value: Expr) -> Call | None:
+    """A step that is all of an expression, or a factor of it."""
+    parts = [value]
+    for part in parts:
+        if isinstance(part, Call) and part.function == "step":
+            return part
+        if isinstance(part, Multiply):
+            parts += part.factors
+        elif isinstance(part, Negate):
+            parts.append(part.of)
+    return None
 
 
 def refuse(statement: st.Define | st.Declare | st.Equation, shared: Shared) -> None:
