@@ -225,8 +225,8 @@ def test_an_energy_that_a_parameter_left_to_the_run_makes_constant_is_watched(
 
 
 def test_a_tolerance_that_a_parameter_makes_negative_is_said(pkgen, tmp_path: Path) -> None:
-    path = tmp_path / "free.lag"
-    path.write_text("""model free
+    path = tmp_path / "still.lag"
+    path.write_text("""model still
 param d = 1
 coord x
 kinetic x'^2/2
