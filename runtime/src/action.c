@@ -156,6 +156,7 @@ enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *
     for (int n = 0; n < TIMES && !followed; n++) {
         w.most = U;
         w.least = PK_INFINITY;
+        found->lo = found->hi = 0;
         found->orbit = orbit_of(found, &w, *q, U, direction);
         followed = is_followed(found, &w, *q, h);
         w.longest = (found->hi - found->lo) / (n == 0 ? SAMPLES : 4 * SAMPLES);

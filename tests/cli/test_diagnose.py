@@ -304,3 +304,23 @@ def test_least_action_takes_as_many_modes_as_its_conjugate_points_ask(pkgen, tmp
     found = json.loads(Path(f"{rows}.json").read_text())["report"]["diagnostics"]["least_action"]
     assert not found["minimum"] and found["index"] == len(found["conjugate"]) == 8
     assert found["modes"] > 24
+
+
+def test_rest_at_an_instability_is_no_chaos(pkgen, tmp_path: Path) -> None:
+    """Round-off leaves Lagrange's first point, by less than 1e-8 of its place until t = 5."""
+    path = ROOT / "models/particles/restricted_three_body.lag"
+    run = ("run", path, "--scene", "L1", "--diagnose", "lyapunov", "-o", tmp_path / "rows.csv")
+    assert "an instability and no chaos" in pkgen(*run).stderr
+
+
+def test_conjugate_points_that_count_twice_are_said(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "round.lag"
+    path.write_text("""model both
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential (x^2 + y^2)/2
+start x = 1, y' = 0.5
+""")
+    run = ("run", path, "--until", "7", "--diagnose", "least_action", "-o", tmp_path / "rows.csv")
+    said = pkgen(*run).stderr  # at pi and 2 pi, each twice
+    assert "4 independent ways to a neighbour with less; 4 more by points that count twice" in said
