@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 5u
+#define PK_ABI 6u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -246,6 +246,35 @@ struct pk_system {
      * no momenta: where L alone is asked for, or the energy, they count as t does, and energy is
      * NULL where there are no coordinates. */
     size_t n_states;
+
+    /* Rotations, attitudes R in SO(3): n_rotations of them, body to space. The first 3 n_rotations of
+     * the n_states first-order variables are their body rates, omega(R).x, .y, .z each; the next
+     * 4 n_rotations their unit quaternions w, x, y, z, with R' = R (0, omega)/2. Of all kernels:
+     * p = dL/domega and pdot = X L + p x omega + torque there, X_i the derivative along
+     * R' = R e_i/2; the momenta are those of the body frame. */
+    size_t n_rotations;
+
+    /* Constraints. Rows J v + j0 = 0 of the rates, of which the first n_holonomic are the rates of
+     * phi(t, q) = 0; the motion is that of d'Alembert, with the force J^T lambda, which is in
+     * force(), canonical() and acceleration() as a function of (t, q, v). `constraint` writes the
+     * n_holonomic phi, `rows` J (n_constraints by n, row-major; the columns of quaternions and states
+     * are 0) and J v + j0, `multipliers` lambda. `unbound` is canonical() without J^T lambda: p = dL/dv
+     * (of quaternions and states: the numbers themselves) and pdot (their rates). It is there
+     * wherever there are rotations or constraints, and so is `inertia`, dp/dv of what `unbound` writes:
+     * where M is the unit matrix because M a = f was solved, canonical() and mass() say nothing of
+     * the momenta. NULL and 0: there are none. */
+    size_t n_constraints, n_holonomic;
+    const struct pk_quantity *constraints; /* "lambda_rod": unit and description of the multipliers */
+    void (*constraint)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                       const pk_real *u, pk_real *phi);
+    void (*rows)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+                 pk_real *J, pk_real *residual);
+    void (*multipliers)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                        const pk_real *u, pk_real *lambda);
+    void (*unbound)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                    const pk_real *u, pk_real *p, pk_real *pdot);
+    void (*inertia)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                    const pk_real *u, pk_real *M);
 
     /* The particles of which T = sum of m/2 |r'|^2, or what of L is of the second degree in the rates:
      * masses, and x, y, z (0 beside a plane) of r, r' and r'' of each, with a = q'' given. NULL: it
