@@ -128,7 +128,7 @@ def _solved(
         found = solve(g, tuple(map(tuple, S)), wanted)
     except SingularMass as singular:
         raise CannotConstrain(
-            "says nothing new: its row follows from those of the other constraints",
+            "depends on the others wherever they hold: it is redundant, or contradicts them",
             singular.coordinate,
             "leave it out",
         ) from None
