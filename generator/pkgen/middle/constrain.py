@@ -75,6 +75,7 @@ def constrain(
         multipliers=multipliers,
         free_applied=motion.applied,
         free_pdot=motion.pdot,
+        free_force=motion.force,
         spans=rows.spans,
         workless=_workless(g, rows, J, v),
     )
