@@ -236,7 +236,7 @@ static int variational_stage(struct pk_integrator *it, int k, struct pk_stage *s
                                           .stages = s,                                       \
                                           .traits = PK_SYMPLECTIC | PK_SYMMETRIC |           \
                                                     PK_IMPLICIT | PK_QUADRATURE |            \
-                                                    PK_HOLONOMIC,                            \
+                                                    PK_HOLONOMIC | PK_GROUP,                 \
                                           .table = &symbol##_table,                          \
                                           .size = variational_size,                          \
                                           .init = variational_init,                          \
@@ -245,16 +245,16 @@ static int variational_stage(struct pk_integrator *it, int k, struct pk_stage *s
 
 VARIATIONAL(lie_midpoint,
             "L at the middle, on SO(3) too; Bou-Rabee, Marsden, Found. Comput. Math. 9 (2009) 197",
-            2, 0, verlet, 0);
+            2, 1, verlet, 0);
 VARIATIONAL(lie_midpoint4, "five steps of lie_midpoint; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4,
-            0, suzuki4, 0);
+            5, suzuki4, 0);
 VARIATIONAL(lie_midpoint6,
-            "nine steps of lie_midpoint; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 0,
+            "nine steps of lie_midpoint; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 9,
             kahan_li6, 0);
 VARIATIONAL(rattle,
             "Verlet for any L, on constraints and SO(3); H. C. Andersen, J. Comput. Phys. 52 (1983) 24",
-            2, 0, verlet, 1);
-VARIATIONAL(rattle4, "five steps of rattle; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 0, suzuki4,
+            2, 2, verlet, 1);
+VARIATIONAL(rattle4, "five steps of rattle; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 10, suzuki4,
             1);
-VARIATIONAL(rattle6, "nine steps of rattle; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 0,
+VARIATIONAL(rattle6, "nine steps of rattle; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 18,
             kahan_li6, 1);

@@ -132,11 +132,14 @@ static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
     const pk_real e = PK_F(sqrt)(PK_EPS);
-    pk_real *column = w->spare;
+    pk_real *column = w->spare, most = 0;
     int sign = 1;
+    for (size_t k = 0; k < w->n; k++)
+        most = pk_max(most, w->scale[k]);
     for (size_t j = 0; j < count; j++) {
         const size_t k = place(w, j);
-        const pk_real V = w->V[k], d = e * w->scale[k];
+        const pk_real V = w->V[k], own = pk_max(w->scale[k], most / 1024);
+        const pk_real d = e * (own > 0 ? own : 1);
         w->V[k] = V + d;
         const int finite = evaluate(it, w);
         residual(w, column);
@@ -235,11 +238,23 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real rate = k < w->m ? pk_max(pk_abs(v[k]), pk_abs(w->V[k])) : pk_abs(w->V[k]);
         w->scale[k] = pk_max(rate, pk_abs(x / w->h));
     }
-    pk_real most = 0;
+}
+
+/* The largest of dV beside its scale, with what is at rest at 0 beside others that move; *shared: on
+ * a scale that forgives those. */
+static pk_real corrected(const struct pk_variational_work *w, pk_real *shared)
+{
+    pk_real most = PK_TINY, size = 0;
     for (size_t k = 0; k < w->n; k++)
         most = pk_max(most, w->scale[k]);
-    for (size_t k = 0; k < w->n; k++) /* what is at rest at 0 beside others that move */
-        w->scale[k] += PK_EPS * most + PK_TINY;
+    *shared = 0;
+    for (size_t k = 0; k < w->n; k++) {
+        const pk_real d = pk_abs(w->dV[k]), own = d / (w->scale[k] + PK_EPS * most);
+        if (!(own <= size)) /* what is no number gets through */
+            size = own;
+        *shared = pk_max(*shared, d / (w->scale[k] + PK_C(1e-3) * most));
+    }
+    return size;
 }
 
 /* 1 where it converged. *sign: of the determinant of Newton's last matrix. */
@@ -271,13 +286,10 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         if (w->c && !constrain(w, newton))
             return 0;
         it->count.iterations++;
-        pk_real size = 0;
-        for (size_t k = 0; k < w->n; k++) {
-            const pk_real x = pk_abs(w->dV[k]) / w->scale[k];
+        pk_real shared;
+        const pk_real size = corrected(w, &shared);
+        for (size_t k = 0; k < w->n; k++)
             w->V[k] += w->dV[k];
-            if (!(x <= size))
-                size = x;
-        }
         it->detail = size;
         if (!pk_finite(size))
             return 0;
@@ -287,7 +299,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         else
             last = size <= (count ? PK_EPS / 4 : PK_VARIATIONAL_BIAS) ||
                    (rate < 1 && size * rate / (1 - rate) <= PK_VARIATIONAL_BIAS) ||
-                   (count && rate > PK_C(0.5) && size <= PK_VARIATIONAL_ROUND / 16);
+                   (count && rate > PK_C(0.5) && shared <= PK_VARIATIONAL_ROUND / 16);
         growing = count && size >= least ? growing + 1 : 0;
         least = count == 0 ? size : pk_min(least, size);
         if (!last && growing >= (newton ? 3 : 12))
