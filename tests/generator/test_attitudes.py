@@ -1,7 +1,7 @@
 """Rotations: their equations of motion against Lagrange's in three angles, by SymPy.
 
-The oracle knows nothing of body rates and quaternions: near an attitude Q0 it turns by three angles
-s, R = R(Q0) exp(s), writes L in q, s, q', s' with omega = J(s) s' read off R^T R', derives Lagrange's
+The oracle knows nothing of body rates and quaternions: near an attitude Q0 it turns by three
+angles s, R = R(Q0) exp(s), writes L in q, s, q', s' with omega = J(s) s' read off R^T R', derives Lagrange's
 equations for s, solves them at s = 0, and there omega = s' and omega' = s'' + J' s'.
 """
 
@@ -19,8 +19,8 @@ from pkgen.middle.analyze import analyze
 from pkgen.middle.states import as_rates
 from pkgen.source import Source
 
-# A body that hangs off its centre on a moving support, with a potential of its attitude, a torque and
-# friction; and beside it a top.
+# A body that hangs off its centre on a moving support, with a potential of its attitude, a torque
+# and friction; and beside it a top.
 HUNG = """\
 model hung
 param m = 1.3 in (0, inf)

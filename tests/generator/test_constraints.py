@@ -1,5 +1,5 @@
 """Constraints and rolling: the forces and multipliers against the equations of d'Alembert, solved
-whole by numpy from the unconstrained model's M and f, with J by hand and its rate by differences."""
+whole by numpy from the unconstrained model's M and f, J by hand and its rate by differences."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from c_harness import COMPILERS, Loaded
 from pkgen.compiler import compile_model
 from pkgen.source import ModelError, Source
 
-# A rod whose length breathes, a plane that is inclined, and a blade that turns with a body; M depends
-# on q, there is friction, and a state pulls.
+# A rod whose length breathes, a plane that is inclined, and a blade that turns with a body; M
+# depends on q, there is friction, and a state pulls.
 BODY = """\
 param m = 1.3 in (0, inf)
 param k = 0.7
@@ -224,3 +224,58 @@ def test_no_canonical_form():
         with pytest.raises(ModelError) as caught:
             compile_model(Source("model.lag", text), canonical=True)
         assert why in caught.value.diagnostics[0].message
+
+
+SPHERE = """\
+model sphere
+param m = 1.3 in (0, inf)
+coord x, y, z
+kinetic m/2*(x'^2 + y'^2 + z'^2)
+potential 2.385*m*z
+constraint rod: x^2 + y^2 + z^2 = 1
+start x = 0.6, z = -0.8, y' = 1
+conserve Lz = m*(x*y' - y*x')
+conserve h = energy
+conserve H = m/2*(x'^2 + y'^2 + z'^2) + 2.385*m*z
+"""
+BALL = """\
+model ball
+param I = 0.7 in (0, inf)
+param a = 1.5 in (0, inf)
+coord x, y, z
+rotation R
+let w = omega(R)
+let W = R*w
+kinetic (x'^2 + y'^2 + z'^2)/2 + I/2*dot(w, w)
+potential z
+rolling touch: [x', y', z'] = cross(W, [0, 0, a])
+start omega(R) = [0, 1, 0], x' = a
+conserve h = energy
+conserve spin = W.z
+conserve straight = [x', y', z']
+conserve slip = W.x*a + y'
+"""
+
+
+def test_claims_that_hold_on_the_constraints_alone():
+    for text, count in ((SPHERE, 3), (BALL, 6)):
+        found = facts(text).claims
+        assert [claim.outcome for claim in found] == ["proved"] * count
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (BALL + "conserve wrong = W.x + x'\npotential x\n", "'straight.x' is not constant"),
+        (BALL + "conserve turn = w.x*R.w\n", "'turn' is not constant: dturn/dt ="),
+        (
+            SPHERE + "conserve wrong = x'\n",
+            "that 'wrong' is constant is not proved: a state at which the constraints hold was not",
+        ),
+        (SPHERE.replace("= 1\n", "= 1 + t^2\n"), "that 'h' is constant is not proved"),
+    ],
+)
+def test_claims_that_do_not(text, said):
+    with pytest.raises(ModelError) as caught:
+        compile_model(Source("model.lag", text))
+    assert said in caught.value.text()
