@@ -125,14 +125,17 @@ static int constrain(struct pk_variational_work *w, int newton)
 static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const struct pk_system *system = it->problem.system;
-    const pk_real *u = pk_eval_input(it, w->end);
+    const pk_real *u = pk_eval_input(it, w->end), *q = pk_part(w->to, w->n, PK_Q);
     pk_real worst = 0;
     system->constraint(it->problem.params, w->end, w->q_end, w->v_end, u, w->phi);
     system->rows(it->problem.params, w->end, w->q_end, w->v_end, u, w->J_end, w->spare);
     for (size_t i = 0; i < w->c; i++) {
         pk_real size = PK_TINY;
-        for (size_t k = 0; k < w->m; k++)
-            size += pk_abs(w->J_end[i * w->n + k] * (k < w->rotation ? w->q_end[k] : 1));
+        for (size_t k = 0; k < w->m; k++) { /* what q1 = q0 + h V is rounded by */
+            const pk_real moved = pk_max(pk_abs(w->h * w->V[k]), pk_abs(q[k]));
+            const pk_real x = k < w->rotation ? pk_max(pk_abs(w->q_end[k]), moved) : 1;
+            size += pk_abs(w->J_end[i * w->n + k]) * x;
+        }
         const pk_real ratio = pk_abs(w->phi[i]) / (PK_EPS * size);
         worst = ratio <= worst ? worst : ratio;
     }
@@ -180,7 +183,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
         if (last && (off <= 8 || ++more > 3)) /* all now belongs to the V that is kept */
-            return off <= PK_VARIATIONAL_ROUND / PK_EPS;
+            return pk_finite(off);
         if (count == 0)
             set_scale(w);
         if (newton && (*sign = differences(it, w)) == 0)
