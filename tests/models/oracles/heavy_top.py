@@ -76,3 +76,13 @@ class Top:
         torque = np.cross([0, 0, 1], -self.mgl * up)
         spin = (np.cross(inertia * w, w) + torque) / inertia
         return np.concatenate([attitude.rate(q, w), spin])
+
+    def through_upright(self, p_psi: float, w: float) -> tuple[mp.mpf, mp.mpf]:
+        """Thrown from upright with the rate w across its axis: when it is so again, and how low it was.
+
+        u'^2 = (1 - u) ((w^2 + b (1 - u)) (1 + u) - a^2 (1 - u))."""
+        b, a, w = 2 * mp.mpf(self.mgl) / self.i1, mp.mpf(p_psi) / self.i1, mp.mpf(w)
+        half = (w**2 + a**2) / (2 * b)
+        root = mp.sqrt(half**2 + (w**2 + b - a**2) / b)
+        u1, u3 = half - root, half + root
+        return 4 * mp.ellipk((1 - u1) / (u3 - u1)) / mp.sqrt(b * (u3 - u1)), mp.acos(u1)
