@@ -114,8 +114,8 @@ class Attitude:
 
 @dataclass(frozen=True)
 class Constraints:
-    """Rows J v + j0 = 0, the first `holonomic` of them the rates of phi = 0; the force J^T lambda of
-    d'Alembert is in `applied`, in pdot and f. What is `free` is without it."""
+    """Rows J v + j0 = 0, the first `holonomic` of them the rates of phi = 0; the force J^T lambda
+    of d'Alembert is in `applied`, in pdot and f. What is `free` is without it."""
 
     names: tuple[Quantity, ...]  # of the multipliers
     holonomic: int

@@ -68,8 +68,8 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Rotation:
-    """An attitude in SO(3). Its body rates are the rates of coordinates of their own, `turns`, which
-    stand behind all others; its unit quaternion w, x, y, z are states, before all others."""
+    """An attitude in SO(3). Its body rates are the rates of coordinates of their own, `turns`,
+    which stand behind all others; its unit quaternion w, x, y, z are states, before all others."""
 
     name: str
     quaternion: tuple[str, ...]

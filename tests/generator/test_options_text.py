@@ -38,6 +38,6 @@ def test_left_sides_of_options():
     assert left_side("theta'") == LeftSide("theta", None, 1)
     assert left_side("θ") == LeftSide("theta", None, 0)
     assert left_side("q[N+1]'", {"N": 3}) == LeftSide("q", 4, 1)
-    for text in ("a = 3", "a, b", "q[i = 1..2]", "2", "q[x]", "q[1.5]", "omega(R)", ""):
+    for text in ("a = 3", "a, b", "q[i = 1..2]", "2", "q[x]", "q[1.5]", "tan(R)", ""):
         with pytest.raises(OptionError):
             left_side(text)

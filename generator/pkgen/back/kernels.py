@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..equations import Equations, Matrix, Particles, Row
-from ..middle.graph import ZERO, Node
+from ..equations import Equations, Particles, Row
+from ..middle.graph import Node
 from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import KernelSpec, matrix_stores, pivot_checks, square, stores, vector
 from .kernels_bound import BOUND, bound_specs

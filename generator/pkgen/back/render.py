@@ -17,8 +17,8 @@ from .chunk import ARGUMENTS
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .facts import facts, invariants
-from .kernels_bound import BOUND
 from .kernels import KERNELS, STARTS
+from .kernels_bound import BOUND
 from .program import Block, Kernel, Program, operations_text
 
 if TYPE_CHECKING:

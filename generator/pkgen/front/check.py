@@ -14,9 +14,9 @@ from .. import limits
 from .. import model as m
 from ..source import Diagnostic, ModelError, Source, Span
 from . import statements as st
+from .check_constraints import Constraints
 from .check_coordinates import Coordinates
 from .check_definitions import Definitions
-from .check_constraints import Constraints
 from .check_dynamics import Dynamics
 from .check_expr import Expressions
 from .check_names import Names, Report

@@ -12,7 +12,6 @@ from ..tree import AXES, Add, Expr
 from . import statements as st
 from . import units
 from .check_names import Entry, Facts
-from .check_scope import PLACES
 from .check_shared import Shared, name_span
 from .check_vectors import component, component_name
 from .units import Dimension, si_text
@@ -40,11 +39,11 @@ class Constraints:
             self._moves(statement, facts, difference.span)
         self.shared.use_inputs(facts)
         multiplier = self._multiplier(statement.keyword, dimension)
-        self.names.declare(Entry(left.name, "constraint", facts, name_span(left), members))
-        self.names.declare(
-            Entry(f"lambda_{left.name}", "built-in", multiplier, name_span(left), members)
-        )
-        self.names.table[f"lambda_{left.name}"].facts.vector = facts.vector
+        multiplier.vector = facts.vector
+        place = name_span(left)
+        if self.names.declare(Entry(left.name, "constraint", facts, place, members)):
+            name = f"lambda_{left.name}"
+            self.names.declare(Entry(name, "multiplier", multiplier, place, members))
         if len(self.report.errors) > before or not facts.known:
             return
         for name, one in self._rows(left.name, value, bool(facts.vector)):

@@ -181,7 +181,7 @@ class Expressions:
             return expr, UNKNOWN
         if not self.indices.member(expr, entry, scope):
             return expr, UNKNOWN
-        if entry.kind in ("output", "built-in") and entry.facts.vector:
+        if entry.kind in ("output", "built-in", "multiplier") and entry.facts.vector:
             return output_vector(expr), entry.facts
         return expr, entry.facts
 
@@ -251,6 +251,8 @@ class Expressions:
             where = ("event", "rate") if self.names.states else ("event",)
             words = [f"'{word}'" for word in ("observe", "conserve", *where)]
             help = f"it can be used in {', '.join(words[:-1])} and {words[-1]}"
+        elif entry.kind == "multiplier":
+            help = "it follows from the motion, and can be used in outputs and events"
         elif entry.kind == "constraint":
             help = f"its multiplier is lambda_{expr.id}, in outputs and events"
         else:

@@ -108,7 +108,7 @@ class Given:
                 self.holds.append(checked)
 
     def _hold(self, left: st.Left, value: Expr | None) -> m.Hold | None:
-        kinds = self.shared.moving
+        kinds = ("coordinate", "state") if self.names.states else ("coordinate",)
         nouns = " and ".join(f"{kind}s" for kind in kinds)
         known = sorted(self.names.coordinates | self.names.states)[:12]
         missing = f"the {nouns} are: {', '.join(known)}"

@@ -158,6 +158,7 @@ KIND_TEXT = {
     "state": "a state",
     "rotation": "a rotation",
     "constraint": "a constraint",
+    "multiplier": "the multiplier of a constraint",
     "definition": "a definition",
     "input": "an input",
     "output": "an output",

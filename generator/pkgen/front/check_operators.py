@@ -14,7 +14,7 @@ from . import check_values as values
 from . import units
 from .check_names import NO_INPUTS, UNKNOWN, Facts, joined
 from .check_scope import Scope
-from .check_vectors import EXAMPLE, component, turned, turns_of
+from .check_vectors import component, turned, turns_of
 from .units import NONE, Dimension
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class Operators:
             self.report.error(
                 f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector",
                 expr.of.span,
-                f"of a declared one R there is the quaternion R.w, R.x, R.y, R.z; {EXAMPLE}",
+                f"of a declared one R there is the quaternion R.w, R.x, R.y, R.z",
             )
             return expr, UNKNOWN
         new = Name(f"{name}.{COMPONENTS[expr.axis]}", None, expr.span)

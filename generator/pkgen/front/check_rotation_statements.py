@@ -126,7 +126,7 @@ class Rotations:
         return [component(value, k) for k in range(len(AXES))] if facts.vector else None
 
     def _attitude(self, item: st.StartItem, around: Scope):
-        value, facts = self.expressions.factor(item.value, around)
+        _, facts = self.expressions.factor(item.value, around)
         if not facts.turns:
             if facts.known:
                 self.report.error(

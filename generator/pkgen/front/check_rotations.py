@@ -2,11 +2,10 @@
 is made of.
 
 R is an attitude in SO(3), body to space, by the unit quaternion R.w, R.x, R.y, R.z. Its rates are
-those of the body frame, omega(R). Behind the check there are names of numbers alone: the quaternion's
-numbers are states of the model, and the body rates are rates of three coordinates, turn(R).x, .y and
-.z, which nothing depends on and nobody sees (quasi-coordinates: Whittaker, Analytical Dynamics,
-section 30).
-"""
+those of the body frame, omega(R). Behind the check there are names of numbers alone: the
+quaternion's numbers are states of the model, and the body rates are rates of three coordinates,
+turn(R).x, .y and .z, which nothing depends on and nobody sees (quasi-coordinates: Whittaker,
+Analytical Dynamics, section 30)."""
 
 from __future__ import annotations
 
@@ -186,7 +185,8 @@ class RotationCalls:
         return self._angles(expr, parts, phi, theta, psi)
 
     def _tait_bryan(self, expr: Call, parts: list[Checked]) -> Checked:
-        """[yaw, pitch, roll] of rot(z, yaw)*rot(y, pitch)*rot(x, roll), pitch within a right angle."""
+        """[yaw, pitch, roll] of rot(z, yaw)*rot(y, pitch)*rot(x, roll), pitch within a right
+        angle."""
         x, bottom = self._column(expr, parts, "x"), self._row(expr, parts, "z")
         yaw = _atan2(x[1], x[0])
         pitch = _atan2(Negate(x[2], expr.span), _length(x[0], x[1]))

@@ -25,6 +25,7 @@ _NUMBERS = frozenset(("loop variable", "size", "constant", "not compiled"))
 _PARAMETERS = _NUMBERS | {"parameter"}
 _DRIVEN = _PARAMETERS | {"time", "input", "definition"}
 _MOTION = _DRIVEN | {"coordinate", "state", "rotation"}
+_FOUND = _MOTION | {"built-in", "multiplier"}
 
 PLACES: dict[str, Place] = {
     "size": Place("a size", frozenset(("size",)), "integers and earlier sizes"),
@@ -43,9 +44,9 @@ PLACES: dict[str, Place] = {
     "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
     "constraint": Place("a constraint", _MOTION, "all but outputs", derivatives=True),
     "rate": Place("a rate", _MOTION | {"built-in"}, "all but outputs", derivatives=True),
-    "output": Place("an output", _MOTION | {"built-in"}, "all but other outputs", derivatives=True),
+    "output": Place("an output", _FOUND, "all but other outputs", derivatives=True),
     "event": Place(
-        "an event", _MOTION | {"built-in", "output"}, "names of the motion", derivatives=True
+        "an event", _FOUND | {"output"}, "names of the motion", derivatives=True
     ),
     "setting": Place(
         "a scene", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
@@ -65,12 +66,12 @@ PLACES: dict[str, Place] = {
     ),
     "expect": Place(
         "an expectation",
-        _MOTION | {"built-in", "output"},
+        _FOUND | {"output"},
         "names of the motion",
         derivatives=True,
     ),
     "record": Place(
-        "a record", _MOTION | {"built-in", "output"}, "names of the motion", True, _RECORDED
+        "a record", _FOUND | {"output"}, "names of the motion", True, _RECORDED
     ),
 }
 

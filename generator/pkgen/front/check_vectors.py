@@ -2,9 +2,8 @@
 
 An output that is a vector is three outputs, `r.x`, `r.y` and `r.z`; its name stands for a vector of
 these. A rotation is the row of turns that it consists of, rot(AXIS, ANGLE) or a declared attitude,
-the leftmost done last; it stands alone only where it is a start, so that rotate(AXIS, ANGLE, VECTOR)
-and attitude(QUATERNION, VECTOR) are all that is left of it.
-"""
+the leftmost done last; it stands alone only where it is a start, so that rotate(AXIS, ANGLE,
+VECTOR) and attitude(QUATERNION, VECTOR) are all that is left of it."""
 
 from __future__ import annotations
 

@@ -94,8 +94,8 @@ class _Seen:
         return sorted({base for monomial in polynomial for base, _ in monomial})
 
     def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
-        """Whether a symbol of one of these kinds, of number `first` or a later one, occurs in any of
-        the nodes."""
+        """Whether a symbol of one of these kinds, of number `first` or a later one, occurs in any
+        of the nodes."""
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:

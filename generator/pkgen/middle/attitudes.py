@@ -1,14 +1,15 @@
-"""Rotations on the graph: the attitude R in SO(3) by its unit quaternion Q = (w, x, y, z), body to space.
+"""Rotations on the graph: the attitude R in SO(3) by its unit quaternion Q = (w, x, y, z), body to
+space.
 
-With body rates w_i, Q' = Q (0, w)/2. A function of the attitude has a derivative along each axis of the
-body, X_i f, its rate where w_i is 1 and the others are 0; with p = dL/dw Hamilton's principle gives
+With body rates w_i, Q' = Q (0, w)/2. A function of the attitude has a derivative along each axis of
+the body, X_i f, its rate where w_i is 1 and the others are 0; with p = dL/dw Hamilton's principle
+gives
 
     dp/dt = X L + p x w + torque
 
-(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). A vector of the
-body is one of space by Q v Q*, in polynomials of the second degree in Q: then the equations hold, and keep
-what they keep, for a Q of any length, as a method's stages have it.
-"""
+(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). A vector
+of the body is one of space by Q v Q*, in polynomials of the second degree in Q: then the equations
+hold, and keep what they keep, for a Q of any length, as a method's stages have it."""
 
 from __future__ import annotations
 

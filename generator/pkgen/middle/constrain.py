@@ -1,14 +1,16 @@
 """Constraints on the graph: the motion with the forces that keep it on them.
 
-Rows J v + j0 = 0 of the rates, of which the holonomic ones are the rates of phi(t, q) = 0. By d'Alembert
-the force is J^T lambda; J a + (J v + j0)' = 0 at a = 0 aside, the index reduced to 1, gives with M a = f
+Rows J v + j0 = 0 of the rates, of which the holonomic ones are the rates of phi(t, q) = 0. By
+d'Alembert the force is J^T lambda; J a + (J v + j0)' = 0 at a = 0 aside, the index reduced to 1,
+gives with M a = f
 
-    S lambda = -(J M^-1 f + gamma),   S = J M^-1 J^T,   gamma = the rate of J v + j0 where nothing accelerates
+    S lambda = -(J M^-1 f + gamma),   S = J M^-1 J^T,   gamma = the rate of J v + j0 where nothing
+    accelerates
 
-and a = M^-1 (f + J^T lambda). With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and rates then
-drift off the constraints by the error of each step alone; the runtime puts them back (src/project.c).
-Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section VII.1.
-"""
+and a = M^-1 (f + J^T lambda). With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and
+rates then drift off the constraints by the error of each step alone; the runtime puts them back
+(src/project.c). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
+section VII.1."""
 
 from __future__ import annotations
 

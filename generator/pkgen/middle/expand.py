@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from .. import limits
+from ..equations import Attitude
 from ..indices import NotAnInteger, assignments, integer
 from ..model import End, Model
 from ..source import Span
 from ..tree import Expr, Name, Range
-from ..equations import Attitude
 from .attitudes import rate_of_quaternion
 from .differentiate import Forward
 from .graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge

@@ -19,8 +19,8 @@ from ..equations import (
     Row,
     Switch,
 )
-from .constrain import Rows, constrain
 from .collect import THOROUGH, fewest, settled
+from .constrain import Rows, constrain
 from .differentiate import reachable
 from .graph import ZERO, Graph, Kind, Node, Symbol
 from .guards import guards_of

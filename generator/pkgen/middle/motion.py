@@ -72,8 +72,8 @@ def motion_of(
     rate_of: Callable[[Node], Node],
     attitudes: tuple[Attitude, ...] = (),
 ) -> Motion:
-    """`rate_of` gives the time derivative of a coordinate, t or an input. The "gradient" along a body
-    rate of one of the `attitudes` is all but the torque of attitudes.py."""
+    """`rate_of` gives the time derivative of a coordinate, t or an input. The "gradient" along a
+    body rate of one of the `attitudes` is all but the torque of attitudes.py."""
     count = len(forces)
     q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
     by = gradient(g, energies.lagrangian, STATE | (BIT[Kind.STATE] if attitudes else 0))
