@@ -106,7 +106,7 @@ class Particles:
 @dataclass(frozen=True)
 class Attitude:
     """Where a rotation stands: the first of its three rates, and of the four states that are its
-    quaternion w, x, y, z."""
+    quaternion w, x, y, z; -1 where nothing asks for that."""
 
     rate: int
     state: int

@@ -9,6 +9,7 @@ from .compiler import Compilation
 from .equations import Quantity
 from .indices import indexed, parted
 from .middle.quantities import families, input_quantities
+from .middle.states import TURNS
 from .model import Coordinate, Model, Parameter
 
 SUGGESTED = 12  # members of a family that a hint goes through
@@ -94,7 +95,8 @@ def coordinates(compilation: Compilation, rates: bool = False) -> Named:
     if compilation.looped:
         return _coordinates(compilation.model, rates)
     e = compilation.equations
-    return Named(_each((*e.rates, *e.states) if rates else e.coordinates))
+    own = len(e.coordinates) - TURNS * len(e.attitudes)  # behind them are those that nobody sees
+    return Named(_each((*e.rates, *e.states) if rates else e.coordinates[:own]))
 
 
 def declared(compilation: Compilation) -> Named:
@@ -114,19 +116,38 @@ def states(compilation: Compilation) -> frozenset[str]:
     return frozenset(q.name for q in compilation.equations.states)
 
 
+def with_attitudes(compilation: Compilation) -> bool:
+    return not compilation.looped and bool(compilation.equations.attitudes)
+
+
+def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
+    """Of coordinates and rotations, and then of their rates, the order in which a model with
+    rotations declares them: a quaternion stands where its rotation does, not among the states."""
+    model, e = compilation.declared, compilation.equations
+    spans = {item.name: item.span.start for item in model.coordinates}
+    found = {}
+    for q, rate in zip(e.coordinates, e.rates, strict=True):
+        start = spans[parted(q.name)[0]]
+        found |= {q.name: (0, start), rate.name: (1, start)}
+    for rotation in model.rotations:
+        found |= dict.fromkeys(rotation.quaternion, (0, rotation.span.start))
+    return found
+
+
 def has_energy(compilation: Compilation) -> bool:
     """States alone have none."""
     return compilation.looped or bool(compilation.equations.coordinates)
 
 
 def _coordinates(model: Model, rates: bool) -> Named:
+    declared = [c for c in model.coordinates if not c.rate]
     found = families(model, model.coordinates)
 
     def quantity(c: Coordinate) -> Quantity:
         unit = c.rate_unit if rates else c.unit
         return Quantity(c.name + ("'" if rates else ""), unit, c.description)
 
-    return Named([_declared(quantity(c), found[c.name]) for c in model.coordinates])
+    return Named([_declared(quantity(c), found[c.name]) for c in declared])
 
 
 def parameters(compilation: Compilation) -> Named:

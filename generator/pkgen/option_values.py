@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -16,7 +17,7 @@ from .front import options_text
 from .front.options_text import OptionError
 from .indices import indexed, parted
 from .scene_model import hidden
-from .simulate import Shown
+from .simulate import Shown, columns
 
 
 @dataclass(frozen=True)
@@ -152,6 +153,12 @@ class Values:
             "z": [q.name for q in named.quadratures(self.compilation)],
             "energy": ["energy"] if named.has_energy(self.compilation) else [],
         }
+
+    def standard(self) -> list[Shown]:
+        """What rows have of a model with rotations, in the order in which it is declared."""
+        names = [column.name for column in columns(self.compilation, listed=sys.maxsize)[1:]]
+        places = named.places(self.compilation)
+        return [self.shown(name) for name in sorted(names, key=lambda n: places.get(n, (2, 0)))]
 
     def shown_as(self, text: str) -> Shown:
         """`--record`: one of the columns that rows have without it."""

@@ -15,7 +15,7 @@ from .front.options_text import LeftSide, OptionError, left_side
 from .indices import indexed, integer, parted
 from .middle.quantities import ends, sizes
 from .middle.specialise import with_definitions
-from .model import Coordinate, Definition, Input, Model, Record, Scene, State
+from .model import Constraint, Coordinate, Definition, Input, Model, Record, Scene, State
 from .tree import AXES, Expr, Name, Number, Prime, names, of_member, replaced
 
 
@@ -44,12 +44,18 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
 def written_out(model: Model, columns: Iterable[str]) -> tuple[str, ...]:
     """Columns as an option names them: of a vector, each component."""
     known = {item.name for item in (*model.observed, *model.conserved)}
+    known |= {f"lambda_{item.name}" for item in model.constraints}
+    known |= {name for r in model.rotations for name in (*r.rates, *r.momenta)}
+    quaternions = {r.name: r.quaternion for r in model.rotations}
     found: list[str] = []
     for text in columns:
         try:
             side = left_side(text, sizes(model))
         except OptionError:
             found.append(text)  # reported where columns are looked up
+            continue
+        if side.name in quaternions and not side.order and side.index is None:
+            found += quaternions[side.name]
             continue
         parts = [f"{side.name}.{axis}" for axis in AXES]
         whole = side.name in known or not known.issuperset(parts)
@@ -89,21 +95,27 @@ def _unit(model: Model, side: LeftSide) -> str | None:
     for item in model.coordinates:
         units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
         units[f"p_{item.name}", 0] = item.momentum_unit
+        if item.rate:
+            units = {(item.rate, 0): item.rate_unit, (item.momentum, 0): item.momentum_unit}
         if (side.name, side.order) in units and _has(model, item, side.index):
             return units[side.name, side.order]
     for item in model.states:
         units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
         if (side.name, side.order) in units and _has(model, item, side.index):
             return units[side.name, side.order]
-    claims = (item for item in model.conserved if item.name == side.name and not side.order)
+    multipliers = [replace(item, name=f"lambda_{item.name}") for item in model.constraints]
+    outputs = (*model.conserved, *multipliers)
+    claims = (item for item in outputs if item.name == side.name and not side.order)
     return next((item.unit for item in claims if _has(model, item, side.index)), None)
 
 
-def _has(model: Model, item: Coordinate | State | Definition, index: int | None) -> bool:
+def _has(
+    model: Model, item: Coordinate | State | Definition | Constraint, index: int | None
+) -> bool:
     if item.range is not None:
         lo, hi = ends(model, item.range)
         return index is not None and lo <= index <= hi
-    own = item.index if isinstance(item, Definition) else None
+    own = item.index if isinstance(item, Definition | Constraint) else None
     return index == (None if own is None else integer(own, sizes(model)))
 
 
@@ -145,6 +157,8 @@ def _is_column(model: Model, name: str) -> bool:
     coordinate."""
     once = name.removesuffix("'")
     base, index = parted(once)
+    if any(name == item.rate for item in model.coordinates):
+        return True
     for item in model.coordinates:
         if item.name == base:
             return "'" not in once and _has(model, item, index)

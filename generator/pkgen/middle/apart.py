@@ -28,7 +28,8 @@ def parts_of(
     equations: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Part, ...]:
     """The parts of a system, or none where it is one block, or something belongs to several."""
-    if len(structure.blocks) < 2 or equations.events or equations.states:
+    joined = equations.events or equations.states or equations.constraints
+    if len(structure.blocks) < 2 or joined:
         return ()
     owners = [_owner(structure.blocks, equations, node) for node in equations.quadratures]
     if None in owners:

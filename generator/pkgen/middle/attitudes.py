@@ -51,8 +51,10 @@ def rate_of_quaternion(g: Graph, attitudes: tuple[Attitude, ...], state: int) ->
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
     """X_i f of a function whose derivatives are given, by the number of its rate."""
-    found = {}
+    found = {at.rate + i: ZERO for at in attitudes for i in range(3)}
     for at in attitudes:
+        if at.state < 0:
+            continue
         quaternion = numbers(g, at)
         for i in range(3):
             along = zip(quaternion, turned(g, quaternion, i), strict=True)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from ..equations import Equations, Structure
 from .analyze import analyze
 from .apart import Part, parts_of
+from .attitudes import QUATERNION
 from .cyclic import cyclic
 from .graph import BIT, ZERO, Kind
 from .lagrange import derived_again
@@ -21,6 +22,7 @@ from .quantities import symbols
 from .reduction import Needs, State, cost
 from .report import Line, Report
 from .smaller import smaller, symbols_in
+from .states import TURNS
 
 APART = "apart"  # the reduction that makes parts
 # Of a whole whose parts are integrated apart: what is computed from its state.
@@ -158,6 +160,9 @@ def unconnected(state: State, needs: Needs) -> State:
         new = {*facts.influences[i], *mates} - kept
         kept |= new
         waiting += new
+        if not waiting:
+            waiting = list(_bodies(e, kept) - kept)
+            kept |= set(waiting)
     g, n = e.graph, len(e.coordinates)
     gone = [i for i in range(n + len(e.states)) if i not in kept]
     if not gone or not kept:
@@ -166,7 +171,8 @@ def unconnected(state: State, needs: Needs) -> State:
     x = symbols(g, Kind.STATE, len(e.states))
     swap = {q[i]: e.start_q[i] for i in gone if i < n} | {v[i]: ZERO for i in gone if i < n}
     swap |= {x[i - n]: e.state_start[i - n] for i in gone if i >= n}
-    names = [(*e.coordinates, *e.states)[i].name for i in gone]
+    turns = {a.rate + i for a in e.attitudes for i in range(TURNS)}
+    names = [(e.rates if i in turns else (*e.coordinates, *e.states))[i].name for i in gone]
     left = [i for i in sorted(kept) if i < n]
     states = [i - n for i in sorted(kept) if i >= n]
     parts = (e.kinetic, e.potential)
@@ -189,6 +195,19 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
         nodes.append(e.energy)
     used = symbols_in(e.graph, nodes, STATE | BIT[Kind.STATE])
     return found | {s.index + (n if s.kind is Kind.STATE else 0) for s in used}
+
+
+def _bodies(e: Equations, kept: set[int]) -> set[int]:
+    """Of rotations of which something is kept, the rest; but where nothing has to do with any
+    attitude at all, the body rates alone."""
+    n, found = len(e.coordinates), set()
+    quaternions = {a.state: set(range(n + a.state, n + a.state + QUATERNION)) for a in e.attitudes}
+    turned = any(numbers & kept for numbers in quaternions.values())
+    for a in e.attitudes:
+        rates = set(range(a.rate, a.rate + TURNS))
+        if (rates | quaternions[a.state]) & kept:
+            found |= rates | (quaternions[a.state] if turned else set())
+    return found
 
 
 def _moving(e: Equations) -> int:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..equations import Equations, ParameterSlot, Quantity
+from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity
 from ..model import Coordinate, Model, State
 from .differentiate import reachable
 from .graph import BIT, Graph, Kind, Node, Op, Symbol
@@ -67,6 +67,9 @@ def smaller(
         return tuple(row[i] for i in kept)
 
     outputs, quadratures = list(outputs), list(quadratures)
+    constraints = equations.constraints
+    if constraints is not None:
+        constraints = _fewer(g, constraints, there, pick)
     kinetic, potential = (None if x is None else there([x])[0] for x in parts)
     return replace(
         equations,
@@ -91,6 +94,8 @@ def smaller(
         states=tuple(equations.states[i] for i in of_states),
         state_rates=there(equations.state_rates[i] for i in of_states),
         state_start=tuple(equations.state_start[i] for i in of_states),
+        attitudes=_attitudes(equations.attitudes, kept, of_states),
+        constraints=constraints,
         quadrature_names=(
             *equations.quadrature_names,
             *(equations.coordinates[i] for i, _ in quadratures),
@@ -100,6 +105,35 @@ def smaller(
             *equations.quadrature_start,
             *((quadrature_start or {})[i] for i, _ in quadratures),
         ),
+    )
+
+
+def _attitudes(
+    attitudes: tuple[Attitude, ...], kept: Sequence[int], of_states: Sequence[int]
+) -> tuple[Attitude, ...]:
+    """Those that are left, where they stand now; without its quaternion where that is gone."""
+    rates, states = ({old: new for new, old in enumerate(row)} for row in (kept, of_states))
+    return tuple(
+        Attitude(rates[a.rate], states.get(a.state, -1)) for a in attitudes if a.rate in rates
+    )
+
+
+def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:
+    """Without the rows that only what is gone was in. All but what the model says of them is
+    derived again."""
+    residual = there(c.residual)
+    left = [k for k, node in enumerate(residual) if g.depends[node] & BIT[Kind.RATE]]
+    if not left:
+        return None
+    positions = there(c.positions)
+    return replace(
+        c,
+        names=tuple(c.names[k] for k in left),
+        holonomic=sum(k < c.holonomic for k in left),
+        positions=tuple(positions[k] for k in left if k < c.holonomic),
+        residual=tuple(residual[k] for k in left),
+        free_applied=there(pick(c.free_applied)),
+        spans=tuple(c.spans[k] for k in left),
     )
 
 

@@ -78,7 +78,7 @@ def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
     """Equations of coordinates alone, of which the last ones' rates are the states."""
-    if not e.states:
+    if not e.states and not e.attitudes:
         if e.constraints is None:
             return e, structure
         unbound = (e.momenta, e.constraints.free_pdot)
@@ -185,7 +185,7 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
 
 def _unbound(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
     """p and pdot without the forces of constraints, where there are rotations or constraints."""
-    if not e.attitudes and e.constraints is None:
+    if not any(a.state >= 0 for a in e.attitudes) and e.constraints is None:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
     n, count = len(e.coordinates), len(rates)
