@@ -21,14 +21,14 @@ static unsigned long whole(const struct pk_integrator *it, pk_real limit, unsign
     return steps < most ? steps : most;
 }
 
-/* 0 where nothing was done. */
+/* 0 where nothing was done: it passes over what guards and constraints see to between steps. */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
     const struct pk_splitting *table = pk_splitting_table(it->method);
     const size_t n = it->n;
     const pk_real h = (pk_real)it->direction * it->options.h;
-    if (!system->advance || !table || system->n_inputs || it->guards) /* which it passes over */
+    if (!system->advance || !table || system->n_inputs || it->guards || it->project)
         return 0;
     unsigned long steps = whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)

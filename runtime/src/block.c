@@ -4,6 +4,7 @@
  */
 #include <string.h>
 
+#include "attitude.h"
 #include "ensemble.h"
 #include "generic.h"
 
@@ -172,6 +173,17 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
     }
 }
 
+/* As project.c does it of one state. */
+static void normalise(struct pk_block *b)
+{
+    const size_t W = b->lanes, first = b->n - b->system->n_states + 3 * b->system->n_rotations;
+    for (size_t r = 0; r < b->system->n_rotations; r++)
+        for (size_t l = 0; l < W; l++) {
+            const size_t at = (first + 4 * r) * W + l;
+            pk_normalise(b->next + PK_V * b->n * W + at, b->next + PK_LOW_X * b->n * W + at, W);
+        }
+}
+
 /* All live lanes to t. */
 static unsigned long long advance(struct pk_block *b, const struct pk_block_stepper *s,
                                   const struct pk_ensemble *e, struct pk_integrator *clock,
@@ -194,6 +206,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
             fail(b, e, clock, first, memory, mass, PK_SINGULAR_MASS, &live);
             fail(b, e, clock, first, memory, bad & ~mass, PK_NOT_FINITE, &live);
         }
+        normalise(b);
         for (size_t l = 0; e->system->n_guards && l < b->lanes; l++) {
             if (!(live >> l & 1))
                 continue;

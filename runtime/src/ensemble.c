@@ -17,7 +17,7 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
-    if (!(e->options.h > 0) || e->system->n_quadratures)
+    if (!(e->options.h > 0) || e->system->n_quadratures || e->system->n_constraints)
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }

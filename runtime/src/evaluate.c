@@ -1,5 +1,6 @@
 /* Kernels through an integrator: inputs filled, calls counted, failures named with their cause. */
 #include "generic.h"
+#include "project.h"
 
 int pk_all_finite(const pk_real *x, size_t count)
 {
@@ -73,6 +74,10 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
         return PK_NOT_FINITE;
     it->where = (size_t)failed - 1;
     it->detail = t;
+    if (it->where >= it->n) { /* a row of the constraints */
+        it->where -= it->n;
+        return pk_project_singular(it, q, v);
+    }
     it->condition = condition(it, t, q, v, it->where);
     return PK_SINGULAR_MASS;
 }

@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "internal.h"
+#include "project.h"
 
 struct pk_options pk_options_default(void)
 {
@@ -23,7 +23,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
     const size_t inputs = system->n_inputs * (1 + PK_LANES);
     const size_t guards = pk_guard_size(pk_system_guard_count(system, problem->params), n);
-    const size_t work = inputs + lane + method->size(method, n) + guards;
+    const size_t work = inputs + lane + method->size(method, n) + guards +
+                        pk_project_size(system, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (pk_quadrature_size(system, n) + PK_PARTS * n + (rest > params ? rest : params)) *
            sizeof(pk_real);
@@ -84,6 +85,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
     it->n_guards = pk_system_guard_count(system, problem->params);
     it->guards = it->n_guards ? it->work + method->size(method, it->n) : NULL;
+    if (pk_project_size(system, it->n))
+        it->project = it->work + method->size(method, it->n) + pk_guard_size(it->n_guards, it->n);
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
     enum pk_status status = pk_integrator_reset(it, t0, q0, v0);
@@ -126,7 +129,9 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->event = 0;
     it->flags = 0;
     it->h = 0;
-    it->status = it->method->init(it);
+    it->status = pk_project_start(it);
+    if (it->status >= 0)
+        it->status = it->method->init(it);
     pk_guard_start(it);
     it->ready = it->status >= 0;
     return it->status;
@@ -230,10 +235,10 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
         if (status < 0 || !it->z)
-            return status;
+            break;
         status = pk_quadrature_step(it);
     } while (status >= 0 && pk_quadrature_rejects(it));
-    return status;
+    return status < 0 ? status : pk_project_step(it);
 }
 
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
@@ -289,7 +294,11 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
     if (!it->method->dense || !(it->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
         return fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
-    return it->status = it->method->dense(it, t, q, v);
+    int moved;
+    it->status = it->method->dense(it, t, q, v);
+    return it->status < 0 || !it->project
+               ? it->status
+               : (it->status = pk_project(it, t, q, v, NULL, NULL, &moved));
 }
 
 void pk_integrator_free(struct pk_integrator *it)

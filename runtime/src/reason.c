@@ -1,7 +1,7 @@
 /* A status in words, with the names and numbers that belong to it. */
 #include <stdio.h>
 
-#include "internal.h"
+#include "project.h"
 #include "tableau.h"
 
 static const char *const bad_argument[] = {
@@ -166,6 +166,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "back to it, and what follows they do not say; a smooth function in place "
                         "of the jump, such as tanh, does; last valid time %.17g",
                         system->switches[it->where].name, t);
+    case PK_OFF_CONSTRAINTS:
+    case PK_NO_PROJECTION:
+        return pk_project_reason(it, text, size);
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:

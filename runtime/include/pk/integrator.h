@@ -97,6 +97,7 @@ struct pk_integrator {
     size_t where;             /* which coordinate or parameter a status is about */
     pk_real detail;           /* a number that belongs to the reason */
     pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
+    pk_real *project; /* rotations and constraints: src/project.c; NULL: there are none */
     size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
     enum pk_status trouble;   /* what the last trial step that broke down met, and when: the */
     pk_real trouble_t;        /* cause to name if steps then shrink to nothing just before it */
@@ -111,7 +112,8 @@ struct pk_options pk_options_default(void);
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method);
 
 /* Copies q0 and v0. PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_REFUSED (the method), PK_OUT_OF_BOUNDS
- * (a parameter), PK_NOT_FINITE, PK_NO_MEMORY (GSL): then no later call makes a step, and each
+ * (a parameter), PK_OFF_CONSTRAINTS, PK_NO_PROJECTION (constraints that depend on each other),
+ * PK_NOT_FINITE, PK_NO_MEMORY (GSL): then no later call makes a step, and each
  * returns the same status. An integrator of GSL's is to be freed before it is initialised again. */
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
                                   const struct pk_method *method,

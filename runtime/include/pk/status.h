@@ -28,13 +28,15 @@ extern "C" {
     X(PK_SINGULAR_COORDINATES, -12, "the coordinates are singular here")                    \
     X(PK_AMBIGUOUS_STEP, -13, "the equations of an implicit step have several solutions") \
     X(PK_STEP_TOO_LONG, -14, "a step is too long to be of the motion")                        \
-    X(PK_SLIDING, -15, "the motion stays where the equations change")
+    X(PK_SLIDING, -15, "the motion stays where the equations change")                         \
+    X(PK_OFF_CONSTRAINTS, -16, "the start breaks a constraint")                               \
+    X(PK_NO_PROJECTION, -17, "the constraints cannot be fulfilled here")
 
 enum pk_status {
 #define PK_STATUS_ENUM(name, value, text) name = value,
     PK_STATUSES(PK_STATUS_ENUM)
 #undef PK_STATUS_ENUM
-    PK_STATUS_LAST = -16 /* below every status; no trailing comma, for C++98 readers */
+    PK_STATUS_LAST = -18 /* below every status; no trailing comma, for C++98 readers */
 };
 
 /* "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */

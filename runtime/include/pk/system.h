@@ -138,7 +138,8 @@ struct pk_system {
     void (*start)(const void *params, pk_real *q, pk_real *v);
 
     /* a with M a = f. Returns 0, or 1 + i where the pivot of coordinate i in M = L D L^T is not
-     * positive (or not a number): M is singular or indefinite there, and a is not written. */
+     * positive (or not a number): M is singular or indefinite there, and a is not written. 1 + n + i:
+     * that of constraint i in J M^-1 J^T. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
     void (*mass)(const void *params, pk_real t, const pk_real *q, const pk_real *v,

@@ -1,0 +1,47 @@
+/* How well a state fulfils what its system keeps: unit quaternions, and constraints phi(t, q) = 0 and
+ * J v + j0 = 0 (see pk/system.h); and the forces that keep them.
+ *
+ * An integrator needs none of this: a start that breaks a constraint by more than 1e-8 of what it is
+ * made of, or whose quaternion is not of unit length, is refused by pk_integrator_init() and
+ * pk_integrator_reset(), and every step ends on the constraints to round-off, and dense output too.
+ */
+#ifndef PK_CONSTRAINT_H
+#define PK_CONSTRAINT_H
+
+#include <stddef.h>
+
+#include <pk/integrator.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Largest residuals: of a row as it is, in its own unit, and beside the sizes of its terms, which
+ * rounding is to be measured by; of which the second is the largest. 0 where there is no such row. */
+struct pk_residuals {
+    pk_real norm; /* | |Q| - 1 | */
+    size_t rotation;
+    pk_real position, position_relative;
+    size_t position_row;
+    pk_real rate, rate_relative; /* of positions and of rolling */
+    size_t rate_row;
+};
+
+/* Bytes of the block that both functions want, aligned for pk_real. */
+size_t pk_constraint_size(const struct pk_problem *problem);
+/* PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_NOT_FINITE. */
+enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real t,
+                                       const pk_real *q, const pk_real *v,
+                                       struct pk_residuals *found, void *block, size_t size);
+/* lambda, n_constraints numbers, of the motion there. Also PK_REFUSED, where it was compiled without. */
+enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_real t,
+                                         const pk_real *q, const pk_real *v, pk_real *lambda,
+                                         void *block, size_t size);
+/* The name of a row as its author gave it: "rod" of "lambda_rod". As snprintf(). */
+int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

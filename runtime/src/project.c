@@ -1,0 +1,290 @@
+/* The return of a step to what its equations keep: unit quaternions, and constraints phi(t, q) = 0
+ * and J v + j0 = 0. The equations of motion keep them (their index was reduced by differentiation),
+ * a step of order p leaves them by O(h^(p+1)), and the way back is that short:
+ *
+ *     q -= M^-1 J^T mu  until  phi = 0         v -= M^-1 J^T nu  with  J v + j0 = 0
+ *
+ * by Newton's method, in the metric of M: no other state on the constraints is nearer, and the order
+ * of the method stays. A quaternion is turned by the rotation vector that its three entries of
+ * M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps from its last
+ * step are left: they err by as much as the step did, and count h times that.
+ *
+ * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
+ * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
+ */
+#include <string.h>
+
+#include "attitude.h"
+#include "project.h"
+
+#define ROUND (PK_C(4.0) * PK_EPS)        /* of its terms: as good as zero */
+#define STALLED (PK_C(16384.0) * PK_EPS)  /* and what no longer shrinks below this is rounding */
+enum { MOST = 20 };
+
+size_t pk_project_size(const struct pk_system *system, size_t n)
+{
+    const size_t c = system->n_constraints;
+    if (!c)
+        return system->n_rotations ? 2 * n : 0;
+    return n * n + 2 * c * n + c * c + 4 * c + 2 * n + c + 1;
+}
+
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *x)
+{
+    const struct pk_system *system = problem->system;
+    struct pk_projection w = {.system = system, .params = problem->params, .n = n};
+    const size_t c = system->n_constraints;
+    w.c = c;
+    w.h = system->n_holonomic;
+    w.rotation = n - system->n_states;
+    w.m = w.rotation + 3 * system->n_rotations;
+    w.d = x, x += 2 * n; /* a correction; momenta and forces of a step */
+    if (!c)
+        return w;
+    w.M = x, x += n * n;
+    w.J = x, x += c * n;
+    w.W = x, x += c * n;
+    w.A = x, x += c * c;
+    w.phi = x, x += c;
+    w.rate = x, x += c;
+    w.size = x, x += c;
+    w.mu = x, x += c;
+    w.depends = x;
+    return w;
+}
+
+size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
+{
+    w->system->inertia(w->params, w->t, q, v, w->u, w->M);
+    for (size_t i = 1; i < w->m; i++) /* without the columns of quaternions and states */
+        memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
+    return pk_ldl_factor(w->M, w->m);
+}
+
+void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
+{
+    w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
+    if (w->h)
+        w->system->constraint(w->params, w->t, q, v, w->u, w->phi);
+}
+
+void pk_project_sizes(struct pk_projection *w, int of_rates, const pk_real *q, const pk_real *v)
+{
+    for (size_t i = 0; i < (of_rates ? w->c : w->h); i++) {
+        const pk_real *row = w->J + i * w->n;
+        pk_real sum = 0, known = of_rates ? w->rate[i] : 0;
+        for (size_t k = 0; k < w->m; k++) {
+            if (of_rates)
+                sum += pk_abs(row[k] * v[k]), known -= row[k] * v[k];
+            else
+                sum += pk_abs(k < w->rotation ? row[k] * q[k] : row[k]);
+        }
+        w->size[i] = sum + pk_abs(known); /* j0, where it is of rates */
+    }
+}
+
+size_t pk_project_factor(struct pk_projection *w, size_t rows)
+{
+    const size_t m = w->m, c = rows;
+    for (size_t i = 0; i < c; i++) {
+        memcpy(w->W + i * m, w->J + i * w->n, m * sizeof *w->W);
+        pk_ldl_solve(w->M, m, w->W + i * m);
+    }
+    for (size_t i = 0; i < c; i++)
+        for (size_t j = 0; j <= i; j++) {
+            pk_real sum = 0;
+            for (size_t k = 0; k < m; k++)
+                sum += w->J[i * w->n + k] * w->W[j * m + k];
+            w->A[i * c + j] = w->A[j * c + i] = sum;
+        }
+    for (size_t i = 0; i < c; i++)
+        w->mu[i] = w->A[i * c + i];
+    const size_t failed = pk_ldl_factor(w->A, c);
+    w->depends[0] = (pk_real)failed;
+    if (!failed)
+        return 0;
+    /* The combination of earlier rows that the row is: (J M^-1 J^T) x = J M^-1 row^T. */
+    const size_t last = failed - 1;
+    pk_real *x = w->depends + 1;
+    for (size_t i = 0; i < last; i++) {
+        x[i] = 0;
+        for (size_t k = 0; k < m; k++)
+            x[i] += w->J[last * w->n + k] * w->W[i * m + k];
+    }
+    for (size_t i = 0; i < last; i++) /* by the factors of the leading block, of rows c apart */
+        for (size_t k = 0; k < i; k++)
+            x[i] -= w->A[i * c + k] * x[k];
+    for (size_t i = last; i-- > 0;) {
+        x[i] /= w->A[i * c + i];
+        for (size_t k = i + 1; k < last; k++)
+            x[i] -= w->A[k * c + i] * x[k];
+    }
+    for (size_t i = 0; i < last; i++) /* beside the sizes of both rows */
+        x[i] *= PK_F(sqrt)(w->mu[i] / (w->mu[last] + PK_TINY));
+    return failed;
+}
+
+enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    w.t = it->detail;
+    w.u = it->u;
+    if (!pk_project_inertia(&w, q, v)) {
+        pk_project_rows(&w, q, v);
+        const size_t row = pk_project_factor(&w, w.c);
+        it->where = row ? row - 1 : it->where;
+    }
+    return PK_NO_PROJECTION;
+}
+
+/* The worst residual of `rows`, in units of what its terms are rounded by, and of which it is. */
+static pk_real worst(const struct pk_projection *w, const pk_real *residual, size_t rows,
+                     size_t *which)
+{
+    pk_real most = 0;
+    *which = 0;
+    for (size_t i = 0; i < rows; i++) {
+        const pk_real x = pk_abs(residual[i]);
+        if (!(x > 0) && pk_finite(x))
+            continue;
+        const pk_real ratio = x / (w->size[i] + PK_TINY);
+        if (!(ratio <= most)) /* what is no number too */
+            most = ratio, *which = i;
+    }
+    return most;
+}
+
+/* Whether an iteration is done: 1, or has failed: -1. */
+static int judged(pk_real ratio, pk_real before, int count)
+{
+    if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
+        return 1;
+    return !pk_finite(ratio) || count == MOST ? -1 : 0;
+}
+
+static enum pk_status failed(struct pk_integrator *it, size_t where, pk_real residual)
+{
+    it->where = where;
+    it->detail = residual;
+    return PK_NO_PROJECTION;
+}
+
+/* d = M^-1 J^T mu of the first rows, with mu from the residuals. */
+static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows)
+{
+    const size_t singular = pk_project_factor(w, rows);
+    if (singular)
+        return singular;
+    memcpy(w->mu, residual, rows * sizeof *w->mu);
+    pk_ldl_solve(w->A, rows, w->mu);
+    memset(w->d, 0, w->m * sizeof *w->d);
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < w->m; k++)
+            w->d[k] += w->W[i * w->m + k] * w->mu[i];
+    return 0;
+}
+
+static void subtract(pk_real *x, const pk_real *d, pk_real *low, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        pk_real none = 0;
+        x[k] = pk_sum(x[k], -d[k], low ? &low[k] : &none);
+    }
+}
+
+static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
+{
+    for (size_t r = 0; r < w->system->n_rotations; r++, Q += 4, low += low ? 4 : 0) {
+        const pk_real *d = w->d + w->rotation + 3 * r;
+        const pk_real theta[3] = {-d[0], -d[1], -d[2]};
+        pk_real added[4];
+        pk_exponential_added(Q, theta, added);
+        for (size_t i = 0; i < 4; i++)
+            added[i] = -added[i];
+        subtract(Q, added, low, 4);
+    }
+}
+
+static enum pk_status positions(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
+                                pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
+{
+    pk_real before = 0;
+    for (int count = 0; count <= MOST; count++) {
+        size_t which;
+        pk_project_rows(w, q, v);
+        pk_project_sizes(w, 0, q, v);
+        const pk_real ratio = worst(w, w->phi, w->h, &which);
+        const int done = judged(ratio, before, count);
+        w->depends[0] = 0;
+        if (done)
+            return done > 0 ? PK_DONE : failed(it, which, w->phi[which]);
+        const size_t singular = correction(w, w->phi, w->h);
+        if (singular)
+            return failed(it, singular - 1, w->phi[singular - 1]);
+        subtract(q, w->d, low_q, w->rotation);
+        turn_back(w, v + w->m, low_v ? low_v + w->m : NULL);
+        *moved = 1;
+        before = ratio;
+    }
+    return PK_NO_PROJECTION;
+}
+
+/* J is there; it depends on no rates, so that one correction would do but for rounding. */
+static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
+                            pk_real *v, pk_real *low_v, int *moved)
+{
+    pk_real before = 0;
+    for (int count = 0; count <= MOST; count++) {
+        size_t which;
+        if (count)
+            w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
+        pk_project_sizes(w, 1, q, v);
+        const pk_real ratio = worst(w, w->rate, w->c, &which);
+        const int done = judged(ratio, before, count);
+        w->depends[0] = 0;
+        if (done)
+            return done > 0 ? PK_DONE : failed(it, w->c + which, w->rate[which]);
+        const size_t singular = correction(w, w->rate, w->c);
+        if (singular)
+            return failed(it, w->c + singular - 1, w->rate[singular - 1]);
+        subtract(v, w->d, low_v, w->m);
+        *moved = 1;
+        before = ratio;
+    }
+    return PK_NO_PROJECTION;
+}
+
+enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
+                          pk_real *low_q, pk_real *low_v, int *moved)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    *moved = 0;
+    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4)
+        *moved |= pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+    if (!w.c)
+        return PK_DONE;
+    w.t = t;
+    w.u = pk_eval_input(it, t);
+    const size_t singular = pk_project_inertia(&w, q, v);
+    if (singular)
+        return pk_eval_failed(it, t, q, v, (int)singular);
+    const enum pk_status status = positions(it, &w, q, v, low_q, low_v, moved);
+    return status < 0 ? status : rates(it, &w, q, v, low_v, moved);
+}
+
+enum pk_status pk_project_step(struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
+    int moved = 0;
+    if (!it->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
+        return PK_DONE;
+    const enum pk_status status =
+        pk_project(it, it->next_t, q, v, low_q, it->p ? NULL : low_v, &moved);
+    if (status < 0 || !moved || !it->p)
+        return status;
+    pk_eval_canonical(it, it->next_t, q, v, pk_part(it->next, n, PK_P), it->project + n);
+    memset(low_v, 0, n * sizeof *low_v);
+    return PK_DONE;
+}

@@ -1,0 +1,50 @@
+/* Constraints of a state: their residuals, the return to them (project.c), the check of a start and
+ * what failed in words (constraint.c).
+ */
+#ifndef PK_PROJECT_H
+#define PK_PROJECT_H
+
+#include "internal.h"
+
+/* n degrees of freedom, of which the first m have momenta: coordinates and body rates; c rows, of
+ * which h are of positions. */
+struct pk_projection {
+    const struct pk_system *system;
+    const void *params;
+    const pk_real *u;
+    pk_real t;
+    size_t n, m, c, h, rotation; /* rotation: where body rates begin */
+    pk_real *M;                  /* m by m, factored */
+    pk_real *J, *W, *A;          /* J; M^-1 of each row of it; J M^-1 J^T, factored */
+    pk_real *phi, *rate;         /* residuals of position and of the rates */
+    pk_real *size;               /* of the terms that a residual is made of */
+    pk_real *mu, *d;             /* multipliers; a correction of n */
+    pk_real *depends;            /* 1 + the row that depends on earlier ones, or 0; by how much */
+};
+
+/* pk_real of room for a system of n degrees of freedom; 0 where there is nothing to project. */
+size_t pk_project_size(const struct pk_system *system, size_t n);
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
+/* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and what
+ * rounding is to be measured by: of positions, of rates. */
+size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
+void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
+void pk_project_sizes(struct pk_projection *w, int of_rates, const pk_real *q, const pk_real *v);
+/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. */
+size_t pk_project_factor(struct pk_projection *w, size_t rows);
+
+/* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether
+ * anything changed. PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with
+ * PK_OFF_CONSTRAINTS, of a start, 2 c + a rotation. */
+enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
+                          pk_real *low_q, pk_real *low_v, int *moved);
+/* The step in it->next, before it becomes the state. */
+enum pk_status pk_project_step(struct pk_integrator *it);
+/* The status of an acceleration that found the constraints dependent, it->where its row. */
+enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
+/* The state where the integrator starts: refused where it breaks constraints, or they depend on each
+ * other; else moved onto them by what rounding left. */
+enum pk_status pk_project_start(struct pk_integrator *it);
+int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
+
+#endif
