@@ -157,7 +157,7 @@ def _is_column(model: Model, name: str) -> bool:
     coordinate."""
     once = name.removesuffix("'")
     base, index = parted(once)
-    if any(name == item.rate for item in model.coordinates):
+    if any(item.rate and name == item.rate for item in model.coordinates):
         return True
     for item in model.coordinates:
         if item.name == base:
