@@ -125,6 +125,7 @@ class Constraints:
     multipliers: Row
     free_applied: Row
     free_pdot: Row
+    free_force: Row
     spans: tuple[Span, ...]
     workless: bool  # J v = 0 at any time: no constraint moves by itself
 
@@ -184,6 +185,26 @@ class Equations:
     inertia: Matrix | None = None
     unbound: tuple[Row, Row] | None = None  # in C: p and pdot without the forces of constraints
     particles: Particles | None = None  # None: not asked for
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """What the rows of M are of: coordinates, and body rates by their own names."""
+        turns = {a.rate + i for a in self.attitudes for i in range(3)}
+        return tuple(
+            (self.rates if i in turns else self.coordinates)[i].name
+            for i in range(len(self.coordinates))
+        )
+
+    @property
+    def inertial(self) -> int:
+        """How many rows of M are of a Lagrangian: coordinates and body rates, of which those of
+        rotations are counted among the states in C."""
+        return len(self.coordinates) - max(self.n_states - 3 * len(self.attitudes), 0)
+
+    @property
+    def seen(self) -> tuple[Quantity, ...]:
+        """The coordinates but those whose rates are body rates, which nobody sees."""
+        return self.coordinates[: len(self.coordinates) - 3 * len(self.attitudes)]
 
 
 Indices = tuple[tuple[int, ...], ...]

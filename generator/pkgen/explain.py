@@ -26,12 +26,14 @@ def explain(compilation: Compilation) -> str:
     """The whole report."""
     sections = [
         _title(compilation),
-        _quantities("Coordinates", compilation.equations.coordinates),
+        _quantities("Coordinates", compilation.equations.seen),
+        _quantities("Body rates", compilation.equations.rates[len(compilation.equations.seen) :]),
         _quantities("States", compilation.equations.states),
         _parameters(compilation.equations),
         _quantities("Inputs", compilation.equations.inputs),
         _lagrangian(compilation.equations),
         _equations(compilation.equations, compilation.structure),
+        _constraints(compilation.equations),
         _rates(compilation.equations),
         _canonical(compilation.equations),
         _outputs(compilation.equations),
@@ -64,6 +66,7 @@ def record(compilation: Compilation) -> dict[str, object]:
         "structure": structure_record(structure),
         "conserved": [name for name, _ in found(equations, structure)],
         **proofs_record(structure),
+        "constraints": {name: _text(equations, node) for name, node in constraint_rows(equations)},
         "events": [
             {
                 **vars(q),
@@ -99,9 +102,19 @@ def proofs_record(structure: Structure | Facts) -> dict[str, object]:
 
 def _title(compilation: Compilation) -> str:
     model = compilation.model
-    n, states = len(compilation.equations.coordinates), len(compilation.equations.states)
+    e = compilation.equations
+    n, states = len(e.coordinates), len(e.states) - sum(4 for a in e.attitudes if a.state >= 0)
     title = model.name + (f": {model.description}" if model.description else "")
-    counts = [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
+    counts = []
+    if e.constraints is not None:
+        rows, holonomic = len(e.constraints.names), e.constraints.holonomic
+        counts = [f"{n} rates"]
+        counts += [f"{holonomic} constraint{'s' if holonomic != 1 else ''}"] if holonomic else []
+        counts += [f"{rows - holonomic} rolling"] if rows > holonomic else []
+        n -= rows
+    counts += [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
+    turning = len(e.attitudes)
+    counts += [f"{turning} rotation{'s' if turning != 1 else ''}"] if turning else []
     counts += [f"{states} state{'s' if states != 1 else ''}"] if states else []
     return f"{title}\n{', '.join(counts)}"
 
@@ -171,16 +184,39 @@ def _equations(equations: Equations, structure: Structure) -> str:
     mass += "" if structure.mass_constant else f"{time})"
     force = "f(q" if structure.separable else "f(q, q'"
     lines = [f"Equations of motion   {mass} q'' = {force}{time})"]
-    names = [q.name for q in equations.coordinates]
+    names, c = equations.moving, equations.constraints
+    applied = equations.force if c is None else c.free_force
+    if c is not None:
+        lines[0] += " + J^T lambda"
     zero = equations.graph.number(0)
     for i, row in enumerate(equations.mass):
         for j in range(i + 1):
             if row[j] != zero:
                 lines.append(f"  M[{names[i]}, {names[j]}] = {_text(equations, row[j])}")
-    lines += [
-        f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, equations.force, strict=True)
-    ]
+    lines += [f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, applied, strict=True)]
     return "\n".join(lines)
+
+
+def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
+    """What is kept at zero, then the multipliers."""
+    c = equations.constraints
+    if c is None:
+        return
+    names = [q.name.removeprefix("lambda_") for q in c.names]
+    for name, node in zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True):
+        yield name, node
+    for name, node in zip(names[: c.holonomic], c.residual, strict=False):
+        yield f"{name}'", node
+    for q, node in zip(c.names, c.multipliers, strict=True):
+        yield q.name, node
+
+
+def _constraints(equations: Equations) -> str:
+    rows = list(constraint_rows(equations))
+    width = max((len(name) for name, _ in rows), default=0)
+    lines = [f"  {name:<{width}}  {_text(equations, node)}" for name, node in rows]
+    what = "Constraints   0 =, J their derivatives by the rates; and lambda ="
+    return "\n".join([what, *lines]) if lines else ""
 
 
 def _of_states(equations: Equations) -> bool:

@@ -10,7 +10,13 @@ from .back.facts import facts, found, loop_facts
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, Invariant, Quantity, Structure, Symmetries
-from .explain import NOTHING, SHOWN_OPERATIONS, canonical_rows, default_text
+from .explain import (
+    NOTHING,
+    SHOWN_OPERATIONS,
+    canonical_rows,
+    constraint_rows,
+    default_text,
+)
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
 from .middle import sympy_bridge
@@ -65,10 +71,12 @@ def _sections(compilation: Compilation) -> list[str]:
         *_equations(e),
     ]
     return [
-        *_quantities("Coordinates", e.coordinates),
+        *_quantities("Coordinates", e.seen),
+        *_quantities("Body rates", e.rates[len(e.seen) :]),
         *_quantities("States", e.states),
         *_parameters(e),
         *(motion if e.coordinates else []),
+        *_constraints(e),
         *_rates(e),
         *_canonical(e),
         *_outputs(e),
@@ -100,21 +108,29 @@ def _lagrangian(e: Equations) -> Iterable[str]:
 
 
 def _equations(e: Equations) -> Iterable[str]:
-    names = [q.name for q in e.coordinates]
+    names, force = e.moving, e.force if e.constraints is None else e.constraints.free_force
     n = len(names)
     if n <= MATRIX:
         mass = [[_math(e, e.mass[i][j]) for j in range(n)] for i in range(n)]
-        left = [mathml.matrix(mass), mathml.matrix([[mathml.name(f"{x}''")] for x in names])]
-        force = mathml.matrix([[_math(e, f)] for f in e.force])
-        yield _line(mathml.row(*left), force)
+        rates = (f"{q.name}'" for q in e.rates)
+        left = [mathml.matrix(mass), mathml.matrix([[mathml.name(x)] for x in rates])]
+        right = mathml.matrix([[_math(e, f)] for f in force])
+        yield _line(mathml.row(*left), right)
         return
     yield _line(mathml.row(mathml.name("M"), mathml.name("q''")), mathml.name("f"))
     for i, row in enumerate(e.mass):
         for j in range(i + 1):
             if row[j] != ZERO:
                 yield _line(mathml.name(f"M[{names[i]}, {names[j]}]"), _math(e, row[j]))
-    for x, node in zip(names, e.force, strict=True):
+    for x, node in zip(names, force, strict=True):
         yield _line(mathml.name(f"f[{x}]"), _math(e, node))
+
+
+def _constraints(e: Equations) -> Iterable[str]:
+    rows = list(constraint_rows(e))
+    if rows:
+        yield page.heading("Constraints: 0 =, their forces J^T lambda beside f; and lambda =")
+        yield from (_line(mathml.name(name), _math(e, node)) for name, node in rows)
 
 
 def _rates(e: Equations) -> Iterable[str]:

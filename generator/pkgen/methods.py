@@ -35,6 +35,9 @@ _TABLE = (
     ("lobatto2 lobatto3 lobatto4 radau5 radau9", "", "jacobians quadrature", ""),
     ("radau", "", "adaptive jacobians quadrature", ""),
     ("exponential", "", "exact", "affine"),
+    ("lie_midpoint lie_midpoint4 lie_midpoint6", "", "group holonomic quadrature", ""),
+    ("rattle rattle4 rattle6", "", "group holonomic quadrature", ""),
+    ("rkmk4 rkmk8", "", "group quadrature", ""),
     ("gsl_rkf45 gsl_rk8pd gsl_msadams", "", "adaptive", ""),
     ("gsl_msbdf", "", "adaptive linear", ""),
     ("gsl_bsimp", "", "adaptive linear no_inputs", ""),
@@ -67,6 +70,8 @@ def called(method: str) -> frozenset[str]:
         kernels |= {"mass", "linear"}
     if "jacobians" in traits:
         kernels |= {"canonical", "mass", "jacobian"}
+    if "holonomic" in traits:  # of systems with rotations or constraints: unbound and inertia
+        kernels |= {"canonical", "mass"}
     return frozenset(kernels)
 
 

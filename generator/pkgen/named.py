@@ -9,7 +9,6 @@ from .compiler import Compilation
 from .equations import Quantity
 from .indices import indexed, parted
 from .middle.quantities import families, input_quantities
-from .middle.states import TURNS
 from .model import Coordinate, Model, Parameter
 
 SUGGESTED = 12  # members of a family that a hint goes through
@@ -95,8 +94,7 @@ def coordinates(compilation: Compilation, rates: bool = False) -> Named:
     if compilation.looped:
         return _coordinates(compilation.model, rates)
     e = compilation.equations
-    own = len(e.coordinates) - TURNS * len(e.attitudes)  # behind them are those that nobody sees
-    return Named(_each((*e.rates, *e.states) if rates else e.coordinates[:own]))
+    return Named(_each((*e.rates, *e.states) if rates else e.seen))
 
 
 def declared(compilation: Compilation) -> Named:

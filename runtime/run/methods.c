@@ -53,7 +53,7 @@ int output_methods(FILE *file)
 {
     static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
                                          "dense",      "jacobians", "linear",   "no_inputs",
-                                         "quadrature", "exact"};
+                                         "quadrature", "exact",  "holonomic", "group"};
     static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
                                         "separable",     "autonomous",    "conservative",
                                         "variational",   "smooth",        "affine"};

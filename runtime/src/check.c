@@ -47,16 +47,23 @@ int pk_sides_missing(const struct pk_integrator *it)
 
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method)
 {
+    const int turns = system->n_rotations > 0, c = system->n_constraints > 0;
+    /* Momenta are those of `unbound` where there are rotations or constraints. */
+    const unsigned own = turns || c ? PK_HOLONOMIC : 0, plain = turns || c ? 0 : PK_HOLONOMIC;
     const struct {
         const char *name;
         unsigned traits;
         int there;
     } kernels[] = {
+        {"rows", c ? ~0u : 0, system->rows != NULL},
+        {"constraint", c && system->n_holonomic ? ~0u : 0, system->constraint != NULL},
+        {"inertia", c ? ~0u : own, system->inertia != NULL},
+        {"unbound", own, system->unbound != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
-        {"canonical", PK_JACOBIANS, system->canonical != NULL},
+        {"canonical", PK_JACOBIANS | plain, system->canonical != NULL},
         {"jacobian", PK_JACOBIANS, system->jacobian != NULL},
         {"linear", PK_LINEAR, system->linear != NULL},
-        {"mass", PK_JACOBIANS | PK_LINEAR, system->mass != NULL},
+        {"mass", PK_JACOBIANS | PK_LINEAR | plain, system->mass != NULL},
     };
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (!kernels[i].there && (kernels[i].traits == ~0u || method->traits & kernels[i].traits))

@@ -70,6 +70,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_REFUSED, 0);
     if (system->n_quadratures && !method->stage)
         return fail(it, PK_REFUSED, 0);
+    if (pk_rolls(system) && (method->traits & PK_HOLONOMIC))
+        return fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
     if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))

@@ -14,6 +14,8 @@ static const struct pk_method *const methods[] = {
     &pk_lobatto2, &pk_lobatto3, &pk_lobatto4, &pk_radau5, &pk_radau9,
     &pk_dopri5, &pk_dop853, &pk_gauss_adaptive, &pk_radau_adaptive,
     &pk_exponential,
+    &pk_lie_midpoint, &pk_lie_midpoint4, &pk_lie_midpoint6,
+    &pk_rattle, &pk_rattle4, &pk_rattle6, &pk_rkmk4, &pk_rkmk8,
 };
 
 const struct pk_method *pk_method_at(size_t index)

@@ -22,6 +22,12 @@ struct pk_projection {
     pk_real *depends;            /* 1 + the row that depends on earlier ones, or 0; by how much */
 };
 
+/* Whether there are rows of rates that are no rates of positions. */
+static inline int pk_rolls(const struct pk_system *system)
+{
+    return system->n_constraints > system->n_holonomic;
+}
+
 /* pk_real of room for a system of n degrees of freedom; 0 where there is nothing to project. */
 size_t pk_project_size(const struct pk_system *system, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);

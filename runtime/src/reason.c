@@ -1,6 +1,8 @@
 /* A status in words, with the names and numbers that belong to it. */
 #include <stdio.h>
 
+#include <pk/constraint.h>
+
 #include "project.h"
 #include "tableau.h"
 
@@ -104,6 +106,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "%s needs a smooth system; %s changes where %s vanishes: make steps by "
                             "pk_events_step(), which ends them there",
                             it->method->name, system->name, system->switches[0].name);
+        if (system->count && (it->method->traits & PK_HOLONOMIC))
+            return snprintf(text, size, "%s needs M; %s keeps its families as loops and has none",
+                            it->method->name, system->name);
         if (system->count && (it->method->traits & PK_JACOBIANS))
             return snprintf(text, size,
                             "%s needs Jacobians; %s keeps its families as loops and has none",
@@ -122,6 +127,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         if (system->n_quadratures && !it->method->stage)
             return snprintf(text, size, "%s carries no quadratures, and %s has %s", it->method->name,
                             system->name, system->quadratures[0].name);
+        if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
+            pk_constraint_name(system, system->n_holonomic, name, sizeof name);
+            return snprintf(text, size,
+                            "%s takes constraints of positions alone, and %s is one of the rates "
+                            "(rolling): use gauss", it->method->name, name);
+        }
         if (it->n > PK_EXPONENTIAL_MOST && (it->method->traits & PK_EXACT))
             return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
                             it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);

@@ -24,6 +24,8 @@ extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
 extern const struct pk_method pk_lobatto2, pk_lobatto3, pk_lobatto4, pk_radau5, pk_radau9;
 extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive, pk_radau_adaptive;
 extern const struct pk_method pk_exponential;
+extern const struct pk_method pk_lie_midpoint, pk_lie_midpoint4, pk_lie_midpoint6;
+extern const struct pk_method pk_rattle, pk_rattle4, pk_rattle6, pk_rkmk4, pk_rkmk8;
 /* Coordinates that it is for: of so many, its matrix takes seconds to make. */
 enum { PK_EXPONENTIAL_MOST = 256 };
 

@@ -120,7 +120,7 @@ static void right_instance(void)
         f.options.h = 0.1;
         CU_ASSERT(fixture_init(&f, method->name) == PK_DONE);
         const int calls = /* Newton's method, `linear` and coefficients through pointers */
-            (method->traits & (PK_LINEAR | PK_JACOBIANS | PK_EXACT)) != 0;
+            (method->traits & (PK_LINEAR | PK_JACOBIANS | PK_EXACT | PK_GROUP)) != 0;
         CU_ASSERT((f.it.step != method->step) == (inlined && !calls));
     }
 }

@@ -11,8 +11,7 @@ SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
 
 def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
     """Rows of a table: what, and how it is."""
-    own = len(equations.coordinates) - equations.n_states
-    applied = any(node != ZERO for node in equations.applied[:own])
+    own = equations.inertial
     rows = [
         ("mass matrix", _mass(equations, structure) if own else ""),
         ("definite", _definite(structure) if own else ""),
@@ -22,7 +21,7 @@ def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
         ),
         ("linear", _yes(structure.affine, "constant coefficients", "")),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
-        ("forces beyond L", ("yes (force or dissipation)" if applied else "none") if own else ""),
+        ("forces beyond L", _forces(equations) if own else ""),
         ("smooth", _smooth(equations, structure)),
         ("blocks", _blocks(equations, structure.blocks)),
     ]
@@ -100,7 +99,7 @@ def _smooth(equations: Equations, structure: Structure) -> str:
 
 def _mass(equations: Equations, structure: Structure) -> str:
     shape = "diagonal" if structure.mass_diagonal else "dense"
-    n = len(equations.coordinates) - equations.n_states
+    n = equations.inertial
     blocks = tuple(block for block in structure.mass_blocks if block[0] < n)
     if 0 < structure.mass_band < (n - 1) / 2:
         shape = f"banded, {structure.mass_band} beside the diagonal"
@@ -124,6 +123,16 @@ def _varying(equations: Equations, structure: Structure) -> str:
     return " and ".join(text for kind, text in kinds.items() if mask & BIT[kind])
 
 
+def _forces(equations: Equations) -> str:
+    bound = equations.constraints
+    applied = equations.applied[: equations.inertial]
+    if bound is not None:
+        applied = bound.free_applied
+    found = ["of constraints"] if bound is not None else []
+    found += ["force or dissipation"] if any(node != ZERO for node in applied) else []
+    return f"yes ({' and '.join(found)})" if found else "none"
+
+
 def _definite(structure: Structure) -> str:
     if structure.definite:
         return "yes, everywhere"
@@ -139,9 +148,9 @@ def _blocks(equations: Equations, blocks: Indices) -> str:
 
 
 def _listed(equations: Equations, blocks: Indices) -> str:
-    own = len(equations.coordinates) - equations.n_states
-    moving = (*equations.coordinates[:own], *equations.states, *equations.rates[own:])
-    names = [q.name for q in moving]
+    own = equations.inertial
+    names = [*equations.moving[:own], *(q.name for q in equations.states)]
+    names += [q.name for q in equations.rates[own:]]
     shown = [f"{{{', '.join(names[i] for i in block)}}}" for block in blocks]
     if len(shown) > SHOWN:
         shown = [*shown[:2], "...", shown[-1], f"({len(shown)} of them)"]

@@ -96,7 +96,7 @@ class Operators:
             self.report.error(
                 f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector",
                 expr.of.span,
-                f"of a declared one R there is the quaternion R.w, R.x, R.y, R.z",
+                "of a declared one R there is the quaternion R.w, R.x, R.y, R.z",
             )
             return expr, UNKNOWN
         new = Name(f"{name}.{COMPONENTS[expr.axis]}", None, expr.span)

@@ -45,9 +45,7 @@ PLACES: dict[str, Place] = {
     "constraint": Place("a constraint", _MOTION, "all but outputs", derivatives=True),
     "rate": Place("a rate", _MOTION | {"built-in"}, "all but outputs", derivatives=True),
     "output": Place("an output", _FOUND, "all but other outputs", derivatives=True),
-    "event": Place(
-        "an event", _FOUND | {"output"}, "names of the motion", derivatives=True
-    ),
+    "event": Place("an event", _FOUND | {"output"}, "names of the motion", derivatives=True),
     "setting": Place(
         "a scene", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
     ),
@@ -70,9 +68,7 @@ PLACES: dict[str, Place] = {
         "names of the motion",
         derivatives=True,
     ),
-    "record": Place(
-        "a record", _FOUND | {"output"}, "names of the motion", True, _RECORDED
-    ),
+    "record": Place("a record", _FOUND | {"output"}, "names of the motion", True, _RECORDED),
 }
 
 

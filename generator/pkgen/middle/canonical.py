@@ -33,6 +33,21 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             _energy_span(equations),
             "H(q, p) needs a Lagrangian of second degree in the rates",
         )
+    for declared, what, help in (
+        (
+            equations.model.rotations,
+            "body rates are the rates of no coordinates",
+            "with Euler angles as coordinates there is one",
+        ),
+        (
+            equations.model.constraints,
+            "a constraint leaves q and p no freedom of their own",
+            "with coordinates that fulfil it by themselves there is one",
+        ),
+    ):
+        if declared:
+            message = f"there is no canonical form: {what}"
+            raise error(equations.model, message, declared[0].span, help)
     if equations.states:
         raise error(
             equations.model,

@@ -75,6 +75,7 @@ def constrain(
         multipliers=multipliers,
         free_applied=motion.applied,
         free_pdot=motion.pdot,
+        free_force=motion.force,
         spans=rows.spans,
         workless=_workless(g, rows, J, v),
     )
@@ -128,7 +129,7 @@ def _solved(
         found = solve(g, tuple(map(tuple, S)), wanted)
     except SingularMass as singular:
         raise CannotConstrain(
-            "says nothing new: its row follows from those of the other constraints",
+            "depends on the others wherever they hold: it is redundant, or contradicts them",
             singular.coordinate,
             "leave it out",
         ) from None

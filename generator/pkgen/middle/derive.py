@@ -14,6 +14,7 @@ from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
 from .constrain import CannotConstrain
+from .constraint_start import wrong_starts
 from .derive_constraints import cannot_constrain, define_multipliers, rows_of
 from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
@@ -61,6 +62,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     parameters = _parameters(x)
     start_q, start_v, state_start = _starts(x)
     rows = rows_of(x)
+    wrong = wrong_starts(x.graph, rows, parameters, (start_q, start_v, state_start))
+    if wrong:
+        raise ModelError(model.source, wrong)
     bodies = None
     if wanted.named(PARTICLES):
         bodies = particles_of(x, energies, Given(parameters, start_q, state_start))

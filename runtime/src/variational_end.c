@@ -1,0 +1,95 @@
+/* The end of a variational step, see variational.c: v from p(t, q, v) = p by Newton's method on M, one
+ * linear solve where L is of second degree in v. Where there are constraints p has left their
+ * tangent by as much as the forces of the step's end: p -= J^T nu, so that J v + j0 = 0.
+ */
+#include <string.h>
+
+#include "variational.h"
+
+enum { MOST = 50 };
+
+/* J M^-1 J^T, factored into w->S: 0, or 1 + the row that depends on others. */
+static size_t factor(struct pk_variational_work *w)
+{
+    const size_t n = w->n, c = w->c;
+    for (size_t i = 0; i < c; i++) {
+        memcpy(w->by_kick + i * n, w->J_end + i * n, n * sizeof *w->by_kick);
+        pk_ldl_solve(w->M, w->m, w->by_kick + i * n);
+    }
+    for (size_t i = 0; i < c; i++)
+        for (size_t j = 0; j < c; j++) {
+            w->S[i * c + j] = 0;
+            for (size_t k = 0; k < w->m; k++)
+                w->S[i * c + j] += w->J_end[i * n + k] * w->by_kick[j * n + k];
+        }
+    return pk_ldl_factor(w->S, c);
+}
+
+/* Onto J v + j0 = 0: what is left of it before, beside its terms. */
+static pk_real tangent(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *q,
+                       pk_real *v, pk_real *p, pk_real *low_p)
+{
+    const size_t n = w->n;
+    pk_real worst = 0;
+    it->problem.system->rows(it->problem.params, w->end, q, v, it->u, w->J_end, w->phi);
+    for (size_t i = 0; i < w->c; i++) {
+        pk_real size = PK_TINY, known = w->phi[i];
+        for (size_t k = 0; k < w->m; k++) {
+            size += pk_abs(w->J_end[i * n + k] * v[k]);
+            known -= w->J_end[i * n + k] * v[k];
+        }
+        worst = pk_max(worst, pk_abs(w->phi[i]) / (size + pk_abs(known)));
+    }
+    pk_ldl_solve(w->S, w->c, w->phi);
+    for (size_t i = 0; i < w->c; i++)
+        for (size_t k = 0; k < w->m; k++) {
+            v[k] -= w->phi[i] * w->by_kick[i * n + k];
+            p[k] = pk_sum(p[k], -w->phi[i] * w->J_end[i * n + k], &low_p[k]);
+        }
+    return worst;
+}
+
+enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variational_work *w,
+                                    pk_real *p, pk_real *low_p)
+{
+    const size_t m = w->m;
+    const pk_real *q = pk_part(w->to, w->n, PK_Q);
+    pk_real *v = pk_part(w->to, w->n, PK_V), before = 0;
+    enum pk_status status = pk_variational_mass(it, w, w->end, q, v);
+    if (status < 0)
+        return status;
+    if (w->c) {
+        it->problem.system->rows(it->problem.params, w->end, q, v, it->u, w->J_end, w->phi);
+        const size_t singular = factor(w);
+        if (singular) {
+            it->where = singular - 1;
+            it->detail = w->end;
+            return pk_project_singular(it, q, v);
+        }
+    }
+    for (int count = 0; count < MOST; count++) {
+        pk_real size = 0, scale = PK_TINY, left = 0;
+        pk_variational_momenta(it, w->end, q, v, w->p, w->f);
+        if (!pk_all_finite(w->p, m))
+            return PK_NOT_FINITE;
+        for (size_t k = 0; k < m; k++)
+            w->dV[k] = p[k] - w->p[k];
+        pk_ldl_solve(w->M, m, w->dV);
+        for (size_t k = 0; k < m; k++) {
+            v[k] += w->dV[k];
+            size = pk_max(size, pk_abs(w->dV[k]));
+            scale = pk_max(scale, pk_abs(v[k]));
+        }
+        if (w->c)
+            left = tangent(it, w, q, v, p, low_p);
+        size = pk_max(size / scale, left);
+        if (size <= 2 * PK_EPS)
+            return pk_all_finite(v, m) ? PK_DONE : PK_NOT_FINITE;
+        if (count && size >= before / 2 && size <= PK_VARIATIONAL_ROUND)
+            return PK_DONE; /* corrections no longer shrink: they are round-off */
+        before = size;
+    }
+    it->detail = before;
+    it->where = PK_OF_RATES;
+    return PK_NO_CONVERGENCE;
+}

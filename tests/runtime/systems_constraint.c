@@ -1,0 +1,382 @@
+/* Systems of systems.h with constraints: of positions, of time, rolling, redundant. */
+#include "systems_bound.h"
+
+#define NAMED(x) {x, "", ""}
+
+static void constant_inertia(size_t n, const pk_real *masses, size_t count, pk_real *M)
+{
+    memset(M, 0, n * n * sizeof *M);
+    for (size_t i = 0; i < n; i++)
+        M[i * n + i] = i < count ? masses[i] : 1;
+}
+
+/* A unit mass on a unit rod: the pendulum as a particle. */
+static const struct pk_quantity rod_names[] = {NAMED("x"), NAMED("y")};
+static const struct pk_quantity rod_constraints[] = {NAMED("lambda_rod")};
+static void rod_inertia(ARGS, pk_real *M)
+{
+    UNUSED;
+    constant_inertia(2, NULL, 0, M);
+}
+static void rod_drift(ARGS, pk_real *f)
+{
+    UNUSED;
+    f[0] = 0;
+    f[1] = -G(params);
+}
+static void rod_unbound(ARGS, pk_real *p, pk_real *pdot)
+{
+    memcpy(p, v, 2 * sizeof *p);
+    rod_drift(params, t, q, v, u, pdot);
+}
+static void rod_constraint(ARGS, pk_real *phi)
+{
+    UNUSED;
+    phi[0] = q[0] * q[0] + q[1] * q[1] - 1;
+}
+static void rod_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    UNUSED;
+    J[0] = 2 * q[0];
+    J[1] = 2 * q[1];
+    residual[0] = J[0] * v[0] + J[1] * v[1];
+}
+static void rod_bias(ARGS, pk_real *b)
+{
+    UNUSED;
+    b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);
+}
+static pk_real rod_energy(ARGS)
+{
+    UNUSED;
+    return (v[0] * v[0] + v[1] * v[1]) / 2 + G(params) * q[1];
+}
+BOUND(rod, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
+      LIST(PK_C(0.8), PK_C(0.6)), .n_holonomic = 1, .constraints = rod_constraints,
+      .constraint = rod_constraint);
+
+/* The same, said twice over. */
+static const struct pk_quantity twice_names[] = {NAMED("x"), NAMED("y")};
+static const struct pk_quantity twice_constraints[] = {NAMED("lambda_rod"), NAMED("lambda_again")};
+#define twice_inertia rod_inertia
+#define twice_drift rod_drift
+#define twice_unbound rod_unbound
+#define twice_energy rod_energy
+static void twice_constraint(ARGS, pk_real *phi)
+{
+    rod_constraint(params, t, q, v, u, phi);
+    phi[1] = 3 * phi[0] + LIMIT(params);
+}
+static void twice_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    rod_rows(params, t, q, v, u, J, residual);
+    J[2] = 3 * J[0];
+    J[3] = 3 * J[1];
+    residual[1] = 3 * residual[0];
+}
+static void twice_bias(ARGS, pk_real *b)
+{
+    rod_bias(params, t, q, v, u, b);
+    b[1] = 3 * b[0];
+}
+BOUND(twice, 2, 2, 0, 2, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
+      LIST(PK_C(0.8), PK_C(0.6)), .n_holonomic = 2, .constraints = twice_constraints,
+      .constraint = twice_constraint);
+
+/* Two unit masses on unit rods: double_pendulum as particles. */
+static const struct pk_quantity rods_names[] = {NAMED("x1"), NAMED("y1"), NAMED("x2"), NAMED("y2")};
+static const struct pk_quantity rods_constraints[] = {NAMED("lambda_upper"), NAMED("lambda_lower")};
+static void rods_inertia(ARGS, pk_real *M)
+{
+    UNUSED;
+    constant_inertia(4, NULL, 0, M);
+}
+static void rods_drift(ARGS, pk_real *f)
+{
+    UNUSED;
+    f[0] = f[2] = 0;
+    f[1] = f[3] = -G(params);
+}
+static void rods_unbound(ARGS, pk_real *p, pk_real *pdot)
+{
+    memcpy(p, v, 4 * sizeof *p);
+    rods_drift(params, t, q, v, u, pdot);
+}
+static void rods_constraint(ARGS, pk_real *phi)
+{
+    const pk_real x = q[2] - q[0], y = q[3] - q[1];
+    UNUSED;
+    phi[0] = q[0] * q[0] + q[1] * q[1] - 1;
+    phi[1] = x * x + y * y - 1;
+}
+static void rods_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    const pk_real x = q[2] - q[0], y = q[3] - q[1];
+    UNUSED;
+    J[0] = 2 * q[0], J[1] = 2 * q[1], J[2] = J[3] = 0;
+    J[4] = -2 * x, J[5] = -2 * y, J[6] = 2 * x, J[7] = 2 * y;
+    residual[0] = J[0] * v[0] + J[1] * v[1];
+    residual[1] = 2 * (x * (v[2] - v[0]) + y * (v[3] - v[1]));
+}
+static void rods_bias(ARGS, pk_real *b)
+{
+    const pk_real x = v[2] - v[0], y = v[3] - v[1];
+    UNUSED;
+    b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);
+    b[1] = 2 * (x * x + y * y);
+}
+static pk_real rods_energy(ARGS)
+{
+    UNUSED;
+    return (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]) / 2 + G(params) * (q[1] + q[3]);
+}
+BOUND(rods, 4, 4, 0, 2, BOUND_FACTS, PK_C(1.0), 0,
+      LIST(PK_C(0.6), PK_C(-0.8), PK_C(1.4), PK_C(-0.2)),
+      LIST(PK_C(0.4), PK_C(0.3), PK_C(0.22), PK_C(0.54)), .n_holonomic = 2,
+      .constraints = rods_constraints, .constraint = rods_constraint);
+
+/* A bead on a wire through the origin that turns by A(t) = t + .3 sin 2t, V = g r^2/2 + x^4/4. */
+static const struct pk_quantity wire_names[] = {NAMED("x"), NAMED("y")};
+static const struct pk_quantity wire_constraints[] = {NAMED("lambda_wire")};
+#define ANGLE (t + PK_C(0.3) * PK_F(sin)(2 * t))
+#define ANGLE_1 (1 + PK_C(0.6) * PK_F(cos)(2 * t))
+#define ANGLE_2 (-PK_C(1.2) * PK_F(sin)(2 * t))
+#define wire_inertia rod_inertia
+static void wire_drift(ARGS, pk_real *f)
+{
+    UNUSED;
+    f[0] = -G(params) * q[0] - q[0] * q[0] * q[0];
+    f[1] = -G(params) * q[1];
+}
+static void wire_unbound(ARGS, pk_real *p, pk_real *pdot)
+{
+    memcpy(p, v, 2 * sizeof *p);
+    wire_drift(params, t, q, v, u, pdot);
+}
+static void wire_constraint(ARGS, pk_real *phi)
+{
+    UNUSED;
+    phi[0] = q[0] * PK_F(sin)(ANGLE) - q[1] * PK_F(cos)(ANGLE);
+}
+static void wire_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    const pk_real s = PK_F(sin)(ANGLE), c = PK_F(cos)(ANGLE);
+    UNUSED;
+    J[0] = s;
+    J[1] = -c;
+    residual[0] = s * v[0] - c * v[1] + ANGLE_1 * (q[0] * c + q[1] * s);
+}
+static void wire_bias(ARGS, pk_real *b)
+{
+    const pk_real s = PK_F(sin)(ANGLE), c = PK_F(cos)(ANGLE), w = ANGLE_1;
+    UNUSED;
+    b[0] = 2 * w * (v[0] * c + v[1] * s) + ANGLE_2 * (q[0] * c + q[1] * s) +
+           w * w * (q[1] * c - q[0] * s);
+}
+static pk_real wire_energy(ARGS)
+{
+    UNUSED;
+    return (v[0] * v[0] + v[1] * v[1] + G(params) * (q[0] * q[0] + q[1] * q[1])) / 2 +
+           q[0] * q[0] * q[0] * q[0] / 4;
+}
+BOUND(wire, 2, 2, 0, 1, BOUND_OUTSIDE | PK_VARIATIONAL, PK_C(2.0), 0, LIST(PK_C(0.8), PK_C(0.0)),
+      LIST(PK_C(0.1), PK_C(1.28)), .n_holonomic = 1, .constraints = wire_constraints,
+      .constraint = wire_constraint);
+
+/* The top of systems_rotation.c as a body free in space whose point r = -e_z is held: unit mass,
+ * I = (1/2, 1/2, 1/2) about its centre. */
+static const struct pk_quantity jointed_names[] = {
+    NAMED("x"), NAMED("y"), NAMED("z"), NAMED("omega(R).x"), NAMED("omega(R).y"),
+    NAMED("omega(R).z"), NAMED("R.w"), NAMED("R.x"), NAMED("R.y"), NAMED("R.z")};
+static const struct pk_quantity jointed_constraints[] = {
+    NAMED("lambda_joint.x"), NAMED("lambda_joint.y"), NAMED("lambda_joint.z")};
+static const pk_real jointed_M[] = {PK_C(1.0), PK_C(1.0), PK_C(1.0),
+                                    PK_C(0.5), PK_C(0.5), PK_C(0.5)};
+static const pk_real jointed_r[] = {PK_C(0.0), PK_C(0.0), PK_C(-1.0)};
+static void jointed_inertia(ARGS, pk_real *M)
+{
+    UNUSED;
+    constant_inertia(10, jointed_M, 6, M);
+}
+static void jointed_drift(ARGS, pk_real *f)
+{
+    UNUSED;
+    memset(f, 0, 6 * sizeof *f); /* p x omega = 0 */
+    f[2] = -G(params);
+}
+static void jointed_unbound(ARGS, pk_real *p, pk_real *pdot)
+{
+    for (int i = 0; i < 6; i++)
+        p[i] = jointed_M[i] * v[i];
+    memcpy(p + 6, v + 6, 4 * sizeof *p);
+    jointed_drift(params, t, q, v, u, pdot);
+    spin(v + 6, v + 3, pdot + 6);
+}
+static void jointed_constraint(ARGS, pk_real *phi)
+{
+    UNUSED;
+    turn(v + 6, 0, jointed_r, phi);
+    for (int i = 0; i < 3; i++)
+        phi[i] += q[i];
+}
+static void jointed_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    UNUSED;
+    memset(J, 0, 30 * sizeof *J);
+    for (size_t k = 0; k < 3; k++) {
+        pk_real axis[3] = {0, 0, 0}, arm[3], column[3];
+        axis[k] = 1;
+        cross(axis, jointed_r, arm);
+        turn(v + 6, 0, arm, column);
+        for (size_t i = 0; i < 3; i++)
+            J[i * 10 + 3 + k] = column[i];
+        J[k * 10 + k] = 1;
+    }
+    for (size_t i = 0; i < 3; i++) {
+        residual[i] = 0;
+        for (size_t k = 0; k < 6; k++)
+            residual[i] += J[i * 10 + k] * v[k];
+    }
+}
+static void jointed_bias(ARGS, pk_real *b)
+{
+    pk_real one[3], two[3];
+    UNUSED;
+    cross(v + 3, jointed_r, one);
+    cross(v + 3, one, two);
+    turn(v + 6, 0, two, b);
+}
+static pk_real jointed_energy(ARGS)
+{
+    pk_real sum = G(params) * q[2];
+    UNUSED;
+    for (int i = 0; i < 6; i++)
+        sum += jointed_M[i] * v[i] * v[i] / 2;
+    return sum;
+}
+/* r = R e_z and r' = R (omega x e_z) at the start of `top`, turned by 2 atan(3/4) about x. */
+BOUND(jointed, 10, 3, 1, 3, BOUND_FACTS, PK_C(2.0), 0,
+      LIST(PK_C(0.0), PK_C(-0.96), PK_C(0.28)),
+      LIST(PK_C(-0.2), PK_C(-0.084), PK_C(-0.288), PK_C(0.3), PK_C(-0.2), PK_C(5.0), PK_C(0.8),
+           PK_C(0.6), PK_C(0.0), PK_C(0.0)),
+      .n_holonomic = 3, .constraints = jointed_constraints, .constraint = jointed_constraint);
+
+/* Chaplygin's sleigh: a knife's edge at (x, y), the centre of its unit mass `limit` ahead of it, the
+ * moment about that g. */
+static const struct pk_quantity sleigh_names[] = {NAMED("x"), NAMED("y"), NAMED("theta")};
+static const struct pk_quantity sleigh_constraints[] = {NAMED("lambda_edge")};
+#define SIN PK_F(sin)(q[2])
+#define COS PK_F(cos)(q[2])
+static void sleigh_inertia(ARGS, pk_real *M)
+{
+    const pk_real a = LIMIT(params);
+    UNUSED;
+    memset(M, 0, 9 * sizeof *M);
+    M[0] = M[4] = 1;
+    M[2] = M[6] = -a * SIN;
+    M[5] = M[7] = a * COS;
+    M[8] = G(params) + a * a;
+}
+static void sleigh_drift(ARGS, pk_real *f)
+{
+    const pk_real square = LIMIT(params) * v[2] * v[2];
+    UNUSED;
+    f[0] = square * COS;
+    f[1] = square * SIN;
+    f[2] = 0;
+}
+static void sleigh_unbound(ARGS, pk_real *p, pk_real *pdot)
+{
+    const pk_real a = LIMIT(params);
+    UNUSED;
+    p[0] = v[0] - a * v[2] * SIN;
+    p[1] = v[1] + a * v[2] * COS;
+    p[2] = (G(params) + a * a) * v[2] + a * (v[1] * COS - v[0] * SIN);
+    pdot[0] = pdot[1] = 0;
+    pdot[2] = -a * v[2] * (v[0] * COS + v[1] * SIN);
+}
+static void sleigh_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    UNUSED;
+    J[0] = -SIN;
+    J[1] = COS;
+    J[2] = 0;
+    residual[0] = J[0] * v[0] + J[1] * v[1];
+}
+static void sleigh_bias(ARGS, pk_real *b)
+{
+    UNUSED;
+    b[0] = -v[2] * (v[0] * COS + v[1] * SIN);
+}
+static pk_real sleigh_energy(ARGS)
+{
+    pk_real p[3], pdot[3];
+    sleigh_unbound(params, t, q, v, u, p, pdot);
+    return (p[0] * v[0] + p[1] * v[1] + p[2] * v[2]) / 2;
+}
+BOUND(sleigh, 3, 3, 0, 1, BOUND_FACTS & ~(unsigned)PK_VARIATIONAL, PK_C(0.5), PK_C(0.4), LIST(0),
+      LIST(PK_C(-0.7), PK_C(0.0), PK_C(0.9)), .constraints = sleigh_constraints);
+
+/* A solid unit sphere that rolls on a table turning at `limit`: its centre goes round at 2/7 of
+ * that, wherever it starts. */
+static const struct pk_quantity ball_names[] = {
+    NAMED("x"), NAMED("y"), NAMED("omega(R).x"), NAMED("omega(R).y"), NAMED("omega(R).z"),
+    NAMED("R.w"), NAMED("R.x"), NAMED("R.y"), NAMED("R.z")};
+static const struct pk_quantity ball_constraints[] = {NAMED("lambda_contact.x"),
+                                                      NAMED("lambda_contact.y")};
+static const pk_real ball_M[] = {PK_C(1.0), PK_C(1.0), PK_C(0.4), PK_C(0.4), PK_C(0.4)};
+static void ball_inertia(ARGS, pk_real *M)
+{
+    UNUSED;
+    constant_inertia(9, ball_M, 5, M);
+}
+static void ball_drift(ARGS, pk_real *f)
+{
+    UNUSED;
+    memset(f, 0, 5 * sizeof *f);
+}
+static void ball_unbound(ARGS, pk_real *p, pk_real *pdot)
+{
+    for (int i = 0; i < 5; i++)
+        p[i] = ball_M[i] * v[i];
+    memcpy(p + 5, v + 5, 4 * sizeof *p);
+    ball_drift(params, t, q, v, u, pdot);
+    spin(v + 5, v + 2, pdot + 5);
+}
+static void ball_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    pk_real turning[3];
+    UNUSED;
+    memset(J, 0, 18 * sizeof *J);
+    J[0] = J[10] = 1;
+    for (size_t k = 0; k < 3; k++) {
+        pk_real axis[3] = {0, 0, 0}, column[3];
+        axis[k] = 1;
+        turn(v + 5, 0, axis, column);
+        J[2 + k] = -column[1];
+        J[9 + 2 + k] = column[0];
+    }
+    turn(v + 5, 0, v + 2, turning);
+    residual[0] = v[0] - turning[1] + LIMIT(params) * q[1];
+    residual[1] = v[1] + turning[0] - LIMIT(params) * q[0];
+}
+static void ball_bias(ARGS, pk_real *b)
+{
+    UNUSED;
+    b[0] = LIMIT(params) * v[1];
+    b[1] = -LIMIT(params) * v[0];
+}
+static pk_real ball_energy(ARGS)
+{
+    pk_real sum = 0;
+    UNUSED;
+    for (int i = 0; i < 5; i++)
+        sum += ball_M[i] * v[i] * v[i] / 2;
+    return sum;
+}
+/* With R = 1: omega_y = x' + limit y, omega_x = limit x - y'. */
+BOUND(ball, 9, 2, 1, 2, BOUND_OUTSIDE | PK_AUTONOMOUS, PK_C(1.0), PK_C(1.4),
+      LIST(PK_C(0.5), PK_C(0.25)),
+      LIST(PK_C(0.3), PK_C(-0.2), PK_C(0.9), PK_C(0.65), PK_C(0.4), PK_C(1.0), PK_C(0.0), PK_C(0.0),
+           PK_C(0.0)),
+      .constraints = ball_constraints);
