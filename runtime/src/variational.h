@@ -1,5 +1,6 @@
-/* What the variational steps share: the step (variational.c), its equations (variational_solve.c) and
- * their end, where rates come from momenta (variational_end.c).
+/* What the variational steps share: the step (variational.c), its equations (variational_equations.c)
+ * and how they are solved (variational_solve.c), its end, where rates come from momenta
+ * (variational_end.c).
  */
 #ifndef PK_VARIATIONAL_H
 #define PK_VARIATIONAL_H
@@ -43,6 +44,11 @@ void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *
 /* M there, factored into w->M. */
 enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variational_work *w,
                                    pk_real t, const pk_real *q, const pk_real *v);
+/* The end of the step by V, and its middle. */
+void pk_variational_reach(struct pk_variational_work *w);
+/* Momenta and forces by V, at the middle, or at the start and at the end; whether they are finite. */
+int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w);
+void pk_variational_residual(const struct pk_variational_work *w, pk_real *r);
 /* V and w->kick of the part of the step from w->to; p and f are then of V, and the end is known. */
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w);
 /* v from p at the end w->to; both are moved so that J v + j0 = 0. w->M is then M there. */
