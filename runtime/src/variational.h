@@ -29,12 +29,15 @@ struct pk_variational_work {
     pk_real t, end, h;      /* of this part of the step */
     pk_real *to;            /* a state, as it->next is: the start, and at last the end */
     /* n each. V: the unknown rates, of states too; dV; scale; momenta and forces at the middle or the
-     * start, and at the end; that place; the end and its low parts. */
+     * start, and at the end; that place; the end and its low parts; V and the kick of a shorter
+     * step, and how V goes on from there. */
     pk_real *V, *dV, *scale, *last_V, *p, *f, *p_end, *f_end, *q_at, *v_at;
-    pk_real *q_end, *v_end, *low_q, *low_v;
+    pk_real *q_end, *v_end, *low_q, *low_v, *kept, *kept_kick, *slope;
+    pk_real *f_start; /* forces where this part begins */
     pk_real *M, *lu, *pivot; /* factored: M at the start; the matrix of Newton's method */
     pk_real *J, *J_end, *by_kick, *S, *S_pivot, *kick, *phi, *spare;
     pk_real *last_h; /* of the part before, for the guess */
+    pk_real jump, worst; /* the first correction; the rate of those that are not small */
     pk_real *stages; /* 2 + 2 n numbers each */
 };
 

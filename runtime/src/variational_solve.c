@@ -1,8 +1,9 @@
 /* The equations of a variational step, r(V) = 0 for the rates V of its middle and phi(q1) = 0 for
  * the kick J(q0)^T mu of its start; see variational.c. By M for their matrix, at the start: that
- * contracts while h omega is below 2 and is quick where it is small; or else by Newton's method with
- * differences of r, and followed from short steps on, so that the solution is theirs: its matrix, M
- * at h = 0, must keep the sign of its determinant. The equations in mu are taken with both rows,
+ * contracts while h omega is below 2 and is quick where it is small. Where it does not contract all the
+ * way, the equations may have several solutions: then by Newton's method with differences of r, and
+ * followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must keep the
+ * sign of its determinant. The equations in mu are taken with both rows,
  * J(q0) and J(q1), as they are.
  *
  * An iteration ends as that of newton.c does, far below round-off.
@@ -11,7 +12,17 @@
 
 #include "variational.h"
 
-enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, FOLLOWED = 8 };
+enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50 };
+
+/* Rates of corrections beyond FAR, relative, at which the solution is that next to the guess: of the
+ * iteration by M, and of Newton's; and by how much of the rates what r holds beside M V may change
+ * within the step. Parts of a step that are followed: the first, and the shortest. */
+#define FAR PK_C(0.1)
+#define FAST PK_C(0.7)
+#define SURE PK_C(0.5)
+#define GENTLE PK_C(0.5)
+#define FIRST PK_C(0.125)
+#define SHORTEST (PK_C(1.0) / 16777216)
 
 static size_t unknowns(const struct pk_variational_work *w) { return w->m + (w->n - w->states); }
 static size_t place(const struct pk_variational_work *w, size_t i)
@@ -36,13 +47,23 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
     }
 }
 
+/* Its sign. */
+static int determinant(const pk_real *lu, const pk_real *pivot, size_t count)
+{
+    int sign = 1;
+    for (size_t i = 0; i < count; i++) {
+        const int swapped = (size_t)pivot[i] != i;
+        sign *= (lu[i * count + i] < 0) == swapped ? 1 : -1;
+    }
+    return sign;
+}
+
 /* dr/dV by differences, factored; the sign of its determinant, or 0. */
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
     const pk_real e = PK_F(sqrt)(PK_EPS);
     pk_real *column = w->spare, most = 0;
-    int sign = 1;
     for (size_t k = 0; k < w->n; k++)
         most = pk_max(most, w->scale[k]);
     for (size_t j = 0; j < count; j++) {
@@ -60,17 +81,12 @@ static int differences(struct pk_integrator *it, struct pk_variational_work *w)
     }
     it->count.jacobians++;
     it->count.factorisations++;
-    if (!pk_lu_factor(w->lu, w->pivot, count))
-        return 0;
-    for (size_t i = 0; i < count; i++) {
-        const int swapped = (size_t)w->pivot[i] != i;
-        sign *= (w->lu[i * count + i] < 0) == swapped ? 1 : -1;
-    }
-    return sign;
+    return pk_lu_factor(w->lu, w->pivot, count) ? determinant(w->lu, w->pivot, count) : 0;
 }
 
 /* dV += what makes phi vanish at the end of V + dV, and that much more kick. By rows D of
- * d(phi)/dV and columns of J(q0)^T, which is turned into the middle's frame. 0: singular. */
+ * d(phi)/dV and columns of J(q0)^T, which is turned into the middle's frame. The sign of what that
+ * adds to the determinant of all, 1 at h = 0; 0: singular. */
 static int constrain(struct pk_variational_work *w, int newton)
 {
     const size_t n = w->n, c = w->c;
@@ -118,7 +134,7 @@ static int constrain(struct pk_variational_work *w, int newton)
         for (size_t k = 0; k < n; k++)
             w->dV[k] += w->phi[j] * w->by_kick[j * n + k];
     }
-    return 1;
+    return determinant(w->S, w->S_pivot, c) * (w->h < 0 && c % 2 ? -1 : 1);
 }
 
 /* phi at the end, in units of the rounding of its terms; J there. */
@@ -177,6 +193,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
                                                     : BY_MASS_MOST;
     pk_real before = 0, least = 0;
     int last = 0, growing = 0, more = 0;
+    w->worst = 0;
     for (int count = 0; count <= most; count++) {
         if (!pk_variational_evaluate(it, w))
             return 0;
@@ -195,8 +212,10 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         for (size_t k = 0; k < w->n; k++)
             w->dV[k] = -w->dV[k];
         solve(w, newton, w->dV);
-        if (w->c && !constrain(w, newton))
+        const int of_phi = w->c ? constrain(w, newton) : 1;
+        if (!of_phi)
             return 0;
+        *sign = newton ? *sign * of_phi : of_phi;
         it->count.iterations++;
         pk_real shared;
         const pk_real size = corrected(w, &shared);
@@ -206,6 +225,10 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         if (!pk_finite(size))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);
+        if (count == 0)
+            w->jump = size;
+        else if (size > FAR)
+            w->worst = pk_max(w->worst, rate);
         if (it->options.newton_tol > 0)
             last = size <= it->options.newton_tol;
         else
@@ -221,39 +244,76 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     return 0;
 }
 
-/* By Newton's method, from a step of none on. */
+/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line through
+ * those before, and is one only if the solution is near that. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_part(w->to, w->n, PK_V);
-    for (size_t k = 0; k < w->n; k++)
-        w->V[k] = k < w->m ? v[k] : 0;
-    memset(w->kick, 0, w->n * sizeof *w->kick);
-    for (int i = 1; i <= FOLLOWED; i++) {
+    const size_t bytes = w->n * sizeof *w->V;
+    pk_real made = 0, part = FIRST;
+    for (size_t k = 0; k < w->n; k++) {
+        w->kept[k] = k < w->m ? v[k] : k < w->states ? 0 : w->f_start[k];
+        w->slope[k] = k < w->m ? h / 2 * w->f_start[k] : 0;
+    }
+    pk_ldl_solve(w->M, w->m, w->slope);
+    memset(w->kept_kick, 0, bytes);
+    while (made < 1) {
+        const pk_real next = made + part < 1 ? made + part : 1;
         int sign = 1;
-        w->h = h * (pk_real)i / FOLLOWED;
-        w->end = i == FOLLOWED ? end : w->t + w->h;
+        for (size_t k = 0; k < w->n; k++)
+            w->V[k] = w->kept[k] + (next - made) * w->slope[k];
+        for (size_t j = 0; j < w->c; j++)
+            w->kick[j] = made > 0 ? w->kept_kick[j] * (next / made) : 0;
+        w->h = h * next;
+        w->end = next < 1 ? w->t + w->h : end;
         const int converged = iterate(it, w, 1, &sign);
-        if (!converged || sign < 0) {
-            it->detail = pk_abs(h) * (pk_real)(i - 1) / FOLLOWED * pk_abs(it->h / h);
+        if (converged && sign > 0 && w->worst <= SURE && w->jump <= GENTLE) {
+            for (size_t k = 0; k < w->n; k++)
+                w->slope[k] = (w->V[k] - w->kept[k]) / (next - made);
+            memcpy(w->kept, w->V, bytes);
+            memcpy(w->kept_kick, w->kick, bytes);
+            made = next;
+            part *= 2;
+            continue;
+        }
+        part /= 4;
+        if (part < SHORTEST) {
             w->h = h;
+            it->detail = pk_abs(it->h) * made;
             it->where = PK_BY_NEWTON;
             return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
         }
-        for (size_t j = 0; j < w->c && i < FOLLOWED; j++)
-            w->kick[j] *= (pk_real)(i + 1) / (pk_real)i;
     }
     return PK_DONE;
 }
 
+/* Whether forces at the middle are much those at the start, or momenta at the end: then the
+ * iteration contracts all along from a step of none. */
+static int is_gentle(struct pk_variational_work *w)
+{
+    for (size_t k = 0; k < w->n; k++) {
+        const pk_real d = w->table->ends ? w->p_end[k] - w->p[k] : w->h * (w->f[k] - w->f_start[k]);
+        w->dV[k] = k < w->m ? d / 2 : 0;
+    }
+    pk_ldl_solve(w->M, w->m, w->dV);
+    for (size_t k = 0; k < w->m; k++)
+        if (!(pk_abs(w->dV[k]) <= GENTLE * w->scale[k]))
+            return 0;
+    return 1;
+}
+
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w)
 {
-    int sign;
+    int sign = 1;
     if (w->c)
         it->problem.system->rows(it->problem.params, w->t, pk_part(w->to, w->n, PK_Q),
                                  pk_part(w->to, w->n, PK_V), pk_eval_input(it, w->t), w->J,
                                  w->spare);
-    if (iterate(it, w, 0, &sign))
+    const int converged = iterate(it, w, 0, &sign);
+    if (converged && sign > 0 && w->worst <= FAST && is_gentle(w))
         return PK_DONE;
+    if (it->options.iteration != PK_FIXED_POINT)
+        return follow(it, w);
     it->where = PK_BY_FIXED_POINT;
-    return it->options.iteration == PK_FIXED_POINT ? PK_NO_CONVERGENCE : follow(it, w);
+    return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
 }

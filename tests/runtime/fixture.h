@@ -85,5 +85,6 @@ void add_least_action(void);
 void add_states(void);
 void add_rotation(void);
 void add_constraint(void);
+void add_variational(void);
 
 #endif
