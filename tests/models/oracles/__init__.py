@@ -1,0 +1,5 @@
+"""Closed forms and motions of rigid and constrained bodies, derived by hand: nothing of pkgen is used.
+
+`integrate` extrapolates the midpoint rule; `attitude` has quaternions as matrices; the others are a
+system each. Newton's and Euler's laws where the models have Lagrange's, so that agreement says something.
+"""
