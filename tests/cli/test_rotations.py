@@ -236,3 +236,31 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
             assert (
                 "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
             )
+
+
+CHAIN = """\
+model chain
+size N = 20
+param l = 1 in (0, inf)
+coord x[1..N], y[1..N]
+fixed x[0] = 0
+fixed y[0] = 0
+kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
+potential sum(9.81*y[i], i = 1..N)
+constraint link[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
+start x[i = 1..N] = i*l*cos(0.3), y[i = 1..N] = -i*l*sin(0.3)
+"""
+
+
+def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
+    """A family's loops know no constraints: with them it is written out, and says so."""
+    path = written(tmp_path, CHAIN)
+    options = ("--until", "0.5", "--every", "0.25", "--record", "x[1],y[1],x[20],y[20]")
+    for method in ("gauss", "dop853"):
+        last = rows(pkgen, tmp_path, path, *options, "--method", method)[-1]
+        assert math.hypot(last["x[1]"], last["y[1]"]) == pytest.approx(1, abs=1e-15)
+        assert last["y[20]"] == pytest.approx(-6.976695, abs=1e-5)
+    said = pkgen("explain", path).stdout
+    assert "a model with constraints has its families written out" in said
+    pkgen(path, "-o", tmp_path)
+    assert "NAME_constraints".replace("NAME", "chain") in (tmp_path / "chain.c").read_text()
