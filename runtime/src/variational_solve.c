@@ -243,8 +243,8 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     return 0;
 }
 
-/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line through
- * those before, and is one only if the solution is near that. */
+/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line
+ * through those before, and is one only if the solution is near that. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_part(w->to, w->n, PK_V);

@@ -168,7 +168,8 @@ static void between(void)
         pk_integrator_free(&f.it);
     }
     for (int i = 0; i < BOUND_METHODS; i++)
-        CU_ASSERT(when[i] > 0.2 && fabs(when[i] - when[BOUND_GAUSS]) < (i % 3 || i > 3 ? 1e-7 : 1e-4));
+        CU_ASSERT(when[i] > 0.2 &&
+                  fabs(when[i] - when[BOUND_GAUSS]) < (i % 3 || i > 3 ? 1e-7 : 1e-4));
 
     struct test_params params[3];
     double q0[3][2], v0[3][2], q[3][2], v[3][2], last[3];
