@@ -104,6 +104,32 @@ class Particles:
 
 
 @dataclass(frozen=True)
+class Attitude:
+    """Where a rotation stands: the first of its three rates, and of the four states that are its
+    quaternion w, x, y, z."""
+
+    rate: int
+    state: int
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """Rows J v + j0 = 0, the first `holonomic` of them the rates of phi = 0; the force J^T lambda of
+    d'Alembert is in `applied`, in pdot and f. What is `free` is without it."""
+
+    names: tuple[Quantity, ...]  # of the multipliers
+    holonomic: int
+    positions: Row  # phi
+    rows: Matrix  # J
+    residual: Row  # J v + j0
+    multipliers: Row
+    free_applied: Row
+    free_pdot: Row
+    spans: tuple[Span, ...]
+    workless: bool  # J v = 0 at any time: no constraint moves by itself
+
+
+@dataclass(frozen=True)
 class Equations:
     model: Model
     graph: Graph
@@ -152,7 +178,11 @@ class Equations:
     state_start: Row = ()
     # Of the coordinates the last so many are nobody's: their rates are the states.
     n_states: int = 0
-    inertia: Matrix | None = None  # M before M a = f was solved, where `mass` is the unit matrix
+    attitudes: tuple[Attitude, ...] = ()  # rotations: their rates stand behind all coordinates
+    constraints: Constraints | None = None
+    # M before M a = f was solved, where `mass` is the unit matrix; and wherever `unbound` is there.
+    inertia: Matrix | None = None
+    unbound: tuple[Row, Row] | None = None  # in C: p and pdot without the forces of constraints
     particles: Particles | None = None  # None: not asked for
 
 

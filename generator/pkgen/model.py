@@ -62,6 +62,39 @@ class Coordinate:
     momentum_unit: str
     description: str
     span: Span
+    rate: str = ""  # what its rate and momentum are called, where not x' and p_x
+    momentum: str = ""
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """An attitude in SO(3). Its body rates are the rates of coordinates of their own, `turns`, which
+    stand behind all others; its unit quaternion w, x, y, z are states, before all others."""
+
+    name: str
+    quaternion: tuple[str, ...]
+    rates: tuple[str, ...]
+    turns: tuple[str, ...]
+    momenta: tuple[str, ...]
+    rate_unit: str
+    momentum_unit: str
+    description: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, of a vector a component.
+    `name` is that of its multiplier without the lambda_ in front."""
+
+    name: str
+    index: Expr | None
+    range: Range | None
+    holonomic: bool
+    value: Expr
+    unit: str  # of the multiplier
+    description: str
+    span: Span
 
 
 @dataclass(frozen=True)
@@ -262,3 +295,5 @@ class Model:
     span: Span  # of the `model` statement
     states: tuple[State, ...] = ()
     rates: tuple[Rate, ...] = ()
+    rotations: tuple[Rotation, ...] = ()
+    constraints: tuple[Constraint, ...] = ()

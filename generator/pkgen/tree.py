@@ -13,6 +13,7 @@ from fractions import Fraction
 from .source import Span
 
 AXES = "xyz"
+COMPONENTS = AXES + "w"  # of a quaternion, by Component.axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,7 @@ class Prime:
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """`.x`, `.y` or `.z` of a vector; `axis` is 0, 1 or 2."""
+    """`.x`, `.y` or `.z` of a vector, `.w` of a quaternion; `axis` counts COMPONENTS."""
 
     of: Expr
     axis: int
@@ -87,7 +88,8 @@ class Power:
 @dataclass(frozen=True, slots=True)
 class Call:
     """A function of `functions.py`, or one of vectors: dot, cross, norm, and behind the check
-    rotate(axis, angle, vector)."""
+    rotate(axis, angle, vector) and attitude(quaternion, vector), a quaternion being a vector of
+    COMPONENTS."""
 
     function: str
     arguments: tuple[Expr, ...]

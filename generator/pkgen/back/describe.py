@@ -28,7 +28,8 @@ def entries(program: Program, kernel: Kernel) -> list[str]:
     for output in kernel.outputs:
         name, n = output.name, output.rows
         if output.columns > 1 or name in _MATRICES:
-            lines.append(f"{name}[{n}*{n}]: {_MATRICES[name].format(n=n)}")
+            columns = output.columns
+            lines.append(f"{name}[{n}*{columns}]: {_MATRICES[name].format(n=columns)}")
         elif name in _VECTORS:
             listed = _VECTORS[name](program, kernel) if n <= _LISTED else []
             shown = ", ".join(_with_unit(q.name, q.unit) for q in listed)
@@ -46,6 +47,7 @@ _MATRICES = {
     "pdot_v": "pdot_v[i*{n} + j] = d(pdot_i)/dv_j",
     "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
     "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
+    "J": "J[k*{n} + j] = d(residual_k)/dv_j, row-major",
 }
 
 
@@ -87,6 +89,9 @@ _VECTORS = {
     "dHdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "dHdp": lambda p, _: p.equations.rates,
     "applied": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "phi": lambda p, _: (),
+    "residual": lambda p, _: (),
+    "lambda": lambda p, _: p.equations.constraints.names,
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }
 

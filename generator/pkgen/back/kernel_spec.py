@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from ..equations import Equations, Row
-from ..middle.graph import Node, Op
-from .program import CHECK, STORE, Output
+from ..equations import Equations, Matrix, Row
+from ..middle.graph import ZERO, Node, Op
+from .program import CHECK, FILL, STORE, Output
 from .schedule import Target
 
 Hint = tuple[Node, str]
+_FEW_ZEROS = 8  # of a matrix, each written out
 
 
 def _nothing(_: Equations) -> list[Node]:
@@ -66,3 +67,33 @@ def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
             text = "{0} > PK_PIVOT_MIN * {1}"
             checks.append(Target(CHECK, str(i + 1), (pivot, diagonal), text))
     return checks
+
+
+def vector(name: str, row: Callable[[Equations], Row]):
+    """Outputs and targets of a kernel that writes one vector."""
+    return (
+        lambda e: (Output(name, len(row(e)), 1),),
+        lambda e: stores(name, row(e)),
+    )
+
+
+def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
+    """All entries; of a symmetric matrix the upper triangle, mirrored. Many zeros are written by
+    a loop at the start."""
+    columns = len(matrix[0])
+    zeros = sum(node == ZERO for row in matrix for node in row)
+    targets = []
+    if zeros > _FEW_ZEROS:
+        targets.append(Target(FILL, name, (), str(len(matrix) * columns)))
+    for i, row in enumerate(matrix):
+        for j in range(i if symmetric else 0, columns):
+            if row[j] == ZERO and targets and targets[0].kind == FILL:
+                continue
+            mirrored = (f"{name}[{j * columns + i}]",) if symmetric and j > i else ()
+            targets.append(Target(STORE, f"{name}[{i * columns + j}]", (row[j],), also=mirrored))
+    return targets
+
+
+def square(name: str, equations: Equations) -> Output:
+    n = len(equations.coordinates)
+    return Output(name, n, n)

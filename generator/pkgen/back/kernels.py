@@ -10,20 +10,20 @@ from collections.abc import Callable, Iterator
 from ..equations import Equations, Matrix, Particles, Row
 from ..middle.graph import ZERO, Node
 from ..middle.motion import LINEAR_OF_FEW
-from .kernel_spec import KernelSpec, pivot_checks, stores
+from .kernel_spec import KernelSpec, matrix_stores, pivot_checks, square, stores, vector
+from .kernels_bound import BOUND, bound_specs
 from .kernels_canonical import CANONICAL, canonical_specs
 from .program import FILL, RETURN, STORE, Output
 from .schedule import Target
 
 STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
-_FEW_ZEROS = 8  # of a matrix, each written out
 
 
 def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
     """Those of `wanted` that the model has, and those that these call."""
     names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
     if wanted is not None:
-        names &= wanted | CANONICAL | ({"linear"} if LINEAR_OF_FEW in wanted else set())
+        names &= wanted | CANONICAL | BOUND | ({"linear"} if LINEAR_OF_FEW in wanted else set())
     if equations.quadratures:
         names |= {"quadrature"}
     if equations.switches:
@@ -34,16 +34,8 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
 
 
 def _has_energy(equations: Equations) -> bool:
-    """States alone have none."""
-    return len(equations.coordinates) > equations.n_states
-
-
-def _vector(name: str, row: Callable[[Equations], Row]):
-    """Outputs and targets of a kernel that writes one vector."""
-    return (
-        lambda e: (Output(name, len(row(e)), 1),),
-        lambda e: stores(name, row(e)),
-    )
+    """States alone have none; body rates have."""
+    return len(equations.coordinates) > equations.n_states or bool(equations.attitudes)
 
 
 def _scalar(node: Callable[[Equations], Node | None]):
@@ -53,28 +45,6 @@ def _scalar(node: Callable[[Equations], Node | None]):
         return [Target(RETURN, "", (value,))]
 
     return lambda e: (), targets
-
-
-def _matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
-    """All entries; of a symmetric matrix the upper triangle, mirrored. Many zeros are written by
-    a loop at the start."""
-    n = len(matrix)
-    zeros = sum(node == ZERO for row in matrix for node in row)
-    targets = []
-    if zeros > _FEW_ZEROS:
-        targets.append(Target(FILL, name, (), str(n * n)))
-    for i, row in enumerate(matrix):
-        for j in range(i if symmetric else 0, n):
-            if row[j] == ZERO and targets and targets[0].kind == FILL:
-                continue
-            mirrored = (f"{name}[{j * n + i}]",) if symmetric and j > i else ()
-            targets.append(Target(STORE, f"{name}[{i * n + j}]", (row[j],), also=mirrored))
-    return targets
-
-
-def _square(name: str, equations: Equations) -> Output:
-    n = len(equations.coordinates)
-    return Output(name, n, n)
 
 
 def _acceleration_targets(equations: Equations) -> list[Target]:
@@ -90,8 +60,8 @@ def _linear(equations: Equations) -> list[Target]:
         return []
     return _copied(
         [
-            *_matrix_stores("r_q", linear.r_q),
-            *_matrix_stores("r_v", linear.r_v),
+            *matrix_stores("r_q", linear.r_q),
+            *matrix_stores("r_v", linear.r_v),
             *stores("r_t", linear.r_t),
         ]
     )
@@ -99,7 +69,7 @@ def _linear(equations: Equations) -> list[Target]:
 
 def _jacobian(equations: Equations) -> list[Target]:
     matrices = {name: getattr(equations, name) or () for name in ("p_q", "pdot_q", "pdot_v")}
-    return _copied([t for name, matrix in matrices.items() for t in _matrix_stores(name, matrix)])
+    return _copied([t for name, matrix in matrices.items() for t in matrix_stores(name, matrix)])
 
 
 def _copied(targets: list[Target]) -> list[Target]:
@@ -138,11 +108,11 @@ def _specs() -> Iterator[KernelSpec]:
         "mass",
         "void",
         "M = dp/dv",
-        lambda e: (_square("M", e),),
-        lambda e: _matrix_stores("M", e.mass, symmetric=True),
+        lambda e: (square("M", e),),
+        lambda e: matrix_stores("M", e.mass, symmetric=True),
     )
     yield KernelSpec(
-        "force", "void", "f = pdot - (dp/dq) v - dp/dt", *_vector("f", lambda e: e.force)
+        "force", "void", "f = pdot - (dp/dq) v - dp/dt", *vector("f", lambda e: e.force)
     )
     yield KernelSpec(
         "canonical",
@@ -151,13 +121,13 @@ def _specs() -> Iterator[KernelSpec]:
         lambda e: (Output("momenta", len(e.momenta), 1), Output("pdot", len(e.pdot), 1)),
         lambda e: stores("momenta", e.momenta) + stores("pdot", e.pdot),
     )
-    yield KernelSpec("momenta", "void", "p = dL/dv", *_vector("momenta", lambda e: e.momenta))
-    yield KernelSpec("gradient", "void", "dL/dq", *_vector("dLdq", lambda e: e.gradient))
+    yield KernelSpec("momenta", "void", "p = dL/dv", *vector("momenta", lambda e: e.momenta))
+    yield KernelSpec("gradient", "void", "dL/dq", *vector("dLdq", lambda e: e.gradient))
     yield KernelSpec(
         "jacobian",
         "void",
         "dp/dq, d(pdot)/dq, d(pdot)/dv",
-        lambda e: (_square("p_q", e), _square("pdot_q", e), _square("pdot_v", e)),
+        lambda e: (square("p_q", e), square("pdot_q", e), square("pdot_v", e)),
         _jacobian,
         exists=lambda e: e.p_q is not None,
     )
@@ -165,7 +135,7 @@ def _specs() -> Iterator[KernelSpec]:
         "linear",
         "void",
         "derivatives of r = f - M a by q, v and t, with a and the inputs held",
-        lambda e: (_square("r_q", e), _square("r_v", e), Output("r_t", len(e.force), 1)),
+        lambda e: (square("r_q", e), square("r_v", e), Output("r_t", len(e.force), 1)),
         _linear,
         exists=lambda e: e.linear is not None,
         given=("a",),
@@ -194,51 +164,52 @@ def _specs() -> Iterator[KernelSpec]:
         "guard",
         "void",
         "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
-        *_vector("out", lambda e: tuple(guard.node for guard in e.guards)),
+        *vector("out", lambda e: tuple(guard.node for guard in e.guards)),
         exists=lambda e: bool(e.guards),
     )
     yield KernelSpec(
         "observe",
         "void",
         "observed outputs",
-        *_vector("out", lambda e: e.observed),
+        *vector("out", lambda e: e.observed),
         exists=lambda e: bool(e.observed),
     )
     yield KernelSpec(
         "conserve",
         "void",
         "quantities claimed to be constant",
-        *_vector("out", lambda e: e.conserved),
+        *vector("out", lambda e: e.conserved),
         exists=lambda e: bool(e.conserved),
     )
     yield KernelSpec(
         "event",
         "void",
         "functions whose zeros are the events",
-        *_vector("out", lambda e: e.events),
+        *vector("out", lambda e: e.events),
         exists=lambda e: bool(e.events),
     )
     yield KernelSpec(
         "switching",
         "void",
         "the arguments of step, abs, min and max at whose zeros the equations change",
-        *_vector("out", lambda e: tuple(switch.node for switch in e.switches)),
+        *vector("out", lambda e: tuple(switch.node for switch in e.switches)),
         exists=lambda e: bool(e.switches),
     )
     yield KernelSpec(
         "quadrature",
         "void",
         "z', the rates of the quadratures",
-        *_vector("zdot", lambda e: e.quadratures),
+        *vector("zdot", lambda e: e.quadratures),
         exists=lambda e: bool(e.quadratures),
     )
     yield KernelSpec(
         "quadrature_start",
         "void",
         "what the quadratures are at the start",
-        *_vector("z", lambda e: e.quadrature_start),
+        *vector("z", lambda e: e.quadrature_start),
         exists=lambda e: bool(e.quadratures),
     )
+    yield from bound_specs()
     yield from canonical_specs()
     yield KernelSpec(
         "particles",

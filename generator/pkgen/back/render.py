@@ -17,6 +17,7 @@ from .chunk import ARGUMENTS
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .facts import facts, invariants
+from .kernels_bound import BOUND
 from .kernels import KERNELS, STARTS
 from .program import Block, Kernel, Program, operations_text
 
@@ -50,13 +51,22 @@ SYSTEM_KERNELS = [
     "observe",
     "conserve",
     "linear",
+    "constraint",
+    "rows",
+    "multipliers",
+    "unbound",
+    "inertia",
     "guard",
     "event",
     "quadrature",
     "switching",
     "particles",
 ]
-_SELDOM = {"quadrature", "switching", "particles"}  # named in the table where they are alone
+_SELDOM = {
+    "quadrature",
+    "switching",
+    "particles",
+} | BOUND  # named in the table where they are alone
 
 _TESTED = [
     "acceleration",
@@ -148,6 +158,9 @@ def _context(program: Program) -> dict[str, Any]:
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
         "n_quadratures": len(equations.quadratures),
+        "n_rotations": len(equations.attitudes),
+        "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
+        "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
         "events": tables.events(program),
         "switches": [switch.quantity.name for switch in equations.switches],

@@ -29,6 +29,7 @@ def tables(program: Program) -> list[dict[str, Any]]:
         ("observed", "OBSERVED", e.observed_names),
         ("conserved", "CONSERVED", e.conserved_names),
         ("quadratures", "QUADRATURES", e.quadrature_names),
+        ("constraints", "CONSTRAINTS", e.constraints.names if e.constraints else ()),
     ]
     return [
         {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}

@@ -16,11 +16,13 @@ from ..source import Diagnostic, ModelError, Source, Span
 from . import statements as st
 from .check_coordinates import Coordinates
 from .check_definitions import Definitions
-from .check_dynamics import NOT_COMPILED, Dynamics, refuse
+from .check_constraints import Constraints
+from .check_dynamics import Dynamics
 from .check_expr import Expressions
 from .check_names import Names, Report
 from .check_params import check_bounds
 from .check_required import Required
+from .check_rotation_statements import coordinates_of, identity, states_of
 from .check_scene_values import check_scene_values
 from .check_scenes import Scenes
 from .check_shared import Shared
@@ -68,6 +70,7 @@ class _Checker:
         self.names = Names(self.report, self._line, declared, poisoned)
         self.names.coordinates = _named(file.statements, "coord")
         self.names.states = _named(file.statements, "state")
+        self.names.rotations = _named(file.statements, "rotation")
         sizes: dict[str, int] = {}
         lagrangian = any(
             isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
@@ -77,8 +80,8 @@ class _Checker:
         )
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         definitions, self.states = Definitions(self.shared), States(self.shared)
-        coordinates = Coordinates(self.shared, self.states)
         dynamics = self.dynamics = Dynamics(self.shared)
+        coordinates = Coordinates(self.shared, self.states, dynamics.rotations)
         self.define = definitions.define
         self.checks = {
             st.ModelName: definitions.model,
@@ -90,6 +93,7 @@ class _Checker:
             st.Energy: dynamics.energy,
             st.ForceAlong: dynamics.force,
             st.Event: dynamics.event,
+            st.Equation: Constraints(self.shared).equation,
             st.StartAt: dynamics.start,
             st.Scene: lambda _: None,  # when all names are known
         }
@@ -148,11 +152,7 @@ class _Checker:
         return found
 
     def _check(self, statement: st.Statement) -> None:
-        keyword = getattr(statement, "keyword", "")
-        if keyword in NOT_COMPILED:
-            refuse(statement, self.shared)
-        else:
-            self.checks[type(statement)](statement)
+        self.checks[type(statement)](statement)
 
     def _unused(self) -> None:
         for entry in self.names.table.values():
@@ -164,6 +164,7 @@ class _Checker:
         if self.report.errors or self.file.diagnostics:
             return None
         head: st.ModelName = parts["name"][0]
+        rotations = tuple(parts["rotation"])
         return m.Model(
             source=self.file.source,
             name=head.name,
@@ -171,7 +172,7 @@ class _Checker:
             dimensionless=self.dimensionless,
             sizes=tuple(parts["size"]),
             parameters=tuple(parts["param"]),
-            coordinates=tuple(parts["coord"]),
+            coordinates=(*parts["coord"], *(c for r in rotations for c in coordinates_of(r))),
             ends=tuple(parts["ends"]),
             inputs=tuple(self._input(*i) for i in parts["input"]),
             definitions=tuple(parts["definitions"]),
@@ -183,11 +184,13 @@ class _Checker:
             observed=tuple(parts["observe"]),
             conserved=tuple(parts["conserve"]),
             events=tuple(parts["event"]),
-            starts=tuple(parts["start"]),
+            starts=(*map(identity, rotations), *parts["start"]),
             scenes=tuple(parts["scene"]),
             span=head.span,
-            states=tuple(parts["state"]),
+            states=(*(s for r in rotations for s in states_of(r)), *parts["state"]),
             rates=tuple(parts["rate"]),
+            rotations=rotations,
+            constraints=tuple(parts["constraint"]),
         )
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
@@ -209,7 +212,7 @@ _UNUSED = {
 
 
 def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
-    """The names that `coord` or `state` declares anywhere."""
+    """The names that `coord`, `state` or `rotation` declares anywhere."""
     return frozenset(
         item.name
         for s in statements
@@ -230,6 +233,9 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 yield from ((item.name, item.name_span) for item in items)
             case st.Event(name=name, name_span=span):
                 yield name, span
+            case st.Equation(left=left):
+                yield left.name, left.span
+                yield f"lambda_{left.name}", left.span
 
 
 def _has_no_dimension(text: str) -> bool:

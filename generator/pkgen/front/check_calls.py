@@ -13,9 +13,9 @@ from ..source import Span
 from ..tree import Call, Expr, Multiply, Name, Number, Quantity, Sum, Vector
 from . import check_values as values
 from . import units
-from .check_names import CALLABLE, SPECIAL, UNKNOWN, Facts, joined
+from .check_names import CALLABLE, ROTATIONS, SPECIAL, UNKNOWN, Facts, joined
+from .check_rotations import RotationCalls
 from .check_scope import PLACES, Scope
-from .check_vectors import EXAMPLE
 from .units import NONE, Dimension
 
 if TYPE_CHECKING:
@@ -29,15 +29,18 @@ class Calls:
         self.x = x
         self.report, self.names = x.report, x.names
         self.indices, self.mismatch = x.indices, x.mismatch
+        self.rotations = RotationCalls(x)
 
     def call(self, expr: Call, scope: Scope) -> Checked:
         function = expr.function
         if function in ("drift", "time") and scope.place is PLACES["expect"]:
             return self._of_run(expr)
+        if function in ROTATIONS:  # whose arguments may be rotations
+            return self.rotations.call(
+                expr, [self.x.factor(argument, scope) for argument in expr.arguments]
+            )
         parts = [self.x.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
-        if function == "rot":
-            return expr, self._rotation(expr, parts)
         if function not in CALLABLE:
             self._not_callable(expr)
             return expr, UNKNOWN
@@ -50,35 +53,6 @@ class Calls:
         if function in VECTOR_FUNCTIONS:
             return new, self._vector_call(expr, facts)
         return new, self._scalar_call(expr, facts)
-
-    def _rotation(self, expr: Call, parts: list[Checked]) -> Facts:
-        """rot(AXIS, ANGLE): about the axis, whatever its length, as a right-handed screw turns."""
-        if len(parts) != 2:
-            self.report.error(
-                f"rot takes an axis and an angle, not {len(parts)} arguments",
-                expr.span,
-                f"e.g. {EXAMPLE}",
-            )
-            return UNKNOWN
-        (axis, of_axis), (angle, of_angle) = parts
-        if of_axis.vector is False:
-            self.report.error(
-                f"the axis of a rotation is a vector, {self.mismatch.text(axis)} is a number",
-                expr.arguments[0].span,
-                f"e.g. {EXAMPLE}",
-            )
-        elif of_angle.vector:
-            self.report.error(
-                f"the angle of a rotation is a number, {self.mismatch.text(angle)} is a vector",
-                expr.arguments[1].span,
-            )
-        else:
-            if of_angle.dimension not in (None, NONE):
-                self.mismatch.argument("rot", expr.arguments[1], of_angle)
-            if not (of_axis.known and of_angle.known):
-                return UNKNOWN
-            return replace(joined(NONE, True, [of_axis, of_angle]), turns=((axis, angle),))
-        return UNKNOWN
 
     def _of_run(self, expr: Call) -> Checked:
         """drift(X), time(EVENT): of a whole run, which an expectation compares."""

@@ -1,4 +1,4 @@
-"""`coord`, `state`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
+"""`coord`, `state`, `rotation`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from . import statements as st
 from . import units
 from .check_expr import Target
 from .check_names import KIND_TEXT, Entry, Facts
+from .check_rotation_statements import Rotations
 from .check_scope import PLACES, Scope
 from .check_shared import Shared, described
 from .check_states import States
@@ -16,9 +17,14 @@ from .units import si_text
 
 
 class Coordinates:
-    def __init__(self, shared: Shared, states: States) -> None:
+    def __init__(self, shared: Shared, states: States, rotations: Rotations) -> None:
         self.shared = shared
-        self.declared = {"coord": self._coordinate, "state": states.declare, "input": self._input}
+        self.declared = {
+            "coord": self._coordinate,
+            "state": states.declare,
+            "rotation": rotations.declare,
+            "input": self._input,
+        }
         self.report, self.names = shared.report, shared.names
         self.expressions, self.indices = shared.expressions, shared.indices
         self.parts = shared.parts

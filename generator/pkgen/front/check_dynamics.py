@@ -1,4 +1,4 @@
-"""Energies, forces, starts; and what is understood but not compiled yet."""
+"""Energies, forces, starts, events."""
 
 from __future__ import annotations
 
@@ -9,15 +9,10 @@ from . import statements as st
 from . import units
 from .check_expr import Target
 from .check_names import UNKNOWN, Entry
+from .check_rotation_statements import Rotations
 from .check_scope import PLACES, Scope
 from .check_shared import Shared
 from .units import NONE, si_text
-
-NOT_COMPILED = {
-    "rotation": "use Euler angles as coordinates, e.g. coord phi, theta, psi [rad]",
-    "constraint": "choose coordinates that fulfil it by themselves",
-    "rolling": "choose coordinates that fulfil it by themselves, or add a force",
-}
 
 _DIRECTIONS = {"rising": 1, "falling": -1, "either": 0}
 
@@ -28,6 +23,7 @@ class Dynamics:
         self.report, self.names = shared.report, shared.names
         self.expressions, self.indices = shared.expressions, shared.indices
         self.parts = shared.parts
+        self.rotations = Rotations(shared)
 
     def energy(self, statement: st.Energy) -> None:
         keyword = statement.keyword
@@ -70,7 +66,11 @@ class Dynamics:
 
     def force(self, statement: st.ForceAlong) -> None:
         left = statement.left
-        entry = self.shared.named(left, "a force")
+        kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
+        entry = self.shared.named(left, "a force", kinds)
+        if entry is not None and entry.kind == "rotation":
+            self.parts["force"] += self.rotations.force(statement)
+            return
         scope = self.shared.member_scope(left, entry, Scope(PLACES["force"]))
         if entry is None or scope is None or entry.facts.dimension is None:
             self.expressions.check(statement.value, scope or Scope(PLACES["force"]))
@@ -90,20 +90,18 @@ class Dynamics:
 
     def start(self, statement: st.StartAt) -> None:
         for item in statement.items:
-            checked = self.start_item(item)
-            if checked is not None:
-                self.parts["start"].append(checked)
+            self.parts["start"] += self.start_item(item) or ()
 
-    def start_item(self, item: st.StartItem, around: Scope | None = None) -> m.Start | None:
-        """`around` is the scope of the values where there is a loop around them."""
+    def start_item(
+        self, item: st.StartItem, around: Scope | None = None
+    ) -> tuple[m.Start, ...] | None:
+        """One, of a rotation one for each number, None after an error. `around` is the scope of
+        the values where there is a loop around them."""
         left = item.left
-        if item.function:
-            self.report.error(
-                f"a start of {item.function}({left.name}) cannot be compiled yet", item.span
-            )
-            return None
         entry = self.shared.named(left, "a start", self.shared.moving)
         around = around or Scope(PLACES["start"])
+        if item.function or (entry is not None and entry.kind == "rotation"):
+            return self.rotations.start(item, entry, around)
         scope = self.shared.member_scope(left, entry, around)
         if entry is None or scope is None:
             self.expressions.check(item.value, scope or around)
@@ -127,7 +125,7 @@ class Dynamics:
         kind = "" if dimension is None else units.described(dimension)
         target = Target(dimension, f"{shown} is {kind}", bare=True)
         value, _ = self.expressions.wanted(item.value, scope, target)
-        return m.Start(left.name, left.index, left.range, item.order, value, item.span)
+        return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
 
     def event(self, statement: st.Event) -> None:
         value, facts = self.expressions.check(statement.value, Scope(PLACES["event"]))
@@ -176,13 +174,3 @@ def _step_of(value: Expr) -> Call | None:
         elif isinstance(part, Negate):
             parts.append(part.of)
     return None
-
-
-def refuse(statement: st.Define | st.Declare | st.Equation, shared: Shared) -> None:
-    """Reports a statement that cannot be compiled; what it declares causes no more errors."""
-    word = Span(statement.span.start, statement.span.start + len(statement.keyword))
-    shared.report.error(
-        f"'{statement.keyword}' cannot be compiled yet", word, NOT_COMPILED[statement.keyword]
-    )
-    for item in getattr(statement, "items", ()):
-        shared.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from ..source import Source, Span
 from ..tree import (
+    AXES,
     Add,
     Call,
     Component,
@@ -41,6 +42,7 @@ from .check_names import (
     Members,
     Names,
     Report,
+    joined,
 )
 from .check_operators import Operators
 from .check_scope import Place, Scope
@@ -111,6 +113,25 @@ class Expressions:
         """What may be a rotation too: of that the expression means nothing, its facts say all."""
         return self._visit[type(expr)](expr, scope)
 
+    def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
+        """Checks a vector whose dimension is given; of one that is written out each item."""
+        if isinstance(expr, Vector) and len(expr.items) == len(AXES):
+            parts = [self.wanted(item, scope, target) for item in expr.items]
+            facts = joined(target.dimension, True, [f for _, f in parts])
+            return Vector(tuple(e for e, _ in parts), expr.span), facts
+        new, facts = self.check(expr, scope)
+        if facts.vector is False and facts.known:
+            self.report.error(
+                f"{self.mismatch.text(expr)} is a number, {target.needs}",
+                expr.span,
+                "write the vector [x, y, z]",
+            )
+        elif None not in (facts.dimension, target.dimension) and facts.dimension != (
+            target.dimension
+        ):
+            self.mismatch.against(expr, facts, target.dimension, target.needs, target.bare)
+        return new, facts
+
     def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
         """Checks an expression whose dimension is given; each term of a sum by itself."""
         if isinstance(expr, Add) and not target.bare:
@@ -160,7 +181,7 @@ class Expressions:
             return expr, UNKNOWN
         if not self.indices.member(expr, entry, scope):
             return expr, UNKNOWN
-        if entry.kind == "output" and entry.facts.vector:
+        if entry.kind in ("output", "built-in") and entry.facts.vector:
             return output_vector(expr), entry.facts
         return expr, entry.facts
 
@@ -178,7 +199,7 @@ class Expressions:
         if name == "inf":
             self._once(name, "'inf' stands only in bounds, e.g. in (0, inf)", expr.span)
             return None
-        if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.coordinates):
+        if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.moving):
             return self._built_in(name, expr)
         if name.startswith("p_") and name[2:] in self.names.states:
             message = f"'{name}': {name[2:]} is a state, and only coordinates have momenta"
@@ -189,7 +210,7 @@ class Expressions:
         return None
 
     def _built_in(self, name: str, expr: Name) -> Entry | None:
-        if not self.names.coordinates and self.names.states:
+        if not self.names.moving and self.names.states:
             self._once(
                 name,
                 f"'{name}' is not known here: a model of states alone has no energy",
@@ -205,7 +226,7 @@ class Expressions:
                 "L and energy are; or write 'kinetic' and 'potential'",
             )
             return None
-        everything = self.names.coordinates
+        everything = self.names.moving
         facts = Facts(self.energy_dimension, united=True, coordinates=everything, rates=everything)
         of = self.names.table.get(name[2:]) if name.startswith("p_") else None
         if of is not None and of.facts.dimension is None:
@@ -213,6 +234,8 @@ class Expressions:
         elif of is not None:
             action = units.times(self.energy_dimension, self.time_dimension)
             facts = replace(facts, dimension=units.over(action, of.facts.dimension))
+        if of is not None and of.kind == "rotation":
+            facts = replace(facts, vector=True)
         members = Members(of.own) if of is not None and of.own else None  # an end has no momentum
         return Entry(name, "built-in", facts, expr.span, members)
 
@@ -228,6 +251,8 @@ class Expressions:
             where = ("event", "rate") if self.names.states else ("event",)
             words = [f"'{word}'" for word in ("observe", "conserve", *where)]
             help = f"it can be used in {', '.join(words[:-1])} and {words[-1]}"
+        elif entry.kind == "constraint":
+            help = f"its multiplier is lambda_{expr.id}, in outputs and events"
         else:
             help = f"{place.what} may use {place.may_use}"
         self.report.error(

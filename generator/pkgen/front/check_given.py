@@ -89,11 +89,12 @@ class Given:
             if checked is None:
                 self.wrong_start = True
                 continue
-            self.starts.append(checked)
+            self.starts += checked
             taken = self._members(left)
             if taken is None:
                 continue
-            self._once(left.name + "'" * item.order, "started", taken, left.span)
+            what = f"omega({left.name})" if item.function else left.name + "'" * item.order
+            self._once(what, "started", taken, left.span)
             self.started.setdefault(left.name, Members()).add(*taken)
             if self._touches(self.held, left.name, taken):
                 self._held_and_started(name_span(left), left.name)

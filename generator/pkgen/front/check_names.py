@@ -17,11 +17,25 @@ from .words import reserved
 
 NOTHING: frozenset[str] = frozenset()
 NO_INPUTS: dict[str, int] = {}
-Turns = tuple[tuple[Expr, Expr], ...]  # axis and angle of each rot() in a product of them
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 CALLABLE = frozenset(n for n, f in FUNCTIONS.items() if not f.internal) | VECTOR_FUNCTIONS.keys()
-SPECIAL = frozenset(("sum", "omega", "rot", "drift", "time"))
+ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
+SPECIAL = ROTATIONS | {"sum", "drift", "time"}
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
+    of its numbers x, y, z, w. `name` is of one that stands as it is declared."""
+
+    axis: Expr | None = None
+    angle: Expr | None = None
+    quaternion: Expr | None = None
+    name: str = ""
+
+
+Turns = tuple[Turn, ...]
 
 
 @dataclass(slots=True)
@@ -142,6 +156,8 @@ KIND_TEXT = {
     "constant": "a constant",
     "coordinate": "a coordinate",
     "state": "a state",
+    "rotation": "a rotation",
+    "constraint": "a constraint",
     "definition": "a definition",
     "input": "an input",
     "output": "an output",
@@ -201,9 +217,10 @@ class Names:
                 "choose another name",
             )
             return False
-        elif name.startswith("p_") and name[2:] in self.coordinates:
+        elif name.startswith("p_") and name[2:] in self.moving:
+            what = "coordinate" if name[2:] in self.coordinates else "rotation"
             self.report.error(
-                f"'{name}' is the momentum of the coordinate '{name[2:]}'; it needs no declaration",
+                f"'{name}' is the momentum of the {what} '{name[2:]}'; it needs no declaration",
                 span,
                 "choose another name",
             )
@@ -212,6 +229,13 @@ class Names:
 
     coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
     states: frozenset[str] = NOTHING  # likewise
+    rotations: frozenset[str] = NOTHING
+
+    @property
+    def moving(self) -> frozenset[str]:
+        """What has an equation of motion."""
+        return self.coordinates | self.rotations
+
     missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # if nothing else helps
 
     def unknown(
@@ -253,7 +277,7 @@ class Names:
             return f"'{name}' is a function: write {name}(…)"
         known = sorted(CALLABLE | {"sum"}) if called else [*self.table, "t", "pi"]
         if built_in:
-            known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.coordinates))]
+            known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.moving))]
         if not called and name in _UNITS:
             return f"a unit stands in square brackets after a value: 2 [{name}]"
         near = get_close_matches(name, known, 1, 0.6)

@@ -9,12 +9,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from .. import limits
-from ..tree import Add, Component, Expr, Multiply, Negate, Power, Prime
+from ..tree import AXES, COMPONENTS, Add, Component, Expr, Multiply, Name, Negate, Power, Prime
 from . import check_values as values
 from . import units
 from .check_names import NO_INPUTS, UNKNOWN, Facts, joined
 from .check_scope import Scope
-from .check_vectors import component, turned, turns_of
+from .check_vectors import EXAMPLE, component, turned, turns_of
 from .units import NONE, Dimension
 
 if TYPE_CHECKING:
@@ -74,13 +74,33 @@ class Operators:
         return Prime(of, expr.span), derived
 
     def component(self, expr: Component, scope: Scope) -> Checked:
-        of, facts = self.x.check(expr.of, scope)
+        of, facts = self.x.factor(expr.of, scope)
+        if facts.turns:
+            return self._of_rotation(expr, facts)
         if facts.vector is False:
             self.report.error(
                 f"{self.mismatch.text(expr.of)} is a number: it has no components", expr.span
             )
             return expr, UNKNOWN
+        if expr.axis >= len(AXES) and facts.known:
+            self.report.error(
+                f"{self.mismatch.text(expr.of)} is a vector: it has .x, .y and .z", expr.span
+            )
+            return expr, UNKNOWN
         return component(of, expr.axis), replace(facts, vector=False, value=None)
+
+    def _of_rotation(self, expr: Component, facts: Facts) -> Checked:
+        """R.w, R.x, R.y, R.z: the quaternion of a rotation that is declared."""
+        name = facts.turns[0].name if len(facts.turns) == 1 else ""
+        if not name:
+            self.report.error(
+                f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector",
+                expr.of.span,
+                f"of a declared one R there is the quaternion R.w, R.x, R.y, R.z; {EXAMPLE}",
+            )
+            return expr, UNKNOWN
+        new = Name(f"{name}.{COMPONENTS[expr.axis]}", None, expr.span)
+        return new, replace(facts, vector=False, turns=(), united=True)
 
     def negate(self, expr: Negate, scope: Scope) -> Checked:
         return self.negated(expr, *self.x.check(expr.of, scope))

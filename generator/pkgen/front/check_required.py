@@ -34,21 +34,16 @@ class Required:
             self.report.error("'model' must be the first statement", at)
         if "" in broken:  # a line that starts with no known word may have been any of these
             return
-        not_compiled = {
-            s.keyword
-            for s in self.file.statements
-            if isinstance(s, (st.Define, st.Declare, st.Equation))
-        } & {"rotation"}
-        moving = self.shared.names.coordinates | self.shared.names.states
-        if not moving and not broken & {"coord", "state"} and not not_compiled:
+        names = self.shared.names
+        if not names.moving | names.states and not broken & {"coord", "state", "rotation"}:
             self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
         has_energy = parts["kinetic"] or parts["lagrangian"]
-        if self.shared.names.states and not self.shared.names.coordinates and "coord" not in broken:
+        if names.states and not names.moving and not broken & {"coord", "rotation"}:
             self._states_alone()
             return
         if has_energy:
             return
-        if not broken & {"kinetic", "lagrangian"} and not not_compiled:
+        if not broken & {"kinetic", "lagrangian"}:
             self.report.error(
                 "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
             )
@@ -84,6 +79,14 @@ class Required:
         if not has_kinetic or not all(f.known for f in energies):
             return
         with_rate = frozenset().union(*(f.rates for f in energies))
+        for rotation in self.shared.parts["rotation"]:
+            if rotation.name not in with_rate:
+                self.report.error(
+                    f"the rotation '{rotation.name}' has no inertia: no energy contains its rates",
+                    rotation.span,
+                    f"add a kinetic term, e.g. kinetic I/2*dot(omega({rotation.name}),"
+                    f" omega({rotation.name}))",
+                )
         for coordinate in self.shared.parts["coord"]:
             if coordinate.name not in with_rate:
                 self.report.error(

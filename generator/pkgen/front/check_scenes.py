@@ -12,11 +12,12 @@ from dataclasses import replace
 from .. import model as m
 from ..indices import NotAnInteger, indexed, integer
 from ..source import Span
-from ..tree import Component, Expr, Name, Prime
+from ..tree import Call, Component, Expr, Name, Prime
 from . import statements as st
 from .check_dynamics import Dynamics
 from .check_expects import Expects
 from .check_given import Given
+from .check_rotations import quaternion_names
 from .check_scope import PLACES, Scope
 from .check_settings import Settings
 from .check_shared import Shared
@@ -127,12 +128,21 @@ class _Scene:
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
         """One, of a vector three, none after an error."""
         shared = self.scenes.shared
+        value, facts = self.scenes.expressions.factor(item, Scope(PLACES["record"]))
+        if facts.turns and facts.turns[0].name and isinstance(item, Name):
+            numbers = quaternion_names(item.id)
+            return (
+                m.Definition(x, None, None, Name(x, None, item.span), "", "", item.span)
+                for x in numbers
+            )
         value, facts = self.scenes.expressions.check(item, Scope(PLACES["record"]))
         inner, order, axis = item, 0, None
         while isinstance(inner, Prime):
             inner, order = inner.of, order + 1
         if isinstance(inner, Component):
             inner, axis = inner.of, inner.axis
+        if isinstance(inner, Call) and inner.function == "omega" and facts.known and not order:
+            inner = Name(f"omega({min(facts.coordinates)})", None, inner.span)
         if not isinstance(inner, Name):
             self.report.error(
                 "a record takes names, not expressions",

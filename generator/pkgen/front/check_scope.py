@@ -24,7 +24,7 @@ _RECORDED = "what is recorded is declared above the scene: observe {name} = …"
 _NUMBERS = frozenset(("loop variable", "size", "constant", "not compiled"))
 _PARAMETERS = _NUMBERS | {"parameter"}
 _DRIVEN = _PARAMETERS | {"time", "input", "definition"}
-_MOTION = _DRIVEN | {"coordinate", "state"}
+_MOTION = _DRIVEN | {"coordinate", "state", "rotation"}
 
 PLACES: dict[str, Place] = {
     "size": Place("a size", frozenset(("size",)), "integers and earlier sizes"),
@@ -41,6 +41,7 @@ PLACES: dict[str, Place] = {
     "let": Place("a definition", _MOTION, "all but outputs", derivatives=True),
     "energy": Place("an energy", _MOTION, "all but outputs", derivatives=True),
     "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
+    "constraint": Place("a constraint", _MOTION, "all but outputs", derivatives=True),
     "rate": Place("a rate", _MOTION | {"built-in"}, "all but outputs", derivatives=True),
     "output": Place("an output", _MOTION | {"built-in"}, "all but other outputs", derivatives=True),
     "event": Place(

@@ -18,7 +18,7 @@ from .units import described as described_dimension
 
 _PART_NAMES = """
     name size param coord ends input definitions kinetic potential lagrangian dissipation force
-    observe conserve event start scene state rate
+    observe conserve event start scene state rate rotation constraint
 """
 _PARTS = tuple(_PART_NAMES.split())
 
@@ -50,7 +50,8 @@ class Shared:
     @property
     def moving(self) -> tuple[str, ...]:
         """Kinds of names that have starts, and families with ends."""
-        return ("coordinate", "state") if self.names.states else ("coordinate",)
+        others = {"state": self.names.states, "rotation": self.names.rotations}
+        return ("coordinate", *(kind for kind, names in others.items() if names))
 
     def use_inputs(self, facts: Facts) -> None:
         for name, order in facts.inputs.items():

@@ -1,8 +1,9 @@
 """Vectors and rotations as what they stand for: components, and turns of a vector.
 
 An output that is a vector is three outputs, `r.x`, `r.y` and `r.z`; its name stands for a vector of
-these. A rotation is the row of turns that it consists of, rot(AXIS, ANGLE), the leftmost done
-last; it never stands alone, so that rotate(AXIS, ANGLE, VECTOR) is all that is left of it.
+these. A rotation is the row of turns that it consists of, rot(AXIS, ANGLE) or a declared attitude,
+the leftmost done last; it stands alone only where it is a start, so that rotate(AXIS, ANGLE, VECTOR)
+and attitude(QUATERNION, VECTOR) are all that is left of it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..model import Definition
-from ..tree import AXES, Call, Component, Expr, Multiply, Name, Sum, Vector
+from ..source import Span
+from ..tree import AXES, COMPONENTS, Call, Component, Expr, Multiply, Name, Sum, Vector
 from .check_names import Facts, Report, Turns
 
 EXAMPLE = "rot([0, 0, 1], angle)*r"
@@ -28,7 +30,7 @@ def component(vector: Expr, axis: int) -> Expr:
 
 
 def component_name(name: str, axis: int) -> str:
-    return f"{name}.{AXES[axis]}"
+    return f"{name}.{COMPONENTS[axis]}"
 
 
 def by_component(definition: Definition) -> Iterator[Definition]:
@@ -55,7 +57,7 @@ def turned(expr: Multiply, factors: list[Expr], facts: list[Facts], report: Repo
         report.error(
             "division by a rotation",
             expr.factors[under].span,
-            "its inverse turns by the negative angle: rot(axis, -angle)",
+            "its inverse is inverse(R)",
         )
     elif vectors and vectors[0] < last:
         report.error(
@@ -72,14 +74,22 @@ def turned(expr: Multiply, factors: list[Expr], facts: list[Facts], report: Repo
     elif not vectors:
         return None
     else:
-        vector = factors[vectors[0]]
-        for axis, angle in reversed(turns_of(facts)):
-            vector = Call("rotate", (axis, angle, vector), expr.span)
+        vector = applied(turns_of(facts), factors[vectors[0]], expr.span)
         left = [i for i in range(len(factors)) if i in numbers or i in vectors]
         rest = tuple(vector if i in vectors else factors[i] for i in left)
         exponents = tuple(expr.exponents[i] for i in left)
         return vector if len(rest) == 1 else Multiply(rest, exponents, expr.span)
     raise ValueError
+
+
+def applied(turns: Turns, vector: Expr, span: Span) -> Expr:
+    """The vector as they turn it."""
+    for turn in reversed(turns):
+        if turn.quaternion is not None:
+            vector = Call("attitude", (turn.quaternion, vector), span)
+        else:
+            vector = Call("rotate", (turn.axis, turn.angle, vector), span)
+    return vector
 
 
 def turns_of(facts: list[Facts]) -> Turns:

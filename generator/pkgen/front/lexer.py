@@ -14,6 +14,7 @@ from lark.lexer import Token
 
 from .. import limits
 from ..source import Diagnostic, Source, Span
+from ..tree import COMPONENTS
 from .lexed import Lexed, description
 from .literals import literal_value
 from .stray_characters import stray_character
@@ -39,7 +40,7 @@ _OPERATORS = {
 }  # fmt: skip
 _VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"])
 _CLOSERS = {"(": ")", "[": "]"}
-_AXES = {".x": 0, ".y": 1, ".z": 2}
+_AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
 _TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
 
 

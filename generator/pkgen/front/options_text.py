@@ -15,7 +15,7 @@ from lark.lexer import Token
 
 from ..indices import NotAnInteger, indexed, integer
 from ..source import Diagnostic, ModelError, Source, Span
-from ..tree import AXES
+from ..tree import COMPONENTS
 from .check_expr import Expressions, Target
 from .check_names import Entry, Facts, Names, Report
 from .check_scope import PLACES, Scope
@@ -27,7 +27,7 @@ from .read import from_text
 from .units import NONE, described, parse_unit
 
 _LONGEST = 1_000  # characters of one option
-_COMPONENT = re.compile(rf"(.*)(\.[{AXES}])('*)\s*")
+_COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
 
 
 class OptionError(Exception):
@@ -101,6 +101,8 @@ def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
     ]
     start = _parsed(source, [Token("START", "start", start_pos=0, end_pos=0)], tail)
     item = start.items[0]
+    if item.function == "omega" and len(start.items) == 1:
+        return LeftSide(f"omega({item.left.name})", None, 0)
     if len(start.items) > 1 or item.function or item.left.range is not None:
         message = "one coordinate or rate is needed here, e.g. theta, theta', q[1]'"
         raise OptionError(source, Diagnostic(message, item.span))

@@ -33,10 +33,14 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
     constant = not seen.occurs(triangle, VARIABLE)
-    unforced = all(node == ZERO for node in equations.applied)
-    of_motion = [equations.lagrangian, *equations.applied]
-    # What states do to L and the forces changes with time, however that comes about.
-    untouched = not seen.occurs(of_motion, STATES)
+    bound = equations.constraints
+    applied = equations.applied if bound is None else bound.free_applied
+    unforced = all(node == ZERO for node in applied)
+    of_motion = [equations.lagrangian, *applied]
+    # What states do to L and the forces changes with time, however that comes about; but those that
+    # are an attitude are where the body is.
+    attitude = 4 * len(equations.attitudes)
+    untouched = not seen.occurs(of_motion, STATES, attitude)
     steady = not seen.occurs(of_motion, TIME_OR_INPUT)
     autonomous = steady and not seen.occurs(equations.state_rates, TIME_OR_INPUT)
     moving = [*equations.force, *equations.state_rates]
@@ -50,8 +54,13 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         quadratic=not seen.occurs(triangle, RATES),
         separable=constant and not seen.occurs(moving, RATES | STATES),
         autonomous=autonomous,
-        conservative=n > 0 and unforced and steady and untouched and not jumping,
-        variational=unforced and not equations.states,
+        conservative=n > 0
+        and unforced
+        and steady
+        and untouched
+        and not jumping
+        and (bound is None or bound.workless),
+        variational=unforced and not equations.states and bound is None,
         smooth=smooth,
         switched=not smooth and bool(equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
@@ -64,7 +73,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         blocks=blocks_of(influence, coupled),
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
         symmetries=symmetries(equations, coupled, influence)
-        if symmetric and n and untouched and not jumping
+        if symmetric and n and untouched and not jumping and not attitude and bound is None
         else None,
     )
 
@@ -84,10 +93,15 @@ class _Seen:
             return [node]
         return sorted({base for monomial in polynomial for base, _ in monomial})
 
-    def occurs(self, nodes: Iterable[Node], mask: int) -> bool:
-        """Whether a symbol of one of these kinds occurs in any of the nodes."""
+    def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
+        """Whether a symbol of one of these kinds, of number `first` or a later one, occurs in any of
+        the nodes."""
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
+        if first:
+            atoms = [atom for node in nodes for atom in self.atoms(node)]
+            below = (g.data[n] for n in reachable(g, atoms, mask) if g.op[n] is Op.SYMBOL)
+            return any(symbol.index >= first for symbol in below)
         return any(self.varying(node, mask) for node in nodes) or any(
             g.depends[atom] & mask for node in nodes for atom in self.atoms(node)
         )

@@ -13,6 +13,8 @@ from .. import limits
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
 from ..source import Diagnostic, ModelError
+from .constrain import CannotConstrain
+from .derive_constraints import cannot_constrain, define_multipliers, rows_of
 from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
@@ -26,6 +28,7 @@ from .quantities import (
     indexed,
     input_quantities,
     quantities,
+    rates_and_momenta,
 )
 from .solve import SingularMass
 from .substitute import substituted
@@ -57,6 +60,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = _parameters(x)
     start_q, start_v, state_start = _starts(x)
+    rows = rows_of(x)
     bodies = None
     if wanted.named(PARTICLES):
         bodies = particles_of(x, energies, Given(parameters, start_q, state_start))
@@ -70,10 +74,14 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
                 wanted,
                 lambda motion: _check_inertia(x, motion),
                 tuple(rates.values()),
+                x.attitudes,
+                rows,
             )
             too_large = not solvable(x.graph, found.motion)
         except SingularMass as singular:
             raise _singular(x, singular.coordinate) from None
+        except CannotConstrain as wrong:
+            raise cannot_constrain(x, rows, wrong) from None
     if too_large:
         raise error(
             model,
@@ -95,8 +103,8 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         graph=x.graph,
         parameters=parameters,
         coordinates=coordinates,
-        rates=quantities(declared, names, "{}'", "rate_unit"),
-        momenta_names=quantities(declared, names, "p_{}", "momentum_unit"),
+        rates=rates_and_momenta(declared, names)[0],
+        momenta_names=rates_and_momenta(declared, names)[1],
         inputs=inputs,
         observed_names=outputs.observed_names,
         conserved_names=outputs.conserved_names,
@@ -110,6 +118,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         states=states,
         state_start=state_start,
         particles=bodies,
+        attitudes=x.attitudes,
         **found.fields(),
     )
     return replace(equations, switches=switches(equations))
@@ -211,8 +220,12 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
             row = motion.mass[family.flat(index)]
             if all(entry == ZERO for entry in row):
                 name = indexed(item.name, index)
-                message = f"'{name}' has no inertia: L does not contain the square of {name}'"
+                rate = item.rate or f"{name}'"
+                message = f"'{name}' has no inertia: L does not contain the square of {rate}"
                 help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
+                if item.rate:
+                    message = f"'{rate}' has no inertia: L does not contain its square"
+                    help = "a body has a moment of inertia about each of its axes"
                 findings.append(Diagnostic(message, item.span, help))
                 break
     if findings:
@@ -225,7 +238,7 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
         family = x.coordinates[item.name]
         for index in family.members:
             if family.flat(index) == coordinate:
-                name = indexed(item.name, index)
+                name = item.rate or indexed(item.name, index)
                 message = f"'{name}' has no inertia of its own: the mass matrix is singular"
                 help = "the coordinates can move together without kinetic energy: leave one out"
                 return ModelError(x.model.source, [Diagnostic(message, item.span, help)])
@@ -271,6 +284,7 @@ class _Outputs:
 
 def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> _Outputs:
     define_built_in(x, derived.energies, derived.energy, derived.motion.momenta)
+    define_multipliers(x, derived.constraints)
     found: dict[str, tuple[list[Quantity], list[Node]]] = {}
     for kind in ("observed", "conserved"):
         names, nodes = found[kind] = [], []

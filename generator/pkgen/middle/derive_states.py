@@ -4,6 +4,7 @@ before any equation of motion is, and the rates of other states."""
 from __future__ import annotations
 
 from ..source import Span
+from .attitudes import QUATERNION, rate_of_quaternion
 from .differentiate import gradient
 from .expand import Expander
 from .graph import BIT, ZERO, Graph, Kind, Node
@@ -25,6 +26,8 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
     define_built_in(x, energies, energy, momenta)
     rates: list[Node] = [ZERO] * x.state_count
     places: list[Span] = [x.model.span] * x.state_count
+    for k in range(QUATERNION * len(x.attitudes)):
+        rates[k] = rate_of_quaternion(g, x.attitudes, k)
     for item in x.model.rates:
         family = x.states[item.name]
         with x.statement(item.span):
@@ -64,6 +67,7 @@ def define_built_in(
     for name, node in built_in.items():
         if node is not None and name not in own:
             x.define(name, None, node)
-    for family in x.coordinates.values():
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
         for index in family.members:
-            x.define("p_" + family.name, index, momenta[family.flat(index)])
+            x.define(item.momentum or "p_" + item.name, index, momenta[family.flat(index)])

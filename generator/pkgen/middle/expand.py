@@ -14,6 +14,8 @@ from ..indices import NotAnInteger, assignments, integer
 from ..model import End, Model
 from ..source import Span
 from ..tree import Expr, Name, Range
+from ..equations import Attitude
+from .attitudes import rate_of_quaternion
 from .differentiate import Forward
 from .graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
 from .magnitudes import Magnitudes
@@ -46,6 +48,15 @@ class Expander:
         self.states = families(model, model.states)
         self.parameters = families(model, model.parameters)
         self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
+        self.attitudes = tuple(
+            Attitude(self.coordinates[r.turns[0]].first, self.states[r.quaternion[0]].first)
+            for r in model.rotations
+        )
+        self._body_rates = {
+            rate: self.coordinates[turn].first
+            for r in model.rotations
+            for rate, turn in zip(r.rates, r.turns, strict=True)
+        }
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self._ends = _ends(model, self.coordinates | self.states)
@@ -127,6 +138,8 @@ class Expander:
         index = None if expr.index is None else integer(expr.index, loop)
         if index is None and name in loop:
             return self.graph.number(loop[name])
+        if name in self._body_rates:
+            return self.graph.symbol(Symbol(Kind.RATE, self._body_rates[name]))
         if name in self.coordinates or name in self.states:
             return self.coordinate(name, index, expr.span)
         if name in self.parameters:
@@ -178,6 +191,8 @@ class Expander:
             return self.graph.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.INPUT:
             return self.next_input(symbol)
+        if symbol.kind is Kind.STATE and symbol.index < 4 * len(self.attitudes):
+            return rate_of_quaternion(self.graph, self.attitudes, symbol.index)
         if symbol.kind is Kind.STATE and symbol.index < self.state_count:
             return rate_of_state(self.graph, symbol.index, self.state_count)
         raise Acceleration

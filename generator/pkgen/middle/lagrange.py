@@ -9,7 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..equations import Equations, Guard, ParameterSlot, Quantity, Row, Switch
+from ..equations import (
+    Attitude,
+    Constraints,
+    Equations,
+    Guard,
+    ParameterSlot,
+    Quantity,
+    Row,
+    Switch,
+)
+from .constrain import Rows, constrain
 from .collect import THOROUGH, fewest, settled
 from .differentiate import reachable
 from .graph import ZERO, Graph, Kind, Node, Symbol
@@ -41,6 +51,8 @@ class Derived:
     jacobians: tuple
     linear: object
     state_rates: Row
+    free: Motion  # what moves where no constraint holds it
+    constraints: Constraints | None
 
     def fields(self) -> dict[str, object]:
         motion, energies = self.motion, self.energies
@@ -63,6 +75,7 @@ class Derived:
             "pdot_v": self.jacobians[2],
             "linear": self.linear,
             "state_rates": self.state_rates,
+            "constraints": self.constraints,
         }
 
 
@@ -74,16 +87,22 @@ def derived(
     wanted: Wanted,
     check: Callable[[Motion], None] = lambda _: None,
     states: Row = (),
+    attitudes: tuple[Attitude, ...] = (),
+    rows: Rows | None = None,
 ) -> Derived:
     """The motion in the form of fewest operations; `check` sees it as derived and as simplified.
-    `states` are the rates of the states, with which states.py makes Jacobians too.
+    `states` are the rates of the states, with which states.py makes Jacobians too; `rows` are what
+    the model's constraints say.
 
-    Raises SingularMass, and what `check` does.
+    Raises SingularMass, CannotConstrain, and what `check` does.
     """
-    raw = motion_of(g, energies, forces, rate_of)
+    raw = motion_of(g, energies, forces, rate_of, attitudes)
     check(raw)
     motion, solution = shortest(g, raw, wanted)
     check(motion)
+    free, constraints = motion, None
+    if rows is not None:
+        motion, solution, constraints = constrain(g, motion, rows, rate_of)
     jacobians, linear = (None, None, None), None
     if wanted("jacobian") and not states:
         jacobians = jacobians_of(g, motion)
@@ -94,7 +113,18 @@ def derived(
     rates = states
     if states and len(reachable(g, states)) <= THOROUGH:
         rates = tuple(fewest(g, settled(g, list(states))))
-    return Derived(motion, solution, shown, energies.lagrangian, energy, jacobians, linear, rates)
+    return Derived(
+        motion,
+        solution,
+        shown,
+        energies.lagrangian,
+        energy,
+        jacobians,
+        linear,
+        rates,
+        free,
+        constraints,
+    )
 
 
 def guards(
@@ -106,8 +136,10 @@ def guards(
     states: tuple[Quantity, ...] = (),
 ) -> tuple[Guard, ...]:
     """Where these equations end, in the names of their quantities."""
-    motion = found.motion
+    motion = found.free
     acceleration, pivots = found.solution or (motion.force, None)
+    if found.constraints is not None:  # that rows stay apart is the runtime's to watch
+        acceleration = motion.force
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
     name = _naming(parameters, coordinates, inputs, states)
@@ -149,7 +181,13 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     g, wanted = equations.graph, Wanted(kernels)
     energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
     e = equations
-    found = derived(g, energies, e.applied, _rate_of(e), wanted, states=e.state_rates)
+    forces, rows = e.applied, None
+    if e.constraints is not None:
+        c = e.constraints
+        forces, rows = c.free_applied, Rows(c.names, c.holonomic, c.positions, c.residual, c.spans)
+    found = derived(
+        g, energies, forces, _rate_of(e), wanted, lambda _: None, e.state_rates, e.attitudes, rows
+    )
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
         ends = guards(g, found, e.parameters, e.coordinates, e.inputs, e.states)

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..equations import Linear, Matrix, Row
+from ..equations import Attitude, Linear, Matrix, Row
+from .attitudes import gyroscopic, slopes
 from .collect import THOROUGH, fewest, forms, settled
 from .count import operations
 from .differentiate import Columns, Forward, gradient, reachable
@@ -64,13 +65,24 @@ class Motion:
     force: Row
 
 
-def motion_of(g: Graph, energies: Energies, forces: Row, rate_of: Callable[[Node], Node]) -> Motion:
-    """`rate_of` gives the time derivative of a coordinate, t or an input."""
+def motion_of(
+    g: Graph,
+    energies: Energies,
+    forces: Row,
+    rate_of: Callable[[Node], Node],
+    attitudes: tuple[Attitude, ...] = (),
+) -> Motion:
+    """`rate_of` gives the time derivative of a coordinate, t or an input. The "gradient" along a body
+    rate of one of the `attitudes` is all but the torque of attitudes.py."""
     count = len(forces)
     q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
-    by = gradient(g, energies.lagrangian, STATE)
+    by = gradient(g, energies.lagrangian, STATE | (BIT[Kind.STATE] if attitudes else 0))
     momenta = tuple(by.get(rate, ZERO) for rate in v)
-    slope = tuple(by.get(coordinate, ZERO) for coordinate in q)
+    along, turning = slopes(g, attitudes, by), gyroscopic(g, attitudes, momenta)
+    slope = tuple(
+        g.add(along[i], turning[i]) if i in along else by.get(coordinate, ZERO)
+        for i, coordinate in enumerate(q)
+    )
     drag = gradient(g, energies.dissipation, RATES)
     applied = tuple(g.subtract(f, drag.get(rate, ZERO)) for f, rate in zip(forces, v, strict=True))
     pdot = tuple(map(g.add, slope, applied))

@@ -66,12 +66,28 @@ def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
     return integer(range_.lo, known), integer(range_.hi, known)
 
 
+def rates_and_momenta(
+    declarations: tuple[Coordinate, ...], found: dict[str, Family]
+) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
+    rates = quantities(declarations, found, "{}'", "rate_unit", "rate")
+    return rates, quantities(declarations, found, "p_{}", "momentum_unit", "momentum")
+
+
 def quantities(
-    declarations: tuple[Coordinate | State, ...], found: dict[str, Family], form: str, unit: str
+    declarations: tuple[Coordinate | State, ...],
+    found: dict[str, Family],
+    form: str,
+    unit: str,
+    own: str = "",
 ) -> tuple[Quantity, ...]:
-    """A quantity a coordinate or state; `form` makes its name, the field `unit` has its unit."""
+    """A quantity a coordinate or state; `form` makes its name, unless the field `own` has one; the
+    field `unit` has its unit."""
     return tuple(
-        Quantity(form.format(indexed(c.name, i)), getattr(c, unit), c.description)
+        Quantity(
+            (own and getattr(c, own)) or form.format(indexed(c.name, i)),
+            getattr(c, unit),
+            c.description,
+        )
         for c in declarations
         for i in found[c.name].members
     )

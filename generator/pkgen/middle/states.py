@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ..equations import Equations, Matrix, Quantity, Row, Structure
+from ..equations import Constraints, Equations, Matrix, Quantity, Row, Structure
 from .differentiate import reachable
 from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op, Symbol
 from .motion import Motion, Wanted, jacobians_of, linear_of
@@ -24,6 +24,7 @@ from .solve import solve
 from .substitute import substituted
 
 STATES = BIT[Kind.STATE]
+TURNS = 3  # coordinates that nobody sees, of a rotation
 
 
 class Circular(Exception):
@@ -78,7 +79,10 @@ def as_rates(
 ) -> tuple[Equations, Structure]:
     """Equations of coordinates alone, of which the last ones' rates are the states."""
     if not e.states:
-        return e, structure
+        if e.constraints is None:
+            return e, structure
+        unbound = (e.momenta, e.constraints.free_pdot)
+        return replace(e, unbound=unbound, inertia=e.mass), structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
     own = symbols(g, Kind.RATE, n + count)[n:]
@@ -100,8 +104,11 @@ def as_rates(
     if wanted("jacobian"):
         jacobians = jacobians_of(g, motion, lagrangian=False)
     single = there([x for x in (e.lagrangian, e.energy, e.written)])
+    own = _unbound(g, e, there, rates)
     whole = replace(
         e,
+        unbound=own,
+        constraints=_constraints(e.constraints, there, count),
         coordinates=(*e.coordinates, *(_integral(q) for q in e.states)),
         rates=(*e.rates, *e.states),
         momenta_names=(*e.momenta_names, *e.states),
@@ -118,7 +125,7 @@ def as_rates(
         force=motion.force,
         acceleration=acceleration,
         pivots=None if e.pivots is None else (*there(e.pivots), *[ONE] * count),
-        inertia=_matrix(e.mass, there) if solved else None,
+        inertia=_with_unit(_matrix(e.mass, there), count) if solved or own else None,
         p_q=jacobians[0],
         pdot_q=jacobians[1],
         pdot_v=jacobians[2],
@@ -134,7 +141,7 @@ def as_rates(
         states=(),
         state_rates=(),
         state_start=(),
-        n_states=count,
+        n_states=count + TURNS * len(e.attitudes),
     )
     return whole, _facts(structure, count, solved)
 
@@ -160,15 +167,42 @@ def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
     """Lagrange's equations, and beside them x' = g."""
     n, count = len(e.coordinates), len(rates)
     none = (ZERO,) * count
-    mass = [(*row, *none) for row in _matrix(e.mass, there)]
-    mass += [((ZERO,) * n + row) for row in _unit(count)]
     return Motion(
         (*there(e.momenta), *symbols(g, Kind.RATE, n + count)[n:]),
         (*there(e.gradient), *none),
         (*there(e.applied), *rates),
         (*there(e.pdot), *rates),
-        tuple(mass),
+        _with_unit(_matrix(e.mass, there), count),
         (*there(e.force), *rates),
+    )
+
+
+def _with_unit(mass: Matrix, count: int) -> Matrix:
+    """M, and beside it the unit matrix of so many."""
+    n, none = len(mass), (ZERO,) * count
+    return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
+
+
+def _unbound(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
+    """p and pdot without the forces of constraints, where there are rotations or constraints."""
+    if not e.attitudes and e.constraints is None:
+        return None
+    pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
+    n, count = len(e.coordinates), len(rates)
+    own = symbols(g, Kind.RATE, n + count)[n:]
+    return (*there(e.momenta), *own), (*there(pdot), *rates)
+
+
+def _constraints(constraints: Constraints | None, there, count: int) -> Constraints | None:
+    if constraints is None:
+        return None
+    c = constraints
+    return replace(
+        c,
+        positions=there(c.positions),
+        rows=tuple((*there(row), *(ZERO,) * count) for row in c.rows),
+        residual=there(c.residual),
+        multipliers=there(c.multipliers),
     )
 
 

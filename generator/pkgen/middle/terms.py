@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from .. import limits
 from ..indices import assignments
 from ..tree import (
+    COMPONENTS,
     Add,
     Call,
     Component,
@@ -22,6 +23,7 @@ from ..tree import (
     Sum,
     Vector,
 )
+from .attitudes import rotated
 from .constants import undefined
 from .graph import ONE, ZERO, Graph, Node
 from .quantities import error
@@ -54,7 +56,7 @@ def _prime(x: Expander, expr: Prime, loop: Loop) -> Value:
 def _component(x: Expander, expr: Component, loop: Loop) -> Value:
     value = x.value(expr.of, loop)
     if not isinstance(value, tuple) or expr.axis >= len(value):
-        raise error(x.model, f"there is no component .{'xyz'[expr.axis]} here", expr.span)
+        raise error(x.model, f"there is no component .{COMPONENTS[expr.axis]} here", expr.span)
     return value[expr.axis]
 
 
@@ -128,6 +130,8 @@ def _call(x: Expander, expr: Call, loop: Loop) -> Value:
         if all(item == ZERO for item in values[0]):
             raise error(x.model, "the axis of a rotation has no length", expr.span)
         return _rotate(x.graph, *values)
+    if expr.function == "attitude":
+        return rotated(x.graph, *values)
     if expr.function in _VECTOR:
         for value, argument in zip(values, expr.arguments, strict=True):
             if _size(value) == 0 or _size(value) != _size(values[0]):

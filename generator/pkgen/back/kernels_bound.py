@@ -1,0 +1,67 @@
+"""Kernels of rotations and constraints: what the runtime keeps a motion on them by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..equations import Equations
+from .kernel_spec import KernelSpec, matrix_stores, square, stores, vector
+from .program import Output
+from .schedule import Target
+
+# Called wherever there are any: no scene goes without them.
+BOUND = frozenset({"constraint", "rows", "multipliers", "unbound", "inertia"})
+
+
+def _rows(e: Equations) -> list[Target]:
+    c = e.constraints
+    return matrix_stores("J", c.rows) + stores("residual", c.residual)
+
+
+def _unbound(e: Equations) -> list[Target]:
+    p, pdot = e.unbound
+    return stores("momenta", p) + stores("pdot", pdot)
+
+
+def bound_specs() -> Iterator[KernelSpec]:
+    yield KernelSpec(
+        "constraint",
+        "void",
+        "phi, which the holonomic constraints keep at 0",
+        *vector("phi", lambda e: e.constraints.positions),
+        exists=lambda e: e.constraints is not None and bool(e.constraints.positions),
+    )
+    yield KernelSpec(
+        "rows",
+        "void",
+        "the rows J of all constraints, and J v + j0, which they keep at 0",
+        lambda e: (
+            Output("J", len(e.constraints.residual), len(e.coordinates)),
+            Output("residual", len(e.constraints.residual), 1),
+        ),
+        _rows,
+        exists=lambda e: e.constraints is not None,
+    )
+    yield KernelSpec(
+        "multipliers",
+        "void",
+        "lambda, of which J^T lambda are the forces of the constraints",
+        *vector("lambda", lambda e: e.constraints.multipliers),
+        exists=lambda e: e.constraints is not None,
+    )
+    yield KernelSpec(
+        "unbound",
+        "void",
+        "p and pdot without the forces of constraints",
+        lambda e: tuple(Output(name, len(e.coordinates), 1) for name in ("momenta", "pdot")),
+        _unbound,
+        exists=lambda e: e.unbound is not None,
+    )
+    yield KernelSpec(
+        "inertia",
+        "void",
+        "dp/dv of what `unbound` writes",
+        lambda e: (square("M", e),),
+        lambda e: matrix_stores("M", e.inertia, symmetric=True),
+        exists=lambda e: e.unbound is not None,
+    )

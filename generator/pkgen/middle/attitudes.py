@@ -1,0 +1,91 @@
+"""Rotations on the graph: the attitude R in SO(3) by its unit quaternion Q = (w, x, y, z), body to space.
+
+With body rates w_i, Q' = Q (0, w)/2. A function of the attitude has a derivative along each axis of the
+body, X_i f, its rate where w_i is 1 and the others are 0; with p = dL/dw Hamilton's principle gives
+
+    dp/dt = X L + p x w + torque
+
+(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). A vector of the
+body is one of space by Q v Q*, in polynomials of the second degree in Q: then the equations hold, and keep
+what they keep, for a Q of any length, as a method's stages have it.
+"""
+
+from __future__ import annotations
+
+from ..equations import Attitude, Row
+from .graph import ZERO, Graph, Kind, Node, Symbol
+
+QUATERNION = 4
+# Of Q e_i: which number of Q stands in w, x, y, z, and with which sign.
+_TURNED = (
+    ((1, -1), (0, 1), (3, 1), (2, -1)),
+    ((2, -1), (3, -1), (0, 1), (1, 1)),
+    ((3, -1), (2, 1), (1, -1), (0, 1)),
+)
+
+
+def numbers(g: Graph, at: Attitude) -> Row:
+    return tuple(g.symbol(Symbol(Kind.STATE, at.state + k)) for k in range(QUATERNION))
+
+
+def rates(g: Graph, at: Attitude) -> Row:
+    return tuple(g.symbol(Symbol(Kind.RATE, at.rate + i)) for i in range(3))
+
+
+def turned(g: Graph, quaternion: Row, axis: int) -> Row:
+    """Q e_i/2."""
+    half = g.power(g.number(2), -1)
+    return tuple(
+        g.multiply(g.multiply(half, g.number(sign)), quaternion[k]) for k, sign in _TURNED[axis]
+    )
+
+
+def rate_of_quaternion(g: Graph, attitudes: tuple[Attitude, ...], state: int) -> Node:
+    """The rate of a state that is a number of a quaternion."""
+    (at,) = (a for a in attitudes if a.state <= state < a.state + QUATERNION)
+    quaternion, w = numbers(g, at), rates(g, at)
+    k = state - at.state
+    return g.sum(g.multiply(w[i], turned(g, quaternion, i)[k]) for i in range(3))
+
+
+def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
+    """X_i f of a function whose derivatives are given, by the number of its rate."""
+    found = {}
+    for at in attitudes:
+        quaternion = numbers(g, at)
+        for i in range(3):
+            along = zip(quaternion, turned(g, quaternion, i), strict=True)
+            found[at.rate + i] = g.sum(g.multiply(by.get(q, ZERO), to) for q, to in along)
+    return found
+
+
+def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[int, Node]:
+    """p x w."""
+    found = {}
+    for at in attitudes:
+        w, p = rates(g, at), momenta[at.rate : at.rate + 3]
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            found[at.rate + i] = g.subtract(g.multiply(p[j], w[k]), g.multiply(p[k], w[j]))
+    return found
+
+
+def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
+    """Q a Q*; the quaternion as x, y, z, w here."""
+    x, y, z, w = quaternion
+
+    def twice(*terms: tuple[int, Node, Node]) -> Node:
+        return g.multiply(
+            g.number(2),
+            g.sum(g.multiply(g.number(sign), g.multiply(b, c)) for sign, b, c in terms),
+        )
+
+    def squares(sign_x: int, sign_y: int, sign_z: int) -> Node:
+        signed = ((1, w), (sign_x, x), (sign_y, y), (sign_z, z))
+        return g.sum(g.multiply(g.number(s), g.power(b, 2)) for s, b in signed)
+
+    rows = (
+        (squares(1, -1, -1), twice((1, x, y), (-1, w, z)), twice((1, x, z), (1, w, y))),
+        (twice((1, x, y), (1, w, z)), squares(-1, 1, -1), twice((1, y, z), (-1, w, x))),
+        (twice((1, x, z), (-1, w, y)), twice((1, y, z), (1, w, x)), squares(-1, -1, 1)),
+    )
+    return tuple(g.sum(map(g.multiply, row, a)) for row in rows)

@@ -1,0 +1,54 @@
+"""`constraint` and `rolling` entered into the graph: rows of equations between rates, by name."""
+
+from __future__ import annotations
+
+from ..equations import Constraints, Quantity
+from ..source import ModelError
+from .constrain import CannotConstrain, Rows
+from .expand import Expander
+from .graph import VARIABLE, Node
+from .quantities import error, indexed
+
+
+def rows_of(x: Expander) -> Rows | None:
+    """The holonomic ones first, each kind in the order in which they are declared."""
+    found: dict[bool, list[tuple]] = {True: [], False: []}
+    for item in x.model.constraints:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                node = x.scalar(item.value, loop)
+                name = indexed(item.name, index)
+                if not x.graph.depends[node] & VARIABLE:
+                    message = f"the constraint '{name}' holds or fails whatever the motion"
+                    raise error(x.model, message, item.span, "leave it out")
+                rate = x.derivative(node) if item.holonomic else node
+                quantity = Quantity(f"lambda_{name}", item.unit, item.description)
+                found[item.holonomic].append((quantity, node, rate, item.span))
+    rows = [*found[True], *found[False]]
+    if not rows:
+        return None
+    names, nodes, rates, spans = zip(*rows, strict=True)
+    holonomic = len(found[True])
+    return Rows(names, holonomic, nodes[:holonomic], rates, spans)
+
+
+def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelError:
+    if wrong.row is None:
+        return error(x.model, wrong.message, rows.spans[0], wrong.help)
+    name = rows.names[wrong.row].name.removeprefix("lambda_")
+    kind = "constraint" if wrong.row < rows.holonomic else "rolling"
+    return error(x.model, f"the {kind} '{name}' {wrong.message}", rows.spans[wrong.row], wrong.help)
+
+
+def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
+    """Under their names, for outputs and events."""
+    known = {} if constraints is None else _multipliers(constraints)
+    for item in x.model.constraints:
+        for index, _ in x.unrolled(item.index, item.range):
+            name = f"lambda_{item.name}"
+            x.define(name, index, known[indexed(name, index)])
+
+
+def _multipliers(constraints: Constraints) -> dict[str, Node]:
+    names = (q.name for q in constraints.names)
+    return dict(zip(names, constraints.multipliers, strict=True))
