@@ -104,6 +104,8 @@ def test_every_method_but_newtons_is_compiled_with_the_model() -> None:
     mine = [m for m in build.driver_methods() if not m["name"].startswith("gsl_")]
     # Newton's method and what takes `linear` go through function pointers; one that is exact
     # evaluates nothing.
-    others = {m["name"] for m in mine if {"jacobians", "linear", "exact", "group"} & set(m["flags"])}
+    others = {
+        m["name"] for m in mine if {"jacobians", "linear", "exact", "group"} & set(m["flags"])
+    }
     inlined = {name for name, method in METHODS.items() if method.inlined}
     assert inlined == {m["name"] for m in mine} - others and len(inlined) >= 8

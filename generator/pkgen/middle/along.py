@@ -8,10 +8,12 @@ that is too large they stay symbols, whose values `solved.py` finds at a state.
 from __future__ import annotations
 
 from ..equations import Equations, Indices
+from .attitudes import QUATERNION
 from .combination import combination
 from .differentiate import gradient, partials, reachable
 from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from .solve import solve
+from .substitute import substituted
 
 CRAMER = 4  # coordinates of one block
 
@@ -26,6 +28,7 @@ class Along:
         self.known: dict[int, Node] = {}
         # What Lagrange's equations give the rate of without any acceleration, less its scale, which
         # the graph takes out of powers and products.
+        self.bound: dict[Node, Node] | None = None  # rates that constraints give by the others
         self.leaves: dict[Node, tuple[Node, int | None]] = {}
         known = [*enumerate(equations.momenta), (None, equations.energy)]
         for i, node in known if equations.momenta else []:
@@ -38,6 +41,10 @@ class Along:
         slopes = self._slopes(node)
         terms = self._of_large_blocks(slopes)
         terms += [g.multiply(x, self._rate_of(leaf)) for leaf, x in slopes.items() if x != ZERO]
+        if self.equations.constraints is not None:
+            if self.bound is None:
+                self.bound = rates_bound(g, self.equations)
+            terms = substituted(g, terms, self.bound)
         return [term for term in terms if term != ZERO]
 
     def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
@@ -80,18 +87,29 @@ class Along:
         return self.graph.divide(rate, scale)
 
     def energy_rate(self) -> Node:
-        """dh/dt = v.(Q - dD/dv) - dL/dt"""
+        """dh/dt = v.(Q - dD/dv) - dL/dt, and of constraints (J v).lambda, where J v = -j0"""
         g, e = self.graph, self.equations
-        rates = (g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied)))
-        power = g.sum(map(g.multiply, rates, e.applied))
-        return g.subtract(power, self.explicit(e.lagrangian))
+        rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied))]
+        applied, c = e.applied, e.constraints
+        moved = ZERO
+        if c is not None:
+            applied = c.free_applied
+            offsets = substituted(g, c.residual, dict.fromkeys(rates, ZERO))
+            moved = g.sum(map(g.multiply, offsets, c.multipliers))
+        power = g.sum(map(g.multiply, rates, applied))
+        slopes = self.explicit(e.lagrangian, QUATERNION * sum(a.state >= 0 for a in e.attitudes))
+        return g.subtract(g.subtract(power, moved), slopes)
 
-    def explicit(self, node: Node) -> Node:
-        """Its derivative with the coordinates and rates held: by t, and by what inputs and states
-        do."""
+    def explicit(self, node: Node, first: int = 0) -> Node:
+        """Its derivative with the coordinates and rates held: by t, and by what inputs and states,
+        from the `first` on, do."""
         g = self.graph
         slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE])
-        return g.sum(g.multiply(slope, self._rate(g.data[s])) for s, slope in slopes.items())
+        return g.sum(
+            g.multiply(slope, self._rate(g.data[s]))
+            for s, slope in slopes.items()
+            if g.data[s].kind != Kind.STATE or g.data[s].index >= first
+        )
 
     def _rate(self, symbol: Symbol) -> Node:
         g = self.graph
@@ -128,6 +146,28 @@ class Along:
         if found is not None:
             return found[0]
         return tuple(g.symbol(Symbol(Kind.ACCELERATION, i)) for i in range(len(e.force)))
+
+
+def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
+    """What J v + j0 = 0 makes of one rate a row, by the others; a constant entry of J is divided by
+    where there is one. Where it is 0 another would do: what is shown elsewhere holds there too."""
+    c = equations.constraints
+    count = len(equations.momenta)
+    rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(count)]
+    found: dict[Node, Node] = {}
+    offsets = substituted(g, c.residual, dict.fromkeys(rates, ZERO))
+    for J, offset in zip(c.rows, offsets, strict=True):
+        (row,) = substituted(g, [g.add(g.sum(map(g.multiply, J, rates)), offset)], found)
+        by = gradient(g, row, BIT[Kind.RATE])
+        entries = sorted(by.items(), key=lambda x: (bool(g.depends[x[1]] & VARIABLE), x[0]))
+        pivot, entry = next(((s, x) for s, x in entries if x != ZERO), (None, ZERO))
+        if pivot is None:
+            continue
+        (rest,) = substituted(g, [row], {pivot: ZERO})
+        solved = g.negate(g.divide(rest, entry))
+        found = dict(zip(found, substituted(g, found.values(), {pivot: solved}), strict=True))
+        found[pivot] = solved
+    return found
 
 
 def cramer(g: Graph, equations: Equations, block: tuple[int, ...]) -> dict[int, Node]:

@@ -42,7 +42,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     attitude = 4 * len(equations.attitudes)
     untouched = not seen.occurs(of_motion, STATES, attitude)
     steady = not seen.occurs(of_motion, TIME_OR_INPUT)
-    autonomous = steady and not seen.occurs(equations.state_rates, TIME_OR_INPUT)
+    kept = [] if bound is None else [*bound.positions, *bound.residual, *equations.applied]
+    autonomous = steady and not seen.occurs([*equations.state_rates, *kept], TIME_OR_INPUT)
     moving = [*equations.force, *equations.state_rates]
     jumping = _jumping(equations)
     smooth = _smooth(equations)

@@ -52,6 +52,10 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     proof = "" if obstacle else vanishes(g, exact, terms)
     if proof:
         return Claim(name, PROVED, proof)
+    bound = along.equations.constraints
+    if bound is not None and bound.holonomic:
+        off = "a state at which the constraints hold was not looked for"
+        return Claim(name, OPEN, "; ".join(x for x in (obstacle, off) if x))
     tried = _Tried(along, name, terms)
     if tried.against is not None:
         return Claim(name, REFUTED, tried.counterexample())
