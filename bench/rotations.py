@@ -17,7 +17,17 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from . import codegen, environment, machine, matching, measure, reference, report, tables
+from . import (
+    codegen,
+    environment,
+    machine,
+    matching,
+    measure,
+    reference,
+    report,
+    rotation_drift,
+    tables,
+)
 from .attitudes import of_quaternion
 from .builds import BUILDS, OUTPUT
 from .measure import Comparison, Effort, Track
@@ -32,7 +42,11 @@ integration to a final error of the matrix and the body rates, or of places and 
 at most {rounds} rounds over {starts} starts; between two settings log-linear, "≤" where the
 loosest is better already, "-" where none gets there. All of pkgen's are compiled as `pkgen run`
 does it. "angles, reduced" is what a scene that records all angles leaves: cyclic ones are
-quadratures (heyoka's series have no evaluations). "by hand": Euler's equations and a quaternion."""
+quadratures (heyoka's series have no evaluations). "by hand": Euler's equations and a quaternion.
+
+Then what many steps leave of a rigid body, µs a step and a second of its motion, and the largest
+change of its energy (beside the largest kinetic energy), of its angular momentum (the vertical part
+of the top's) and of its quaternion's length."""
 
 
 def main(words: list[str]) -> int:
@@ -71,7 +85,9 @@ def with_peers(words: list[str]) -> int:
 def part(case: Case, effort: Effort) -> str:
     found = compared(case, effort)
     missing = "\n".join(f"- {name}: {why}" for name, why in found.refused.items())
-    return "\n\n".join(filter(None, (costs(found), ratios(found), missing)))
+    steps = rotation_drift.QUICK if effort is QUICK else rotation_drift.STEPS
+    drifts = rotation_drift.drifts(case, steps) if case.by_quaternion else ""
+    return "\n\n".join(filter(None, (costs(found), ratios(found), missing, drifts)))
 
 
 def compared(case: Case, effort: Effort) -> Comparison:
@@ -95,7 +111,9 @@ def by_hand(case: Case) -> Iterator:
 
         def opened(_, builds, peer=peer):
             sessions = peer.open(case, builds)
-            return [forms.Seen(s, lambda y: case.given(y)[case.n :], of_quaternion) for s in sessions]
+            return [
+                forms.Seen(s, lambda y: case.given(y)[case.n :], of_quaternion) for s in sessions
+            ]
 
         yield replace(peer, open=opened)
 
@@ -128,7 +146,9 @@ def ratios(found: Comparison) -> str:
     for track in found.tracks:
         form, _, method = track.name.partition(": ")
         groups.setdefault(track.name if form == "by hand" else form, []).append(track)
-    own = next(name for name in ("rotation", "rods") if name in groups)
+    own = next((name for name in ("rotation", "rods") if name in groups), None)
+    if own is None:
+        return ""
     rows = [
         (f"{name} / {own}", *(ratio(groups[name], groups[own], error) for error in ERRORS))
         for name in groups
