@@ -1,10 +1,10 @@
-"""What many steps leave of what a rigid body keeps: energy, angular momentum, a quaternion's length.
+"""What many steps leave of what a rigid body keeps: energy, angular momentum, unit length.
 
 A row a method: its step or tolerance; µs a step and a second of motion, so that methods can be
 compared at what they cost; and the largest change at ROWS times of a million steps (of SciPy's
 fewer), of the energy beside the largest kinetic energy, of L beside its length: the vector where
-nothing turns the body, else its vertical part. All from the rows alone, by the same lines for all.
-Rows of pkgen's methods are those of `pkgen run`, its times those of the methods alone, of a few steps.
+nothing turns the body, else its vertical part. All from the rows alone, by the same lines for
+all. Rows of pkgen's methods are those of `pkgen run`, its times those of the methods alone.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .rotation_cases import INERTIA, ROOT, TOP, Case, Form
 STEPS, FEWER, QUICK = 1_000_000, 100_000, 20_000
 ROWS = 1000
 SHORT = 2000  # steps to be timed
-HEAD = ("after", "step, tolerance", "steps", "µs a step", "a second", "energy", "L", "|Q|")
+HEAD = ("after", "step, tolerance", "steps", "µs a step", "a second", "energy", "L", "length")
 # Of each motion: a scene without events to be watched, and a step for all methods of fixed ones.
 SCENE = {"heavy top": "reference", "free body": "tumbling"}
 STEP = {"heavy top": 0.01, "free body": 0.05}
@@ -114,7 +114,7 @@ def _form(case: Case) -> Form:
 
 
 def pkgen(case: Case, method: str, options: tuple, setting: str, until: float, each: float) -> Run:
-    """From the start of the case; what the scene expects of its own is missed then (exit code 4)."""
+    """From the start of the case; what the scene expects of its own is missed (exit code 4)."""
     columns = [f"R.{a}" for a in "wxyz"] + [f"omega(R).{a}" for a in "xyz"]
     start = zip(columns, angles_to_quaternion(case.start), strict=True)
     words = ["run", _form(case).path, "--scene", SCENE[case.name], "--record", ",".join(columns)]
