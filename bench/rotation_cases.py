@@ -3,7 +3,7 @@
 
 A start is that of the angles, then of their rates. Each form makes its own of it, q, v,
 quadratures and momenta, and of its end what all forms have: the matrix and body rates, or places
-and velocities. By hand a rigid body is seven equations of the first order, u = (w, x, y, z) its quaternion:
+and velocities. By hand a rigid body is seven equations of the first order, u its quaternion:
 
     u' = u (0, w)/2,   I w' = I w x w + torque      (Euler)
 

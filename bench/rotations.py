@@ -1,10 +1,10 @@
-"""`python -m bench rotations [--quick] [--only TEXT] [--docs]`: what rotations and constraints cost.
+"""`python -m bench rotations [--quick] [--only TEXT] [--docs]`: cost of rotations and constraints.
 
-Each motion of rotation_cases.py in all its forms, by pkgen's methods, and by the peers on equations
-written by hand: time, steps and evaluations to a final error, as in `make bench`, all in turns in one
-run; then the ratios of the best of each form; then what a million steps of one size leave of energy,
-angular momentum and unit length (rotation_drift.py). Errors are of the matrix and the body rates, or of
-places and velocities, against the equations by hand in `__float128` (reference.py).
+Each motion of rotation_cases.py in all its forms, by pkgen's methods, and by the peers on
+equations written by hand: time, steps and evaluations to a final error, as in `make bench`, all in
+turns in one run; then the ratios of the best of each form; then what a million steps leave of
+energy, angular momentum and unit length (rotation_drift.py). Errors are of the matrix and the body
+rates, or of places and velocities, against the equations by hand in `__float128` (reference.py).
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ ERRORS = (1e-6, 1e-9, 1e-12)
 FULL = Effort(starts=5, rounds=9, seconds=90, each=0.002, builds=BUILDS)
 QUICK = Effort(starts=1, rounds=3, seconds=5, each=0.0005, builds=BUILDS)
 HOW = """Written by `python -m bench rotations --docs`. Cells are µs (steps, evaluations) of one
-integration to a final error of the matrix and the body rates, or of places and velocities, medians of
-at most {rounds} rounds over {starts} starts; between two settings log-linear, "≤" where the
-loosest is better already, "-" where none gets there. All of pkgen's are compiled as `pkgen run`
+integration to a final error of the matrix and the body rates, or of places and velocities,
+medians of at most {rounds} rounds over {starts} starts; between two settings log-linear, "≤" where
+the loosest is better already, "-" where none gets there. All of pkgen's are compiled as `pkgen run`
 does it. "angles, reduced" is what a scene that records all angles leaves: cyclic ones are
-quadratures (heyoka's series have no evaluations). "by hand": Euler's equations and a quaternion.
+quadratures. "by hand": Euler's equations and a quaternion (heyoka's series have no evaluations).
 
 Then what many steps leave of a rigid body, µs a step and a second of its motion, and the largest
 change of its energy (beside the largest kinetic energy), of its angular momentum (the vertical part
@@ -107,13 +107,14 @@ def by_hand(case: Case) -> Iterator:
     """The peers, given a quaternion and body rates."""
     if not case.by_quaternion:
         return
+
+    def given(start):
+        return case.given(start)[case.n :]
+
     for peer in quaternion.contenders():
 
         def opened(_, builds, peer=peer):
-            sessions = peer.open(case, builds)
-            return [
-                forms.Seen(s, lambda y: case.given(y)[case.n :], of_quaternion) for s in sessions
-            ]
+            return [forms.Seen(s, given, of_quaternion) for s in peer.open(case, builds)]
 
         yield replace(peer, open=opened)
 
@@ -141,10 +142,10 @@ def taken(track: Track, kind: int, error: float) -> float:
 
 
 def ratios(found: Comparison) -> str:
-    """Of the best of each form to the best of the form that the language has for it: rotation, rods."""
+    """Of the best of each form to the best by `rotation` or `constraint`, round by round."""
     groups: dict[str, list[Track]] = {}
     for track in found.tracks:
-        form, _, method = track.name.partition(": ")
+        form = track.name.partition(": ")[0]
         groups.setdefault(track.name if form == "by hand" else form, []).append(track)
     own = next((name for name in ("rotation", "rods") if name in groups), None)
     if own is None:
