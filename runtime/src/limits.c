@@ -150,6 +150,10 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);
+    if (ask.failed && growth[0] < PK_INFINITY) { /* beyond where it grows, as well it may */
+        ask.failed = 0;
+        excess(&ask, growth[0] * (1 + PK_C(1e-6)));
+    }
     return !ask.failed;
 }
 

@@ -133,6 +133,10 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c);
         it->where = row ? row - 1 : it->where;
+        if (!row) { /* found by the acceleration alone */
+            memset(w.depends, 0, (w.c + 1) * sizeof *w.depends);
+            w.depends[0] = (pk_real)(it->where + 1);
+        }
     }
     return PK_NO_PROJECTION;
 }
@@ -154,10 +158,26 @@ static pk_real worst(const struct pk_projection *w, const pk_real *residual, siz
     return most;
 }
 
-/* Whether an iteration is done: 1, or has failed: -1. */
-static int judged(pk_real ratio, pk_real before, int count)
+/* Whether the last correction is lost beside the state x, in the metric of M: where terms cancel
+ * that are larger than J x tells, as those of cos x - 1, they are rounded like that. Its length is
+ * d.M d = mu.residual. */
+static int is_lost(const struct pk_projection *w, const pk_real *x, pk_real length2)
 {
-    if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
+    pk_real most = PK_TINY;
+    for (size_t k = 0; k < w->m; k++) {
+        pk_real mass = w->M[k * w->m + k];
+        for (size_t j = 0; j < k; j++)
+            mass += w->M[k * w->m + j] * w->M[k * w->m + j] * w->M[j * w->m + j];
+        const pk_real size = k < w->rotation ? pk_abs(x[k]) : pk_max(pk_abs(x[k]), 1);
+        most = pk_max(most, mass * size * size);
+    }
+    return length2 <= STALLED * STALLED * most;
+}
+
+/* Whether an iteration is done: 1, or has failed: -1. */
+static int judged(pk_real ratio, pk_real before, int count, int lost)
+{
+    if (ratio <= ROUND || (count && ratio >= before / 2 && (ratio <= STALLED || lost)))
         return 1;
     return !pk_finite(ratio) || count == MOST ? -1 : 0;
 }
@@ -170,7 +190,8 @@ static enum pk_status failed(struct pk_integrator *it, size_t where, pk_real res
 }
 
 /* d = M^-1 J^T mu of the first rows, with mu from the residuals. */
-static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows)
+static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows,
+                         pk_real *length2)
 {
     const size_t singular = pk_project_factor(w, rows);
     if (singular)
@@ -178,9 +199,12 @@ static size_t correction(struct pk_projection *w, const pk_real *residual, size_
     memcpy(w->mu, residual, rows * sizeof *w->mu);
     pk_ldl_solve(w->A, rows, w->mu);
     memset(w->d, 0, w->m * sizeof *w->d);
-    for (size_t i = 0; i < rows; i++)
+    *length2 = 0;
+    for (size_t i = 0; i < rows; i++) {
+        *length2 += w->mu[i] * residual[i];
         for (size_t k = 0; k < w->m; k++)
             w->d[k] += w->W[i * w->m + k] * w->mu[i];
+    }
     return 0;
 }
 
@@ -208,17 +232,17 @@ static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
 static enum pk_status positions(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                                 pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
 {
-    pk_real before = 0;
+    pk_real before = 0, length2 = 0;
     for (int count = 0; count <= MOST; count++) {
         size_t which;
         pk_project_rows(w, q, v);
         pk_project_sizes(w, 0, q, v);
         const pk_real ratio = worst(w, w->phi, w->h, &which);
-        const int done = judged(ratio, before, count);
+        const int done = judged(ratio, before, count, count && is_lost(w, q, length2));
         w->depends[0] = 0;
         if (done)
             return done > 0 ? PK_DONE : failed(it, which, w->phi[which]);
-        const size_t singular = correction(w, w->phi, w->h);
+        const size_t singular = correction(w, w->phi, w->h, &length2);
         if (singular)
             return failed(it, singular - 1, w->phi[singular - 1]);
         subtract(q, w->d, low_q, w->rotation);
@@ -233,18 +257,18 @@ static enum pk_status positions(struct pk_integrator *it, struct pk_projection *
 static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
                             pk_real *v, pk_real *low_v, int *moved)
 {
-    pk_real before = 0;
+    pk_real before = 0, length2 = 0;
     for (int count = 0; count <= MOST; count++) {
         size_t which;
         if (count)
             w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
         pk_project_sizes(w, 1, q, v);
         const pk_real ratio = worst(w, w->rate, w->c, &which);
-        const int done = judged(ratio, before, count);
+        const int done = judged(ratio, before, count, count && is_lost(w, v, length2));
         w->depends[0] = 0;
         if (done)
             return done > 0 ? PK_DONE : failed(it, w->c + which, w->rate[which]);
-        const size_t singular = correction(w, w->rate, w->c);
+        const size_t singular = correction(w, w->rate, w->c, &length2);
         if (singular)
             return failed(it, w->c + singular - 1, w->rate[singular - 1]);
         subtract(v, w->d, low_v, w->m);

@@ -34,7 +34,7 @@ static size_t variational_size(const struct pk_method *method, size_t n)
 {
     const struct pk_variational *table = (const struct pk_variational *)method->table;
     const size_t stages = (size_t)table->parts->stages * (table->ends ? 2 : 1);
-    return 19 * n + 6 * n * n + 1 + stages * (2 + 2 * n);
+    return 23 * n + 6 * n * n + 1 + stages * (2 + 2 * n);
 }
 
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
@@ -51,7 +51,9 @@ struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
     w.states = w.m + 4 * w.turned;
     pk_real **const vectors[] = {&w.V,     &w.dV,    &w.scale, &w.last_V, &w.p,     &w.f,   &w.p_end,
                                  &w.f_end, &w.q_at,  &w.v_at,  &w.q_end,  &w.v_end, &w.low_q,
-                                 &w.low_v, &w.pivot, &w.S_pivot, &w.kick, &w.phi,   &w.spare};
+                                 &w.low_v, &w.pivot, &w.S_pivot, &w.kick, &w.phi,   &w.spare,
+                                 &w.kept,  &w.kept_kick, &w.f_start,
+                                 &w.slope};
     pk_real **const matrices[] = {&w.M, &w.lu, &w.J, &w.J_end, &w.by_kick, &w.S};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++, x += n)
         *vectors[i] = x;
@@ -172,8 +174,10 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     pk_real *p = pk_part(w->to, n, PK_P), *low_p = pk_part(w->to, n, PK_LOW_X);
     enum pk_status status = PK_DONE;
     guess(it, w, v);
-    if (!(it->flags & PK_HAVE_A)) /* here: that M is of this state */
+    if (!(it->flags & PK_HAVE_A)) { /* here: that M and the forces are of this state */
+        pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
         status = pk_variational_mass(it, w, w->t, q, v);
+    }
     it->flags &= ~PK_HAVE_A;
     if (status >= 0)
         status = pk_variational_solve(it, w);

@@ -49,29 +49,39 @@ static pk_real tangent(struct pk_integrator *it, struct pk_variational_work *w, 
     return worst;
 }
 
+/* M at the end, and J M^-1 J^T there. */
+static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_work *w,
+                               const pk_real *q, const pk_real *v)
+{
+    const enum pk_status status = pk_variational_mass(it, w, w->end, q, v);
+    if (status < 0 || !w->c)
+        return status;
+    it->problem.system->rows(it->problem.params, w->end, q, v, it->u, w->J_end, w->phi);
+    const size_t singular = factor(w);
+    if (!singular)
+        return PK_DONE;
+    it->where = singular - 1;
+    it->detail = w->end;
+    return pk_project_singular(it, q, v);
+}
+
 enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variational_work *w,
                                     pk_real *p, pk_real *low_p)
 {
     const size_t m = w->m;
     const pk_real *q = pk_part(w->to, w->n, PK_Q);
     pk_real *v = pk_part(w->to, w->n, PK_V), before = 0;
-    enum pk_status status = pk_variational_mass(it, w, w->end, q, v);
-    if (status < 0)
-        return status;
-    if (w->c) {
-        it->problem.system->rows(it->problem.params, w->end, q, v, it->u, w->J_end, w->phi);
-        const size_t singular = factor(w);
-        if (singular) {
-            it->where = singular - 1;
-            it->detail = w->end;
-            return pk_project_singular(it, q, v);
-        }
-    }
+    pk_real rate = it->problem.system->facts & PK_QUADRATIC ? 0 : 1;
     for (int count = 0; count < MOST; count++) {
         pk_real size = 0, scale = PK_TINY, left = 0;
-        pk_variational_momenta(it, w->end, q, v, w->p, w->f);
+        pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);
         if (!pk_all_finite(w->p, m))
             return PK_NOT_FINITE;
+        if (count == 0 || rate > PK_C(0.1)) { /* else M at the guess will do */
+            const enum pk_status status = matrices(it, w, q, v);
+            if (status < 0)
+                return status;
+        }
         for (size_t k = 0; k < m; k++)
             w->dV[k] = p[k] - w->p[k];
         pk_ldl_solve(w->M, m, w->dV);
@@ -87,6 +97,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
             return pk_all_finite(v, m) ? PK_DONE : PK_NOT_FINITE;
         if (count && size >= before / 2 && size <= PK_VARIATIONAL_ROUND)
             return PK_DONE; /* corrections no longer shrink: they are round-off */
+        rate = count ? size / before : rate;
         before = size;
     }
     it->detail = before;

@@ -1,8 +1,9 @@
 /* The equations of a variational step, r(V) = 0 for the rates V of its middle and phi(q1) = 0 for
  * the kick J(q0)^T mu of its start; see variational.c. By M for their matrix, at the start: that
- * contracts while h omega is below 2 and is quick where it is small; or else by Newton's method with
- * differences of r, and followed from short steps on, so that the solution is theirs: its matrix, M
- * at h = 0, must keep the sign of its determinant. The equations in mu are taken with both rows,
+ * contracts while h omega is below 2 and is quick where it is small. Where it does not contract all the
+ * way, the equations may have several solutions: then by Newton's method with differences of r, and
+ * followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must keep the
+ * sign of its determinant. The equations in mu are taken with both rows,
  * J(q0) and J(q1), as they are.
  *
  * An iteration ends as that of newton.c does, far below round-off.
@@ -11,98 +12,17 @@
 
 #include "variational.h"
 
-enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, FOLLOWED = 8 };
+enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50 };
 
-/* The end of the step by V, and its middle. */
-static void reach(struct pk_variational_work *w)
-{
-    const size_t n = w->n;
-    const pk_real *q = pk_part(w->to, n, PK_Q), *v = pk_part(w->to, n, PK_V), half = w->h / 2;
-    memcpy(w->q_end, q, n * sizeof *q);
-    memcpy(w->q_at, q, n * sizeof *q);
-    memcpy(w->v_end, w->V, w->m * sizeof *q);
-    memcpy(w->v_at, w->V, w->m * sizeof *q);
-    memcpy(w->low_q, pk_part(w->to, n, PK_LOW_Q), n * sizeof *q);
-    memcpy(w->low_v, pk_part(w->to, n, PK_LOW_X), n * sizeof *q);
-    for (size_t k = 0; k < w->rotation; k++) {
-        w->q_end[k] = pk_sum(q[k], w->h * w->V[k], &w->low_q[k]);
-        w->q_at[k] += half * w->V[k];
-    }
-    for (size_t r = 0; r < w->turned; r++) {
-        const size_t at = w->first + 4 * r;
-        const pk_real *omega = w->V + w->rotation + 3 * r;
-        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
-        const pk_real yy = pk_dot3(y, y), weight = 2 / (1 + yy);
-        const pk_real u[3] = {weight * y[0], weight * y[1], weight * y[2]};
-        pk_real added[4];
-        pk_quaternion_times(v + at, -weight * yy, u, added);
-        for (size_t i = 0; i < 4; i++)
-            w->v_end[at + i] = pk_sum(v[at + i], added[i], &w->low_v[at + i]);
-        pk_quaternion_times(v + at, 1, y, w->v_at + at);
-        for (size_t i = 0; i < 4; i++)
-            w->v_at[at + i] /= PK_F(sqrt)(1 + yy);
-    }
-    for (size_t k = w->states; k < n; k++) {
-        w->v_end[k] = pk_sum(v[k], w->h * w->V[k], &w->low_v[k]);
-        w->v_at[k] = v[k] + half * w->V[k];
-    }
-}
-
-/* Momenta and forces at the middle; or at the start, by V, and at the end. */
-static int evaluate(struct pk_integrator *it, struct pk_variational_work *w)
-{
-    const size_t n = w->n;
-    reach(w);
-    if (!w->table->ends) {
-        pk_variational_momenta(it, w->t + w->h / 2, w->q_at, w->v_at, w->p, w->f);
-        return pk_all_finite(w->p, n) && pk_all_finite(w->f, n);
-    }
-    memcpy(w->v_at + w->first, pk_part(w->to, n, PK_V) + w->first,
-           (n - w->first) * sizeof *w->v_at);
-    pk_variational_momenta(it, w->t, pk_part(w->to, n, PK_Q), w->v_at, w->p, w->f);
-    pk_variational_momenta(it, w->end, w->q_end, w->v_end, w->p_end, w->f_end);
-    return pk_all_finite(w->p, n) && pk_all_finite(w->f, n) && pk_all_finite(w->p_end, n) &&
-           pk_all_finite(w->f_end, n);
-}
-
-/* Of p0 with the kick. */
-static pk_real start(const struct pk_variational_work *w, size_t k)
-{
-    pk_real p = pk_part(w->to, w->n, PK_P)[k];
-    for (size_t i = 0; i < w->c; i++)
-        p += w->J[i * w->n + k] * w->kick[i];
-    return p;
-}
-
-static void residual(const struct pk_variational_work *w, pk_real *r)
-{
-    const int ends = w->table->ends;
-    const pk_real half = w->h / 2;
-    for (size_t k = 0; k < w->rotation; k++) {
-        const pk_real p = ends ? (w->p[k] + w->p_end[k]) / 2 : w->p[k];
-        r[k] = (p - start(w, k)) - half * w->f[k];
-    }
-    for (size_t k = w->rotation; k < w->first; k += 3) {
-        const pk_real *omega = w->V + k;
-        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
-        pk_real G[3], P[3], across[3];
-        pk_cross(w->p + k, omega, G);
-        for (size_t i = 0; i < 3; i++) {
-            G[i] = w->f[k + i] - G[i];
-            P[i] = start(w, k + i) + (ends ? half * G[i] : 0);
-        }
-        pk_cayley_turn(y, -1, P, P);
-        pk_cross(y, G, across);
-        for (size_t i = 0; i < 3; i++) {
-            const pk_real Pi = ends ? (w->p[k + i] + w->p_end[k + i]) / 2 : w->p[k + i];
-            r[k + i] = (Pi - P[i]) + pk_dot3(y, y) * Pi;
-            if (!ends)
-                r[k + i] -= half * (G[i] - across[i]);
-        }
-    }
-    for (size_t k = w->first; k < w->n; k++)
-        r[k] = k < w->states ? 0 : w->V[k] - (ends ? (w->f[k] + w->f_end[k]) / 2 : w->f[k]);
-}
+/* Rates of corrections beyond FAR, relative, at which the solution is that next to the guess: of the
+ * iteration by M, and of Newton's; and by how much of the rates what r holds beside M V may change
+ * within the step. Parts of a step that are followed: the first, and the shortest. */
+#define FAR PK_C(0.1)
+#define FAST PK_C(0.7)
+#define SURE PK_C(0.5)
+#define GENTLE PK_C(0.5)
+#define FIRST PK_C(0.125)
+#define SHORTEST (PK_C(1.0) / 16777216)
 
 static size_t unknowns(const struct pk_variational_work *w) { return w->m + (w->n - w->states); }
 static size_t place(const struct pk_variational_work *w, size_t i)
@@ -127,13 +47,23 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
     }
 }
 
+/* Its sign. */
+static int determinant(const pk_real *lu, const pk_real *pivot, size_t count)
+{
+    int sign = 1;
+    for (size_t i = 0; i < count; i++) {
+        const int swapped = (size_t)pivot[i] != i;
+        sign *= (lu[i * count + i] < 0) == swapped ? 1 : -1;
+    }
+    return sign;
+}
+
 /* dr/dV by differences, factored; the sign of its determinant, or 0. */
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
     const pk_real e = PK_F(sqrt)(PK_EPS);
     pk_real *column = w->spare, most = 0;
-    int sign = 1;
     for (size_t k = 0; k < w->n; k++)
         most = pk_max(most, w->scale[k]);
     for (size_t j = 0; j < count; j++) {
@@ -141,8 +71,8 @@ static int differences(struct pk_integrator *it, struct pk_variational_work *w)
         const pk_real V = w->V[k], own = pk_max(w->scale[k], most / 1024);
         const pk_real d = e * (own > 0 ? own : 1);
         w->V[k] = V + d;
-        const int finite = evaluate(it, w);
-        residual(w, column);
+        const int finite = pk_variational_evaluate(it, w);
+        pk_variational_residual(w, column);
         w->V[k] = V;
         if (!finite)
             return 0;
@@ -151,17 +81,12 @@ static int differences(struct pk_integrator *it, struct pk_variational_work *w)
     }
     it->count.jacobians++;
     it->count.factorisations++;
-    if (!pk_lu_factor(w->lu, w->pivot, count))
-        return 0;
-    for (size_t i = 0; i < count; i++) {
-        const int swapped = (size_t)w->pivot[i] != i;
-        sign *= (w->lu[i * count + i] < 0) == swapped ? 1 : -1;
-    }
-    return sign;
+    return pk_lu_factor(w->lu, w->pivot, count) ? determinant(w->lu, w->pivot, count) : 0;
 }
 
 /* dV += what makes phi vanish at the end of V + dV, and that much more kick. By rows D of
- * d(phi)/dV and columns of J(q0)^T, which is turned into the middle's frame. 0: singular. */
+ * d(phi)/dV and columns of J(q0)^T, which is turned into the middle's frame. The sign of what that
+ * adds to the determinant of all, 1 at h = 0; 0: singular. */
 static int constrain(struct pk_variational_work *w, int newton)
 {
     const size_t n = w->n, c = w->c;
@@ -209,21 +134,24 @@ static int constrain(struct pk_variational_work *w, int newton)
         for (size_t k = 0; k < n; k++)
             w->dV[k] += w->phi[j] * w->by_kick[j * n + k];
     }
-    return 1;
+    return determinant(w->S, w->S_pivot, c) * (w->h < 0 && c % 2 ? -1 : 1);
 }
 
 /* phi at the end, in units of the rounding of its terms; J there. */
 static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const struct pk_system *system = it->problem.system;
-    const pk_real *u = pk_eval_input(it, w->end);
+    const pk_real *u = pk_eval_input(it, w->end), *q = pk_part(w->to, w->n, PK_Q);
     pk_real worst = 0;
     system->constraint(it->problem.params, w->end, w->q_end, w->v_end, u, w->phi);
     system->rows(it->problem.params, w->end, w->q_end, w->v_end, u, w->J_end, w->spare);
     for (size_t i = 0; i < w->c; i++) {
         pk_real size = PK_TINY;
-        for (size_t k = 0; k < w->m; k++)
-            size += pk_abs(w->J_end[i * w->n + k] * (k < w->rotation ? w->q_end[k] : 1));
+        for (size_t k = 0; k < w->m; k++) { /* what q1 = q0 + h V is rounded by */
+            const pk_real moved = pk_max(pk_abs(w->h * w->V[k]), pk_abs(q[k]));
+            const pk_real x = k < w->rotation ? pk_max(pk_abs(w->q_end[k]), moved) : 1;
+            size += pk_abs(w->J_end[i * w->n + k]) * x;
+        }
         const pk_real ratio = pk_abs(w->phi[i]) / (PK_EPS * size);
         worst = ratio <= worst ? worst : ratio;
     }
@@ -265,26 +193,29 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
                                                     : BY_MASS_MOST;
     pk_real before = 0, least = 0;
     int last = 0, growing = 0, more = 0;
+    w->worst = 0;
     for (int count = 0; count <= most; count++) {
-        if (!evaluate(it, w))
+        if (!pk_variational_evaluate(it, w))
             return 0;
-        residual(w, w->dV);
+        pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
         if (last && (off <= 8 || ++more > 3)) /* all now belongs to the V that is kept */
-            return off <= PK_VARIATIONAL_ROUND / PK_EPS;
+            return pk_finite(off);
         if (count == 0)
             set_scale(w);
         if (newton && (*sign = differences(it, w)) == 0)
             return 0;
         if (newton && w->c) { /* differences have moved the end */
-            reach(w);
+            pk_variational_reach(w);
             broken(it, w);
         }
         for (size_t k = 0; k < w->n; k++)
             w->dV[k] = -w->dV[k];
         solve(w, newton, w->dV);
-        if (w->c && !constrain(w, newton))
+        const int of_phi = w->c ? constrain(w, newton) : 1;
+        if (!of_phi)
             return 0;
+        *sign = newton ? *sign * of_phi : of_phi;
         it->count.iterations++;
         pk_real shared;
         const pk_real size = corrected(w, &shared);
@@ -294,6 +225,10 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         if (!pk_finite(size))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);
+        if (count == 0)
+            w->jump = size;
+        else if (size > FAR)
+            w->worst = pk_max(w->worst, rate);
         if (it->options.newton_tol > 0)
             last = size <= it->options.newton_tol;
         else
@@ -309,39 +244,76 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     return 0;
 }
 
-/* By Newton's method, from a step of none on. */
+/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line through
+ * those before, and is one only if the solution is near that. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_part(w->to, w->n, PK_V);
-    for (size_t k = 0; k < w->n; k++)
-        w->V[k] = k < w->m ? v[k] : 0;
-    memset(w->kick, 0, w->n * sizeof *w->kick);
-    for (int i = 1; i <= FOLLOWED; i++) {
+    const size_t bytes = w->n * sizeof *w->V;
+    pk_real made = 0, part = FIRST;
+    for (size_t k = 0; k < w->n; k++) {
+        w->kept[k] = k < w->m ? v[k] : k < w->states ? 0 : w->f_start[k];
+        w->slope[k] = k < w->m ? h / 2 * w->f_start[k] : 0;
+    }
+    pk_ldl_solve(w->M, w->m, w->slope);
+    memset(w->kept_kick, 0, bytes);
+    while (made < 1) {
+        const pk_real next = made + part < 1 ? made + part : 1;
         int sign = 1;
-        w->h = h * (pk_real)i / FOLLOWED;
-        w->end = i == FOLLOWED ? end : w->t + w->h;
+        for (size_t k = 0; k < w->n; k++)
+            w->V[k] = w->kept[k] + (next - made) * w->slope[k];
+        for (size_t j = 0; j < w->c; j++)
+            w->kick[j] = made > 0 ? w->kept_kick[j] * (next / made) : 0;
+        w->h = h * next;
+        w->end = next < 1 ? w->t + w->h : end;
         const int converged = iterate(it, w, 1, &sign);
-        if (!converged || sign < 0) {
-            it->detail = pk_abs(h) * (pk_real)(i - 1) / FOLLOWED * pk_abs(it->h / h);
+        if (converged && sign > 0 && w->worst <= SURE && w->jump <= GENTLE) {
+            for (size_t k = 0; k < w->n; k++)
+                w->slope[k] = (w->V[k] - w->kept[k]) / (next - made);
+            memcpy(w->kept, w->V, bytes);
+            memcpy(w->kept_kick, w->kick, bytes);
+            made = next;
+            part *= 2;
+            continue;
+        }
+        part /= 4;
+        if (part < SHORTEST) {
             w->h = h;
+            it->detail = pk_abs(it->h) * made;
             it->where = PK_BY_NEWTON;
             return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
         }
-        for (size_t j = 0; j < w->c && i < FOLLOWED; j++)
-            w->kick[j] *= (pk_real)(i + 1) / (pk_real)i;
     }
     return PK_DONE;
 }
 
+/* Whether forces at the middle are much those at the start, or momenta at the end: then the
+ * iteration contracts all along from a step of none. */
+static int is_gentle(struct pk_variational_work *w)
+{
+    for (size_t k = 0; k < w->n; k++) {
+        const pk_real d = w->table->ends ? w->p_end[k] - w->p[k] : w->h * (w->f[k] - w->f_start[k]);
+        w->dV[k] = k < w->m ? d / 2 : 0;
+    }
+    pk_ldl_solve(w->M, w->m, w->dV);
+    for (size_t k = 0; k < w->m; k++)
+        if (!(pk_abs(w->dV[k]) <= GENTLE * w->scale[k]))
+            return 0;
+    return 1;
+}
+
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w)
 {
-    int sign;
+    int sign = 1;
     if (w->c)
         it->problem.system->rows(it->problem.params, w->t, pk_part(w->to, w->n, PK_Q),
                                  pk_part(w->to, w->n, PK_V), pk_eval_input(it, w->t), w->J,
                                  w->spare);
-    if (iterate(it, w, 0, &sign))
+    const int converged = iterate(it, w, 0, &sign);
+    if (converged && sign > 0 && w->worst <= FAST && is_gentle(w))
         return PK_DONE;
+    if (it->options.iteration != PK_FIXED_POINT)
+        return follow(it, w);
     it->where = PK_BY_FIXED_POINT;
-    return it->options.iteration == PK_FIXED_POINT ? PK_NO_CONVERGENCE : follow(it, w);
+    return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
 }

@@ -83,5 +83,8 @@ void add_quadrature(void);
 void add_apart(void);
 void add_least_action(void);
 void add_states(void);
+void add_rotation(void);
+void add_constraint(void);
+void add_variational(void);
 
 #endif

@@ -167,6 +167,9 @@ int main(int argc, char **argv)
     add_apart();
     add_least_action();
     add_states();
+    add_rotation();
+    add_constraint();
+    add_variational();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

@@ -120,6 +120,14 @@ static inline void bound_derivative(const struct bound *b, ARGS, int of_v, pk_re
     }
 }
 
+/* A diagonal M: these masses, and 1 for what has no momenta. */
+static inline void constant_inertia(size_t n, const pk_real *masses, size_t count, pk_real *M)
+{
+    memset(M, 0, n * n * sizeof *M);
+    for (size_t i = 0; i < n; i++)
+        M[i * n + i] = i < count ? masses[i] : 1;
+}
+
 static const struct pk_parameter bound_parameters[] = {
     {{"g", "", ""}, offsetof(struct test_params, g), 0, 1, 0},
     {{"limit", "", ""}, offsetof(struct test_params, limit), 0, 0, 0}};

@@ -47,7 +47,7 @@ _MATRICES = {
     "pdot_v": "pdot_v[i*{n} + j] = d(pdot_i)/dv_j",
     "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
     "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
-    "J": "J[k*{n} + j] = d(residual_k)/dv_j, row-major",
+    "J_out": "J_out[k*{n} + j] = d(residual_k)/dv_j, row-major",
 }
 
 
@@ -89,9 +89,9 @@ _VECTORS = {
     "dHdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "dHdp": lambda p, _: p.equations.rates,
     "applied": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
-    "phi": lambda p, _: (),
-    "residual": lambda p, _: (),
-    "lambda": lambda p, _: p.equations.constraints.names,
+    "phi_out": lambda p, _: (),
+    "residual_out": lambda p, _: (),
+    "lambda_out": lambda p, _: p.equations.constraints.names,
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }
 

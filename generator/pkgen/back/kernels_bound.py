@@ -15,7 +15,7 @@ BOUND = frozenset({"constraint", "rows", "multipliers", "unbound", "inertia"})
 
 def _rows(e: Equations) -> list[Target]:
     c = e.constraints
-    return matrix_stores("J", c.rows) + stores("residual", c.residual)
+    return matrix_stores("J_out", c.rows) + stores("residual_out", c.residual)
 
 
 def _unbound(e: Equations) -> list[Target]:
@@ -28,7 +28,7 @@ def bound_specs() -> Iterator[KernelSpec]:
         "constraint",
         "void",
         "phi, which the holonomic constraints keep at 0",
-        *vector("phi", lambda e: e.constraints.positions),
+        *vector("phi_out", lambda e: e.constraints.positions),
         exists=lambda e: e.constraints is not None and bool(e.constraints.positions),
     )
     yield KernelSpec(
@@ -36,8 +36,8 @@ def bound_specs() -> Iterator[KernelSpec]:
         "void",
         "the rows J of all constraints, and J v + j0, which they keep at 0",
         lambda e: (
-            Output("J", len(e.constraints.residual), len(e.coordinates)),
-            Output("residual", len(e.constraints.residual), 1),
+            Output("J_out", len(e.constraints.residual), len(e.coordinates)),
+            Output("residual_out", len(e.constraints.residual), 1),
         ),
         _rows,
         exists=lambda e: e.constraints is not None,
@@ -46,7 +46,7 @@ def bound_specs() -> Iterator[KernelSpec]:
         "multipliers",
         "void",
         "lambda, of which J^T lambda are the forces of the constraints",
-        *vector("lambda", lambda e: e.constraints.multipliers),
+        *vector("lambda_out", lambda e: e.constraints.multipliers),
         exists=lambda e: e.constraints is not None,
     )
     yield KernelSpec(

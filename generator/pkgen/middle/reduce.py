@@ -157,7 +157,7 @@ def unconnected(state: State, needs: Needs) -> State:
     while waiting:
         i = waiting.pop()
         mates = next(block for block in facts.mass_blocks if i in block)
-        new = {*facts.influences[i], *mates} - kept
+        new = {*facts.influences[i], *mates, *_in_one_row(e, i)} - kept
         kept |= new
         waiting += new
         if not waiting:
@@ -195,6 +195,14 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
         nodes.append(e.energy)
     used = symbols_in(e.graph, nodes, STATE | BIT[Kind.STATE])
     return found | {s.index + (n if s.kind is Kind.STATE else 0) for s in used}
+
+
+def _in_one_row(e: Equations, i: int) -> set[int]:
+    """What a constraint ties to a coordinate: its inertia has a part in the motion, whether or not
+    the acceleration still shows that."""
+    rows = e.constraints.rows if e.constraints is not None else ()
+    tied = (row for row in rows if i < len(row) and row[i] != ZERO)
+    return {j for row in tied for j, entry in enumerate(row) if entry != ZERO}
 
 
 def _bodies(e: Equations, kept: set[int]) -> set[int]:

@@ -1,0 +1,416 @@
+/* Rotations: the order of methods on SO(3), what each keeps of a free body over long runs, the
+ * symplectic form of T*SO(3), reversal; each with a method that fails it.
+ */
+#include <stdlib.h>
+
+#include "bound.h"
+
+static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6", "rattle",
+                                    "rattle4",      "rattle6",       "rkmk4",         "rk4",
+                                    "gauss2"};
+enum { STEPS = sizeof steps / sizeof *steps, VARIATIONAL = 6 };
+
+static void order(void)
+{
+    static const struct pk_system *const systems[] = {&free_body_system, &top_system,
+                                                      &bodies_system, &carriage_system};
+    for (int s = 0; s < 4; s++)
+        for (int i = 0; i < STEPS; i++) {
+            const int claimed = pk_method_find(steps[i])->order;
+            const double p = bound_order(systems[s], steps[i], s == 1 ? 0.5 : 1);
+            printf("\n    %-9s %-13s order %d, measured %.3f", systems[s]->name, steps[i], claimed,
+                   p);
+            CU_ASSERT(fabs(p - claimed) < 0.2);
+        }
+}
+
+/* R p of the momenta of the body whose rates begin at v[at], its quaternion at v[of]. */
+static void in_space(const struct bound_run *f, size_t at, size_t of, double *L)
+{
+    double p[BOUND_N], pdot[BOUND_N];
+    const double *Q = f->it.v + of;
+    f->problem.system->unbound(&f->params, f->it.t, f->it.q, f->it.v, NULL, p, pdot);
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double c[] = {Q[1 + j] * p[at + (size_t)k] - Q[1 + k] * p[at + (size_t)j],
+                            Q[1 + k] * p[at + (size_t)i] - Q[1 + i] * p[at + (size_t)k],
+                            Q[1 + i] * p[at + (size_t)j] - Q[1 + j] * p[at + (size_t)i]};
+        L[i] += p[at + (size_t)i] + 2 * (Q[0] * c[0] + (Q[1 + j] * c[2] - Q[1 + k] * c[1]));
+    }
+}
+
+struct kept {
+    double norm, energy, late, square, vector; /* late: energy at the end, mean of 1000 steps */
+};
+
+/* Largest deviations over a run of the free body, or of two: then of their sum. */
+static struct kept keeps(const struct pk_system *system, const char *method, double h, long count)
+{
+    static struct bound_run f;
+    struct kept k = {0};
+    double start[3] = {0}, E0, L2;
+    bound_set(&f, system);
+    CU_ASSERT_FATAL(bound_init(&f, method, h) == PK_DONE);
+    const size_t bodies = system->n_rotations;
+    for (size_t b = 0; b < bodies; b++)
+        in_space(&f, 3 * b, 3 * bodies + 4 * b, start);
+    E0 = bound_energy(&f);
+    L2 = start[0] * start[0] + start[1] * start[1] + start[2] * start[2];
+    for (long i = 0; i < count; i++) {
+        CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
+        const double E = fabs(bound_energy(&f) / E0 - 1);
+        k.energy = fmax(k.energy, E);
+        k.late += i >= count - 1000 ? E / 1000 : 0;
+        if (i % 100 && i < count - 100)
+            continue;
+        double L[3] = {0}, square = 0, apart = 0;
+        for (size_t b = 0; b < bodies; b++)
+            in_space(&f, 3 * b, 3 * bodies + 4 * b, L);
+        for (int j = 0; j < 3; j++) {
+            square += L[j] * L[j];
+            apart = fmax(apart, fabs(L[j] - start[j]));
+        }
+        k.square = fmax(k.square, fabs(square / L2 - 1));
+        k.vector = fmax(k.vector, apart / sqrt(L2));
+        k.norm = fmax(k.norm, bound_residuals(&f).norm);
+    }
+    printf("\n    %-13s h = %-4g %7ld steps: norm %.1e, energy %.1e, |L|^2 %.1e, L %.1e", method, h,
+           count, k.norm, k.energy, k.square, k.vector);
+    return k;
+}
+
+static void free_body(void)
+{
+    for (int i = 0; i < VARIATIONAL; i++) {
+        const long count = i == 0 ? 1000000 : 30000;
+        const struct kept k = keeps(&free_body_system, steps[i], 0.1, count);
+        CU_ASSERT(k.norm > 0 && k.norm < 1e-15);
+        CU_ASSERT(k.energy > 0 && k.energy < 2e-3 && k.late < k.energy);
+        CU_ASSERT(k.square > 0 && k.square < 2e-13 && k.vector > 0 && k.vector < 2e-13);
+    }
+    /* Gauss: what is quadratic. L in space turns with what R errs by, of round-off too. */
+    const struct kept gauss = keeps(&free_body_system, "gauss4", 0.1, 30000);
+    CU_ASSERT(gauss.norm < 1e-15 && gauss.energy > 0 && gauss.energy < 1e-14);
+    CU_ASSERT(gauss.square > 0 && gauss.square < 1e-14);
+    const struct kept rkmk = keeps(&free_body_system, "rkmk4", 0.1, 30000);
+    CU_ASSERT(rkmk.norm < 1e-15 && rkmk.energy > 1e-6 && rkmk.vector > 1e-6);
+}
+
+static void two_bodies(void)
+{
+    for (int i = 0; i < VARIATIONAL; i += 3) {
+        const struct kept k = keeps(&bodies_system, steps[i], 0.05, 100000);
+        CU_ASSERT(k.energy > 1e-8 && k.energy < 2e-3 && k.late < k.energy);
+        CU_ASSERT(k.vector > 0 && k.vector < 5e-13);
+    }
+    const struct kept rk4 = keeps(&bodies_system, "rk4", 0.05, 100000);
+    CU_ASSERT(rk4.norm < 1e-15 && rk4.vector > 1e-6);
+}
+
+/* From rest about an axis the other way than near it: T4 of I = (1, 2, 3), its periods in closed form by
+ * elliptic integrals; and the growth of what is off the middle axis, Omega/sqrt(3). */
+static void closed_form(void)
+{
+    static const struct {
+        double omega[3], period;
+    } rows[] = {{{0.01, 1, 0}, 41.509219529}, {{0, 1, 0.01}, 37.702071587}};
+    static struct bound_run f;
+    for (int r = 0; r < 2; r++) {
+        const char *const names[] = {"gauss", "rkmk8", "lie_midpoint6", "lie_midpoint"};
+        const double h[] = {1e-13, 0.1, 0.1, 0.1}, bound[] = {1e-9, 1e-9, 1e-6, 1};
+        for (int i = 0; i < 4; i++) {
+            double worst = 0;
+            bound_set(&f, &free_body_system);
+            memcpy(f.v0, rows[r].omega, sizeof rows[r].omega);
+            CU_ASSERT_FATAL(bound_init(&f, names[i], h[i]) == PK_DONE);
+            CU_ASSERT(pk_integrator_to(&f.it, rows[r].period) == PK_DONE);
+            for (int k = 0; k < 3; k++)
+                worst = fmax(worst, fabs(f.it.v[k] - rows[r].omega[k]));
+            printf("\n    after a period of %.9f s by %s: omega off by %.1e", rows[r].period,
+                   names[i], worst);
+            CU_ASSERT(worst > 0 && worst < bound[i] && (i < 3 || worst > 1e-6));
+        }
+    }
+    const double off = 1e-6, t = 5;
+    bound_set(&f, &free_body_system); /* along what grows: omega_3 = -omega_1/sqrt(3) */
+    f.v0[0] = off, f.v0[1] = 1, f.v0[2] = -off / sqrt(3);
+    CU_ASSERT_FATAL(bound_init(&f, "gauss", 1e-13) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, t) == PK_DONE);
+    const double rate = log(fabs(f.it.v[0]) / off) / t;
+    printf("\n    growth about the middle axis %.9f, Omega/sqrt(3) = %.9f", rate, 1 / sqrt(3));
+    CU_ASSERT(fabs(rate - 1 / sqrt(3)) < 1e-8);
+}
+
+/* Body-frame tangent (eta, dP) of the difference of two runs' ends, over d. */
+static void tangent(const double *const *ends, const double *weights, double d, const double *Q,
+                    double *eta, double *dP)
+{
+    double dQ[4] = {0};
+    for (int i = 0; i < 3; i++)
+        dP[i] = 0;
+    for (int k = 0; k < 4; k++) {
+        for (int i = 0; i < 4; i++)
+            dQ[i] += weights[k] * ends[k][i] / d;
+        for (int i = 0; i < 3; i++)
+            dP[i] += weights[k] * ends[k][4 + i] / d;
+    }
+    for (int i = 0; i < 3; i++) { /* 2 conj(Q) dQ */
+        const int j = 1 + (i + 1) % 3, l = 1 + (i + 2) % 3;
+        eta[i] = 2 * (Q[0] * dQ[1 + i] - Q[1 + i] * dQ[0] - (Q[j] * dQ[l] - Q[l] * dQ[j]));
+    }
+}
+
+/* d(P.eta) on two tangents: dP1.eta2 - dP2.eta1 - P.(eta1 x eta2). */
+static double form(const double *P, const double *eta1, const double *dP1, const double *eta2,
+                   const double *dP2)
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        sum += dP1[i] * eta2[i] - dP2[i] * eta1[i] -
+               P[i] * (eta1[j] * eta2[k] - eta1[k] * eta2[j]);
+    }
+    return sum;
+}
+
+/* The top's (Q, P) after two steps from its start, turned by e xi in the body frame and with e pi
+ * more momentum. */
+static void mapped(const char *method, double e, const double *xi, const double *pi, double h,
+                   double *end)
+{
+    static struct bound_run f;
+    static const double I[] = {1.5, 1.5, 0.5};
+    bound_set(&f, &top_system);
+    double *Q = f.v0 + 3, Q0[4];
+    memcpy(Q0, Q, sizeof Q0);
+    const double angle = e * sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2]);
+    const double c = cos(angle / 2), s = fabs(angle) > 0 ? sin(angle / 2) / angle * e : 0;
+    const double r[] = {c, s * xi[0], s * xi[1], s * xi[2]};
+    Q[0] = Q0[0] * r[0] - Q0[1] * r[1] - Q0[2] * r[2] - Q0[3] * r[3];
+    for (int i = 0; i < 3; i++) {
+        const int j = 1 + (i + 1) % 3, k = 1 + (i + 2) % 3;
+        Q[1 + i] = Q0[0] * r[1 + i] + Q0[1 + i] * r[0] + Q0[j] * r[k] - Q0[k] * r[j];
+        f.v0[i] += e * pi[i] / I[i];
+    }
+    CU_ASSERT_FATAL(bound_init(&f, method, h) == PK_DONE);
+    CU_ASSERT_FATAL(pk_integrator_to(&f.it, 2 * h) == PK_DONE);
+    memcpy(end, f.it.v + 3, 4 * sizeof *end);
+    for (int i = 0; i < 3; i++)
+        end[4 + i] = I[i] * f.it.v[i];
+}
+
+static double symplectic_defect(const char *method)
+{
+    static const double xi[2][3] = {{0.3, -0.8, 0.4}, {-0.5, 0.2, 0.9}};
+    static const double pi[2][3] = {{0.7, 0.5, -0.2}, {0.1, -0.6, 0.8}};
+    static const double shift[] = {-2, -1, 1, 2}, weights[] = {1, -8, 8, -1};
+    const double e = 2e-3, none[3] = {0}, h = 0.1;
+    double P0[3], centre[7], eta[2][3], dP[2][3];
+    mapped(method, 0, none, none, h, centre);
+    for (int k = 0; k < 2; k++) {
+        double ends[4][7];
+        const double *of[4];
+        for (int i = 0; i < 4; i++) {
+            mapped(method, shift[i] * e, xi[k], pi[k], h, ends[i]);
+            of[i] = ends[i];
+        }
+        tangent(of, weights, 12 * e, centre, eta[k], dP[k]);
+    }
+    static struct bound_run f;
+    bound_set(&f, &top_system);
+    for (int i = 0; i < 3; i++)
+        P0[i] = (i < 2 ? 1.5 : 0.5) * f.v0[i];
+    const double before = form(P0, xi[0], pi[0], xi[1], pi[1]);
+    return fabs(form(centre + 4, eta[0], dP[0], eta[1], dP[1]) - before);
+}
+
+static void symplectic(void)
+{
+    for (int i = 0; i < 8; i++) {
+        const double defect = symplectic_defect(steps[i]);
+        printf("\n    %-13s form of T*SO(3) missed by %.1e", steps[i], defect);
+        CU_ASSERT(i < VARIATIONAL ? defect > 0 && defect < 2e-9 : defect > 1e-6);
+    }
+}
+
+static void reversible(void)
+{
+    static struct bound_run f;
+    for (int i = 0; i < 8; i++) {
+        bound_set(&f, &bodies_system);
+        CU_ASSERT_FATAL(bound_init(&f, steps[i], 0.05) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 2) == PK_DONE);
+        CU_ASSERT(bound_distance(&f, f.q0, f.v0) > 0.1);
+        CU_ASSERT(pk_integrator_to(&f.it, 0) == PK_DONE);
+        const double lost = bound_distance(&f, f.q0, f.v0);
+        printf("\n    %-13s there and back %.1e", steps[i], lost);
+        CU_ASSERT(i < VARIATIONAL ? lost < 1e-13 : lost > 1e-9);
+    }
+}
+
+/* Through theta = 0, where Euler's angles end: the axis of a sleeping top that falls and rises. */
+static void upright(void)
+{
+    static struct bound_run f;
+    for (int i = 0; i < STEPS; i++) {
+        double lowest = 1, back = -1, E0;
+        bound_set(&f, &top_system);
+        const double start[] = {1.0, 0, 1, 1, 0, 0, 0};
+        memcpy(f.v0, start, sizeof start);
+        CU_ASSERT_FATAL(bound_init(&f, steps[i], 0.01) == PK_DONE);
+        E0 = bound_energy(&f);
+        for (int k = 0; k < 800; k++) {
+            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
+            const double *Q = f.it.v + 3, c = 1 - 2 * (Q[1] * Q[1] + Q[2] * Q[2]);
+            lowest = fmin(lowest, c);
+            back = lowest < 0 ? fmax(back, c) : back;
+        }
+        CU_ASSERT(lowest < -0.5 && back > 0.99);
+        CU_ASSERT(fabs(bound_energy(&f) - E0) < (i % 3 && i < 6 ? 1e-4 : 5e-3));
+    }
+}
+
+/* A start whose quaternion is no unit is refused; one of rounding is made one. */
+static void starts(void)
+{
+    static struct bound_run f;
+    bound_set(&f, &top_system);
+    f.v0[4] = 0.61;
+    CU_ASSERT(bound_init(&f, "rk4", 0.01) == PK_OFF_CONSTRAINTS);
+    CU_ASSERT(bound_says(&f, "the quaternion of omega(R) is not of unit length, by 0.00603"));
+    CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_OFF_CONSTRAINTS);
+    f.v0[4] = 0.6 + 1e-10;
+    CU_ASSERT(bound_init(&f, "rk4", 0.01) == PK_DONE);
+    CU_ASSERT(bound_residuals(&f).norm < 1e-15);
+    /* Without projection rk4 leaves it. */
+    static struct pk_system loose;
+    loose = free_body_system;
+    CU_ASSERT(bound_go(&f, &loose, "rk4", 0.1, 100) == PK_DONE);
+    CU_ASSERT(bound_residuals(&f).norm < 1e-15);
+    loose.n_rotations = 0;
+    CU_ASSERT(bound_go(&f, &loose, "rk4", 0.1, 100) == PK_DONE);
+    f.problem.system = &free_body_system;
+    CU_ASSERT(bound_residuals(&f).norm > 1e-8);
+}
+
+/* Members in lanes are normalised as one alone is, to the bit. */
+static void ensemble(void)
+{
+    enum { MEMBERS = 11, ROWS = 2, N = 7 };
+    static struct bound_run f;
+    static struct test_params params[MEMBERS];
+    static double q0[MEMBERS][N], v0[MEMBERS][N], q[MEMBERS][ROWS][N], v[MEMBERS][ROWS][N];
+    static const char *const names[] = {"rk4", "dop853", "rkmk4", "lie_midpoint"};
+    const double t[ROWS] = {1, 3};
+    for (int m = 0; m < 4; m++) {
+        size_t done[MEMBERS];
+        double last[MEMBERS];
+        enum pk_status status[MEMBERS];
+        for (size_t i = 0; i < MEMBERS; i++) {
+            bound_set(&f, &free_body_system);
+            params[i] = f.params;
+            memcpy(v0[i], f.v0, sizeof v0[i]);
+            v0[i][0] += 0.1 * (double)i;
+        }
+        v0[3][5] = 0.9; /* no unit */
+        struct pk_ensemble e = {.system = &free_body_system, .method = pk_method_find(names[m])};
+        e.options = pk_options_default();
+        e.options.h = 0.05;
+        e.members = MEMBERS, e.params = params, e.q0 = q0[0], e.v0 = v0[0], e.rows = ROWS, e.t = t;
+        e.q = q[0][0], e.v = v[0][0], e.done = done, e.last_t = last, e.status = status;
+        void *block = aligned_alloc(64, pk_ensemble_size(&e));
+        CU_ASSERT(pk_ensemble_run(&e, 0, MEMBERS, block, pk_ensemble_size(&e)) ==
+                  PK_OFF_CONSTRAINTS);
+        free(block);
+        for (size_t i = 0; i < MEMBERS; i++) {
+            CU_ASSERT(status[i] == (i == 3 ? PK_OFF_CONSTRAINTS : PK_DONE));
+            if (i == 3 || m == 1) /* dop853 alone has no fixed step */
+                continue;
+            bound_set(&f, &free_body_system);
+            memcpy(f.v0, v0[i], sizeof v0[i]);
+            CU_ASSERT(bound_init(&f, names[m], 0.05) == PK_DONE);
+            for (size_t r = 0; r < ROWS; r++) {
+                CU_ASSERT(pk_integrator_to(&f.it, t[r]) == PK_DONE);
+                CU_ASSERT(memcmp(f.it.v, v[i][r], sizeof v[i][r]) == 0);
+            }
+        }
+        for (size_t i = 0; i < MEMBERS; i++)
+            for (size_t r = 0; r < ROWS && i != 3; r++) {
+                const double *Q = v[i][r] + 3;
+                CU_ASSERT(fabs(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3] - 1) < 2e-15);
+            }
+    }
+}
+
+static void angle_rate(const void *params, double t, const double *q, const double *v,
+                       const double *u, double *z)
+{
+    (void)params, (void)q, (void)u;
+    z[0] = v[0] * v[0] + v[3] * cos(t);
+}
+
+static void turning(const void *params, double t, const double *q, const double *v, const double *u,
+                    double *g)
+{
+    (void)params, (void)t, (void)q, (void)u;
+    g[0] = v[0];
+}
+
+/* Quadratures to the method's own order, and events by steps of the method itself. */
+static void beside(void)
+{
+    static const struct pk_quantity named[] = {{"z", "", ""}};
+    static const struct pk_event crossing[] = {{{"turns", "", ""}, 0, 1}};
+    static struct pk_system system;
+    static struct bound_run f;
+    system = free_body_system;
+    system.n_quadratures = 1;
+    system.quadratures = named;
+    system.quadrature = angle_rate;
+    CU_ASSERT_FATAL(bound_go(&f, &system, "gauss6", 0.01, 2) == PK_DONE);
+    const double exact = f.it.z[0];
+    for (int i = 0; i < VARIATIONAL + 1; i++) {
+        double h[2], error[2];
+        for (int k = 0; k < 2; k++) {
+            h[k] = (i < VARIATIONAL && i % 3 ? 0.2 : 0.02) / (1 + k);
+            CU_ASSERT_FATAL(bound_go(&f, &system, steps[i], h[k], 2) == PK_DONE);
+            error[k] = fabs(f.it.z[0] - exact);
+        }
+        const double p = log(error[0] / error[1]) / log(2);
+        printf("\n    %-13s of z %.2f", steps[i], p);
+        CU_ASSERT(fabs(p - pk_method_find(steps[i])->order) < 0.3);
+    }
+    system = free_body_system;
+    system.n_events = 1;
+    system.events = crossing;
+    system.event = turning;
+    static double room[1 << 16];
+    double when[STEPS];
+    for (int i = 0; i < STEPS; i++) {
+        struct pk_events events;
+        bound_set(&f, &system);
+        CU_ASSERT_FATAL(bound_init(&f, steps[i], 0.01) == PK_DONE);
+        CU_ASSERT_FATAL(pk_events_size(&f.problem, f.it.method) <= sizeof room);
+        CU_ASSERT_FATAL(pk_events_init(&events, &f.it, room, sizeof room) == PK_DONE);
+        CU_ASSERT(pk_events_to(&events, &f.it, 20) == PK_STOPPED_EVENT);
+        when[i] = f.it.t;
+        CU_ASSERT(fabs(f.it.v[0]) < 1e-13 && bound_residuals(&f).norm < 1e-15);
+    }
+    for (int i = 0; i < STEPS; i++)
+        CU_ASSERT(when[i] > 1 && fabs(when[i] - when[6]) < (i % 3 ? 1e-6 : 1e-3));
+}
+
+void add_rotation(void)
+{
+    CU_pSuite suite = CU_add_suite("rotation", NULL, NULL);
+    CU_add_test(suite, "order on SO(3)", order);
+    CU_add_test(suite, "what is kept of a free body", free_body);
+    CU_add_test(suite, "momentum of two bodies", two_bodies);
+    CU_add_test(suite, "periods in closed form", closed_form);
+    CU_add_test(suite, "the symplectic form", symplectic);
+    CU_add_test(suite, "reversal", reversible);
+    CU_add_test(suite, "through the upright", upright);
+    CU_add_test(suite, "unit quaternions", starts);
+    CU_add_test(suite, "ensembles", ensemble);
+    CU_add_test(suite, "quadratures and events", beside);
+}

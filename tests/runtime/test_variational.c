@@ -1,0 +1,127 @@
+/* Variational steps where textbook methods are known to be them: the implicit midpoint rule, Verlet;
+ * and what they do of steps that are too long for one solution, or for an iteration by M.
+ */
+#include "bound.h"
+
+static double apart(const struct pk_system *system, const char *a, const char *b, double h)
+{
+    static struct bound_run f, g;
+    CU_ASSERT(bound_go(&f, system, a, h, 20 * h) == PK_DONE);
+    CU_ASSERT(bound_go(&g, system, b, h, 20 * h) == PK_DONE);
+    return bound_distance(&f, g.it.q, g.it.v);
+}
+
+/* lie_midpoint is gauss1 in (q, p) for any M, rattle is Verlet where the system is separable. */
+static void textbook(void)
+{
+    static const struct {
+        const struct pk_system *system;
+        double h;
+    } rows[] = {{&pendulum_system, 0.3},      {&double_pendulum_system, 0.1},
+                {&relativistic_system, 0.3},  {&forced_system, 0.3},
+                {&stiffening_system, 0.3},    {&kepler_system, 0.1},
+                {&van_der_pol_system, 0.05}};
+    for (int i = 0; i < 7; i++) {
+        const double same = apart(rows[i].system, "lie_midpoint", "gauss1", rows[i].h);
+        const double other = apart(rows[i].system, "lie_midpoint", "rattle", rows[i].h);
+        printf("\n    %-15s from gauss1 %.1e, from rattle %.1e", rows[i].system->name, same, other);
+        CU_ASSERT(same < 1e-11 && other > 1e-6);
+    }
+    static const struct pk_system *const separable[] = {&pendulum_system, &kepler_system,
+                                                        &driven_system};
+    static const char *const pairs[][2] = {
+        {"rattle", "verlet"}, {"rattle4", "suzuki4"}, {"rattle6", "kahan_li6"}};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            const double same = apart(separable[i], pairs[k][0], pairs[k][1], 0.1);
+            CU_ASSERT(same < 1e-12 && apart(separable[i], pairs[k][0], "rk4", 0.1) > same);
+        }
+}
+
+/* Steps that have several solutions: Kepler's from the pericentre, a rod turned by more than a right
+ * angle. It is said, never guessed, and from where on: a step of nearly that is made. */
+static void ambiguous(void)
+{
+    static struct bound_run f;
+    static const struct {
+        const struct pk_system *system;
+        const char *method;
+        double h;
+    } rows[] = {{&kepler_system, "lie_midpoint", 2.2}, {&kepler_system, "lie_midpoint", 25},
+                {&rod_system, "rattle", 5},            {&rods_system, "lie_midpoint", 2.5},
+                {&rods_system, "rattle6", 3}};
+    for (int i = 0; i < 5; i++) {
+        bound_set(&f, rows[i].system);
+        CU_ASSERT_FATAL(bound_init(&f, rows[i].method, rows[i].h) == PK_DONE);
+        const enum pk_status status = pk_integrator_step(&f.it, 1e9);
+        CU_ASSERT(status == PK_NO_CONVERGENCE || status == PK_AMBIGUOUS_STEP);
+        CU_ASSERT(bound_says(&f, ": make the step shorter"));
+        CU_ASSERT(f.it.t == 0 && memcmp(f.it.q, f.q0, f.it.n * sizeof *f.q0) == 0);
+        const double longest = f.it.detail;
+        printf("\n    %s by %s: up to %.4g, not %g", rows[i].system->name, rows[i].method, longest,
+               rows[i].h);
+        CU_ASSERT(longest > 0.01 && longest < rows[i].h);
+        if (i == 4) /* of parts, the others may be too long still */
+            continue;
+        CU_ASSERT_FATAL(bound_init(&f, rows[i].method, 0.9 * longest) == PK_DONE);
+        CU_ASSERT(pk_integrator_step(&f.it, 1e9) == PK_DONE);
+        CU_ASSERT(fabs(bound_energy(&f)) < 100);
+    }
+}
+
+/* h omega = 100: by Newton's method, in the midpoint rule's closed form; by M alone it is refused. */
+static void stiff(void)
+{
+    static struct bound_run f;
+    const double y = 100, h = 0.1;
+    for (int i = 0; i < 2; i++) {
+        bound_set(&f, &oscillator_system);
+        f.params.g = y * y / (h * h);
+        f.options.iteration = i ? PK_FIXED_POINT : PK_NEWTON;
+        CU_ASSERT_FATAL(bound_init(&f, "lie_midpoint", h) == PK_DONE);
+        const enum pk_status status = pk_integrator_step(&f.it, 1e9);
+        if (i) {
+            CU_ASSERT(status == PK_NO_CONVERGENCE && bound_says(&f, "use Newton's"));
+            continue;
+        }
+        const double c = (1 - y * y / 4) / (1 + y * y / 4), s = h / (1 + y * y / 4);
+        CU_ASSERT(status == PK_DONE);
+        CU_ASSERT(fabs(f.it.q[0] - (c * f.q0[0] + s * f.v0[0])) < 1e-13);
+        CU_ASSERT(f.it.count.jacobians > 0);
+    }
+    CU_ASSERT(bound_go(&f, &oscillator_system, "lie_midpoint", 0.1, 1) == PK_DONE);
+    CU_ASSERT(f.it.count.jacobians == 0);
+}
+
+/* Inputs, a limit off the grid, and a reset: each step is that of a fresh start there. */
+static void anew(void)
+{
+    static struct bound_run f, g;
+    bound_set(&f, &jointed_system);
+    CU_ASSERT_FATAL(bound_init(&f, "rattle4", 0.03) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 0.1) == PK_DONE && f.it.t == 0.1);
+    bound_set(&g, &jointed_system);
+    memcpy(g.q0, f.it.q, f.it.n * sizeof *g.q0);
+    memcpy(g.v0, f.it.v, f.it.n * sizeof *g.v0);
+    CU_ASSERT_FATAL(bound_init(&g, "rattle4", 0.03) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&g.it, 0.5) == PK_DONE && pk_integrator_to(&f.it, 0.6) == PK_DONE);
+    const double same = bound_distance(&f, g.it.q, g.it.v);
+    CU_ASSERT(same < 1e-13);
+    CU_ASSERT(pk_integrator_reset(&f.it, 0, f.q0, f.v0) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 0.1) == PK_DONE);
+    CU_ASSERT(bound_distance(&f, g.q0, g.v0) < 1e-15);
+    /* The momenta that it carries belong to the rates. */
+    double p[BOUND_N], pdot[BOUND_N];
+    jointed_system.unbound(&f.params, f.it.t, f.it.q, f.it.v, NULL, p, pdot);
+    for (size_t i = 0; i < 10; i++)
+        CU_ASSERT(fabs(p[i] - f.it.p[i]) < 1e-15);
+}
+
+void add_variational(void)
+{
+    CU_pSuite suite = CU_add_suite("variational", NULL, NULL);
+    CU_add_test(suite, "the midpoint rule and Verlet", textbook);
+    CU_add_test(suite, "several solutions", ambiguous);
+    CU_add_test(suite, "stiff", stiff);
+    CU_add_test(suite, "from anywhere", anew);
+}
