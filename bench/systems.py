@@ -20,7 +20,7 @@ from pathlib import Path
 from pkgen import __main__ as command
 from pkgen import named, scene_use
 from pkgen import options as parsing
-from pkgen.compiler import compile_model
+from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 
 from . import machine, tables
@@ -140,10 +140,21 @@ def row(path: Path, name: str) -> Row:
     return Row(
         path.stem,
         name,
-        named.declared(compilation).count,
-        named.coordinates(compilation).count,
+        *_freedom(compilation),
         json.loads(done.stdout),
     )
+
+
+def _freedom(compilation: Compilation) -> tuple[int, int]:
+    """Of the model and of what is left of it: coordinates and states, three for a rotation, less the
+    rows of constraints and of rolling."""
+    model, e = compilation.declared, compilation.equations
+    declared = named.declared(compilation).count - len(model.rotations) - len(model.constraints)
+    if compilation.looped:
+        return declared, named.coordinates(compilation).count
+    quaternions = sum(4 for a in e.attitudes if a.state >= 0)
+    rows = len(e.constraints.names) if e.constraints else 0
+    return declared, len(e.coordinates) - rows + len(e.states) - quaternions
 
 
 def _setting(report: dict, first: float | None) -> str:
