@@ -7,7 +7,7 @@ import math
 import re
 
 import pytest
-from conftest import table, written
+from conftest import ROOT, table, written
 
 THROWN = """\
 model thrown
@@ -236,3 +236,13 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
             assert (
                 "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
             )
+
+
+def test_a_refused_start_misses_what_a_scene_expects_of_its_events(pkgen):
+    """No row and no event: once the command met nothing of that name in its report, and broke."""
+    path = ROOT / "models" / "constrained" / "pendulum_rod.lag"
+    done = pkgen("run", path, "--scene", "over_the_top", "--start", "x=2")
+    assert done.returncode == 4, done.stderr
+    assert "the start breaks a constraint: rod by 4" in done.stderr
+    assert "expectation missed: event 'over' did not happen" in done.stderr
+    assert "expected: 0 of 3 met" in done.stderr
