@@ -22,9 +22,10 @@ TITLE = "A million steps of bodies"
 INTRODUCTION = f"""\
 Drifts over {STEPS:,} steps from each model's own start: of the energy, in brackets what a straight
 line through it gains over the run, and the largest of the other constants; and the largest residual
-of the constraints, or of unit length, in 1,000 rows. `make test-long` demands that what a method
-keeps stays below 1e-11, that energies that it does not keep gain no more than a tenth of their
-error, residuals of 1e-13, and that rk4 misses the first.
+of the constraints, or of unit length, beside the largest number, in 1,000 rows. `make test-long`
+demands that what a method keeps stays below 1e-11, that energies that it does not keep gain less
+than a tenth of their error, residuals below 1e-13, and that rk4 misses the first. The skate turns by
+24,000 rad, to whose last digit its direction is known.
 
 | model | method | step | energy | others | residual |
 |---|---|---|---|---|---|
@@ -93,7 +94,7 @@ CASES = [
     Case("constrained/gimbals", "lie_midpoint", 0.002, rings, (), ("energy",)),
     Case("constrained/dumbbell", "lie_midpoint", 0.01, joint, ("momentum.x",), ("energy",)),
     Case("constrained/chaplygin_sleigh", "gauss4", 0.02, blade, ("energy",)),
-    Case("constrained/skate", "gauss4", 0.02, blade, ("energy", "turning")),
+    Case("constrained/skate", "gauss4", 0.02, blade, ("turning",)),
     Case("constrained/rolling_disk", "gauss4", 0.005, length, ("energy",)),
 ]
 
@@ -111,7 +112,11 @@ def drifts(pkgen, case: Case, method: str, steps: int, out: Path) -> tuple[dict,
     head, *lines = out.read_text(encoding="utf-8").splitlines()
     rows = (dict(zip(head.split(","), map(float, x.split(",")), strict=True)) for x in lines)
     found = {d["name"]: (d["max"], d["slope"] * until) for d in report["drifts"]}
-    return found, max(map(case.residual, rows))
+    return found, max(case.residual(row) / max(1, *map(abs, places(row))) for row in rows)
+
+
+def places(row: Row) -> list[float]:
+    return [x for name, x in row.items() if "'" not in name and name != "t"]
 
 
 @pytest.fixture(scope="module")
