@@ -66,6 +66,11 @@ def test_jacobis_functions_solve_eulers_equations(w1: float, w3: float) -> None:
     closed = np.array([[float(x) for x in free_body.rates(INERTIA, w1, w3, t)] for t in times])
     assert 0 < np.abs(rows[:, 4:] - closed).max() < 1e-11
     assert np.abs(integrate(freely, start, times, 1.7)[:, 4:] - closed).max() > 1e-10
+    # Of order 16, long steps do.
+    end_of_long = integrate(freely, start, np.array([0, 2.4]), 0.8)[-1, 4:]
+    assert end_of_long == pytest.approx(
+        [float(x) for x in free_body.rates(INERTIA, w1, w3, 2.4)], abs=2e-11
+    )
     # After a period it is turned about the momentum, by an angle that a quadrature gives.
     angle = free_body.turn_about_momentum(INERTIA, w1, w3)
     momentum = np.array(INERTIA) * start[4:]
