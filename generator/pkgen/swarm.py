@@ -25,6 +25,12 @@ from .tree import Add, Call, Component, Expr, Multiply, Name, Negate, Power, Sum
 Array = np.ndarray | float | tuple
 
 
+def _started(model: Model, item: Start, index: int | None) -> str:
+    """What starts: a body rate has a name of its own."""
+    rate = next((c.rate for c in model.coordinates if c.name == item.name), "")
+    return rate if rate and item.order else indexed(item.name, index) + "'" * item.order
+
+
 def members(
     model: Model, scene: Scene, values: Values, known: Mapping[str, Column], given: Collection[str]
 ) -> Ensemble:
@@ -36,7 +42,7 @@ def members(
     starts: dict[str, tuple[Start, dict[str, int]]] = {}
     for item in scene.starts:  # the last one counts
         for loop, index in _unrolled(item, values.sizes):
-            starts[indexed(item.name, index) + "'" * item.order] = item, loop
+            starts[_started(model, item, index)] = item, loop
     chosen = {
         name: start
         for name, start in starts.items()

@@ -205,9 +205,9 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     if (it->where >= 2 * c) {
         const size_t first = it->n - system->n_states + 3 * (it->where - 2 * c);
         pk_system_name(system, it->problem.params, system->rates, first, name, sizeof name);
-        name[strcspn(name, ".")] = 0; /* omega(R).x */
-        return snprintf(text, size, "%s: the quaternion of %s is not of unit length, by %.3g", what,
-                        name, (double)it->detail);
+        const char *of = strncmp(name, "omega(", 6) == 0 ? name + 6 : name;
+        return snprintf(text, size, "%s: the quaternion of %.*s is not of unit length, by %.3g",
+                        what, (int)strcspn(of, ")."), of, (double)it->detail);
     }
     pk_constraint_name(system, row, name, sizeof name);
     of_others(it, others, sizeof others);

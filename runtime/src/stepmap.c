@@ -165,8 +165,9 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
     if (map && method && method->traits & PK_ADAPTIVE && method->traits & PK_LINEAR &&
         !(method->traits & PK_IMPLICIT))
         return PK_REFUSED; /* its step is a function of the state, whose derivative is not made */
-    if (map && problem && problem->system && problem->system->n_states)
-        return PK_REFUSED; /* states have no momenta: there is no symplectic form */
+    if (map && problem && problem->system &&
+        (problem->system->n_states || problem->system->n_constraints))
+        return PK_REFUSED; /* states have no momenta, and constraints leave q and p not free */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

@@ -185,8 +185,12 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
         return status;
     keep_stages(w, which, q, v);
     add_momenta(w, p, low_p);
-    memcpy(q, w->q_end, w->rotation * sizeof *q);
-    memcpy(pk_part(w->to, n, PK_LOW_Q), w->low_q, w->rotation * sizeof *q);
+    for (size_t k = w->rotation; k < n; k++) { /* integrals, for interpolation alone */
+        const pk_real mean = k < w->m ? w->V[k] : (v[k] + w->v_end[k]) / 2;
+        w->q_end[k] = pk_sum(q[k], w->h * mean, &w->low_q[k]);
+    }
+    memcpy(q, w->q_end, n * sizeof *q);
+    memcpy(pk_part(w->to, n, PK_LOW_Q), w->low_q, n * sizeof *q);
     memcpy(v + w->first, w->v_end + w->first, (n - w->first) * sizeof *v);
     memcpy(low_p + w->first, w->low_v + w->first, (n - w->first) * sizeof *v);
     for (size_t k = w->first; k < w->states; k += 4)

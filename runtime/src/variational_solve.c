@@ -315,5 +315,5 @@ enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variatio
     if (it->options.iteration != PK_FIXED_POINT)
         return follow(it, w);
     it->where = PK_BY_FIXED_POINT;
-    return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
+    return PK_NO_CONVERGENCE;
 }

@@ -240,7 +240,7 @@ def test_methods(pkgen) -> None:
         "euler rk2 rk3 rk4 symplectic_euler verlet yoshida4 yoshida6 yoshida8 suzuki4 kahan_li6 "
     )
     wanted += "kahan_li8 blanes_moan4 blanes_moan6 mclachlan4 adaptive_verlet dopri5 dop853 gauss "
-    wanted += "gauss1 gauss4 gauss8"
+    wanted += "gauss1 gauss4 gauss8 lie_midpoint lie_midpoint6 rattle rattle4 rkmk4 rkmk8"
     assert set(wanted.split()) <= set(listed)
     gsl = {f"gsl_{name}" for name in ("rkf45", "rk8pd", "msadams", "msbdf", "bsimp")}
     assert gsl == {name for name in listed if name.startswith("gsl_")}
@@ -249,6 +249,10 @@ def test_methods(pkgen) -> None:
     assert listed["yoshida4"]["limits"]["imaginary"] == pytest.approx(1.5734019474, abs=1e-10)
     assert listed["gauss"]["limits"] == {"imaginary": "infinite", "real": "infinite"}
     assert listed["rk2"]["growth"] == [[0, None]]
+    assert listed["lie_midpoint"]["limits"] == listed["gauss"]["limits"]
+    # |((1 - a z/2)/(1 + a z/2))^4 (1 - b z/2)/(1 + b z/2)| = 1 with Suzuki's a, and b = 1 - 4 a
+    assert listed["rattle4"]["limits"]["real"] == pytest.approx(3.0228187908, abs=1e-6)
+    assert listed["rattle4"]["limits"]["imaginary"] == pytest.approx(2.72097607, abs=1e-5)
     first, second = listed["blanes_moan6"]["growth"][:2]
     assert 3.1414 < first[0] < first[1] < 3.1424 < 6.3 < second[0] < second[1]
 

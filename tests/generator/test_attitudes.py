@@ -1,8 +1,8 @@
 """Rotations: their equations of motion against Lagrange's in three angles, by SymPy.
 
 The oracle knows nothing of body rates and quaternions: near an attitude Q0 it turns by three
-angles s, R = R(Q0) exp(s), writes L in q, s, q', s' with omega = J(s) s' read off R^T R', derives Lagrange's
-equations for s, solves them at s = 0, and there omega = s' and omega' = s'' + J' s'.
+angles s, writes L in q, s, q', s' with omega = J(s) s' read off R^T R', derives Lagrange's
+equations for s and solves them at s = 0, where omega = J s' and omega' = J s'' + J' s'.
 """
 
 from __future__ import annotations

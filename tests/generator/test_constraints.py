@@ -34,6 +34,7 @@ constraint rod: x^2 + y^2 + z^2 = (1.5 + 0.1*sin(2*t))^2
 constraint slope: z = 0.3*x + cos(a) + k
 constraint pin: dot(R*[1, 0, 0], [x, y, z]) = 0.4
 rolling blade: x'*sin(a) - y'*cos(a) + 0.5*w.z = 0.2*t
+start x = 1.1, y = 0.7, z = 0.9, a = 0.4  # somewhere, where rows are far from dependent
 """
 OUTPUTS = "observe tension = 2*lambda_rod\nobserve side = lambda_blade + p_a\n"
 

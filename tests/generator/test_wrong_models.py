@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 
 import pytest
-from pkgen.front.check import check_text
+from pkgen.compiler import check_model
 from pkgen.front.read import from_text
 from pkgen.source import ModelError
 
@@ -20,7 +20,7 @@ MODELS = sorted(Path(__file__).with_name("wrong").glob("*.lag"))
 def said_about(path: Path) -> str:
     source = from_text(path.name, path.read_text(encoding="utf-8"))
     with pytest.raises(ModelError) as caught:
-        check_text(source)
+        check_model(source)
     return caught.value.text() + "\n"
 
 
@@ -42,7 +42,7 @@ def test_every_message_has_its_place(path: Path):
     """Each finding points into the file, and no two say the same at one place."""
     source = from_text(path.name, path.read_text(encoding="utf-8"))
     with pytest.raises(ModelError) as caught:
-        check_text(source)
+        check_model(source)
     places = [(d.message, d.span.start) for d in caught.value.diagnostics]
     assert len(set(places)) == len(places)
     for d in caught.value.diagnostics:

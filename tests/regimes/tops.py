@@ -188,6 +188,54 @@ def tumbling_closed(w1: float, w3: float) -> float:
     return float(4 * mp.ellipk(m) / rate)
 
 
+def body_start(w: tuple[float, float, float]) -> dict[str, float]:
+    return {f"omega(R).{axis}": rate for axis, rate in zip("xyz", w, strict=True)}
+
+
+def turn_a_period(w: tuple[float, float, float], method: str, h: float = 0.0) -> float:
+    """By how much the body is turned about its angular momentum when its rates are back."""
+    start = body_start(w)
+    probe = Probe("turning_body", method, h, start=start, tolerance=1e-14)
+    period = float(tumbling_closed(w[0], w[2]))
+    row = probe.at([period])[0]
+    momentum = np.array(w) * (1, 2, 3)
+    scalar, *vector = row[-5:-1]  # the last is the energy
+    return float(2 * np.arctan2(vector @ momentum / np.linalg.norm(momentum), scalar) % (2 * pi))
+
+
+def turn_closed(w: tuple[float, float, float]) -> float:
+    """The precession of the third axis about the momentum, |L| (I1 w1^2 + I2 w2^2)/(L^2 - L3^2),
+    over a period of the rates, Jacobi's functions: Landau and Lifshitz, Mechanics, section 37."""
+    energy2 = sum(i * mp.mpf(x) ** 2 for i, x in zip((1, 2, 3), w, strict=True))
+    momentum2 = sum((i * mp.mpf(x)) ** 2 for i, x in zip((1, 2, 3), w, strict=True))
+    swapped = momentum2 < 2 * energy2
+    i1, i2, i3 = (3, 2, 1) if swapped else (1, 2, 3)
+    low, high = energy2 * i3 - momentum2, momentum2 - energy2 * i1
+    rate = mp.sqrt((i3 - i2) * high / (i1 * i2 * i3))
+    m = (i2 - i1) * low / ((i3 - i2) * high)
+    squares = low / (i1 * (i3 - i1)), low / (i2 * (i3 - i2)), high / (i3 * (i3 - i1))
+
+    def turn(u):
+        cn2, sn2, dn2 = (mp.ellipfun(name, u, m=m) ** 2 for name in ("cn", "sn", "dn"))
+        one, two, three = (a * b for a, b in zip(squares, (cn2, sn2, dn2), strict=True))
+        first, third = (three, one) if swapped else (one, three)
+        return (first + 2 * two) / (momentum2 - 9 * third)
+
+    quarter = mp.ellipk(m)
+    ends = [quarter * k / 8 for k in range(9)]
+    return float(4 * mp.sqrt(momentum2) * mp.quad(turn, ends) / rate % (2 * mp.pi))
+
+
+def fallen(method: str, spin: float) -> float:
+    """The largest tilt in degrees of a top that sleeps upright but for 1e-6, through the pole where
+    Euler's angles end."""
+    set = {"I1": 1.0, "I2": 1.0, "I3": 0.5, "mgl": 1.0}
+    start = body_start((0.0, 0.0, 2 * spin)) | {"R.x": 5e-7}
+    rows = Probe("turning_body", method, set=set, start=start).at(np.linspace(0.05, 80, 1600))
+    w, x, y, z = rows[:, -5:-1].T
+    return float(degrees(acos((w**2 - x**2 - y**2 + z**2).min())))
+
+
 PREDICTIONS = [
     Prediction(
         "E1", "elastic pendulum 1:2, stretch .01, gauss", "a swing grows at the rate 3/4 A",
@@ -240,5 +288,20 @@ PREDICTIONS = [
             "rk4, h = .1", lambda w=w: tumbling_period(w, "rk4", 0.1),
         )
         for id, w in (("T4b", (0.01, 1, 0)), ("T4c", (0, 1, 0.01)))
+    ),
+    *(
+        Prediction(
+            id, f"free top by its attitude from omega = ({w[0]}, {w[1]}, {w[2]}), gauss",
+            "turned about its momentum in a period", turn_closed(w), 1e-9,
+            lambda w=w: turn_a_period(w, "gauss"),
+            "rkmk4, h = .1", lambda w=w: turn_a_period(w, "rkmk4", 0.1),
+        )
+        for id, w in (("T4d", (0.01, 1, 0)), ("T4e", (0, 1, 0.01)))
+    ),
+    Prediction(
+        "T3d", "sleeping top by its attitude, p_psi = 1.8, gauss",
+        "cos of the largest tilt is p_psi^2/2 - 1",
+        degrees(acos(1.8**2 / 2 - 1)), 1e-4, lambda: fallen("gauss", 1.8),
+        "p_psi = 1.9", lambda: fallen("gauss", 1.9),
     ),
 ]  # fmt: skip

@@ -13,6 +13,21 @@ static const struct pk_system *const systems[] = {&rod_system,     &rods_system,
                                                   &jointed_system, &sleigh_system, &ball_system};
 enum { SYSTEMS = 6, ROLLING = 4 };
 
+/* Momenta that a method carries, from those of its rates, beside the largest. */
+static double momenta_apart(const struct bound_run *f)
+{
+    const struct pk_system *system = f->problem.system;
+    const int own = (f->it.method->traits & PK_HOLONOMIC) != 0;
+    double p[BOUND_N], pdot[BOUND_N], most = 0, worst = 0;
+    (own ? system->unbound : system->canonical)(&f->params, f->it.t, f->it.q, f->it.v, NULL, p,
+                                                pdot);
+    for (size_t i = 0; f->it.p && i < f->it.n; i++) {
+        most = fmax(most, fabs(p[i]));
+        worst = fmax(worst, fabs(p[i] - f->it.p[i]));
+    }
+    return worst / (most + 1e-30);
+}
+
 /* Beside the terms they are made of, at the end of each of some hundred steps. */
 static void residuals(void)
 {
@@ -33,6 +48,7 @@ static void residuals(void)
                 position = fmax(position, r.position_relative);
                 rate = fmax(rate, r.rate_relative);
                 norm = fmax(norm, r.norm);
+                CU_ASSERT(momenta_apart(&f) < 1e-15);
             }
             pk_integrator_free(&f.it);
         }

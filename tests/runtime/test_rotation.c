@@ -277,7 +277,7 @@ static void starts(void)
     bound_set(&f, &top_system);
     f.v0[4] = 0.61;
     CU_ASSERT(bound_init(&f, "rk4", 0.01) == PK_OFF_CONSTRAINTS);
-    CU_ASSERT(bound_says(&f, "the quaternion of omega(R) is not of unit length, by 0.00603"));
+    CU_ASSERT(bound_says(&f, "the quaternion of R is not of unit length, by 0.00603"));
     CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_OFF_CONSTRAINTS);
     f.v0[4] = 0.6 + 1e-10;
     CU_ASSERT(bound_init(&f, "rk4", 0.01) == PK_DONE);

@@ -55,13 +55,19 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_states(compilation: Compilation) -> None:
-    states = compilation.model.states
-    if states:
-        names = ", ".join(item.name for item in states[:8])
+    model = compilation.model
+    for what, items in (
+        ("rotations", model.rotations),
+        ("constraints", model.constraints),
+        ("states", model.states),
+    ):
+        if not items:
+            continue
+        names = ", ".join(item.name for item in items[:8])
         raise UsageError(
-            f"{compilation.model.source.place(states[0].span)}: the model has states ({names}), and"
-            " 'pkgen stability' maps equilibria, modes and energies of coordinates alone: 'pkgen"
-            " chart' compares methods on any model"
+            f"{model.source.place(items[0].span)}: the model has {what} ({names}), and"
+            " 'pkgen stability' maps equilibria, modes and energies of free coordinates alone:"
+            " 'pkgen chart' compares methods on any model"
         )
 
 

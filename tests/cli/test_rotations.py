@@ -1,0 +1,277 @@
+"""`rotation`, `constraint` and `rolling` at the command line: rows, options, reductions."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import pytest
+from conftest import table, written
+
+THROWN = """\
+model thrown
+param I1 = 1 in (0, inf)
+param I2 = 2 in (0, inf)
+param I3 = 3 in (0, inf)
+param g = 1
+coord x
+rotation R
+coord z
+let w = omega(R)
+kinetic I1/2*w.x^2 + I2/2*w.y^2 + I3/2*w.z^2 + (x'^2 + z'^2)/2
+potential g*z
+event down: z - 0.5 falling
+start omega(R) = [0.01, 1, 0], x' = 1, z' = 2, R = rot([1, 0, 0], 0.3)
+
+scene rates
+  until 20
+  accuracy 1e-9
+  record omega(R) every 1
+end
+scene flight
+  until 2
+  accuracy 1e-9
+  record x, z every 0.5
+end
+scene attitude
+  until 20
+  accuracy 1e-9
+  record R, p_R every 1
+end
+scene many
+  swarm k = 1..9
+  start omega(R) = [0, k/5, 0.1], R = rot([0, 0, 1], k/10)
+  until 3
+  method rk4 step 0.01
+  record R, z every 1
+end
+scene landing
+  until 5
+  method rkmk4 step 0.01
+  record R, z at down
+  expect z = 0.5 within 1e-9 at down
+end
+"""
+ROD = """\
+model rod
+param l = 1 in (0, inf)
+param g = 9.81
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential g*y
+constraint rod: x^2 + y^2 = l^2
+observe pull = -2*l*lambda_rod
+start x = l*sin(2), y = -l*cos(2)
+
+scene swing
+  until 3
+  accuracy 1e-10
+  record x, y, lambda_rod every 0.5
+  expect x^2 + y^2 = l^2 within 1e-14
+  expect x*x' + y*y' = 0 within 1e-14
+  expect drift(energy) < 1e-8
+end
+scene many
+  swarm k = 1..7
+  start x = l*sin(k/3), y = -l*cos(k/3)
+  until 2
+  method dop853 rtol 1e-9
+  record x, y every 0.5
+  expect x^2 + y^2 = l^2 within 1e-14
+end
+"""
+
+
+def rows(pkgen, tmp_path, *arguments) -> list[dict[str, float]]:
+    done = pkgen("run", *arguments)
+    assert done.returncode == 0, done.stderr
+    names, numbers = table(done.stdout)
+    return [dict(zip(names, row, strict=True)) for row in numbers]
+
+
+def test_rows_are_in_the_order_of_the_model(pkgen, tmp_path):
+    path = written(tmp_path, THROWN)
+    done = pkgen("run", path, "--until", "1", "--every", "1")
+    header = done.stdout.splitlines()[0]
+    assert header == ("t,x,R.w,R.x,R.y,R.z,z,x',omega(R).x,omega(R).y,omega(R).z,z',energy")
+    record = pkgen("run", path, "--until", "1", "--every", "1", "--record", "R,omega(R).z,z'")
+    assert record.stdout.splitlines()[0] == "t,R.w,R.x,R.y,R.z,omega(R).z,z'"
+    assert done.stdout.splitlines()[1].startswith(f"0,0,{math.cos(0.15):.17g},")
+
+
+@pytest.mark.parametrize(("scene", "gone"), [("rates", "R.w"), ("flight", "omega(R).x")])
+def test_a_reduced_motion_is_the_whole(pkgen, tmp_path, scene, gone):
+    path = written(tmp_path, THROWN)
+    reduced = rows(pkgen, tmp_path, path, "--scene", scene)
+    whole = rows(pkgen, tmp_path, path, "--scene", scene, "--no-reduce")
+    assert len(reduced) == len(whole) > 4
+    for mine, theirs in zip(reduced, whole, strict=True):
+        assert mine.keys() == theirs.keys()
+        for name in mine:
+            assert mine[name] == pytest.approx(theirs[name], abs=1e-7)
+    assert max(abs(row[name]) for row in whole for name in row if name != "t") > 0.5
+    said = pkgen("explain", path, "--scene", scene).stdout
+    (line,) = (x for x in said.splitlines() if x.endswith("nothing recorded depends on it"))
+    assert gone in line
+
+
+def test_a_motion_of_an_attitude_is_the_whole(pkgen, tmp_path):
+    path = written(tmp_path, THROWN)
+    mine = rows(pkgen, tmp_path, path, "--scene", "attitude")
+    theirs = rows(pkgen, tmp_path, path, "--scene", "attitude", "--no-reduce")
+    for a, b in zip(mine, theirs, strict=True):
+        assert a == pytest.approx(b, abs=1e-7)
+    assert mine[-1]["p_R.y"] == pytest.approx(
+        2 * rows(pkgen, tmp_path, path, "--scene", "rates")[-1]["omega(R).y"], abs=1e-8
+    )
+
+
+def test_members_are_single_runs(pkgen, tmp_path):
+    path = written(tmp_path, THROWN)
+    several = rows(pkgen, tmp_path, path, "--scene", "many")
+    assert len(several) == 9 * 4
+    k = 7
+    single = rows(
+        pkgen,
+        tmp_path,
+        path,
+        *("--method", "rk4", "--step", "0.01", "--until", "3", "--every", "1"),
+        *("--start", "omega(R).x=0", "--start", f"omega(R).y={k / 5}"),
+        *("--start", "omega(R).z=0.1", "--start", f"R.w={math.cos(k / 20):.17g}"),
+        *("--start", "R.x=0", "--start", f"R.z={math.sin(k / 20):.17g}"),
+    )
+    mine = [row for row in several if row["k"] == k]
+    for a, b in zip(mine, single, strict=True):
+        for name in ("R.w", "R.x", "R.y", "R.z", "z"):
+            assert a[name] == pytest.approx(b[name], abs=1e-14)
+    norms = [sum(row[f"R.{c}"] ** 2 for c in "wxyz") for row in several]
+    assert max(abs(norm - 1) for norm in norms) < 4e-15
+
+
+def test_an_event_is_met_by_a_step_on_the_group(pkgen, tmp_path):
+    (row,) = rows(pkgen, tmp_path, written(tmp_path, THROWN), "--scene", "landing")
+    assert row["t"] == pytest.approx(2 + math.sqrt(3), abs=1e-9)
+    assert sum(row[f"R.{c}"] ** 2 for c in "wxyz") == pytest.approx(1, abs=1e-15)
+
+
+def test_a_rod_keeps_its_length(pkgen, tmp_path):
+    path = written(tmp_path, ROD)
+    done = pkgen("run", path, "--scene", "swing", "--json")
+    assert done.returncode == 0, done.stderr
+    assert [x["met"] for x in json.loads(done.stdout)["expects"]] == [True] * 3
+    assert pkgen("run", path, "--scene", "many").returncode == 0
+
+
+def test_a_rod_is_a_pendulum(pkgen, tmp_path):
+    """Against the angle, by its own model and another method."""
+    pendulum = written(
+        tmp_path,
+        "model swung\nparam l = 1\ncoord a\nkinetic l^2*a'^2/2\npotential -9.81*l*cos(a)\n"
+        "start a = 2\n",
+    )
+    common = ("--until", "4", "--every", "0.5")
+    mine = rows(pkgen, tmp_path, written(tmp_path, ROD), *common, "--method", "gauss")
+    theirs = rows(pkgen, tmp_path, pendulum, *common, "--method", "dop853", "--rtol", "1e-12")
+    for a, b in zip(mine, theirs, strict=True):
+        assert a["x"] == pytest.approx(math.sin(b["a"]), abs=1e-7)
+        pull = b["a'"] ** 2 + 9.81 * math.cos(b["a"])
+        assert a["pull"] == pytest.approx(pull, abs=1e-5)
+    assert max(abs(row["x"]) for row in mine) > 0.9
+
+
+WRONG = [
+    (ROD, ("--set", "l=1.1", "--start", "x=0.9"), "rod"),
+    (ROD, ("--start", "x'=1"), "rod"),
+    (THROWN, ("--start", "R.w=2"), "R"),
+]
+
+
+@pytest.mark.parametrize(("text", "options", "named"), WRONG)
+def test_a_start_off_the_constraints_is_refused(pkgen, tmp_path, text, options, named):
+    done = pkgen("run", written(tmp_path, text), "--until", "1", *options)
+    assert done.returncode == 4
+    assert named in done.stderr and "Traceback" not in done.stderr
+    assert len(done.stdout.splitlines()) <= 2  # no rows of a motion that there is not
+
+
+def test_numbers_of_a_rotation_are_started_one_by_one(pkgen, tmp_path):
+    path = written(tmp_path, THROWN)
+    for left, numbers in (
+        ("R", "R.w, R.x, R.y, R.z"),
+        ("omega(R)", "omega(R).x, omega(R).y, omega(R).z"),
+    ):
+        done = pkgen("run", path, "--until", "1", "--start", f"{left}=1")
+        assert done.returncode == 2
+        assert f"--start {left}: one number an option, of {numbers}\n" in done.stderr
+
+
+def test_what_a_method_needs_is_said(pkgen, tmp_path):
+    free = written(tmp_path, "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\n")
+    sleigh = written(
+        tmp_path,
+        "model sleigh\ncoord x, y, a\nkinetic (x'^2 + y'^2 + a'^2)/2\n"
+        "rolling blade: x'*sin(a) - y'*cos(a) = 0\nstart x' = 1, a' = 1\n",
+    )
+    for path, method, said in (
+        (sleigh, "rattle", "rolling"),
+        (sleigh, "verlet", "separable"),
+    ):
+        done = pkgen("run", path, "--method", method, "--step", "0.01", "--until", "1")
+        assert done.returncode in (2, 4) and said in done.stderr, done.stderr
+    done = pkgen("stability", sleigh)
+    assert done.returncode == 2 and "the model has constraints (blade)" in done.stderr
+    done = pkgen("stability", written(tmp_path, THROWN))
+    assert done.returncode == 2 and "the model has rotations (R)" in done.stderr
+    # What is free is taken by the methods of groups and of constraints as it is.
+    for method in ("rattle", "rkmk4", "lie_midpoint"):
+        done = pkgen("run", free, "--method", method, "--step", "0.01", "--until", "1")
+        assert done.returncode == 0, done.stderr
+
+
+def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_path):
+    """A point on a plane that is lowered onto the top of a sphere: there both say the same."""
+    path = written(
+        tmp_path,
+        "model pinched\ncoord x, y, z\nkinetic (x'^2 + y'^2 + z'^2)/2\n"
+        "constraint sphere: x^2 + y^2 + z^2 = 1\nconstraint plane: z = t\n"
+        "start x = 1, z' = 1, y' = 0.5\n",
+    )
+    for method in ("gauss", "dop853", "rk4", "rattle"):
+        options = () if method in ("gauss", "dop853") else ("--step", "0.001")
+        done = pkgen("run", path, "--until", "3", "--method", method, *options)
+        assert done.returncode == 4, method
+        valid = re.search(r"last valid time ([0-9.]+)", done.stderr)
+        assert 0.9 < float(valid[1]) <= 1.001, done.stderr
+        if method == "rk4":
+            assert (
+                "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
+            )
+
+
+CHAIN = """\
+model chain
+size N = 9
+param l = 1 in (0, inf)
+coord x[1..N], y[1..N]
+fixed x[0] = 0
+fixed y[0] = 0
+kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
+potential sum(9.81*y[i], i = 1..N)
+constraint link[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
+start x[i = 1..N] = i*l*cos(0.3), y[i = 1..N] = -i*l*sin(0.3)
+"""
+
+
+def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
+    """A family's loops know no constraints: with them it is written out, and says so."""
+    path = written(tmp_path, CHAIN)
+    options = ("--until", "0.5", "--every", "0.25", "--record", "x[1],y[1],x[9],y[9]")
+    for method in ("gauss", "dop853"):
+        last = rows(pkgen, tmp_path, path, *options, "--method", method)[-1]
+        assert math.hypot(last["x[1]"], last["y[1]"]) == pytest.approx(1, abs=1e-15)
+        assert last["y[20]"] == pytest.approx(-6.976695, abs=1e-5)
+    said = pkgen("explain", path).stdout
+    assert "a model with constraints has its families written out" in said
+    pkgen(path, "-o", tmp_path)
+    assert "NAME_constraints".replace("NAME", "chain") in (tmp_path / "chain.c").read_text()

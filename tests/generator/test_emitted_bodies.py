@@ -1,0 +1,130 @@
+"""The C of rotations and constraints: strict in every type, for C++ too; self-test and lanes."""
+
+from __future__ import annotations
+
+import ctypes
+import random
+import re
+from pathlib import Path
+
+import pytest
+from c_harness import COMPILERS, ROOT, STRICT, TYPES, Loaded, for_warnings, run
+from pkgen.compiler import Compilation, compile_model
+from pkgen.source import Source
+from test_attitudes import HUNG
+from test_constraints import BALL, BODY, OUTPUTS, ROWS
+
+RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
+FAMILIES = ("ERK", "EMBEDDED", "SPLITTING", "ENSEMBLE")
+INLINED = [*RUNTIME, *(f"-DPK_INLINE_{family}" for family in FAMILIES)]
+# Coordinates and constraints that are called what kernels call their arguments.
+NAMED = """\
+model named
+param J = 2 in (0, inf)
+coord phi, residual, lambda_, v
+kinetic J/2*(phi'^2 + residual'^2 + lambda_'^2 + v'^2)
+constraint M: phi^2 + residual = 0
+constraint out[k = 1..2]: lambda_ + k^2*v = 0
+observe both = lambda_M + lambda_out[2]
+"""
+TEXTS = {
+    "hung": HUNG,
+    "bound": "model bound\n" + BODY + ROWS + OUTPUTS,
+    "ball": BALL,
+    "named": NAMED,
+}
+
+
+@pytest.fixture(scope="module", params=TEXTS)
+def made(request, monkeypatch_module) -> Compilation:
+    return compile_model(Source("model.lag", TEXTS[request.param]), self_test=True)
+
+
+@pytest.fixture(scope="module")
+def monkeypatch_module():
+    """Starts that hold take a computer to find, and are no part of this."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pkgen.middle.derive.wrong_starts", lambda *_: [])
+        yield patch
+
+
+def write(made: Compilation, directory: Path) -> str:
+    for name, text in made.files.items():
+        (directory / name).write_text(text, encoding="utf-8")
+    return made.model.name
+
+
+@pytest.mark.parametrize("scalar", TYPES)
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_no_warnings(made, compiler, scalar, tmp_path):
+    name = write(made, tmp_path)
+    flags = [*STRICT, *TYPES[scalar], *for_warnings(compiler, scalar), "-o", "x.o"]
+    for more in ([], RUNTIME, INLINED):
+        run(compiler, *flags, *more, f"{name}.c", cwd=tmp_path)
+
+
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+def test_header_from_cpp(made, compiler, tmp_path):
+    name = write(made, tmp_path)
+    (tmp_path / "use.cpp").write_text(f'#include "{name}.h"\nint main() {{ return 0; }}\n')
+    run(
+        compiler,
+        "-std=c++17",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        *RUNTIME,
+        "-c",
+        "use.cpp",
+        cwd=tmp_path,
+    )
+
+
+@pytest.mark.parametrize("scalar", TYPES)
+def test_self_test_passes(made, scalar, tmp_path):
+    name = write(made, tmp_path)
+    files = [f"{name}.c", f"{name}_selftest.c"]
+    run("gcc", "-std=c99", *TYPES[scalar], *files, "-o", "x", "-lm", cwd=tmp_path)
+    passed = re.fullmatch(r"(\d+) passed, 0 failed\n", run(tmp_path / "x", cwd=tmp_path))
+    assert passed and int(passed[1]) > 200
+
+
+def test_lanes_are_the_scalar_kernel_to_the_bit(made, tmp_path):
+    c = Loaded(made.program, tmp_path, optimise="-O2")
+    n, lanes = len(made.program.equations.coordinates), 8
+    draw = random.Random(2385)
+    q, v = ([[draw.uniform(-1, 1) for _ in range(lanes)] for _ in range(n)] for _ in range(2))
+    t = [draw.uniform(0, 1) for _ in range(lanes)]
+    flat = [(ctypes.c_double * (n * lanes))(*(x for r in rows for x in r)) for rows in (q, v)]
+    u, out = (ctypes.c_double * lanes)(), (ctypes.c_double * (n * lanes))()
+    times = (ctypes.c_double * lanes)(*t)
+    kernel = c.function("lanes", ctypes.c_ulonglong)
+    assert kernel(c.params, times, *flat, u, out) == 0
+    for lane in range(lanes):
+        state = [row[lane] for row in q], [row[lane] for row in v]
+        failed, (a,) = c.call("acceleration", t[lane], *state)
+        assert not failed
+        assert [out[i * lanes + lane] for i in range(n)] == a
+        assert any(a)
+
+
+def test_the_system_says_what_there_is(tmp_path, monkeypatch_module):
+    """The table that the runtime reads, of a model with all of it."""
+    made = compile_model(Source("model.lag", TEXTS["bound"]))
+    (source,) = (text for name, text in made.files.items() if name.endswith(".c"))
+    table = source[source.index("const struct pk_system") :]
+    for line in (
+        ".n = 12,",
+        ".n_states = 8,",
+        ".n_rotations = 1,",
+        ".n_constraints = 4,",
+        ".n_holonomic = 3,",
+        ".constraints = bound_constraints,",
+        ".constraint = bound_sys_constraint,",
+        ".rows = bound_sys_rows,",
+        ".multipliers = bound_sys_multipliers,",
+        ".unbound = bound_sys_unbound,",
+        ".inertia = bound_sys_inertia,",
+    ):
+        assert line in table
+    assert '{"lambda_pin", "", ""}' in source.replace("\n    ", " ")
