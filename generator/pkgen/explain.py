@@ -12,6 +12,7 @@ from .back.facts import facts, found, invariants, shortened
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
+from .explain_bound import constraint_rows, freedom
 from .middle import sympy_bridge
 from .middle.graph import BIT, Kind, Node, Op
 from .middle.loops import Facts
@@ -102,21 +103,8 @@ def proofs_record(structure: Structure | Facts) -> dict[str, object]:
 
 def _title(compilation: Compilation) -> str:
     model = compilation.model
-    e = compilation.equations
-    n, states = len(e.coordinates), len(e.states) - sum(4 for a in e.attitudes if a.state >= 0)
     title = model.name + (f": {model.description}" if model.description else "")
-    counts = []
-    if e.constraints is not None:
-        rows, holonomic = len(e.constraints.names), e.constraints.holonomic
-        counts = [f"{n} rates"]
-        counts += [f"{holonomic} constraint{'s' if holonomic != 1 else ''}"] if holonomic else []
-        counts += [f"{rows - holonomic} rolling"] if rows > holonomic else []
-        n -= rows
-    counts += [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
-    turning = len(e.attitudes)
-    counts += [f"{turning} rotation{'s' if turning != 1 else ''}"] if turning else []
-    counts += [f"{states} state{'s' if states != 1 else ''}"] if states else []
-    return f"{title}\n{', '.join(counts)}"
+    return f"{title}\n{', '.join(freedom(compilation.equations))}"
 
 
 def _quantities(title: str, quantities: tuple[Quantity, ...]) -> str:
@@ -195,20 +183,6 @@ def _equations(equations: Equations, structure: Structure) -> str:
                 lines.append(f"  M[{names[i]}, {names[j]}] = {_text(equations, row[j])}")
     lines += [f"  f[{n}] = {_text(equations, f)}" for n, f in zip(names, applied, strict=True)]
     return "\n".join(lines)
-
-
-def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
-    """What is kept at zero, then the multipliers."""
-    c = equations.constraints
-    if c is None:
-        return
-    names = [q.name.removeprefix("lambda_") for q in c.names]
-    for name, node in zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True):
-        yield name, node
-    for name, node in zip(names[: c.holonomic], c.residual, strict=False):
-        yield f"{name}'", node
-    for q, node in zip(c.names, c.multipliers, strict=True):
-        yield q.name, node
 
 
 def _constraints(equations: Equations) -> str:

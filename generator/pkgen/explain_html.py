@@ -14,9 +14,9 @@ from .explain import (
     NOTHING,
     SHOWN_OPERATIONS,
     canonical_rows,
-    constraint_rows,
     default_text,
 )
+from .explain_bound import constraint_rows
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
 from .middle import sympy_bridge
