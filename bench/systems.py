@@ -146,8 +146,8 @@ def row(path: Path, name: str) -> Row:
 
 
 def _freedom(compilation: Compilation) -> tuple[int, int]:
-    """Of the model and of what is left of it: coordinates and states, three for a rotation, less the
-    rows of constraints and of rolling."""
+    """Of the model and of what is left of it: coordinates, states and three for a rotation, less
+    the rows of constraints and of rolling."""
     model, e = compilation.declared, compilation.equations
     declared = named.declared(compilation).count - len(model.rotations) - len(model.constraints)
     if compilation.looped:

@@ -114,6 +114,9 @@ class Values:
             elif name in self.rates:  # a state
                 index, quantity = self.rates[name]
                 found.append(_Start(1, index, self.value("--start", value, quantity.unit, left)))
+            elif name in (numbers := self._numbers_of_rotations()):
+                each = ", ".join(numbers[name])
+                raise UsageError(f"--start {left}: one number an option, of {each}")
             elif name not in declared:
                 raise UsageError(unknown("--start", name, list(declared), "coordinate"))
             elif name not in report.unused:
@@ -121,6 +124,13 @@ class Values:
                     f"--start {left}: the scene holds {name}; change what it is held at"
                 )
         return found, of_parameters
+
+    def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
+        """What a rotation and its body rates are started by."""
+        found = {}
+        for r in self.compilation.declared.rotations:
+            found |= {r.name: r.quaternion, f"omega({r.name})": r.rates}
+        return found
 
     def by_key(
         self, parameters: named.Named, values: dict[int, float]

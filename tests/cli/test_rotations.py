@@ -195,6 +195,17 @@ def test_a_start_off_the_constraints_is_refused(pkgen, tmp_path, text, options, 
     assert len(done.stdout.splitlines()) <= 2  # no rows of a motion that there is not
 
 
+def test_numbers_of_a_rotation_are_started_one_by_one(pkgen, tmp_path):
+    path = written(tmp_path, THROWN)
+    for left, numbers in (
+        ("R", "R.w, R.x, R.y, R.z"),
+        ("omega(R)", "omega(R).x, omega(R).y, omega(R).z"),
+    ):
+        done = pkgen("run", path, "--until", "1", "--start", f"{left}=1")
+        assert done.returncode == 2
+        assert f"--start {left}: one number an option, of {numbers}\n" in done.stderr
+
+
 def test_what_a_method_needs_is_said(pkgen, tmp_path):
     free = written(tmp_path, "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\n")
     sleigh = written(
@@ -232,10 +243,40 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
         assert done.returncode == 4, method
         valid = re.search(r"last valid time ([0-9.]+)", done.stderr)
         assert 0.9 < float(valid[1]) <= 1.001, done.stderr
-        if method == "rk4":
+        if method in ("gauss", "rk4"):
             assert (
                 "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
             )
+
+
+CHAIN = """\
+model chain
+size N = 9
+param l = 1 in (0, inf)
+coord x[1..N], y[1..N]
+fixed x[0] = 0
+fixed y[0] = 0
+kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
+potential sum(9.81*y[i], i = 1..N)
+constraint link[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
+start x[i = 1..N] = i*l*cos(0.3), y[i = 1..N] = -i*l*sin(0.3)
+"""
+
+
+def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
+    """A family's loops know no constraints: with them it is written out, and says so."""
+    path = written(tmp_path, CHAIN)
+    options = ("--until", "0.5", "--every", "0.25", "--record", "x[1],y[1],x[9],y[9]")
+    ends = []
+    for method in ("gauss", "dop853"):
+        last = rows(pkgen, tmp_path, path, *options, "--method", method)[-1]
+        assert math.hypot(last["x[1]"], last["y[1]"]) == pytest.approx(1, abs=1e-15)
+        ends.append(last["y[9]"])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-6) and abs(ends[0]) > 3
+    said = pkgen("explain", path).stdout
+    assert "a model with constraints has its families written out" in said
+    pkgen(path, "-o", tmp_path)
+    assert "chain_constraints" in (tmp_path / "chain.c").read_text()
 
 
 def test_a_refused_start_misses_what_a_scene_expects_of_its_events(pkgen):

@@ -1,7 +1,7 @@
 """Bodies that turn, roll and hang together: the models' motions against Newton's and Euler's laws.
 
-The starts are nobody's special case: of general direction, far from rest. What has a closed form is expected by
-the models' own scenes. Each bound is missed by a loose tolerance.
+The starts are nobody's special case: of general direction, far from rest. What has a closed form is
+expected by the models' own scenes. Each bound is missed by a loose tolerance.
 """
 
 from __future__ import annotations

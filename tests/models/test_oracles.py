@@ -66,6 +66,11 @@ def test_jacobis_functions_solve_eulers_equations(w1: float, w3: float) -> None:
     closed = np.array([[float(x) for x in free_body.rates(INERTIA, w1, w3, t)] for t in times])
     assert 0 < np.abs(rows[:, 4:] - closed).max() < 1e-11
     assert np.abs(integrate(freely, start, times, 1.7)[:, 4:] - closed).max() > 1e-10
+    # Of order 16, long steps do.
+    end_of_long = integrate(freely, start, np.array([0, 2.4]), 0.8)[-1, 4:]
+    assert end_of_long == pytest.approx(
+        [float(x) for x in free_body.rates(INERTIA, w1, w3, 2.4)], abs=2e-11
+    )
     # After a period it is turned about the momentum, by an angle that a quadrature gives.
     angle = free_body.turn_about_momentum(INERTIA, w1, w3)
     momentum = np.array(INERTIA) * start[4:]
@@ -108,7 +113,7 @@ def test_steady_precession_is_rest_in_the_well() -> None:
 
 
 def test_a_sleeping_top_wakes_below_its_limit() -> None:
-    """T3; and thrown from upright it is upright again after the period that the cubic's roots give."""
+    """T3; and thrown from upright it is so again after the period that the cubic's roots give."""
     top = Top()
     assert top.sleeping_growth("1.8").real == pytest.approx(0.4358898944, abs=5e-11)
     assert mp.degrees(top.excursion("1.8")) == pytest.approx(51.683866, abs=5e-7)
@@ -144,7 +149,7 @@ def test_what_rolls_keeps_its_energy() -> None:
 
 
 def test_both_senses_of_spin_grow_as_walker_found() -> None:
-    """The difference from his first order is of third order in the spin: 8 times for twice of it."""
+    """What his first order leaves is of third order in the spin: 8 times for twice of it."""
     errors = []
     for n in (0.5, 1.0):
         told = np.array(growth_to_first_order(stone(), (2.0, 0.045), 0.01, n))

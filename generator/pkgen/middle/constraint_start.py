@@ -14,7 +14,7 @@ from ..source import Diagnostic
 from .constrain import Rows
 from .differentiate import gradient
 from .evaluate import evaluate
-from .graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from .graph import BIT, Graph, Kind, Node, Symbol
 from .guards import summands
 from .samples import defaults
 
@@ -30,12 +30,13 @@ def wrong_starts(
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return []
     values = _start(g, parameters, starts)
+    rows = [_row(g, node, values) for node in c.residual]
     broken = [
         _broken(c, k, *found)
-        for k in range(len(c.names))
-        if (found := _residual(g, c, k, values)) is not None
+        for k, row in enumerate(rows)
+        if (found := _residual(g, c, k, row, values)) is not None
     ]
-    dependent = _dependent(g, c, values)
+    dependent = _dependent(rows)
     if dependent is None:
         return broken
     k, others = dependent
@@ -64,22 +65,24 @@ def _start(
     return values | found | {Symbol(Kind.TIME): 0.0}
 
 
-def _residual(g: Graph, c: Rows, k: int, values: dict[Symbol, float]) -> tuple[float, bool] | None:
-    """What is not 0, and whether it is of rates."""
-    nodes = [(c.residual[k], True)]
+def _residual(
+    g: Graph, c: Rows, k: int, row: dict[Node, float], values: dict[Symbol, float]
+) -> tuple[float, bool] | None:
+    """What is not 0, and whether it is of rates. What rounding leaves is a part of the largest
+    term or, of terms that cancel within, of what the row makes of positions or rates this large."""
+    slope = max(map(abs, row.values()), default=0.0)
+    far, fast = (
+        max((abs(x) for s, x in values.items() if s.kind == kind), default=0.0)
+        for kind in (Kind.COORDINATE, Kind.RATE)
+    )
+    nodes = [(c.residual[k], slope * fast, True)]
     if k < c.holonomic:
-        nodes.insert(0, (c.positions[k], False))
-    for node, of_rates in nodes:
-        found, allowed = _sum(g, node, values)
-        if not abs(found) <= allowed:
+        nodes.insert(0, (c.positions[k], slope * far, False))
+    for node, size, of_rates in nodes:
+        found, *terms = evaluate(g, [node, *summands(g, node)], values)
+        if not abs(found) <= ALLOWED * max(size, *map(abs, terms)):
             return found, of_rates
     return None
-
-
-def _sum(g: Graph, node: Node, values: dict[Symbol, float]) -> tuple[float, float]:
-    """The value, and how far from 0 rounding may take it: a part of the largest term."""
-    total, *terms = evaluate(g, [node, *summands(g, node)], values)
-    return total, ALLOWED * max(map(abs, terms))
 
 
 def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
@@ -92,14 +95,19 @@ def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
     )
 
 
-def _dependent(g: Graph, c: Rows, values: dict[Symbol, float]) -> tuple[int, list[int]] | None:
+def _row(g: Graph, residual: Node, values: dict[Symbol, float]) -> dict[Node, float]:
+    """The entries of J, by the rate."""
+    by = gradient(g, residual, BIT[Kind.RATE])
+    return dict(zip(by, evaluate(g, by.values(), values), strict=True))
+
+
+def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
     """The first row that others before it make, and which; by Gram-Schmidt with each row's own
     combination of those before."""
     basis: list[tuple[list[float], dict[int, float]]] = []
-    by = [gradient(g, node, BIT[Kind.RATE]) for node in c.residual]
-    rates = sorted(set().union(*by))
-    for k, row in enumerate(by):
-        left, made = evaluate(g, [row.get(rate, ZERO) for rate in rates], values), {k: 1.0}
+    rates = sorted(set().union(*rows))
+    for k, row in enumerate(rows):
+        left, made = [row.get(rate, 0.0) for rate in rates], {k: 1.0}
         size = math.hypot(*left)
         if not math.isfinite(size):
             return None

@@ -22,6 +22,8 @@ from .quantities import error, indexed
 
 def derive_loops(model: Model) -> LoopEquations:
     """The equations of motion with every family kept as a loop. Raises Unrolled."""
+    if model.constraints:
+        raise Unrolled("a model with constraints has its families written out")
     if model.states:
         raise Unrolled("a model with states has its families written out")
     sized = set(size_values(model))

@@ -1,5 +1,6 @@
-"""Closed forms and motions of rigid and constrained bodies, derived by hand: nothing of pkgen is used.
+"""Closed forms and motions of rigid and constrained bodies, derived by hand, without pkgen.
 
 `integrate` extrapolates the midpoint rule; `attitude` has quaternions as matrices; the others are a
-system each. Newton's and Euler's laws where the models have Lagrange's, so that agreement says something.
+system each. Newton's and Euler's laws where the models have Lagrange's, so that agreement says
+something.
 """

@@ -20,14 +20,17 @@ def rate(q: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """q' = q (0, omega)/2, omega in the body."""
     w, x, y, z = q
     a, b, c = omega
-    return np.array(
-        [
-            -x * a - y * b - z * c,
-            w * a + y * c - z * b,
-            w * b + z * a - x * c,
-            w * c + x * b - y * a,
-        ]
-    ) / 2
+    return (
+        np.array(
+            [
+                -x * a - y * b - z * c,
+                w * a + y * c - z * b,
+                w * b + z * a - x * c,
+                w * c + x * b - y * a,
+            ]
+        )
+        / 2
+    )
 
 
 def turn(axis: tuple, angle: float) -> np.ndarray:

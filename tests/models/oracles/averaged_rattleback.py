@@ -5,7 +5,8 @@ With y' = S, P = p0 exp(lambda y) and R = sqrt(lambda) p0 exp(-y) from where S i
     y'^2 = s0^2 + (1 + lambda) p0^2 - p0^2 exp(2 lambda y) - lambda p0^2 exp(-2 y)
 
 (Toda's potential for unlike walls), so the spin is reversed by pitching after the quarter to the
-right, by rolling after that to the left. For lambda = 1 it is S0 sn: T = K(s0/s1)/s1, s1^2 = s0^2 + 4 p0^2.
+right, by rolling after that to the left. For lambda = 1 it is S0 sn: T = K(s0/s1)/s1, s1^2 = s0^2 +
+4 p0^2.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Two bodies with a ball joint: Newton's and Euler's laws with the force of the joint as an unknown.
+"""Two bodies with a ball joint: Newton's and Euler's laws, the joint's force an unknown.
 
-On body k acts +-F at d_k (in the body): m v' = +-F, I w' = -w x I w +- d x R^T F; that both have the
-same acceleration at the joint, v' + R (w' x d + w x (w x d)), are three linear equations for F.
+On body k acts +-F at d_k (in the body): m v' = +-F, I w' = -w x I w +- d x R^T F; that both have
+the same acceleration at the joint, v' + R (w' x d + w x (w x d)), are three linear equations for F.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Body:
     joint: np.ndarray
 
     def free(self, turned: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """w' and the acceleration at the joint without its force, and what a force adds to it there."""
+        """w', the acceleration at the joint without its force, and what a force adds there."""
         spin = -np.cross(w, self.inertia * w) / self.inertia
         drawn = np.cross(spin, self.joint) + np.cross(w, np.cross(w, self.joint))
         lever = hat(self.joint)

@@ -5,9 +5,9 @@ first, I1 (I2 - I1) w1^2 < I3 (I3 - I2) w3^2,
 
     omega = (w1 cn, s sn, w3 dn)(p t, k),   p^2 = w3^2 (I3 - I1)(I3 - I2)/(I1 I2)
 
-and else with the axes 1 and 3 interchanged (Landau, Lifshitz, Mechanics, section 37). L turns in the
-body; about L, which is at rest in space, the body's third axis goes round at the rate
-phi' = |L| (I1 w1^2 + I2 w2^2)/((I1 w1)^2 + (I2 w2)^2).
+and else with the axes 1 and 3 interchanged (Landau, Lifshitz, Mechanics, section 37). L turns in
+the body; about L, which is at rest in space, the body's third axis goes round at the rate phi' =
+|L| (I1 w1^2 + I2 w2^2)/((I1 w1)^2 + (I2 w2)^2).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def period(inertia: tuple, w1: float, w3: float) -> mp.mpf:
 
 
 def period_from_the_middle(inertia: tuple, w1: float, w2: float, w3: float) -> mp.mpf:
-    """The same, begun at omega = (w1, w2, w3), one of w1 and w3 zero: of its energy and momentum."""
+    """The same, begun at omega = (w1, w2, w3): of its energy and momentum."""
     i1, i2, i3 = map(mp.mpf, inertia)
     w1, w2, w3 = map(mp.mpf, (w1, w2, w3))
     twice = i1 * w1**2 + i2 * w2**2 + i3 * w3**2

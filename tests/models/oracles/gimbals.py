@@ -1,4 +1,4 @@
-"""A gyroscope in gimbals by its three angles alone, alpha of the outer ring, beta of the inner, and spin.
+"""A gyroscope in gimbals by its angles: alpha of the outer ring, beta of the inner, and spin.
 
 With p = C (spin' + alpha' cos beta), Ja = J + (K2 + A) sin^2 beta + K3 cos^2 beta, Jb = K1 + A,
 

@@ -1,8 +1,8 @@
 """A symmetric top with its tip fixed: effective potential, steady precession, nutation, T2 and T3.
 
-Constant are p_psi = I3 w3 about the body's axis and p_phi about the vertical; the axis alone moves as
-I1 theta'^2/2 + V(theta) does, V = (p_phi - p_psi cos theta)^2/(2 I1 sin^2 theta) + m g l cos theta
-(Landau, Lifshitz, Mechanics, section 35; Klein, Sommerfeld, Theorie des Kreisels, chapter 4).
+Constant are p_psi = I3 w3 about the body's axis and p_phi about the vertical; the axis alone moves
+as I1 theta'^2/2 + V(theta) does, V = (p_phi - p_psi cos theta)^2/(2 I1 sin^2 theta) + m g l cos
+theta (Landau, Lifshitz, Mechanics, section 35; Klein, Sommerfeld, Theorie des Kreisels, chapter 4).
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Top:
         return mp.sqrt((precession * mp.sin(theta)) ** 2 + inner**2)
 
     def released(self, theta: float, p_psi: float) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
-        """Let go with its axis at rest: the period of nutation, phi gained in it, and the largest theta.
+        """Let go with its axis at rest: nutation's period, phi gained in it, the largest theta.
 
         u = cos(theta) has u'^2 = b (u - u1)(u - u0)(u - u3), b = 2 m g l/I1, u0 at the start."""
         b, a, u0 = 2 * mp.mpf(self.mgl) / self.i1, mp.mpf(p_psi) / self.i1, mp.cos(theta)
@@ -78,7 +78,7 @@ class Top:
         return np.concatenate([attitude.rate(q, w), spin])
 
     def through_upright(self, p_psi: float, w: float) -> tuple[mp.mpf, mp.mpf]:
-        """Thrown from upright with the rate w across its axis: when it is so again, and how low it was.
+        """Thrown from upright with the rate w across: when it is so again, and how low it was.
 
         u'^2 = (1 - u) ((w^2 + b (1 - u)) (1 + u) - a^2 (1 - u))."""
         b, a, w = 2 * mp.mpf(self.mgl) / self.i1, mp.mpf(p_psi) / self.i1, mp.mpf(w)

@@ -1,16 +1,19 @@
 """A body that rolls without slipping on a horizontal plane, by Newton's and Euler's laws.
 
-In the body: g the vertical, r(g) from the centre of mass to the point of contact, which is at rest, so
-v = r x w. With F the force there, m (v' + w x v) = F - m G g and I w' + w x I w = r x F - drag w, so
+In the body: g the vertical, r(g) from the centre of mass to the point of contact, which is at rest,
+so v = r x w. With F the force there, m (v' + w x v) = F - m G g and I w' + w x I w = r x F - drag
+w, so
 
     (I + m (r^2 - r r^T)) w' = -w x I w + m r x (r' x w + w x v + G g) - drag w,   g' = g x w
 
 T. Kane, D. Levinson, Int. J. Non-Linear Mech. 17 (1982) 175; A. Borisov, I. Mamaev, Phys. Usp. 46
 (2003) 393. Of a surface with curvature radii a1, a2 at the bottom, its centre of mass at height h,
-inertia ((A, D), (D, B)), C about the vertical, small motions beside a spin n are, for u = g2, w = -g1,
+inertia ((A, D), (D, B)), C about the vertical, small motions beside a spin n are, for u = g2, w =
+-g1,
 
     J (u, w)'' + n S (u, w)' + K (u, w) + O(n^2) = 0
-    J = ((A + m h^2, D), (D, B + m h^2)),  K = m G diag(a2 - h, a1 - h),  (S + S^T)/2 = m h (a1 - a2)/2 on both sides of the diagonal
+    J = ((A + m h^2, D), (D, B + m h^2)),   K = m G diag(a2 - h, a1 - h)
+    (S + S^T)/2 = ((0, s), (s, 0)),   s = m h (a1 - a2)/2
 
 so to first order in n the two oscillations of frequencies w1, w2 grow at s1, s2 with
 
