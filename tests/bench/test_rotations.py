@@ -115,7 +115,9 @@ def test_the_order_is_that_of_errors_beyond_rounding() -> None:
     found.settings = [0.4, 0.2, 0.1, 0.05, 0.025]
     found.errors = [[x, 3 * x] for x in (0.5, 3e-3, 2e-4, 1.25e-5, 1e-14)]
     assert rotations.order(found) == "4.0"
-    found.errors[2:4] = [[2e-13, 2e-13]] * 2
+    found.errors[1] = [4e-4, 4e-4]  # 1 before 4: not yet
+    assert rotations.order(found) == "-"
+    found.errors[1:4] = [[3e-3, 3e-3], [2e-13, 2e-13], [1e-14, 1e-14]]
     assert rotations.order(found) == "-"
     assert rotations.order(track("rotation: gauss", 1e-6, 1)) == ""
 
