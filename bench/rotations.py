@@ -10,6 +10,7 @@ rates, or of places and velocities, against the equations by hand in `__float128
 from __future__ import annotations
 
 import argparse
+import math
 import statistics
 import subprocess
 import sys
@@ -35,6 +36,8 @@ from .peers import forms, quaternion
 from .rotation_cases import CASES, ROOT, Case
 
 ERRORS = (1e-6, 1e-9, 1e-12)
+SMALL, ROUNDED = 1e-2, 1e-11  # between these errors an order shows
+ALIKE = 0.1  # by these parts, of steps and of longer ones
 FULL = Effort(starts=5, rounds=9, seconds=90, each=0.002, builds=BUILDS)
 QUICK = Effort(starts=1, rounds=3, seconds=5, each=0.0005, builds=BUILDS)
 HOW = """Written by `python -m bench rotations --docs`. Cells are µs (steps, evaluations) of one
@@ -43,6 +46,7 @@ medians of at most {rounds} rounds over {starts} starts; between two settings lo
 the loosest is better already, "-" where none gets there. All of pkgen's are compiled as `pkgen run`
 does it. "angles, reduced" is what a scene that records all angles leaves: cyclic ones are
 quadratures. "by hand": Euler's equations and a quaternion (heyoka's series have no evaluations).
+Orders are those measured, "-" where no three steps show the same.
 
 Then what many steps leave of a rigid body, µs a step and a second of its motion, and the largest
 change of its energy (beside the largest kinetic energy), of its angular momentum (the vertical part
@@ -120,8 +124,25 @@ def by_hand(case: Case) -> Iterator:
 
 
 def costs(found: Comparison) -> str:
-    rows = [(track.name, *(cost(track, error) for error in ERRORS)) for track in found.tracks]
-    return tables.table(("µs (steps, evaluations) to", *map(_power, ERRORS)), rows)
+    rows = [(t.name, order(t), *(cost(t, error) for error in ERRORS)) for t in found.tracks]
+    return tables.table(("µs (steps, evaluations) to", "order", *map(_power, ERRORS)), rows)
+
+
+def order(track: Track) -> str:
+    """Of a fixed step, by the shortest of steps half as long whose errors are no rounding, where
+    longer ones show the same: the median over the starts."""
+    if not track.contender.fixed_step:
+        return ""
+    pairs = zip(track.settings, track.errors, track.settings[1:], track.errors[1:], strict=False)
+    slopes = [
+        statistics.median(
+            math.log(a / b) / math.log(long / short) for a, b in zip(coarse, fine, strict=True)
+        )
+        for long, coarse, short, fine in pairs
+        if statistics.median(coarse) < SMALL and min(fine) > ROUNDED
+    ]
+    agree = len(slopes) > 1 and abs(slopes[-2] / slopes[-1] - 1) < ALIKE
+    return f"{slopes[-1]:.1f}" if agree else "-"
 
 
 def cost(track: Track, error: float) -> str:

@@ -125,7 +125,7 @@ def nutation():
         sphere.line(np.array([[0, 0, 0], [0, 0, 1]]), color=GREY, lw=0.8)
         axis.plot(x, y, color=INK, lw=1.2)
         axis.plot(x[1:], y[1:], "o", color=INK, ms=4)
-        axis.set_title(title, fontsize=10)
+        axis.set_title(title, fontsize=10, y=0.93)
     return figure
 
 

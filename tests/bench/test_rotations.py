@@ -84,12 +84,12 @@ def test_the_free_body_by_hand_is_that_of_jacobi() -> None:
     assert abs(exact[10]) > 0.1
 
 
-def track(name: str, each: float, rounds: int) -> Track:
+def track(name: str, each: float, rounds: int, fixed: bool = False) -> Track:
     """Of order 4: errors 1e-4, 1e-8, 1e-12 in 10, 100, 1000 steps."""
     settings = [1e-4, 1e-8, 1e-12]
     took = {s: (s**-0.25, 8 * s**-0.25) for s in settings}
     session = SimpleNamespace(took=took, flags="")
-    contender = Contender(name, "pkgen", False, lambda m, b: [])
+    contender = Contender(name, "pkgen", fixed, lambda m, b: [])
     seconds = [[[each * s**-0.25] for s in settings] for _ in range(rounds)]
     return Track(contender, session, settings, {}, [[s] for s in settings], seconds)
 
@@ -108,6 +108,18 @@ def test_costs_and_ratios_at_an_error() -> None:
     ]
     assert "0.5 [0.5, 0.5] gauss, gauss" in lines[0]
     assert "2.5 [2.5, 2.5] heyoka, gauss" in lines[1]
+
+
+def test_the_order_is_that_of_errors_beyond_rounding() -> None:
+    found = track("rotation: rkmk4", 1e-6, 1, fixed=True)
+    found.settings = [0.4, 0.2, 0.1, 0.05, 0.025]
+    found.errors = [[x, 3 * x] for x in (0.5, 3e-3, 2e-4, 1.25e-5, 1e-14)]
+    assert rotations.order(found) == "4.0"
+    found.errors[1] = [4e-4, 4e-4]  # 1 before 4: not yet
+    assert rotations.order(found) == "-"
+    found.errors[1:4] = [[3e-3, 3e-3], [2e-13, 2e-13], [1e-14, 1e-14]]
+    assert rotations.order(found) == "-"
+    assert rotations.order(track("rotation: gauss", 1e-6, 1)) == ""
 
 
 def test_what_is_kept_of_a_body_is_told_from_what_is_not() -> None:
