@@ -12,7 +12,7 @@ endif
 # Compiled runtimes and models are kept here, not in the home directory.
 export PKGEN_CACHE := $(CURDIR)/build/cache
 
-.PHONY: help setup demo test test-long test-licence test-python systems chart stability bench lint format golden install clean
+.PHONY: help setup demo test test-long test-licence test-python systems bodies chart stability bench lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo 'make test       every test, under ten minutes'
 	@echo 'make test-long  what takes longer'
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
+	@echo 'make bodies     residuals and drifts of rotations, constraints, rolling (STEPS=N; DOCS=1: into docs)'
 	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
 	@echo 'make stability  where each method fails, three minutes (DOCS=1: into docs)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
@@ -51,6 +52,9 @@ test-long: $(STAMP)
 
 systems: $(STAMP)
 	$(PYTHON) -m bench systems $(if $(DOCS),--docs)
+
+bodies: $(STAMP)
+	$(PYTHON) -m bench bodies $(if $(STEPS),--steps $(STEPS)) $(if $(DOCS),--docs)
 
 stability: $(STAMP)
 	@for model in models/*.lag; do \

@@ -3,6 +3,8 @@
 `python -m bench reductions [--quick] [--docs]` measures what scenes save: reductions.py
 `python -m bench systems [--docs]` runs every scene of every model: systems.py
 `python -m bench side_by_side [--docs]` beside physicskit at its published settings: side_by_side.py
+`python -m bench rotations [--docs]` what rotations and constraints cost: rotations.py
+`python -m bench bodies [--docs]` residuals and drifts over a million steps: bodies.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
 Who takes part: peers/, one adapter each; c/, what is compiled, a folder for each part
@@ -39,7 +41,7 @@ from .peers import cvode, gsl, mechanicsdsl, own, python, taylor
 from .report import write_docs
 
 # Each a command of its own; those that import pkgen are not for the peers' Python.
-ALONE = ("accuracy", "reductions", "systems", "side_by_side")
+ALONE = ("accuracy", "reductions", "systems", "side_by_side", "rotations", "bodies")
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 

@@ -61,7 +61,11 @@ def _bound(m: Model, expressions: list[sp.Expr], real: str) -> str:
 
 def acceleration(m: Model, real: str = "double") -> str:
     """`acceleration(t, q, v, a)` in closed form."""
-    found = list(equations(m.name).acceleration)
+    return written_out(m, list(equations(m.name).acceleration), real)
+
+
+def written_out(m: Model, found: list[sp.Expr], real: str) -> str:
+    """The same of any expressions in q, v and the parameters of m."""
     targets = {f"a[{i}]": e for i, e in enumerate(found)}
     return f"""enum {{ N = {m.n} }};
 {parameters(m, real)}

@@ -21,7 +21,8 @@ CLOSE = 0.04  # quartile distance over median, the median of it over a contender
 FEWEST_ROUNDS = 3
 SLOW_ROUNDS = 3
 # Tighter settings are left out once one integration takes longer.
-LONGEST = {"C": 0.03, "pkgen": 0.03, "Python": 0.4}
+# "steps": of methods that solve equations in each of many.
+LONGEST = {"C": 0.03, "pkgen": 0.03, "Python": 0.4, "steps": 0.3}
 
 
 @dataclass(frozen=True)

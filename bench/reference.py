@@ -27,7 +27,8 @@ class ReferenceError(Exception):
 
 def finals(model: Model, starts: list[tuple[float, ...]]) -> list[list[float]]:
     """The state at t_end for each start, right to double precision."""
-    program, numbers = _program(model), REFERENCES[model.name]
+    program = _program(model.name, codegen.acceleration(model, "real"))
+    numbers = REFERENCES[model.name]
     given = [*numbers["params"].values(), *numbers["y0"]]
     published = _run(program, _steps(model, model.t_end), model.t_end, given)
     _must_agree(published, [Decimal(x) for x in model.final], model.name)
@@ -36,7 +37,15 @@ def finals(model: Model, starts: list[tuple[float, ...]]) -> list[list[float]]:
 
 def finals_at(model: Model, starts: list[tuple[float, ...]], t_end: float) -> list[list[float]]:
     """The same at another time, for which nothing is published."""
-    program, steps, found = _program(model), _steps(model, t_end), []
+    text = codegen.acceleration(model, "real")
+    return finals_by(model, text, starts, t_end, _steps(model, t_end))
+
+
+def finals_by(
+    model: Model, text: str, starts: list[tuple[float, ...]], t_end: float, steps: int
+) -> list[list[float]]:
+    """Of equations that are given in C, a start being q and q'."""
+    program, found = _program(model.name, text), []
     for start in starts:
         given = [x.hex() for x in (*model.values, *start)]
         exact = _run(program, steps, t_end, given)
@@ -49,8 +58,8 @@ def _steps(model: Model, t_end: float) -> int:
     return max(4, round(STEPS_A_SECOND.get(model.name, USUAL_STEPS_A_SECOND) * t_end))
 
 
-def _program(model: Model) -> Path:
-    header = written(f"reference/{model.name}.h", codegen.acceleration(model, "real"))
+def _program(name: str, text: str) -> Path:
+    header = written(f"reference/{name.replace(' ', '-')}.h", text)
     return compile_program(
         Build("gcc", ("-O2",)),
         [SOURCES / "reference.c"],

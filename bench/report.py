@@ -8,6 +8,9 @@ from .measure import Effort
 from .models import ROOT
 
 BEGIN, END = "<!-- bench: begin -->", "<!-- bench: end -->"
+PAGE = ROOT / "docs" / "benchmarks.md"
+# From here on the page is that of another command: `make bench` leaves it.
+APART = "<!-- python -m bench rotations --docs -->\n"
 HOW = """# Accuracy against cost
 
 Written by `make bench DOCS=1`; not to be edited. One run, everything interleaved.
@@ -38,8 +41,15 @@ def write_docs(parts: dict[str, str], machine: Machine, effort: Effort) -> None:
     how = HOW.format(rounds=effort.rounds, starts=effort.starts)
     said = "\n".join(machine.lines())
     sections = "\n\n".join(f"## {title}\n\n{text}" for title, text in parts.items())
-    (ROOT / "docs" / "benchmarks.md").write_text(f"{how}\n{said}\n\n{sections}\n")
+    _, mark, apart = PAGE.read_text().partition(APART)
+    PAGE.write_text(f"{how}\n{said}\n\n{sections}\n{mark and chr(10)}{mark}{apart}")
     _quote(parts["Figures to reach"], machine)
+
+
+def write_block(text: str) -> None:
+    """What stands behind the mark."""
+    before, _, _ = PAGE.read_text().partition(APART)
+    PAGE.write_text(f"{before.rstrip()}\n\n{APART}\n{text}")
 
 
 def _quote(figures: str, machine: Machine) -> None:

@@ -103,7 +103,7 @@ def main(words: list[str]) -> int:
     for path in sorted((ROOT / "models").rglob("*.lag"), key=_order):
         for name in re.findall(r"^scene (\w+)", path.read_text(encoding="utf-8"), re.M):
             if arguments.only in f"{path.stem} {name}":
-                rows.append(_row(path, name))
+                rows.append(row(path, name))
                 print(" | ".join(rows[-1].cells()), file=sys.stderr, flush=True)
     met, asked = sum(row.met for row in rows), sum(len(row.expects) for row in rows)
     models = len({row.model for row in rows})
@@ -125,7 +125,7 @@ def _order(path: Path) -> tuple[str, str]:
     return (str(inside.parent).removeprefix("."), path.stem)
 
 
-def _row(path: Path, name: str) -> Row:
+def row(path: Path, name: str) -> Row:
     parsed = command.parser_of("run").parse_args([str(path), "--scene", name])
     compilation = compile_model(
         read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(parsed)

@@ -6,57 +6,21 @@
     fput         energies of normal modes, and their recurrence
     kinks        a kink and an antikink go through each other
     foucault     the rosettes of Foucault's pendulum
+    tumbling, nutation, rattleback, disk     bodies that turn and roll: pictures_bodies.py
 
 Into docs/pictures/NAME.png.
 """
 
 from __future__ import annotations
 
-import json
-import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 
-import matplotlib
-import numpy as np
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-
-ROOT = Path(__file__).resolve().parent.parent
-OUTPUT = ROOT / "docs" / "pictures"
-MODELS = ROOT / "models"
-INK, BLUE, RED, GREY = "#222222", "#1f5fa8", "#c0392b", "#999999"
-
-
-class Rows:
-    """The rows of one run by the names of their columns, and its report."""
-
-    def __init__(self, model: str, *words: object):
-        with tempfile.TemporaryDirectory() as directory:
-            path = Path(directory, "rows.npy")
-            command = [sys.executable, "-m", "pkgen", "run", MODELS / model, *words, "-o", path]
-            done = subprocess.run([str(w) for w in command], capture_output=True, text=True)
-            if done.returncode not in (0, 4):  # 4: with other settings expectations may be missed
-                raise SystemExit(f"pictures: {model}: {done.stderr}")
-            self.data = np.load(path)
-            told = json.loads(Path(f"{path}.json").read_text(encoding="utf-8"))
-        self.names = [column["name"] for column in told["columns"]]
-        self.report = told["report"]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.data[:, self.names.index(name)]
-
-    def family(self, name: str) -> np.ndarray:
-        """A column a member."""
-        return self.data[:, [i for i, x in enumerate(self.names) if x.startswith(f"{name}[")]]
-
-
-def panels(count: int, width: float = 4.0, height: float = 4.0):
-    figure, axes = plt.subplots(1, count, figsize=(width * count, height), squeeze=False)
-    return figure, list(axes[0])
+import numpy as np
+import pictures_bodies
+from picture_rows import BLUE, OUTPUT, RED, Rows, panels
+from PIL import Image
 
 
 def orbit(axis, x, y, title: str, **style) -> None:
@@ -164,8 +128,10 @@ def foucault():
     return figure
 
 
+COLOURS = 96
 PICTURES: dict[str, Callable[[], plt.Figure]] = {
-    f.__name__: f for f in (kepler, sections, swarm, fput, kinks, foucault)
+    f.__name__: f
+    for f in (kepler, sections, swarm, fput, kinks, foucault, *pictures_bodies.PICTURES)
 }
 
 
@@ -173,9 +139,12 @@ def main(names: list[str]) -> int:
     for name in names or PICTURES:
         figure = PICTURES[name]()
         figure.tight_layout()
-        figure.savefig(OUTPUT / f"{name}.png", dpi=110)
+        path = OUTPUT / f"{name}.png"
+        figure.savefig(path, dpi=110)
         plt.close(figure)
-        print(OUTPUT / f"{name}.png")
+        few = Image.open(path).convert("RGB").quantize(COLOURS)  # a third of the bytes
+        few.save(path, optimize=True)
+        print(path)
     return 0
 
 

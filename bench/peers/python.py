@@ -21,22 +21,25 @@ def _right_hand_side(model: Model, jit: bool):
     rates = [*model.v, *(sp.sympify(a).subs(numbers) for a in derived)]
     if not jit:
         return sp.lambdify(arguments, rates, modules="math", cse=True)
+    return filling([model.t, *model.q, *model.v], tuple(rates))
+
+
+def filling(arguments, rates: tuple):
+    """f(t, y, out) by numba, of t and the numbers of y."""
     try:
         import numba
     except ImportError:
         raise Unavailable("numba is not installed") from None
 
-    inner = numba.njit(
-        sp.lambdify([model.t, *model.q, *model.v], tuple(rates), modules="math", cse=True)
-    )
-    names = ", ".join(f"y[{i}]" for i in range(2 * model.n))
-    filled = "\n".join(f"    out[{i}] = r[{i}]" for i in range(2 * model.n))
+    inner = numba.njit(sp.lambdify(arguments, rates, modules="math", cse=True))
+    names = ", ".join(f"y[{i}]" for i in range(len(rates)))
+    filled = "\n".join(f"    out[{i}] = r[{i}]" for i in range(len(rates)))
     scope = {"inner": inner}
     exec(f"def f(t, y, out):\n    r = inner(t, {names})\n{filled}\n", scope)
     return numba.njit(scope["f"])
 
 
-def _returning(f, length: int):
+def returning(f, length: int):
     """f(t, y) -> array, as solve_ivp() calls it."""
     import numba
     import numpy
@@ -63,7 +66,7 @@ def _scipy(method: str, jit: bool, model: Model, _: tuple[Build, ...]) -> list[C
         raise Unavailable("SciPy is not installed") from None
     f = _right_hand_side(model, jit)
     if jit:
-        f = _returning(f, 2 * model.n)
+        f = returning(f, 2 * model.n)
 
     def integrate(setting, y0, t_end):
         seconds, solution = _timed(

@@ -123,6 +123,7 @@ class Constraints:
     rows: Matrix  # J
     residual: Row  # J v + j0
     multipliers: Row
+    pivots: tuple[tuple[Node, Node], ...]  # of S = J M^-1 J^T, each beside its diagonal entry
     free_applied: Row
     free_pdot: Row
     free_force: Row

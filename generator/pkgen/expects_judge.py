@@ -145,7 +145,9 @@ class Judge:
         return self._verdict(item, met, said, **keep)
 
     def _event(self, name: str) -> dict:
-        return next(e for e in self.report["events"] if e["name"] == name)
+        """There is none where the start was refused."""
+        none = {"name": name, "times": []}
+        return next((e for e in self.report["events"] if e["name"] == name), none)
 
     def _times(self, name: str) -> list[float | None]:
         """When it first happens: in the run, or in each member."""

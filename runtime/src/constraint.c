@@ -11,7 +11,7 @@
 
 #include "project.h"
 
-#define BROKEN PK_C(1e-8)                      /* of its terms, at a start */
+#define BROKEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* of its terms, at a start */
 #define NEGLIGIBLE (PK_C(64.0) * PK_EPS)       /* in any unit */
 #define SHARE PK_C(1e-6)                       /* of a row in one that depends on it */
 

@@ -229,7 +229,7 @@ static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 }
 
 /* One step of motion and quadratures into it->next, as short as both need it. */
-static enum pk_status advance(struct pk_integrator *it, pk_real limit)
+static enum pk_status try_step(struct pk_integrator *it, pk_real limit)
 {
     enum pk_status status;
     do {
@@ -237,10 +237,26 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
         if (status < 0 || !it->z)
-            break;
+            return status;
         status = pk_quadrature_step(it);
     } while (status >= 0 && pk_quadrature_rejects(it));
-    return status < 0 ? status : pk_project_step(it);
+    return status;
+}
+
+/* That, back on the constraints; a step that is too far off is made shorter where the method can. */
+static enum pk_status advance(struct pk_integrator *it, pk_real limit)
+{
+    enum { CUTS = 12 };
+    for (int cuts = 0;; cuts++) {
+        enum pk_status status = try_step(it, limit);
+        if (status >= 0)
+            status = pk_project_step(it);
+        if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)
+            return status;
+        it->h = (it->next_t - it->t) / 4;
+        it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+        it->count.rejections++;
+    }
 }
 
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)

@@ -1,11 +1,11 @@
-/* Explicit Runge-Kutta methods on R^n x SO(3)^b (Munthe-Kaas): a rotation is R0 exp(theta), and it is
- * theta, a vector, that the tableau integrates,
+/* Explicit Runge-Kutta methods on R^n x SO(3)^b (Munthe-Kaas): a rotation is R0 exp(theta), and
+ * it is theta, a vector, that the tableau integrates,
  *
- *     theta' = omega + theta x omega/2 + (1 - x cot x)/(4 x^2) theta x (theta x omega),  x = |theta|/2,
+ *     theta' = omega + theta x omega/2 + (1 - x cot x)/(4 x^2) theta x (theta x omega)
  *
- * the inverse of d(exp); so quaternions are of unit length at every stage. All else is as in
- * pk/step/erk.h, and without rotations all is. Reference: H. Munthe-Kaas, Appl. Numer. Math. 29
- * (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.8.2.
+ * with x = |theta|/2, the inverse of d(exp); so quaternions are of unit length at every stage. All
+ * else is as in pk/step/erk.h, and without rotations all is. Reference: H. Munthe-Kaas, Appl.
+ * Numer. Math. 29 (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.8.2.
  */
 #include <string.h>
 

@@ -15,8 +15,9 @@
  * end so that J v + j0 = 0. So the steps are symplectic, symmetric, and keep the momenta of
  * symmetries, R P of a free body as a vector, however well the equations are solved. Without
  * rotations and constraints the first is the implicit midpoint rule in (q, p), the second Verlet for
- * any L, and with constraints RATTLE. First-order variables go by the midpoint or the trapezoidal rule. What is
- * carried are p and P, with compensated sums; v comes from them. Order 4 and 6: compositions.
+ * any L, and with constraints RATTLE. First-order variables go by the midpoint or the trapezoidal
+ * rule. What is carried are p and P, with compensated sums; v comes from them. Order 4 and 6:
+ * compositions.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, VI.6, VII.1.3-4,
  * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,
@@ -113,7 +114,7 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
     }
     for (size_t k = w->rotation; k < w->first; k += 3) {
         const pk_real *omega = w->V + k, yy = w->h * w->h * pk_dot3(omega, omega) / 16;
-        const pk_real weight = w->h / 2 / (1 + yy); /* the quaternion of C C: (1 - yy, 2 y)/(1 + yy) */
+        const pk_real weight = w->h / 2 / (1 + yy); /* C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         pk_real G[3], G_end[3], before[3], turned[3], torque[3];
@@ -260,7 +261,7 @@ VARIATIONAL(lie_midpoint6,
             "nine steps of lie_midpoint; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 9,
             kahan_li6, 0);
 VARIATIONAL(rattle,
-            "Verlet for any L, on constraints and SO(3); H. C. Andersen, J. Comput. Phys. 52 (1983) 24",
+            "Verlet for any L, constraints, SO(3); H. C. Andersen, J. Comput. Phys. 52 (1983) 24",
             2, 2, verlet, 1);
 VARIATIONAL(rattle4, "five steps of rattle; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 10, suzuki4,
             1);

@@ -1,5 +1,5 @@
-/* The end of a variational step, see variational.c: v from p(t, q, v) = p by Newton's method on M, one
- * linear solve where L is of second degree in v. Where there are constraints p has left their
+/* The end of a variational step, see variational.c: v from p(t, q, v) = p by Newton's method on M,
+ * one linear solve where L is of second degree in v. Where there are constraints p has left their
  * tangent by as much as the forces of the step's end: p -= J^T nu, so that J v + j0 = 0.
  */
 #include <string.h>

@@ -1,10 +1,9 @@
 /* The equations of a variational step, r(V) = 0 for the rates V of its middle and phi(q1) = 0 for
  * the kick J(q0)^T mu of its start; see variational.c. By M for their matrix, at the start: that
- * contracts while h omega is below 2 and is quick where it is small. Where it does not contract all the
- * way, the equations may have several solutions: then by Newton's method with differences of r, and
- * followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must keep the
- * sign of its determinant. The equations in mu are taken with both rows,
- * J(q0) and J(q1), as they are.
+ * contracts while h omega is below 2 and is quick where it is small. Where it does not contract all
+ * the way, the equations may have several solutions: then by Newton's method with differences of r,
+ * and followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must keep
+ * the sign of its determinant. phi has its exact derivatives in either case.
  *
  * An iteration ends as that of newton.c does, far below round-off.
  */
@@ -244,8 +243,8 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     return 0;
 }
 
-/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line through
- * those before, and is one only if the solution is near that. */
+/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line
+ * through those before, and is one only if the solution is near that. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_part(w->to, w->n, PK_V);

@@ -7,7 +7,11 @@ import sys
 
 from conftest import ROOT
 
-WITHOUT = "import sys; sys.modules['pkgen'] = None; import bench.__main__, bench.side_by_side"
+WITHOUT = """
+import sys
+sys.modules['pkgen'] = None
+import bench.__main__, bench.rotations, bench.side_by_side
+"""
 
 
 def test_the_bench_starts_without_pkgen() -> None:

@@ -117,6 +117,16 @@ def loaded(text: str, directory, compiler: str = "gcc"):
     return made, Loaded(made.program, directory, compiler)
 
 
+@pytest.fixture(scope="module")
+def hung(tmp_path_factory) -> Loaded:
+    """HUNG with outputs."""
+    text = HUNG + (
+        "observe e = euler(R)\nobserve b = tait_bryan(R)\nobserve out = R*[1, 2, 3]\n"
+        "observe back = inverse(R)*[1, 2, 3]\nobserve both = R*rot([0, 0, 1], 0.3)*[1, 2, 3]\n"
+    )
+    return loaded(text, tmp_path_factory.mktemp("hung"))[1]
+
+
 def somewhere(draw: random.Random) -> tuple[list[float], list[float], list[float], float]:
     quaternion = [draw.gauss(0, 1) for _ in range(4)]
     size = sum(a * a for a in quaternion) ** 0.5
@@ -142,9 +152,9 @@ def test_accelerations_are_lagranges_in_angles(tmp_path, compiler, by_angles):
         assert a[5:7] == pytest.approx([h / 2 for h in half], rel=1e-14)
 
 
-def test_momentum_and_force_of_unbound_give_the_same_motion(tmp_path):
+def test_momentum_and_force_of_unbound_give_the_same_motion(hung):
     """d/dt of p along the motion is pdot: p and pdot are of the body frame, M a = dp/dt at a."""
-    _, c = loaded(HUNG, tmp_path)
+    c = hung
     quaternion, q, v, t = somewhere(random.Random(7))
     state = [*q, *[0.0] * 7], [*v, *quaternion]
     _, (a,) = c.call("acceleration", t, *state)
@@ -187,9 +197,9 @@ def test_energy_changes_by_what_is_applied(tmp_path):
     assert abs(power) > 0.01
 
 
-def test_the_start_is_the_product_of_its_turns(tmp_path):
+def test_the_start_is_the_product_of_its_turns(hung):
     """Against matrices, by SymPy; the left one done last."""
-    _, c = loaded(HUNG, tmp_path)
+    c = hung
     start_q, start_v = (c.library.hung_start, [0.0] * 9)
     import ctypes
 
@@ -205,13 +215,9 @@ def test_the_start_is_the_product_of_its_turns(tmp_path):
     assert start_v == [0.0] * 9
 
 
-def test_outputs_of_a_rotation(tmp_path):
+def test_outputs_of_a_rotation(hung):
     """A vector of the body and back, and both sets of angles, against matrices."""
-    text = HUNG + (
-        "observe e = euler(R)\nobserve b = tait_bryan(R)\nobserve out = R*[1, 2, 3]\n"
-        "observe back = inverse(R)*[1, 2, 3]\nobserve both = R*rot([0, 0, 1], 0.3)*[1, 2, 3]\n"
-    )
-    _, c = loaded(text, tmp_path)
+    c = hung
     draw = random.Random(5)
     for _ in range(20):
         quaternion, q, v, t = somewhere(draw)

@@ -7,6 +7,9 @@
 #include "fixture.h"
 
 enum { BOUND_N = 20 };
+/* Variational methods first, then others of fixed step, then adaptive ones, GSL's too. */
+enum { BOUND_VARIATIONAL = 6, BOUND_FIXED = 13, BOUND_METHODS = 18, BOUND_GAUSS = 15 };
+extern const char *const bound_methods[BOUND_METHODS];
 
 struct bound_run {
     struct pk_problem problem;

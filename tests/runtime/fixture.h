@@ -84,7 +84,9 @@ void add_apart(void);
 void add_least_action(void);
 void add_states(void);
 void add_rotation(void);
+void add_rotation_beside(void);
 void add_constraint(void);
+void add_constraint_told(void);
 void add_variational(void);
 
 #endif

@@ -168,7 +168,9 @@ int main(int argc, char **argv)
     add_least_action();
     add_states();
     add_rotation();
+    add_rotation_beside();
     add_constraint();
+    add_constraint_told();
     add_variational();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();

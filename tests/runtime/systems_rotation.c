@@ -160,7 +160,8 @@ BOUND(bodies, 14, 0, 2, 0, BOUND_FACTS, PK_C(1.3), 0, LIST(0),
 
 /* A body that turns about a point r off its centre, which a spring g holds on the x axis:
  *
- *     T = m/2 x'^2 + m x' k.(omega x r) + omega.I omega/2,  k = R^T e_x,  V = g x^2/2 + b e_x.R^T e_z,
+ *     T = m/2 x'^2 + m x' k.(omega x r) + omega.I omega/2,  k = R^T e_x,
+ *     V = g x^2/2 + b e_x.R^T e_z,
  *
  * so M depends on R; with drag on both and forces of time, in the body frame. */
 static const pk_real carriage_r[] = {PK_C(0.3), PK_C(0.2), PK_C(-0.1)};
@@ -227,4 +228,5 @@ static pk_real carriage_energy(ARGS)
            carriage_b * z[0];
 }
 BOUND(carriage, 8, 1, 1, 0, BOUND_OUTSIDE, PK_C(2.5), 0, LIST(PK_C(0.4)),
-      LIST(PK_C(0.3), PK_C(0.4), PK_C(1.1), PK_C(-0.3), PK_C(0.5), PK_C(0.5), PK_C(-0.5), PK_C(0.5)), );
+      LIST(PK_C(0.3), PK_C(0.4), PK_C(1.1), PK_C(-0.3), PK_C(0.5), PK_C(0.5), PK_C(-0.5),
+           PK_C(0.5)), );

@@ -97,3 +97,19 @@ def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Ta
 def square(name: str, equations: Equations) -> Output:
     n = len(equations.coordinates)
     return Output(name, n, n)
+
+
+def row_checks(equations: Equations) -> list[Target]:
+    """That the rows of constraints do not depend on each other; counted behind the coordinates."""
+    if equations.constraints is None:
+        return []
+    g, n = equations.graph, len(equations.coordinates)
+    checks = []
+    for k, (pivot, diagonal) in enumerate(equations.constraints.pivots):
+        if g.op[pivot] is Op.NUMBER and g.data[pivot] > 0:  # type: ignore[operator]
+            continue
+        nodes, text = (pivot, diagonal), "{0} > PK_PIVOT_MIN * {1}"
+        if pivot == diagonal:
+            nodes, text = (pivot,), "{0} > 0"
+        checks.append(Target(CHECK, str(n + k + 1), nodes, text))
+    return checks

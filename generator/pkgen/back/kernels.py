@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from ..equations import Equations, Particles, Row
 from ..middle.graph import Node
 from ..middle.motion import LINEAR_OF_FEW
-from .kernel_spec import KernelSpec, matrix_stores, pivot_checks, square, stores, vector
+from .kernel_spec import KernelSpec, matrix_stores, pivot_checks, row_checks, square, stores, vector
 from .kernels_bound import BOUND, bound_specs
 from .kernels_canonical import CANONICAL, canonical_specs
 from .program import FILL, RETURN, STORE, Output
@@ -51,7 +51,8 @@ def _acceleration_targets(equations: Equations) -> list[Target]:
     """Every pivot is tested before anything is written."""
     if equations.acceleration is None:
         return []
-    return pivot_checks(equations, equations.pivots or ()) + stores("a", equations.acceleration)
+    checks = pivot_checks(equations, equations.pivots or ()) + row_checks(equations)
+    return checks + stores("a", equations.acceleration)
 
 
 def _linear(equations: Equations) -> list[Target]:

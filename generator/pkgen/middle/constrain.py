@@ -61,7 +61,7 @@ def constrain(
     factored = factors(g, motion.mass, order)
     if factored is None:
         raise CannotConstrain("M is not positive definite: constraints cannot be solved for")
-    multipliers, solution = _solved(g, motion, factored, J, gamma)
+    multipliers, solution, pivots = _solved(g, motion, factored, J, gamma)
     binding = [g.sum(map(g.multiply, column, multipliers)) for column in zip(*J, strict=True)]
     applied, pdot, force = (
         tuple(map(g.add, row, binding)) for row in (motion.applied, motion.pdot, motion.force)
@@ -73,6 +73,7 @@ def constrain(
         rows=J,
         residual=rows.residual,
         multipliers=multipliers,
+        pivots=pivots,
         free_applied=motion.applied,
         free_pdot=motion.pdot,
         free_force=motion.force,
@@ -104,8 +105,8 @@ def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
 
 def _solved(
     g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node]
-) -> tuple[Row, Solution]:
-    """The multipliers, and the accelerations with the pivots of M."""
+) -> tuple[Row, Solution, tuple[tuple[Node, Node], ...]]:
+    """The multipliers, the accelerations with the pivots of M, and the pivots of S."""
     columns = [factored.forward(g, row) for row in J]
     force = factored.forward(g, motion.force)
 
@@ -139,7 +140,7 @@ def _solved(
             None,
             "use coordinates that fulfil some of them by themselves",
         )
-    multipliers = found[0]
+    multipliers, of_rows = found
     z = [
         g.add(f, g.sum(map(g.multiply, (column[i] for column in columns), multipliers)))
         for i, f in enumerate(force)
@@ -147,7 +148,9 @@ def _solved(
     pivots: list[Node] = [ZERO] * len(force)
     for row, pivot in zip(factored.order, factored.pivots, strict=True):
         pivots[row] = pivot
-    return multipliers, (factored.backward(g, z), tuple(pivots))
+    diagonal = (S[k][k] for k in range(count))
+    beside = tuple(zip(of_rows, diagonal, strict=True))
+    return multipliers, (factored.backward(g, z), tuple(pivots)), beside
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:

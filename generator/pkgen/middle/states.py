@@ -203,6 +203,7 @@ def _constraints(constraints: Constraints | None, there, count: int) -> Constrai
         rows=tuple((*there(row), *(ZERO,) * count) for row in c.rows),
         residual=there(c.residual),
         multipliers=there(c.multipliers),
+        pivots=tuple((*there(pair),) for pair in c.pivots),
     )
 
 

@@ -1,8 +1,8 @@
-/* How well a state fulfils what its system keeps: unit quaternions, and constraints phi(t, q) = 0 and
- * J v + j0 = 0 (see pk/system.h); and the forces that keep them.
+/* How well a state fulfils what its system keeps: unit quaternions, and constraints phi(t, q) = 0
+ * and J v + j0 = 0 (see pk/system.h); and the forces that keep them.
  *
- * An integrator needs none of this: a start that breaks a constraint by more than 1e-8 of what it is
- * made of, or whose quaternion is not of unit length, is refused by pk_integrator_init() and
+ * An integrator needs none of this: a start that breaks a constraint by more than 1e-8 of what it
+ * is made of, or whose quaternion is not of unit length, is refused by pk_integrator_init() and
  * pk_integrator_reset(), and every step ends on the constraints to round-off, and dense output too.
  */
 #ifndef PK_CONSTRAINT_H
@@ -17,7 +17,7 @@ extern "C" {
 #endif
 
 /* Largest residuals: of a row as it is, in its own unit, and beside the sizes of its terms, which
- * rounding is to be measured by; of which the second is the largest. 0 where there is no such row. */
+ * rounding is to be measured by; it is the second that is largest. 0 where there is no such row. */
 struct pk_residuals {
     pk_real norm; /* | |Q| - 1 | */
     size_t rotation;
@@ -33,7 +33,7 @@ size_t pk_constraint_size(const struct pk_problem *problem);
 enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real t,
                                        const pk_real *q, const pk_real *v,
                                        struct pk_residuals *found, void *block, size_t size);
-/* lambda, n_constraints numbers, of the motion there. Also PK_REFUSED, where it was compiled without. */
+/* lambda, n_constraints numbers, of the motion there. PK_REFUSED where it was compiled without. */
 enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_real t,
                                          const pk_real *q, const pk_real *v, pk_real *lambda,
                                          void *block, size_t size);
