@@ -22,7 +22,7 @@ TITLE = "A million steps of bodies"
 INTRODUCTION = f"""\
 Drifts over {STEPS:,} steps from each model's own start: of the energy, in brackets what a straight
 line through it gains over the run, and the largest of the other constants; and the largest residual
-of the constraints, or of unit length, beside the largest coordinate, in 1,000 rows. `make test-long`
+of the constraints, or of unit length, beside the largest coordinate, in 1,000 rows. The test
 demands that what a method keeps stays below 1e-11, that energies that it does not keep gain less
 than a tenth of their error, residuals below 1e-13, and that rk4 misses the first. The skate turns
 by 24,000 rad, to whose last digit its direction is known.
@@ -113,7 +113,7 @@ def drifts(pkgen, case: Case, method: str, steps: int, out: Path) -> tuple[dict,
     head, *lines = out.read_text(encoding="utf-8").splitlines()
     rows = (dict(zip(head.split(","), map(float, x.split(",")), strict=True)) for x in lines)
     found = {d["name"]: (d["max"], d["slope"] * until) for d in report["drifts"]}
-    return found, max(case.residual(row) / max(1, *map(abs, places(row))) for row in rows)
+    return found, max(case.residual(row) / max([1, *map(abs, places(row))]) for row in rows)
 
 
 def places(row: Row) -> list[float]:

@@ -143,6 +143,20 @@ def test_gimbals_by_an_attitude_and_by_three_angles(pkgen) -> None:
     assert 0 < off(GOOD) < 1e-10 < off(LOOSE)
 
 
+@pytest.mark.parametrize(("n", "end"), [(1, 2.0), (2, 0.2**3 / 0.03), (0.5, 0.2**1.5 / 0.015)])
+def test_eulers_disk_ends_in_finite_time(pkgen, n: float, end: float) -> None:
+    """X1: a run past the end says so, and when, whatever the friction."""
+    run = ["run", ROOT / "models/bodies/euler_disk.lag", "--set", f"n={n}", "--json"]
+    done = pkgen(*run, "--until", 9, "--every", 9, "--method", "dop853", "--rtol", "1e-13")
+    assert done.returncode == 4
+    report = json.loads(done.stdout)["report"]
+    assert report["status"] == "PK_SINGULAR_TIME"
+    assert report["last_valid"] == pytest.approx(end, abs=1e-9)
+    assert report["last_valid"] < end
+    loose = pkgen(*run, "--until", 9, "--every", 9, "--method", "dop853", "--rtol", "1e-5")
+    assert abs(json.loads(loose.stdout)["report"]["last_valid"] - end) > 1e-9
+
+
 def bobs(row: dict[str, float]) -> list[float]:
     """Places, of rods one metre long, from the angles."""
     places, x, y = [], 0.0, 0.0
