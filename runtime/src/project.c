@@ -19,7 +19,7 @@
 
 #define ROUND (PK_C(4.0) * PK_EPS)        /* of its terms: as good as zero */
 #define STALLED (PK_C(16384.0) * PK_EPS)  /* and what no longer shrinks below this is rounding */
-enum { MOST = 20 };
+enum { MOST = 20, SETTLED = 4 }; /* corrections; behind so many, one that is lost is rounding */
 
 size_t pk_project_size(const struct pk_system *system, size_t n)
 {
@@ -178,6 +178,9 @@ static int is_lost(const struct pk_projection *w, const pk_real *x, pk_real leng
 static int judged(pk_real ratio, pk_real before, int count, int lost)
 {
     if (ratio <= ROUND || (count && ratio >= before / 2 && (ratio <= STALLED || lost)))
+        return 1;
+    /* A rate that a row hardly has, beside a fast spin, is left out by its rounding again and again. */
+    if (count >= SETTLED && lost)
         return 1;
     return !pk_finite(ratio) || count == MOST ? -1 : 0;
 }
