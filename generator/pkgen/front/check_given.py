@@ -239,6 +239,8 @@ class Given:
         return " and ".join(kind for kind, names in kinds.items() if names)
 
     def _holds_all(self) -> bool:
+        if self.names.rotations:  # which nothing holds
+            return False
         for coordinate in (*self.shared.parts["coord"], *self.shared.parts["state"]):
             whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)
             held = self.held.get(coordinate.name)

@@ -59,7 +59,7 @@ class Rotations:
                 rate_names(item.name),
                 turn_names(item.name),
                 tuple(f"p_{item.name}.{axis}" for axis in AXES),
-                si_text(per_time, 1),
+                si_text(per_time, 1 if time != NONE else 0),
                 si_text(action),
                 description,
                 item.span,

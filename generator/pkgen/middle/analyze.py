@@ -134,8 +134,12 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     g = equations.graph
     n = len(equations.coordinates)
     free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
+    free -= _tied(equations)
     open_ = {i for i in free if equations.gradient[i] != ZERO}
     acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
+    # Of a body rate the "gradient" is all of p'; no coordinate stands for it in L.
+    turning = {a.rate + k for a in equations.attitudes for k in range(3)}
+    acting |= {i for i in open_ & turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)
         acting |= {
@@ -144,6 +148,20 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
             if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
         } & open_
     return tuple(i in free and i not in acting for i in range(n))
+
+
+def _tied(equations: Equations) -> set[int]:
+    """The coordinates in constraints, whatever force these have."""
+    c = equations.constraints
+    if c is None:
+        return set()
+    g, found = equations.graph, {j for row in c.rows for j, x in enumerate(row) if x != ZERO}
+    mask = BIT[Kind.COORDINATE] | RATES
+    return found | {
+        g.data[node].index
+        for node in reachable(g, [*c.positions, *c.residual], mask)
+        if g.op[node] is Op.SYMBOL and BIT[g.data[node].kind] & mask
+    }
 
 
 def _smooth(equations: Equations) -> bool:
