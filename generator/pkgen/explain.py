@@ -12,7 +12,7 @@ from .back.facts import facts, found, invariants, shortened
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
-from .explain_bound import constraint_rows, freedom
+from .explain_bound import attitude_numbers, constraint_rows, freedom, rates_title
 from .middle import sympy_bridge
 from .middle.graph import BIT, Kind, Node, Op
 from .middle.loops import Facts
@@ -29,7 +29,8 @@ def explain(compilation: Compilation) -> str:
         _title(compilation),
         _quantities("Coordinates", compilation.equations.seen),
         _quantities("Body rates", compilation.equations.rates[len(compilation.equations.seen) :]),
-        _quantities("States", compilation.equations.states),
+        _quantities("Attitudes", compilation.equations.states[: attitude_numbers(compilation)]),
+        _quantities("States", compilation.equations.states[attitude_numbers(compilation) :]),
         _parameters(compilation.equations),
         _quantities("Inputs", compilation.equations.inputs),
         _lagrangian(compilation.equations),
@@ -204,7 +205,7 @@ def _rates(equations: Equations) -> str:
         f"  {q.name}' = {_text(equations, node)}"
         for q, node in zip(equations.states, equations.state_rates, strict=True)
     ]
-    return "\n".join(["Rates of the states", *lines]) if lines else ""
+    return "\n".join([rates_title(equations), *lines]) if lines else ""
 
 
 def canonical_rows(equations: Equations) -> list[tuple[str, Node]]:

@@ -4,8 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from .compiler import Compilation
 from .equations import Equations
 from .middle.graph import Node
+
+
+def attitude_numbers(compilation: Compilation) -> int:
+    """How many of the states are quaternions, which come first."""
+    return sum(4 for a in compilation.equations.attitudes if a.state >= 0)
+
+
+def rates_title(e: Equations) -> str:
+    attitudes = any(a.state >= 0 for a in e.attitudes)
+    own = len(e.states) > 4 * len(e.attitudes)
+    what = [*(["attitudes"] if attitudes else []), *(["states"] if own or not attitudes else [])]
+    return f"Rates of the {' and '.join(what)}"
 
 
 def freedom(e: Equations) -> list[str]:

@@ -16,7 +16,7 @@ from .explain import (
     canonical_rows,
     default_text,
 )
-from .explain_bound import constraint_rows
+from .explain_bound import attitude_numbers, constraint_rows, rates_title
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
 from .middle import sympy_bridge
@@ -73,7 +73,8 @@ def _sections(compilation: Compilation) -> list[str]:
     return [
         *_quantities("Coordinates", e.seen),
         *_quantities("Body rates", e.rates[len(e.seen) :]),
-        *_quantities("States", e.states),
+        *_quantities("Attitudes", e.states[: attitude_numbers(compilation)]),
+        *_quantities("States", e.states[attitude_numbers(compilation) :]),
         *_parameters(e),
         *(motion if e.coordinates else []),
         *_constraints(e),
@@ -135,7 +136,7 @@ def _constraints(e: Equations) -> Iterable[str]:
 
 def _rates(e: Equations) -> Iterable[str]:
     if e.states:
-        yield page.heading("Rates of the states")
+        yield page.heading(rates_title(e))
     for q, node in zip(e.states, e.state_rates, strict=True):
         yield _line(mathml.name(f"{q.name}'"), _math(e, node))
 

@@ -154,7 +154,8 @@ static void symplectic(struct run *run, struct diagnostics *d)
     }
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
-        reason = system->n_states
+        reason = diagnose_not_free(system) ? diagnose_not_free(system)
+                 : system->n_states
                      ? "states have no momenta, so there is no symplectic form to be kept"
                  : diagnose_no_variation(system)
                      ? diagnose_no_variation(system)

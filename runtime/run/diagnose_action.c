@@ -63,7 +63,9 @@ void diagnose_action(struct run *run, struct diagnostics *d)
     const int kinked = periodic && diagnose_kink(run, &lo, &hi);
     const size_t coordinates = pk_system_coordinates(run->problem.system, s->params);
     char reason[200];
-    if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_states)
+    if (diagnose_not_free(run->problem.system))
+        strcpy(reason, diagnose_not_free(run->problem.system));
+    else if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_states)
         snprintf(reason, sizeof reason,
                  "coordinates and states: %zu and %zu; it is of one coordinate and no states%s",
                  coordinates, s->n - coordinates,

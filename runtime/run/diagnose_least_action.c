@@ -112,7 +112,9 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
     struct pk_least_action found = {0};
     struct stage x = {&found, NULL, PK_REFUSED};
     char reason[512] = "";
-    if (system->n_states)
+    if (diagnose_not_free(system))
+        strcpy(reason, diagnose_not_free(system));
+    else if (system->n_states)
         strcpy(reason, "the model has states, whose rates follow from no action");
     else if (!(system->facts & PK_VARIATIONAL))
         strcpy(reason, FORCES);

@@ -23,6 +23,15 @@ static const char NO_LINEAR[] = "the system has no kernel linear: it was left ou
 static const char KINKS[] = "the equations have kinks (abs, min, max, step), across which "
                             "displacements jump: linearised equations do not tell";
 
+const char *diagnose_not_free(const struct pk_system *system)
+{
+    if (system->n_constraints)
+        return "the model has constraints, on which q and p are not free";
+    return system->n_rotations
+               ? "the model has rotations, whose body rates are the rates of no coordinates"
+               : NULL;
+}
+
 const char *diagnose_no_variation(const struct pk_system *system)
 {
     return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
@@ -105,15 +114,21 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
     void *block = words_allocate(size, 1);
     struct pk_lyapunov l = {0};
     char reason[512] = "";
-    enum pk_status status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q,
-                                             s->v, run->it.t / BLOCKS, block, size);
+    /* A displacement off the constraints grows as nothing on them does. */
+    const int bound = run->problem.system->n_constraints > 0;
+    enum pk_status status = PK_REFUSED;
+    if (!bound)
+        status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                                  run->it.t / BLOCKS, block, size);
     excursion_begin(&excursion, s->n);
     for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < run->it.t; k++) {
         status = pk_lyapunov_step(&l);
         excursion_note(&excursion, s, &l.it, 2 * k >= BLOCKS);
         run_progress(run, (double)(l.it.t / run->it.t), 0);
     }
-    if (status == PK_REFUSED && diagnose_no_variation(run->problem.system))
+    if (bound)
+        strcpy(reason, diagnose_not_free(run->problem.system));
+    else if (status == PK_REFUSED && diagnose_no_variation(run->problem.system))
         strcpy(reason, diagnose_no_variation(run->problem.system));
     else if (status < 0 && l.it.method)
         pk_integrator_reason(&l.it, reason, sizeof reason);

@@ -32,6 +32,8 @@ enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, KINKED, NO_MODES, NOTHING };
 
 static const char *unfit(const struct pk_system *system, size_t n)
 {
+    if (diagnose_not_free(system))
+        return diagnose_not_free(system);
     if (system->n_states)
         return "normal modes are of coordinates alone, and the model has states, which have no "
                "momenta";

@@ -21,6 +21,8 @@ int diagnose_member(struct diagnostics *d, const char *name, enum pk_status stat
                     const char *reason);
 void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
 
+/* Why (q, p) are not coordinates and their momenta, free of each other; or NULL. */
+const char *diagnose_not_free(const struct pk_system *system);
 /* Why there are no variational equations, or NULL. */
 const char *diagnose_no_variation(const struct pk_system *system);
 /* Whether the equations have a kink on the straight way from one place to another, at rest: a switch

@@ -294,3 +294,104 @@ def test_a_turning_point_of_all_rates_but_a_spin(pkgen):
     path = ROOT / "models" / "constrained" / "gimbals.lag"
     done = pkgen("run", path, "--scene", "nutates", "--set", "turn=0")
     assert done.returncode == 0, done.stderr
+
+
+HELD = """\
+model held
+coord x, y, z
+kinetic (x'^2 + y'^2 + z'^2)/2
+let r2 = x^2 + y^2
+constraint rod: r2 = 1
+start x = 1, z' = 1
+
+scene turned
+  hold x = cos(t), y = sin(t)
+  until 1
+  record z every 1
+end
+scene wrong
+  hold x = 2*cos(t), y = sin(t)
+  until 1
+  record z every 1
+end
+"""
+
+
+def test_a_constraint_that_what_is_held_fulfils_is_gone(pkgen, tmp_path):
+    path = written(tmp_path, HELD)
+    assert rows(pkgen, tmp_path, path, "--scene", "turned")[-1]["z"] == pytest.approx(1)
+    done = pkgen("run", path, "--scene", "wrong")
+    assert done.returncode == 1
+    assert "the constraint 'rod' holds or fails whatever the motion" in done.stderr
+
+
+TIED = """\
+model tied
+coord x, z
+kinetic (x'^2 + z'^2)/2
+constraint c: x = z
+start x' = 1, z' = 1
+scene one
+  until 2
+  record x every 1
+end
+"""
+GEARED = """\
+model geared
+rotation R
+let w = omega(R)
+kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
+rolling gear: w.z = 0.3*w.x
+start omega(R) = [1, 0.5, 0.3]
+scene one
+  until 5
+  method rk4 step 0.01
+  record omega(R) every 1
+end
+"""
+
+
+@pytest.mark.parametrize("text", [TIED, GEARED])
+def test_what_constraints_tie_is_not_reduced(pkgen, tmp_path, text):
+    """A force that vanishes leaves no momentum constant, and rows of body rates need the body."""
+    path = written(tmp_path, text)
+    mine = rows(pkgen, tmp_path, path, "--scene", "one")
+    theirs = rows(pkgen, tmp_path, path, "--scene", "one", "--no-reduce")
+    for a, b in zip(mine, theirs, strict=True):
+        assert a == pytest.approx(b, abs=1e-12)
+    assert max(abs(x) for row in theirs for x in row.values()) > 1
+
+
+def test_a_momentum_of_the_body_is_constant_where_that_is_proved(pkgen, tmp_path):
+    """A root in L hides what is under it from residues: no proof that it does not turn."""
+    path = written(
+        tmp_path,
+        "model hung\nrotation R\nkinetic dot(omega(R), omega(R))/2\n"
+        "potential sqrt(2 + (R*[0, 0, 1]).z)\nstart omega(R) = [1, 0.2, 0.3]\n",
+    )
+    said = pkgen("explain", path).stdout
+    assert "p_R.z" in said and "p_R.x" not in said.partition("Constants")[2].partition("Kern")[0]
+
+
+def test_diagnostics_of_free_coordinates_say_what_is_not_free(pkgen, tmp_path):
+    for text, why in ((ROD, "the model has constraints"), (THROWN, "the model has rotations")):
+        path = written(tmp_path, text)
+        for name in ("symplectic", "modes", "least_action", "action"):
+            done = pkgen(
+                "run",
+                path,
+                "--until",
+                "1",
+                "--method",
+                "gauss4",
+                "--step",
+                "0.01",
+                "--diagnose",
+                name,
+            )
+            assert f"diagnose {name}: {why}" in done.stderr
+    bound = pkgen("run", written(tmp_path, ROD), "--until", "1", "--diagnose", "lyapunov")
+    assert "diagnose lyapunov: the model has constraints" in bound.stderr
+    for name in ("angular_momentum", "lrl"):
+        done = pkgen("run", written(tmp_path, THROWN), "--until", "1", "--diagnose", name)
+        assert done.returncode == 2 and "R*p_R is its angular momentum" in done.stderr

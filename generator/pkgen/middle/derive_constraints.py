@@ -4,32 +4,52 @@ from __future__ import annotations
 
 from ..equations import Constraints, Quantity
 from ..source import ModelError
+from ..tree import Expr, names
 from .constrain import CannotConstrain, Rows
 from .expand import Expander
-from .graph import VARIABLE, Node
+from .graph import BIT, Kind, Node
+from .normal import Normal
 from .quantities import error, indexed
+
+MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def rows_of(x: Expander) -> Rows | None:
     """The holonomic ones first, each kind in the order in which they are declared."""
     found: dict[bool, list[tuple]] = {True: [], False: []}
+    normal = Normal(x.graph)
     for item in x.model.constraints:
         with x.statement(item.span):
             for index, loop in x.unrolled(item.index, item.range):
                 node = x.scalar(item.value, loop)
                 name = indexed(item.name, index)
-                if not x.graph.depends[node] & VARIABLE:
+                if not x.graph.depends[node] & MOVES:
+                    if normal(node) == {} and not _of_the_free(x, item.value):
+                        continue  # what a scene holds fulfils it
                     message = f"the constraint '{name}' holds or fails whatever the motion"
-                    raise error(x.model, message, item.span, "leave it out")
+                    help = "leave it out; in a scene, hold what it ties as it says"
+                    raise error(x.model, message, item.span, help)
                 rate = x.derivative(node) if item.holonomic else node
                 quantity = Quantity(f"lambda_{name}", item.unit, item.description)
                 found[item.holonomic].append((quantity, node, rate, item.span))
     rows = [*found[True], *found[False]]
     if not rows:
         return None
-    names, nodes, rates, spans = zip(*rows, strict=True)
+    quantities, nodes, rates, spans = zip(*rows, strict=True)
     holonomic = len(found[True])
-    return Rows(names, holonomic, nodes[:holonomic], rates, spans)
+    return Rows(quantities, holonomic, nodes[:holonomic], rates, spans)
+
+
+def _of_the_free(x: Expander, value: Expr) -> bool:
+    """Whether something that is not held is named in it, by itself or in a definition."""
+    definitions = {item.name: item.value for item in x.model.definitions}
+    seen, waiting = set(), set(names(value))
+    while waiting:
+        name = waiting.pop()
+        seen.add(name)
+        if name in definitions:
+            waiting |= names(definitions[name]) - seen
+    return bool(seen & (x.coordinates.keys() | x.states.keys()))
 
 
 def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelError:
@@ -46,7 +66,8 @@ def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
     for item in x.model.constraints:
         for index, _ in x.unrolled(item.index, item.range):
             name = f"lambda_{item.name}"
-            x.define(name, index, known[indexed(name, index)])
+            if indexed(name, index) in known:
+                x.define(name, index, known[indexed(name, index)])
 
 
 def _multipliers(constraints: Constraints) -> dict[str, Node]:

@@ -36,8 +36,15 @@ WITHOUT = (
 )
 
 
+TURNING = "of a rotation, R*p_R is its angular momentum in space"
+
+
 def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
     """Of a model; without any, and why, where it is not seen to be of some."""
+    energy = next(iter((*x.model.kinetic, *x.model.lagrangian)), None)
+    span = energy.span if energy else x.model.span
+    if x.model.rotations:
+        return Particles((), (), (), (), why=TURNING, span=span)
     found: list[Particles] = []
     refusals: list[NoParticles] = []
     # A polar r may be of one from another, so places that are named go before.
@@ -51,8 +58,6 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
             refusals.append(refusal)
     if found:
         return found[0]
-    energy = next(iter((*x.model.kinetic, *x.model.lagrangian)), None)
-    span = energy.span if energy else x.model.span
     return Particles((), (), (), (), why=refusals[0].why, span=span)
 
 

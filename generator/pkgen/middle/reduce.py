@@ -207,10 +207,10 @@ def _in_one_row(e: Equations, i: int) -> set[int]:
 
 def _bodies(e: Equations, kept: set[int]) -> set[int]:
     """Of rotations of which something is kept, the rest; but where nothing has to do with any
-    attitude at all, the body rates alone."""
+    attitude at all, nor with constraints, the body rates alone."""
     n, found = len(e.coordinates), set()
     quaternions = {a.state: set(range(n + a.state, n + a.state + QUATERNION)) for a in e.attitudes}
-    turned = any(numbers & kept for numbers in quaternions.values())
+    turned = e.constraints is not None or any(x & kept for x in quaternions.values())
     for a in e.attitudes:
         rates = set(range(a.rate, a.rate + TURNS))
         if (rates | quaternions[a.state]) & kept:
