@@ -249,10 +249,12 @@ def test_what_is_proved_of_a_free_body_and_a_top():
             "model.lag",
             "model freely\nparam A = 1\nparam B = 2\nparam C = 3\nrotation R\nlet w = omega(R)\n"
             "kinetic A/2*w.x^2 + B/2*w.y^2 + C/2*w.z^2\nconserve L = R*p_R\n"
-            "conserve square = dot(p_R, p_R)\nconserve norm2 = R.w^2 + R.x^2 + R.y^2 + R.z^2\n",
+            "conserve square = dot(p_R, p_R)\nconserve norm2 = R.w^2 + R.x^2 + R.y^2 + R.z^2\n"
+            "conserve textbook = 2*(R.x*R.z - R.w*R.y)*p_R.x + 2*(R.y*R.z + R.w*R.x)*p_R.y"
+            " + (1 - 2*(R.x^2 + R.y^2))*p_R.z  # L.z of quaternions of length 1 alone\n",
         )
     )
-    assert [claim.outcome for claim in free.structure.claims] == ["proved"] * 5
+    assert [claim.outcome for claim in free.structure.claims] == ["proved"] * 6
     assert free.structure.conservative and free.structure.autonomous
     assert not free.structure.variational  # no canonical (q, p) is what methods carry
     assert not any(free.structure.cyclic)

@@ -72,6 +72,19 @@ def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[
     return found
 
 
+def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
+    """Quaternions of length 1 by three numbers each, which stand in the places of x, y and z:
+    w = (1 - s)/(1 + s), x = 2 a/(1 + s) and so on, s = a^2 + b^2 + c^2 (stereographic)."""
+    found: dict[Node, Node] = {}
+    for at in attitudes:
+        w, *vector = numbers(g, at)
+        square = g.sum(g.power(a, 2) for a in vector)
+        below = g.power(g.add(g.number(1), square), -1)
+        found[w] = g.multiply(g.subtract(g.number(1), square), below)
+        found |= {a: g.multiply(g.number(2), g.multiply(a, below)) for a in vector}
+    return found
+
+
 def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
     """Q a Q*; the quaternion as x, y, z, w here."""
     x, y, z, w = quaternion

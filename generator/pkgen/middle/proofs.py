@@ -14,19 +14,24 @@ from ..equations import Claim, Equations, Indices
 from ..model import Model
 from ..source import Diagnostic, ModelError
 from .along import Along
+from .attitudes import QUATERNION, on_sphere
 from .balls import Balls
 from .differentiate import reachable
+from .evaluate import evaluate
 from .exact import Exact
 from .graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from .guards import DIVISOR, about, bounds_of, dangerous, squared, zeros
 from .normal import Normal
 from .ranges import Ranges
-from .samples import Sample, samples
+from .samples import Sample, samples, started
+from .substitute import substituted
 from .wording import wording
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
 SHOWN = 12  # values of a counterexample
 VISIBLE = 1e-300
+OFF = 1e-6  # of its terms: no rounding of doubles, nor of a start that is on constraints but for it
+NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
 # Whose derivative does not say where they jump.
 _BRANCHED = {"abs", "min", "max", "sqrt", "asin", "acos", "atan"}  # one of several values
 _JUMPING = {"step": "step jumps", "sign": "sign jumps", "atan2": "atan2 jumps by 2 pi"}
@@ -50,12 +55,16 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     terms = along.terms(node)
     obstacle = "L jumps at a step" if jumping else _jumps(along, exact.ranges, node)
     proof = "" if obstacle else vanishes(g, exact, terms)
+    attitudes = tuple(a for a in along.equations.attitudes if a.state >= 0)
+    if not proof and attitudes:
+        # Elsewhere than at length 1 there is no attitude: neither a proof nor its opposite.
+        terms = substituted(g, terms, on_sphere(g, attitudes))
+        proof = "" if obstacle else vanishes(g, exact, terms)
     if proof:
         return Claim(name, PROVED, proof)
     bound = along.equations.constraints
     if bound is not None and bound.holonomic:
-        off = "a state at which the constraints hold was not looked for"
-        return Claim(name, OPEN, "; ".join(x for x in (obstacle, off) if x))
+        return _at_the_start(along, name, terms, obstacle)
     tried = _Tried(along, name, terms)
     if tried.against is not None:
         return Claim(name, REFUTED, tried.counterexample())
@@ -100,6 +109,20 @@ def _divisors(g: Graph, ranges: Ranges, nodes: list[Node]) -> set[Node]:
     divisors = [base for base, use in dangerous(g, ranges, nodes) if use == DIVISOR]
     found = {zero for base in divisors for zero, _ in zeros(g, ranges, base)}
     return found | {square for zero in found for square in squared(g, zero)}
+
+
+def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> Claim:
+    """Of a claim on holonomic constraints, which at other states would have to be solved for."""
+    e = along.equations
+    try:
+        rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], started(e))
+    except KeyError:  # an input, or an acceleration that is not solved for
+        return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
+    size = sum(map(abs, parts))
+    says = f"d{name}/dt = {rate:.4g}, where its terms are {size:.4g} in size, at the start"
+    if abs(rate) > OFF * size:
+        return Claim(name, REFUTED, says)
+    return Claim(name, OPEN, "; ".join(x for x in (obstacle, f"{NOWHERE}; {says}") if x))
 
 
 class _Tried:
@@ -155,7 +178,16 @@ class _Tried:
 
     def _named(self, sample: Sample) -> Iterable[str]:
         name = names(self.along.equations)
-        for symbol, value in sample.chosen.items():
+        chosen = dict(sample.chosen)
+        for at in self.along.equations.attitudes:
+            w, *vector = (Symbol(Kind.STATE, at.state + k) for k in range(QUATERNION))
+            a = [chosen.get(symbol, 0) for symbol in vector]
+            if at.state < 0 or not chosen.keys() & set(vector):
+                continue
+            below = 1 + sum(x * x for x in a)
+            chosen |= {s: 2 * x / below for s, x in zip(vector, a, strict=True)}
+            chosen[w] = 2 / below - 1
+        for symbol, value in chosen.items():
             yield f"{name(symbol)} = {float(value):.10g}"
 
 

@@ -79,6 +79,18 @@ def defaults(g: Graph, parameters: tuple[ParameterSlot, ...]) -> dict[Symbol, fl
     return fixed
 
 
+def started(e: Equations) -> dict[Symbol, float]:
+    """The model's own start, with parameters at their defaults and t = 0."""
+    values = defaults(e.graph, e.parameters)
+    starts = {Kind.COORDINATE: e.start_q, Kind.RATE: e.start_v, Kind.STATE: e.state_start}
+    found = {
+        Symbol(kind, i): x
+        for kind, row in starts.items()
+        for i, x in enumerate(evaluate(e.graph, row, values))
+    }
+    return values | found | {Symbol(Kind.TIME): 0.0}
+
+
 def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fraction]:
     """What is constant in the nodes: where x - 7 occurs, x is worth a try near 7."""
     values = evaluate(g, [n for n in below if not g.depends[n] & VARIABLE], fixed)
