@@ -33,6 +33,7 @@ static int doubtful(const struct run *run)
     case PK_SINGULAR_COORDINATES:
     case PK_NOT_FINITE:
     case PK_STEP_TOO_LONG:
+    case PK_NO_PROJECTION:
         return run->it.t > 0;
     default:
         return 0;
