@@ -83,6 +83,21 @@ potential x^2/2
 force x = -mu*(2*step(x') - 1)
 start x = 1
 """
+ROD = """model rod
+param l = 1
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential 9.81*y
+constraint rod: x^2 + y^2 = l^2
+start x = l
+"""
+PINCHED = """model pinched
+coord x, y, z
+kinetic (x'^2 + y'^2 + z'^2)/2
+constraint sphere: x^2 + y^2 + z^2 = 1
+constraint plane: z = t
+start x = 1, z' = 1, y' = 0.5
+"""
 BLOW_UP = """model away
 param a = 1 in (0, inf)
 coord x
@@ -256,6 +271,24 @@ CASES: dict[str, Case] = {
         DOUBLE,
         "--method verlet --step 0.01",
         "PK_REFUSED",
+    ),
+    "off-constraints": Case(
+        "a start of options that breaks a constraint",
+        ROD,
+        "--until 1 --start x=1.25",
+        "PK_OFF_CONSTRAINTS",
+    ),
+    "pinched": Case(
+        "constraints that come to say the same",
+        PINCHED,
+        "--until 3 --method gauss",
+        "PK_NO_PROJECTION",
+    ),
+    "off-the-rod": Case(
+        "a step too long to return to the constraint",
+        ROD,
+        "--until 20 --method rk4 --step 1",
+        "PK_NO_PROJECTION",
     ),
     "member": Case(
         "one member of an ensemble",
