@@ -165,11 +165,8 @@ static int is_lost(const struct pk_projection *w, const pk_real *x, pk_real leng
 {
     pk_real most = PK_TINY;
     for (size_t k = 0; k < w->m; k++) {
-        pk_real mass = w->M[k * w->m + k];
-        for (size_t j = 0; j < k; j++)
-            mass += w->M[k * w->m + j] * w->M[k * w->m + j] * w->M[j * w->m + j];
         const pk_real size = k < w->rotation ? pk_abs(x[k]) : pk_max(pk_abs(x[k]), 1);
-        most = pk_max(most, mass * size * size);
+        most = pk_max(most, pk_ldl_diagonal(w->M, w->m, k) * size * size);
     }
     return length2 <= STALLED * STALLED * most;
 }
