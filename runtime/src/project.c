@@ -283,8 +283,12 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
     *moved = 0;
-    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4)
-        *moved |= pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4) {
+        const int turned = pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+        if (turned < 0)
+            return PK_NOT_FINITE;
+        *moved |= turned;
+    }
     if (!w.c)
         return PK_DONE;
     w.t = t;
