@@ -175,50 +175,6 @@ static void from_rest(void)
         }
 }
 
-/* A body on an inclined axle, e_z of it in space held, whose rates across that are rounding. */
-static void axle(const void *params, double t, const double *q, const double *v, const double *u,
-                 double *phi)
-{
-    const double *Q = v + 3;
-    (void)params, (void)t, (void)q, (void)u;
-    phi[0] = 2 * (Q[1] * Q[3] + Q[0] * Q[2]) - sin(0.4);
-    phi[1] = 2 * (Q[2] * Q[3] - Q[0] * Q[1]);
-}
-static void axle_rows(const void *params, double t, const double *q, const double *v,
-                      const double *u, double *J, double *residual)
-{
-    const double *Q = v + 3;
-    (void)params, (void)t, (void)q, (void)u;
-    memset(J, 0, 14 * sizeof *J);
-    J[0] = -2 * (Q[1] * Q[2] - Q[0] * Q[3]); /* d(R e_z) = R (omega x e_z) */
-    J[1] = 1 - 2 * (Q[2] * Q[2] + Q[3] * Q[3]);
-    J[7] = -1 + 2 * (Q[1] * Q[1] + Q[3] * Q[3]);
-    J[8] = 2 * (Q[1] * Q[2] + Q[0] * Q[3]);
-    for (int i = 0; i < 2; i++)
-        residual[i] = J[7 * i] * v[0] + J[7 * i + 1] * v[1];
-}
-static void on_axle(void)
-{
-    static const struct pk_quantity named[] = {{"lambda_x", "", ""}, {"lambda_y", "", ""}};
-    static struct pk_system system;
-    static struct bound_run f;
-    system = free_body_system;
-    system.n_constraints = system.n_holonomic = 2;
-    system.constraints = named;
-    system.constraint = axle;
-    system.rows = axle_rows;
-    for (int i = 0; i < 6; i++) {
-        const double start[] = {0, 0, 1, cos(0.2), 0, sin(0.2), 0};
-        bound_set(&f, &system);
-        memcpy(f.v0, start, sizeof start);
-        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.01) == PK_DONE);
-        CU_ASSERT_FATAL(pk_integrator_to(&f.it, 1) == PK_DONE);
-        const double *v = f.it.v, off = fabs(v[3] - cos(0.2) * cos(0.5));
-        CU_ASSERT(hypot(v[0], v[1]) < 1e-15 && fabs(v[2] - 1) < 1e-14);
-        CU_ASSERT(off > 0 && off < (i % 3 ? 1e-8 : 1e-5));
-    }
-}
-
 void add_variational(void)
 {
     CU_pSuite suite = CU_add_suite("variational", NULL, NULL);
@@ -228,5 +184,4 @@ void add_variational(void)
     CU_add_test(suite, "compensated sums of momenta", compensated);
     CU_add_test(suite, "from anywhere", anew);
     CU_add_test(suite, "from rest at 0", from_rest);
-    CU_add_test(suite, "rates that are rounding", on_axle);
 }
