@@ -69,7 +69,8 @@ static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, 
     pk_quaternion_times(Q, -2 * quarter * quarter, u, d);
 }
 
-/* Where the norm is off by more than a few roundings; the compensations then belong to what was. */
+/* Where the norm is off by more than a few roundings; the compensations then belong to what was. 1
+ * where it was; -1: no direction is left, the square of the norm is lost or is no number. */
 static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
 {
     pk_real norm2 = 0;
@@ -77,6 +78,8 @@ static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
         norm2 += Q[i * stride] * Q[i * stride];
     if (pk_abs(norm2 - 1) <= 8 * PK_EPS)
         return 0;
+    if (!(norm2 > PK_TINY) || !pk_finite(norm2))
+        return -1;
     const pk_real scale = 1 / PK_F(sqrt)(norm2);
     for (size_t i = 0; i < 4; i++) {
         Q[i * stride] *= scale;

@@ -173,15 +173,18 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
     }
 }
 
-/* As project.c does it of one state. */
-static void normalise(struct pk_block *b)
+/* As project.c does it of one state. The lanes of which no attitude is left. */
+static unsigned long long normalise(struct pk_block *b)
 {
+    unsigned long long lost = 0;
     const size_t W = b->lanes, first = b->n - b->system->n_states + 3 * b->system->n_rotations;
     for (size_t r = 0; r < b->system->n_rotations; r++)
         for (size_t l = 0; l < W; l++) {
             const size_t at = (first + 4 * r) * W + l;
-            pk_normalise(b->next + PK_V * b->n * W + at, b->next + PK_LOW_X * b->n * W + at, W);
+            pk_real *Q = b->next + PK_V * b->n * W + at, *low = b->next + PK_LOW_X * b->n * W + at;
+            lost |= (unsigned long long)(pk_normalise(Q, low, W) < 0) << l;
         }
+    return lost;
 }
 
 /* All live lanes to t. */
@@ -206,7 +209,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
             fail(b, e, clock, first, memory, mass, PK_SINGULAR_MASS, &live);
             fail(b, e, clock, first, memory, bad & ~mass, PK_NOT_FINITE, &live);
         }
-        normalise(b);
+        fail(b, e, clock, first, memory, normalise(b) & live, PK_NOT_FINITE, &live);
         for (size_t l = 0; e->system->n_guards && l < b->lanes; l++) {
             if (!(live >> l & 1))
                 continue;

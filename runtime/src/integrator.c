@@ -251,6 +251,8 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         enum pk_status status = try_step(it, limit);
         if (status >= 0)
             status = pk_project_step(it);
+        if (status >= 0 && it->project && !pk_all_finite(it->next, PK_LOW_Q * it->n))
+            status = PK_NOT_FINITE;
         if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)
             return status;
         it->h = (it->next_t - it->t) / 4;

@@ -76,5 +76,7 @@ void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
  * beside A_ii that it is rounding (PK_PIVOT_MIN, as in generated accelerations). */
 size_t pk_ldl_factor(pk_real *A, size_t n);
 void pk_ldl_solve(const pk_real *A, size_t n, pk_real *x);
+/* A_kk, of what is factored. */
+pk_real pk_ldl_diagonal(const pk_real *A, size_t n, size_t k);
 
 #endif

@@ -81,3 +81,11 @@ void pk_ldl_solve(const pk_real *A, size_t n, pk_real *x)
         for (size_t j = i + 1; j < n; j++)
             x[i] -= A[j * n + i] * x[j];
 }
+
+pk_real pk_ldl_diagonal(const pk_real *A, size_t n, size_t k)
+{
+    pk_real sum = A[k * n + k];
+    for (size_t j = 0; j < k; j++)
+        sum += A[k * n + j] * A[k * n + j] * A[j * n + j];
+    return sum;
+}

@@ -165,11 +165,8 @@ static int is_lost(const struct pk_projection *w, const pk_real *x, pk_real leng
 {
     pk_real most = PK_TINY;
     for (size_t k = 0; k < w->m; k++) {
-        pk_real mass = w->M[k * w->m + k];
-        for (size_t j = 0; j < k; j++)
-            mass += w->M[k * w->m + j] * w->M[k * w->m + j] * w->M[j * w->m + j];
         const pk_real size = k < w->rotation ? pk_abs(x[k]) : pk_max(pk_abs(x[k]), 1);
-        most = pk_max(most, mass * size * size);
+        most = pk_max(most, pk_ldl_diagonal(w->M, w->m, k) * size * size);
     }
     return length2 <= STALLED * STALLED * most;
 }
@@ -286,8 +283,12 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
     *moved = 0;
-    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4)
-        *moved |= pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4) {
+        const int turned = pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+        if (turned < 0)
+            return PK_NOT_FINITE;
+        *moved |= turned;
+    }
     if (!w.c)
         return PK_DONE;
     w.t = t;

@@ -195,7 +195,8 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     memcpy(v + w->first, w->v_end + w->first, (n - w->first) * sizeof *v);
     memcpy(low_p + w->first, w->low_v + w->first, (n - w->first) * sizeof *v);
     for (size_t k = w->first; k < w->states; k += 4)
-        pk_normalise(v + k, low_p + k, 1);
+        if (pk_normalise(v + k, low_p + k, 1) < 0)
+            return PK_NOT_FINITE;
     memcpy(p + w->first, v + w->first, (n - w->first) * sizeof *v);
     if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
         return PK_NOT_FINITE;

@@ -21,6 +21,7 @@ enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50 };
 #define SURE PK_C(0.5)
 #define GENTLE PK_C(0.5)
 #define FIRST PK_C(0.125)
+#define LOST PK_F(cbrt)(PK_EPS)
 #define SHORTEST (PK_C(1.0) / 16777216)
 
 static size_t unknowns(const struct pk_variational_work *w) { return w->m + (w->n - w->states); }
@@ -167,6 +168,22 @@ static void set_scale(struct pk_variational_work *w)
     }
 }
 
+/* By the first correction: at least the change of rates that the step makes, in the metric of M, so
+ * that what is at rest at 0 has a scale too. */
+static void raise_scale(struct pk_variational_work *w)
+{
+    const pk_real *v = pk_part(w->to, w->n, PK_V);
+    pk_real most = 0;
+    for (size_t k = 0; k < w->m; k++) {
+        const pk_real change = w->V[k] + w->dV[k] - v[k];
+        most = pk_max(most, pk_abs(change) * PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k)));
+    }
+    for (size_t k = 0; k < w->m; k++)
+        w->scale[k] = pk_max(w->scale[k], most / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k)));
+    for (size_t k = w->states; k < w->n; k++)
+        w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[k] + w->dV[k]));
+}
+
 /* The largest of dV beside its scale, with what is at rest at 0 beside others that move; *shared: on
  * a scale that forgives those. */
 static pk_real corrected(const struct pk_variational_work *w, pk_real *shared)
@@ -211,12 +228,15 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         for (size_t k = 0; k < w->n; k++)
             w->dV[k] = -w->dV[k];
         solve(w, newton, w->dV);
+        pk_real shared;
+        const pk_real of_momenta = w->c ? corrected(w, &shared) : 0;
         const int of_phi = w->c ? constrain(w, newton) : 1;
         if (!of_phi)
             return 0;
         *sign = newton ? *sign * of_phi : of_phi;
         it->count.iterations++;
-        pk_real shared;
+        if (count == 0)
+            raise_scale(w);
         const pk_real size = corrected(w, &shared);
         for (size_t k = 0; k < w->n; k++)
             w->V[k] += w->dV[k];
@@ -236,8 +256,13 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
                    (count && rate > PK_C(0.5) && shared <= PK_VARIATIONAL_ROUND / 16);
         growing = count && size >= least ? growing + 1 : 0;
         least = count == 0 ? size : pk_min(least, size);
-        if (!last && growing >= (newton ? 3 : 12))
-            return 0;
+        if (!last && growing >= (newton ? 3 : 12)) {
+            /* Terms of phi that cancel, as those of sin(x + a) - sin a, are rounded by more than
+             * x tells: by Newton's method, with exact derivatives, that alone does not shrink. */
+            last = w->c && shared <= LOST && of_momenta <= size / 8;
+            if (!last)
+                return 0;
+        }
         before = size;
     }
     return 0;

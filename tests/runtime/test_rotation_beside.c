@@ -103,6 +103,37 @@ static void ensemble(void)
     }
 }
 
+/* A step so long that the square of a quaternion's norm overflows is no motion, alone or in lanes. */
+static void lost(void)
+{
+    static struct bound_run f;
+    double t = 1e45, q[2][7], last[2], v0[2][7] = {{0}}, v[2][7];
+    size_t done[2];
+    enum pk_status status[2];
+    struct test_params params[2];
+    for (int i = 0; i < 2; i++) {
+        bound_set(&f, &free_body_system);
+        params[i] = f.params;
+        v0[i][0] = i ? 1e-300 : 1, v0[i][3] = 1;
+    }
+    memset(f.v0, 0, sizeof f.v0);
+    memcpy(f.v0, v0[0], sizeof v0[0]);
+    CU_ASSERT_FATAL(bound_init(&f, "rk4", t) == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, t) == PK_NOT_FINITE);
+    CU_ASSERT(f.it.t == 0 && f.it.v[3] == 1);
+    struct pk_ensemble e = {.system = &free_body_system, .method = pk_method_find("rk4")};
+    const double q0[2][7] = {{0}};
+    e.options = pk_options_default();
+    e.options.h = t;
+    e.members = 2, e.params = params, e.q0 = q0[0], e.v0 = v0[0], e.rows = 1, e.t = &t;
+    e.q = q[0], e.v = v[0], e.done = done, e.last_t = last, e.status = status;
+    void *block = aligned_alloc(64, pk_ensemble_size(&e));
+    CU_ASSERT(pk_ensemble_run(&e, 0, 2, block, pk_ensemble_size(&e)) == PK_NOT_FINITE);
+    free(block);
+    CU_ASSERT(status[0] == PK_NOT_FINITE && done[0] == 0 && last[0] == 0);
+    CU_ASSERT(status[1] == PK_DONE && v[1][3] == 1); /* beside it one goes on */
+}
+
 static void angle_rate(const void *params, double t, const double *q, const double *v,
                        const double *u, double *z)
 {
@@ -165,6 +196,7 @@ void add_rotation_beside(void)
 {
     CU_pSuite suite = CU_add_suite("rotation, beside", NULL, NULL);
     CU_add_test(suite, "through the upright", upright);
+    CU_add_test(suite, "an attitude that is lost", lost);
     CU_add_test(suite, "unit quaternions", starts);
     CU_add_test(suite, "ensembles of bodies", ensemble);
     CU_add_test(suite, "quadratures and events", beside);

@@ -137,6 +137,44 @@ static void anew(void)
         CU_ASSERT(fabs(p[i] - f.it.p[i]) < 1e-15);
 }
 
+/* phi = sin(x + a) - y/2 - sin a: terms that cancel at 0. */
+static void slot(const void *params, double t, const double *q, const double *v, const double *u,
+                 double *phi)
+{
+    (void)params, (void)t, (void)v, (void)u;
+    phi[0] = sin(q[0] + 0.3) - q[1] / 2 - sin(0.3);
+}
+static void slot_rows(const void *params, double t, const double *q, const double *v,
+                      const double *u, double *J, double *residual)
+{
+    (void)params, (void)t, (void)u;
+    J[0] = cos(q[0] + 0.3), J[1] = -0.5;
+    residual[0] = J[0] * v[0] + J[1] * v[1];
+}
+
+/* From rest where all coordinates are 0: down the slot, energy v^2/2 + y. */
+static void from_rest(void)
+{
+    static struct pk_system system;
+    static struct bound_run f;
+    static const double h[] = {0.01, 1e-3, 1e-4};
+    system = rod_system;
+    system.constraint = slot;
+    system.rows = slot_rows;
+    for (int i = 0; i < 6; i++)
+        for (int k = 0; k < 3; k++) {
+            bound_set(&f, &system);
+            memset(f.q0, 0, sizeof f.q0);
+            memset(f.v0, 0, sizeof f.v0);
+            CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], h[k]) == PK_DONE);
+            CU_ASSERT_FATAL(pk_integrator_to(&f.it, 0.2) == PK_DONE);
+            const double *q = f.it.q, *v = f.it.v;
+            const double lost = fabs((v[0] * v[0] + v[1] * v[1]) / 2 + f.params.g * q[1]);
+            CU_ASSERT(q[1] < -1e-3 && lost < (i % 3 ? 1e-11 : 1e-2 * h[k] * h[k] + 1e-15));
+            CU_ASSERT(fabs(sin(q[0] + 0.3) - q[1] / 2 - sin(0.3)) < 2e-16);
+        }
+}
+
 void add_variational(void)
 {
     CU_pSuite suite = CU_add_suite("variational", NULL, NULL);
@@ -145,4 +183,5 @@ void add_variational(void)
     CU_add_test(suite, "stiff", stiff);
     CU_add_test(suite, "compensated sums of momenta", compensated);
     CU_add_test(suite, "from anywhere", anew);
+    CU_add_test(suite, "from rest at 0", from_rest);
 }
