@@ -395,3 +395,30 @@ def test_diagnostics_of_free_coordinates_say_what_is_not_free(pkgen, tmp_path):
     for name in ("angular_momentum", "lrl"):
         done = pkgen("run", written(tmp_path, THROWN), "--until", "1", "--diagnose", name)
         assert done.returncode == 2 and "R*p_R is its angular momentum" in done.stderr
+
+
+AXLE = """\
+model axle
+rotation R
+let w = omega(R)
+kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
+constraint one: (R*[0, 0, 1]).x = 0
+constraint two: (R*[0, 0, 1]).y = 0
+start omega(R) = [0, 0, 1]
+"""
+RAMP = """\
+model ramp
+coord y, z
+kinetic (y'^2 + z'^2)/2
+potential z
+constraint tie: sin(y + 0.3) = 0.5*z + sin(0.3)
+"""
+
+
+@pytest.mark.parametrize("method", ["rattle", "lie_midpoint", "rattle6"])
+@pytest.mark.parametrize("text", [AXLE, RAMP])
+def test_steps_from_rest_and_beside_a_spin(pkgen, tmp_path, text, method):
+    """Rates that rows hardly have are rounding beside the spin; coordinates at 0 have no size."""
+    path = written(tmp_path, text)
+    done = pkgen("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
+    assert done.returncode == 0, done.stderr
