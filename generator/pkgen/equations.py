@@ -111,6 +111,15 @@ class Attitude:
     rate: int
     state: int
 
+    @property
+    def rates(self) -> range:
+        return range(self.rate, self.rate + 3)
+
+    @property
+    def numbers(self) -> range:
+        """Of its quaternion, among the states."""
+        return range(self.state, self.state + 4) if self.state >= 0 else range(0)
+
 
 @dataclass(frozen=True)
 class Constraints:
@@ -190,22 +199,31 @@ class Equations:
     @property
     def moving(self) -> tuple[str, ...]:
         """What the rows of M are of: coordinates, and body rates by their own names."""
-        turns = {a.rate + i for a in self.attitudes for i in range(3)}
         return tuple(
-            (self.rates if i in turns else self.coordinates)[i].name
+            (self.rates if i in self.turning else self.coordinates)[i].name
             for i in range(len(self.coordinates))
         )
+
+    @property
+    def turning(self) -> frozenset[int]:
+        """The coordinates whose rates are body rates."""
+        return frozenset(i for a in self.attitudes for i in a.rates)
+
+    @property
+    def quaternions(self) -> int:
+        """How many of the states are numbers of attitudes; they come first."""
+        return sum(len(a.numbers) for a in self.attitudes)
 
     @property
     def inertial(self) -> int:
         """How many rows of M are of a Lagrangian: coordinates and body rates, of which those of
         rotations are counted among the states in C."""
-        return len(self.coordinates) - max(self.n_states - 3 * len(self.attitudes), 0)
+        return len(self.coordinates) - max(self.n_states - len(self.turning), 0)
 
     @property
     def seen(self) -> tuple[Quantity, ...]:
         """The coordinates but those whose rates are body rates, which nobody sees."""
-        return self.coordinates[: len(self.coordinates) - 3 * len(self.attitudes)]
+        return self.coordinates[: len(self.coordinates) - len(self.turning)]
 
 
 Indices = tuple[tuple[int, ...], ...]

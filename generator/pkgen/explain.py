@@ -12,7 +12,7 @@ from .back.facts import facts, found, invariants, shortened
 from .back.program import operations_text
 from .compiler import Compilation
 from .equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
-from .explain_bound import attitude_numbers, constraint_rows, freedom, rates_title
+from .explain_bound import constraint_rows, freedom, rates_title
 from .middle import sympy_bridge
 from .middle.graph import BIT, Kind, Node, Op
 from .middle.loops import Facts
@@ -25,12 +25,13 @@ WIDE = 40  # columns of an invariant's formula
 
 def explain(compilation: Compilation) -> str:
     """The whole report."""
+    e = compilation.equations
     sections = [
         _title(compilation),
-        _quantities("Coordinates", compilation.equations.seen),
-        _quantities("Body rates", compilation.equations.rates[len(compilation.equations.seen) :]),
-        _quantities("Attitudes", compilation.equations.states[: attitude_numbers(compilation)]),
-        _quantities("States", compilation.equations.states[attitude_numbers(compilation) :]),
+        _quantities("Coordinates", e.seen),
+        _quantities("Body rates", e.rates[len(e.seen) :]),
+        _quantities("Attitudes", e.states[: e.quaternions]),
+        _quantities("States", e.states[e.quaternions :]),
         _parameters(compilation.equations),
         _quantities("Inputs", compilation.equations.inputs),
         _lagrangian(compilation.equations),

@@ -4,26 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .compiler import Compilation
 from .equations import Equations
 from .middle.graph import Node
 
 
-def attitude_numbers(compilation: Compilation) -> int:
-    """How many of the states are quaternions, which come first."""
-    return sum(4 for a in compilation.equations.attitudes if a.state >= 0)
-
-
 def rates_title(e: Equations) -> str:
-    attitudes = any(a.state >= 0 for a in e.attitudes)
-    own = len(e.states) > 4 * len(e.attitudes)
-    what = [*(["attitudes"] if attitudes else []), *(["states"] if own or not attitudes else [])]
+    what = ["attitudes"] if e.quaternions else []
+    what += ["states"] if len(e.states) > e.quaternions or not what else []
     return f"Rates of the {' and '.join(what)}"
 
 
 def freedom(e: Equations) -> list[str]:
     """What moves, counted: "2 rates", "1 constraint", "1 degree of freedom"."""
-    n, states = len(e.coordinates), len(e.states) - sum(4 for a in e.attitudes if a.state >= 0)
+    n, states = len(e.coordinates), len(e.states) - e.quaternions
     counts = []
     if e.constraints is not None:
         rows, holonomic = len(e.constraints.names), e.constraints.holonomic

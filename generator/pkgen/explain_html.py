@@ -16,7 +16,7 @@ from .explain import (
     canonical_rows,
     default_text,
 )
-from .explain_bound import attitude_numbers, constraint_rows, rates_title
+from .explain_bound import constraint_rows, rates_title
 from .explain_html_loops import loop_sections
 from .explain_scenes import SceneShown
 from .middle import sympy_bridge
@@ -73,8 +73,8 @@ def _sections(compilation: Compilation) -> list[str]:
     return [
         *_quantities("Coordinates", e.seen),
         *_quantities("Body rates", e.rates[len(e.seen) :]),
-        *_quantities("Attitudes", e.states[: attitude_numbers(compilation)]),
-        *_quantities("States", e.states[attitude_numbers(compilation) :]),
+        *_quantities("Attitudes", e.states[: e.quaternions]),
+        *_quantities("States", e.states[e.quaternions :]),
         *_parameters(e),
         *(motion if e.coordinates else []),
         *_constraints(e),

@@ -277,3 +277,24 @@ def test_the_reference_of_states_is_not_needed():
     assert e.n_states == 7 and len(e.rates) == 9
     assert lower(e, structure).equations.momenta_names[2].name == "p_R.x"
     assert analyze(made.equations).conservative is False
+
+
+def test_a_state_in_the_energy_is_seen_where_the_attitude_is_gone():
+    """The first of the states is a quaternion's number only while there is one."""
+    text = """\
+model leaking
+coord x
+state k
+rotation R
+kinetic x'^2/2 + dot(omega(R), omega(R))/2
+potential k*x^2
+rate k = -k
+start x = 1, k = 1, omega(R) = [1, 0, 0]
+"""
+    use = Use(
+        model=lambda model: (model, ()),
+        needs=lambda _: Needs(frozenset({"x", "omega(R).x"}), frozenset(), frozenset(), True),
+    )
+    made = compile_model(Source("model.lag", text), use=use)
+    assert made.equations.attitudes and not made.equations.quaternions
+    assert not made.structure.conservative

@@ -158,7 +158,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_observed": len(equations.observed),
         "n_conserved": len(equations.conserved),
         "n_quadratures": len(equations.quadratures),
-        "n_rotations": sum(a.state >= 0 for a in equations.attitudes),
+        "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
         "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,

@@ -8,7 +8,6 @@ that is too large they stay symbols, whose values `solved.py` finds at a state.
 from __future__ import annotations
 
 from ..equations import Equations, Indices
-from .attitudes import QUATERNION
 from .combination import combination
 from .differentiate import gradient, partials, reachable
 from .graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
@@ -26,9 +25,9 @@ class Along:
         self.equations = equations
         self.block = {i: block for block in blocks for i in block}
         self.known: dict[int, Node] = {}
+        self.bound: dict[Node, Node] | None = None  # rates that constraints give by the others
         # What Lagrange's equations give the rate of without any acceleration, less its scale, which
         # the graph takes out of powers and products.
-        self.bound: dict[Node, Node] | None = None  # rates that constraints give by the others
         self.leaves: dict[Node, tuple[Node, int | None]] = {}
         known = [*enumerate(equations.momenta), (None, equations.energy)]
         for i, node in known if equations.momenta else []:
@@ -97,7 +96,7 @@ class Along:
             offsets = substituted(g, c.residual, dict.fromkeys(rates, ZERO))
             moved = g.sum(map(g.multiply, offsets, c.multipliers))
         power = g.sum(map(g.multiply, rates, applied))
-        slopes = self.explicit(e.lagrangian, QUATERNION * sum(a.state >= 0 for a in e.attitudes))
+        slopes = self.explicit(e.lagrangian, e.quaternions)
         return g.subtract(g.subtract(power, moved), slopes)
 
     def explicit(self, node: Node, first: int = 0) -> Node:

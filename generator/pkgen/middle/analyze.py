@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from ..equations import Equations, Structure
 from ..functions import FUNCTIONS
 from .analyze_affine import affine
-from .analyze_coupling import blocks_of, influences, mass_band, mass_blocks
+from .analyze_coupling import blocks_of, influences, mass_band, mass_blocks, ties
 from .analyze_mass import definite, singular
 from .differentiate import reachable
 from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
@@ -39,8 +39,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     of_motion = [equations.lagrangian, *applied]
     # What states do to L and the forces changes with time, however that comes about; but those that
     # are an attitude are where the body is.
-    attitude = 4 * len(equations.attitudes)
-    untouched = not seen.occurs(of_motion, STATES, attitude)
+    untouched = not seen.occurs(of_motion, STATES, equations.quaternions)
     steady = not seen.occurs(of_motion, TIME_OR_INPUT)
     kept = [] if bound is None else [*bound.positions, *bound.residual, *equations.applied]
     autonomous = steady and not seen.occurs([*equations.state_rates, *kept], TIME_OR_INPUT)
@@ -74,7 +73,12 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         blocks=blocks_of(influence, coupled),
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
         symmetries=symmetries(equations, coupled, influence)
-        if symmetric and n and untouched and not jumping and not attitude and bound is None
+        if symmetric
+        and n
+        and untouched
+        and not jumping
+        and not equations.attitudes
+        and bound is None
         else None,
     )
 
@@ -134,12 +138,11 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     g = equations.graph
     n = len(equations.coordinates)
     free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
-    free -= _tied(equations)
+    free -= ties(equations).keys()  # whatever force a constraint has
     open_ = {i for i in free if equations.gradient[i] != ZERO}
     acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
     # Of a body rate the "gradient" is all of p'; no coordinate stands for it in L.
-    turning = {a.rate + k for a in equations.attitudes for k in range(3)}
-    acting |= {i for i in open_ & turning if seen.normal(equations.gradient[i]) != {}}
+    acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)
         acting |= {
@@ -148,20 +151,6 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
             if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
         } & open_
     return tuple(i in free and i not in acting for i in range(n))
-
-
-def _tied(equations: Equations) -> set[int]:
-    """The coordinates in constraints, whatever force these have."""
-    c = equations.constraints
-    if c is None:
-        return set()
-    g, found = equations.graph, {j for row in c.rows for j, x in enumerate(row) if x != ZERO}
-    mask = BIT[Kind.COORDINATE] | RATES
-    return found | {
-        g.data[node].index
-        for node in reachable(g, [*c.positions, *c.residual], mask)
-        if g.op[node] is Op.SYMBOL and BIT[g.data[node].kind] & mask
-    }
 
 
 def _smooth(equations: Equations) -> bool:

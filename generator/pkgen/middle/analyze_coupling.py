@@ -38,10 +38,32 @@ def mass_band(equations: Equations) -> int:
 
 
 def influences(equations: Equations, blocks: Indices) -> Indices:
-    """For each coordinate those whose position or rate is in its solved equation of motion.
+    """For each coordinate those whose position or rate is in its solved equation of motion, and
+    those that a constraint ties to it: their inertia has a part in it, seen there or not.
 
     `blocks` are those of M: within one, each acceleration has all forces and entries of M in it.
     """
+    found = _in_motion(equations, blocks)
+    tied = ties(equations)
+    return tuple(tuple(sorted({*row, *tied.get(i, ())})) for i, row in enumerate(found))
+
+
+def ties(equations: Equations) -> dict[int, set[int]]:
+    """By coordinate, those that stand with it in the row or the equation of a constraint."""
+    c, found = equations.constraints, {}
+    if c is None:
+        return found
+    g, mask = equations.graph, BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+    for k, row in enumerate(c.rows):
+        nodes = [*row, c.residual[k], *c.positions[k : k + 1]]
+        below = (g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
+        together = {symbol.index for symbol in below if BIT[symbol.kind] & mask}
+        for i in together:
+            found.setdefault(i, set()).update(together)
+    return found
+
+
+def _in_motion(equations: Equations, blocks: Indices) -> Indices:
     g = equations.graph
     n = len(equations.coordinates)
     of_states = [[node] for node in equations.state_rates]

@@ -16,7 +16,6 @@ from __future__ import annotations
 from ..equations import Attitude, Row
 from .graph import ZERO, Graph, Kind, Node, Symbol
 
-QUATERNION = 4
 # Of Q e_i: which number of Q stands in w, x, y, z, and with which sign.
 _TURNED = (
     ((1, -1), (0, 1), (3, 1), (2, -1)),
@@ -26,11 +25,11 @@ _TURNED = (
 
 
 def numbers(g: Graph, at: Attitude) -> Row:
-    return tuple(g.symbol(Symbol(Kind.STATE, at.state + k)) for k in range(QUATERNION))
+    return tuple(g.symbol(Symbol(Kind.STATE, k)) for k in at.numbers)
 
 
 def rates(g: Graph, at: Attitude) -> Row:
-    return tuple(g.symbol(Symbol(Kind.RATE, at.rate + i)) for i in range(3))
+    return tuple(g.symbol(Symbol(Kind.RATE, i)) for i in at.rates)
 
 
 def turned(g: Graph, quaternion: Row, axis: int) -> Row:
@@ -41,24 +40,21 @@ def turned(g: Graph, quaternion: Row, axis: int) -> Row:
     )
 
 
-def rate_of_quaternion(g: Graph, attitudes: tuple[Attitude, ...], state: int) -> Node:
-    """The rate of a state that is a number of a quaternion."""
-    (at,) = (a for a in attitudes if a.state <= state < a.state + QUATERNION)
+def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
+    """The rate of a state that is one of its numbers."""
     quaternion, w = numbers(g, at), rates(g, at)
-    k = state - at.state
+    k = at.numbers.index(state)
     return g.sum(g.multiply(w[i], turned(g, quaternion, i)[k]) for i in range(3))
 
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
     """X_i f of a function whose derivatives are given, by the number of its rate."""
-    found = {at.rate + i: ZERO for at in attitudes for i in range(3)}
+    found = {}
     for at in attitudes:
-        if at.state < 0:
-            continue
         quaternion = numbers(g, at)
-        for i in range(3):
-            along = zip(quaternion, turned(g, quaternion, i), strict=True)
-            found[at.rate + i] = g.sum(g.multiply(by.get(q, ZERO), to) for q, to in along)
+        for i, rate in enumerate(at.rates):
+            along = zip(quaternion, turned(g, quaternion, i) if quaternion else (), strict=True)
+            found[rate] = g.sum(g.multiply(by.get(q, ZERO), to) for q, to in along)
     return found
 
 
@@ -66,7 +62,7 @@ def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[
     """p x w."""
     found = {}
     for at in attitudes:
-        w, p = rates(g, at), momenta[at.rate : at.rate + 3]
+        w, p = rates(g, at), [momenta[i] for i in at.rates]
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             found[at.rate + i] = g.subtract(g.multiply(p[j], w[k]), g.multiply(p[k], w[j]))
     return found

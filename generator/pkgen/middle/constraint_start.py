@@ -16,7 +16,7 @@ from .differentiate import gradient
 from .evaluate import evaluate
 from .graph import BIT, Graph, Kind, Node, Symbol
 from .guards import summands
-from .samples import defaults
+from .samples import started
 
 ALLOWED = 1e-9  # of the largest term: starts are written with as many digits as their author has
 DEPENDENT = 1e-9  # what is left of a row without its parts along others, beside the row
@@ -29,7 +29,7 @@ def wrong_starts(
     `starts` are of coordinates, their rates, and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return []
-    values = _start(g, parameters, starts)
+    values = started(g, parameters, starts)
     rows = [_row(g, node, values) for node in c.residual]
     broken = [
         _broken(c, k, *found)
@@ -50,19 +50,6 @@ def wrong_starts(
     message = f"the {_kind(c, k)} '{_name(c, k)}' follows from {names} at the start: redundant"
     help = "leave it out: of forces that do the same, none is determined"
     return [Diagnostic(message, c.spans[k], help)]
-
-
-def _start(
-    g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
-) -> dict[Symbol, float]:
-    values = defaults(g, parameters)
-    kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
-    found = {
-        Symbol(kind, i): x
-        for kind, row in zip(kinds, starts, strict=True)
-        for i, x in enumerate(evaluate(g, row, values))
-    }
-    return values | found | {Symbol(Kind.TIME): 0.0}
 
 
 def _residual(

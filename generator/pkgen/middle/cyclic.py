@@ -12,7 +12,6 @@ from .reduction import Needs, State, cost
 from .report import Line
 from .routh import NotReduced, Reduced, routh
 from .smaller import symbols_in
-from .states import TURNS
 
 # Operations that a method itself takes for each number of the state at an evaluation: from some 7
 # (rk4) to 16 (gauss).
@@ -23,8 +22,8 @@ def cyclic(state: State, needs: Needs) -> State:
     """Cyclic coordinates replaced by their constant momenta (routh.py)."""
     e, lines = state.equations, []
     # A momentum of a body frame may be constant, but there is no angle with it.
-    turning = {a.rate + i for a in e.attitudes for i in range(TURNS)}
-    found = [i for i, is_it in enumerate(state.structure.cyclic) if is_it and i not in turning]
+    cyclic = enumerate(state.structure.cyclic)
+    found = [i for i, is_cyclic in cyclic if is_cyclic and i not in e.turning]
     if not found:
         return state
     if not state.structure.quadratic:

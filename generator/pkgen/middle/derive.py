@@ -29,7 +29,6 @@ from .quantities import (
     indexed,
     input_quantities,
     quantities,
-    rates_and_momenta,
 )
 from .solve import SingularMass
 from .substitute import substituted
@@ -107,8 +106,8 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         graph=x.graph,
         parameters=parameters,
         coordinates=coordinates,
-        rates=rates_and_momenta(declared, names)[0],
-        momenta_names=rates_and_momenta(declared, names)[1],
+        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
+        momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
         inputs=inputs,
         observed_names=outputs.observed_names,
         conserved_names=outputs.conserved_names,

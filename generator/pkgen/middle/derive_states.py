@@ -4,10 +4,9 @@ before any equation of motion is, and the rates of other states."""
 from __future__ import annotations
 
 from ..source import Span
-from .attitudes import QUATERNION, rate_of_quaternion
 from .differentiate import gradient
 from .expand import Expander
-from .graph import BIT, ZERO, Graph, Kind, Node
+from .graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from .motion import STATE, Energies, Motion
 from .quantities import error, indexed, symbols
 from .solve import solve
@@ -26,8 +25,9 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
     define_built_in(x, energies, energy, momenta)
     rates: list[Node] = [ZERO] * x.state_count
     places: list[Span] = [x.model.span] * x.state_count
-    for k in range(QUATERNION * len(x.attitudes)):
-        rates[k] = rate_of_quaternion(g, x.attitudes, k)
+    for attitude in x.attitudes:
+        for k in attitude.numbers:
+            rates[k] = x.derivative(g.symbol(Symbol(Kind.STATE, k)))
     for item in x.model.rates:
         family = x.states[item.name]
         with x.statement(item.span):

@@ -52,6 +52,7 @@ class Expander:
             Attitude(self.coordinates[r.turns[0]].first, self.states[r.quaternion[0]].first)
             for r in model.rotations
         )
+        self._attitude_of = {k: a for a in self.attitudes for k in a.numbers}
         self._body_rates = {
             rate: self.coordinates[turn].first
             for r in model.rotations
@@ -191,8 +192,9 @@ class Expander:
             return self.graph.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.INPUT:
             return self.next_input(symbol)
-        if symbol.kind is Kind.STATE and symbol.index < 4 * len(self.attitudes):
-            return rate_of_quaternion(self.graph, self.attitudes, symbol.index)
+        if symbol.kind is Kind.STATE and symbol.index in self._attitude_of:
+            attitude = self._attitude_of[symbol.index]
+            return rate_of_quaternion(self.graph, attitude, symbol.index)
         if symbol.kind is Kind.STATE and symbol.index < self.state_count:
             return rate_of_state(self.graph, symbol.index, self.state_count)
         raise Acceleration

@@ -14,7 +14,7 @@ from ..equations import Claim, Equations, Indices
 from ..model import Model
 from ..source import Diagnostic, ModelError
 from .along import Along
-from .attitudes import QUATERNION, on_sphere
+from .attitudes import on_sphere
 from .balls import Balls
 from .differentiate import reachable
 from .evaluate import evaluate
@@ -55,7 +55,7 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     terms = along.terms(node)
     obstacle = "L jumps at a step" if jumping else _jumps(along, exact.ranges, node)
     proof = "" if obstacle else vanishes(g, exact, terms)
-    attitudes = tuple(a for a in along.equations.attitudes if a.state >= 0)
+    attitudes = tuple(a for a in along.equations.attitudes if a.numbers)
     if not proof and attitudes:
         # Elsewhere than at length 1 there is no attitude: neither a proof nor its opposite.
         terms = substituted(g, terms, on_sphere(g, attitudes))
@@ -115,7 +115,8 @@ def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> 
     """Of a claim on holonomic constraints, which at other states would have to be solved for."""
     e = along.equations
     try:
-        rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], started(e))
+        start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
+        rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], start)
     except KeyError:  # an input, or an acceleration that is not solved for
         return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
     size = sum(map(abs, parts))
@@ -179,11 +180,11 @@ class _Tried:
     def _named(self, sample: Sample) -> Iterable[str]:
         name = names(self.along.equations)
         chosen = dict(sample.chosen)
-        for at in self.along.equations.attitudes:
-            w, *vector = (Symbol(Kind.STATE, at.state + k) for k in range(QUATERNION))
-            a = [chosen.get(symbol, 0) for symbol in vector]
-            if at.state < 0 or not chosen.keys() & set(vector):
+        for at in (a for a in self.along.equations.attitudes if a.numbers):
+            w, *vector = (Symbol(Kind.STATE, k) for k in at.numbers)
+            if not chosen.keys() & set(vector):
                 continue
+            a = [chosen.get(symbol, 0) for symbol in vector]
             below = 1 + sum(x * x for x in a)
             chosen |= {s: 2 * x / below for s, x in zip(vector, a, strict=True)}
             chosen[w] = 2 / below - 1

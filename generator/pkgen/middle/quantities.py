@@ -66,13 +66,6 @@ def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
     return integer(range_.lo, known), integer(range_.hi, known)
 
 
-def rates_and_momenta(
-    declarations: tuple[Coordinate, ...], found: dict[str, Family]
-) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
-    rates = quantities(declarations, found, "{}'", "rate_unit", "rate")
-    return rates, quantities(declarations, found, "p_{}", "momentum_unit", "momentum")
-
-
 def quantities(
     declarations: tuple[Coordinate | State, ...],
     found: dict[str, Family],

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from ..equations import Equations, Structure
 from .analyze import analyze
 from .apart import Part, parts_of
-from .attitudes import QUATERNION
 from .cyclic import cyclic
 from .graph import BIT, ZERO, Kind
 from .lagrange import derived_again
@@ -22,7 +21,6 @@ from .quantities import symbols
 from .reduction import Needs, State, cost
 from .report import Line, Report
 from .smaller import smaller, symbols_in
-from .states import TURNS
 
 APART = "apart"  # the reduction that makes parts
 # Of a whole whose parts are integrated apart: what is computed from its state.
@@ -157,7 +155,7 @@ def unconnected(state: State, needs: Needs) -> State:
     while waiting:
         i = waiting.pop()
         mates = next(block for block in facts.mass_blocks if i in block)
-        new = {*facts.influences[i], *mates, *_in_one_row(e, i)} - kept
+        new = {*facts.influences[i], *mates} - kept
         kept |= new
         waiting += new
         if not waiting:
@@ -171,8 +169,7 @@ def unconnected(state: State, needs: Needs) -> State:
     x = symbols(g, Kind.STATE, len(e.states))
     swap = {q[i]: e.start_q[i] for i in gone if i < n} | {v[i]: ZERO for i in gone if i < n}
     swap |= {x[i - n]: e.state_start[i - n] for i in gone if i >= n}
-    turns = {a.rate + i for a in e.attitudes for i in range(TURNS)}
-    names = [(e.rates if i in turns else (*e.coordinates, *e.states))[i].name for i in gone]
+    names = [(*e.moving, *(q.name for q in e.states))[i] for i in gone]
     left = [i for i in sorted(kept) if i < n]
     states = [i - n for i in sorted(kept) if i >= n]
     parts = (e.kinetic, e.potential)
@@ -197,24 +194,15 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
     return found | {s.index + (n if s.kind is Kind.STATE else 0) for s in used}
 
 
-def _in_one_row(e: Equations, i: int) -> set[int]:
-    """What a constraint ties to a coordinate: its inertia has a part in the motion, whether or not
-    the acceleration still shows that."""
-    rows = e.constraints.rows if e.constraints is not None else ()
-    tied = (row for row in rows if i < len(row) and row[i] != ZERO)
-    return {j for row in tied for j, entry in enumerate(row) if entry != ZERO}
-
-
 def _bodies(e: Equations, kept: set[int]) -> set[int]:
     """Of rotations of which something is kept, the rest; but where nothing has to do with any
     attitude at all, nor with constraints, the body rates alone."""
     n, found = len(e.coordinates), set()
-    quaternions = {a.state: set(range(n + a.state, n + a.state + QUATERNION)) for a in e.attitudes}
-    turned = e.constraints is not None or any(x & kept for x in quaternions.values())
-    for a in e.attitudes:
-        rates = set(range(a.rate, a.rate + TURNS))
-        if (rates | quaternions[a.state]) & kept:
-            found |= rates | (quaternions[a.state] if turned else set())
+    numbers = [{n + k for k in a.numbers} for a in e.attitudes]
+    turned = e.constraints is not None or any(mine & kept for mine in numbers)
+    for a, mine in zip(e.attitudes, numbers, strict=True):
+        if ({*a.rates} | mine) & kept:
+            found |= {*a.rates} | (mine if turned else set())
     return found
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ..equations import Equations, ParameterSlot
+from ..equations import Equations, ParameterSlot, Row
 from .balls import Ball, Balls
 from .differentiate import reachable
 from .evaluate import evaluate
@@ -79,14 +79,17 @@ def defaults(g: Graph, parameters: tuple[ParameterSlot, ...]) -> dict[Symbol, fl
     return fixed
 
 
-def started(e: Equations) -> dict[Symbol, float]:
-    """The model's own start, with parameters at their defaults and t = 0."""
-    values = defaults(e.graph, e.parameters)
-    starts = {Kind.COORDINATE: e.start_q, Kind.RATE: e.start_v, Kind.STATE: e.state_start}
+def started(
+    g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
+) -> dict[Symbol, float]:
+    """The model's own start, of coordinates, their rates, and states, with parameters at their
+    defaults and t = 0."""
+    values = defaults(g, parameters)
+    kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
     found = {
         Symbol(kind, i): x
-        for kind, row in starts.items()
-        for i, x in enumerate(evaluate(e.graph, row, values))
+        for kind, row in zip(kinds, starts, strict=True)
+        for i, x in enumerate(evaluate(g, row, values))
     }
     return values | found | {Symbol(Kind.TIME): 0.0}
 

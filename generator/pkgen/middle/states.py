@@ -24,7 +24,6 @@ from .solve import solve
 from .substitute import substituted
 
 STATES = BIT[Kind.STATE]
-TURNS = 3  # coordinates that nobody sees, of a rotation
 
 
 class Circular(Exception):
@@ -141,7 +140,7 @@ def as_rates(
         states=(),
         state_rates=(),
         state_start=(),
-        n_states=count + TURNS * len(e.attitudes),
+        n_states=count + len(e.turning),
     )
     return whole, _facts(structure, count, solved)
 
@@ -185,7 +184,7 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
 
 def _unbound(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
     """p and pdot without the forces of constraints, where there are rotations or constraints."""
-    if not any(a.state >= 0 for a in e.attitudes) and e.constraints is None:
+    if not e.quaternions and e.constraints is None:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
     n, count = len(e.coordinates), len(rates)
