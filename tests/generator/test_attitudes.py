@@ -14,8 +14,9 @@ import pytest
 import sympy as sp
 from c_harness import COMPILERS, Loaded
 from pkgen.back.lower import lower
-from pkgen.compiler import compile_model
+from pkgen.compiler import Use, compile_model
 from pkgen.middle.analyze import analyze
+from pkgen.middle.reduction import Needs
 from pkgen.middle.states import as_rates
 from pkgen.source import Source
 
@@ -291,10 +292,7 @@ potential k*x^2
 rate k = -k
 start x = 1, k = 1, omega(R) = [1, 0, 0]
 """
-    use = Use(
-        model=lambda model: (model, ()),
-        needs=lambda _: Needs(frozenset({"x", "omega(R).x"}), frozenset(), frozenset(), True),
-    )
+    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset({"x", "omega(R).x"})))
     made = compile_model(Source("model.lag", text), use=use)
     assert made.equations.attitudes and not made.equations.quaternions
     assert not made.structure.conservative
