@@ -86,3 +86,11 @@ def table(text: str) -> tuple[list[str], list[list[float]]]:
 @pytest.fixture
 def write(tmp_path: Path) -> Callable[[str], Path]:
     return lambda text: written(tmp_path, text)
+
+
+def rows(pkgen, *arguments: object) -> list[dict[str, float]]:
+    """What a run prints, a row by the names of its columns."""
+    done = pkgen("run", *arguments)
+    assert done.returncode == 0, done.stderr
+    names, numbers = table(done.stdout)
+    return [dict(zip(names, row, strict=True)) for row in numbers]

@@ -194,6 +194,7 @@ class Equations:
     # M before M a = f was solved, where `mass` is the unit matrix; and wherever `unbound` is there.
     inertia: Matrix | None = None
     unbound: tuple[Row, Row] | None = None  # in C: p and pdot without the forces of constraints
+    terms: tuple[Row, Row] | None = None  # in C: sizes of the terms of phi and of J v + j0
     particles: Particles | None = None  # None: not asked for
 
     @property

@@ -50,11 +50,11 @@ static pk_real norm_error(const struct pk_projection *w, const pk_real *v, size_
     return pk_abs(norm2 - 1) / (1 + PK_F(sqrt)(norm2));
 }
 
-static void largest(const struct pk_projection *w, const pk_real *residual, size_t rows,
-                    pk_real *most, pk_real *relative, size_t *row)
+static void largest(const pk_real *residual, const pk_real *terms, size_t rows, pk_real *most,
+                    pk_real *relative, size_t *row)
 {
     for (size_t i = 0; i < rows; i++) {
-        const pk_real x = pk_abs(residual[i]), ratio = x > 0 ? x / (w->size[i] + PK_TINY) : 0;
+        const pk_real x = pk_abs(residual[i]), ratio = x > 0 ? x / (terms[i] + PK_TINY) : 0;
         *most = pk_max(*most, x);
         if (ratio > *relative)
             *relative = ratio, *row = i;
@@ -76,10 +76,9 @@ enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real
     if (!w.c)
         return pk_finite(found->norm) ? PK_DONE : PK_NOT_FINITE;
     pk_project_rows(&w, q, v);
-    pk_project_sizes(&w, 0, q, v);
-    largest(&w, w.phi, w.h, &found->position, &found->position_relative, &found->position_row);
-    pk_project_sizes(&w, 1, q, v);
-    largest(&w, w.rate, w.c, &found->rate, &found->rate_relative, &found->rate_row);
+    pk_project_terms(&w, q, v);
+    largest(w.phi, w.phi_size, w.h, &found->position, &found->position_relative, &found->position_row);
+    largest(w.rate, w.rate_size, w.c, &found->rate, &found->rate_relative, &found->rate_row);
     return pk_all_finite(w.phi, w.h) && pk_all_finite(w.rate, w.c) && pk_finite(found->norm)
                ? PK_DONE
                : PK_NOT_FINITE;
@@ -109,9 +108,9 @@ static void start_sizes(struct pk_projection *w, const pk_real *diagonal, const 
         most = pk_max(most, PK_F(sqrt)(diagonal[k]) * size);
     }
     for (size_t i = 0; i < w->c; i++) {
-        w->size[i] = 0;
+        w->rate_size[i] = 0;
         for (size_t k = 0; k < w->m; k++)
-            w->size[i] += pk_abs(w->J[i * w->n + k]) * most / PK_F(sqrt)(diagonal[k]);
+            w->rate_size[i] += pk_abs(w->J[i * w->n + k]) * most / PK_F(sqrt)(diagonal[k]);
     }
 }
 
@@ -119,7 +118,7 @@ static void start_sizes(struct pk_projection *w, const pk_real *diagonal, const 
 static size_t broken(const struct pk_projection *w, const pk_real *residual, size_t rows)
 {
     for (size_t i = 0; i < rows; i++)
-        if (!(pk_abs(residual[i]) <= BROKEN * w->size[i] + NEGLIGIBLE))
+        if (!(pk_abs(residual[i]) <= BROKEN * w->rate_size[i] + NEGLIGIBLE))
             return i;
     return rows;
 }

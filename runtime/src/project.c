@@ -17,16 +17,16 @@
 #include "attitude.h"
 #include "project.h"
 
-#define ROUND (PK_C(4.0) * PK_EPS)        /* of its terms: as good as zero */
-#define STALLED (PK_C(16384.0) * PK_EPS)  /* and what no longer shrinks below this is rounding */
-enum { MOST = 20, SETTLED = 4 }; /* corrections; behind so many, one that is lost is rounding */
+#define ROUND (PK_C(4.0) * PK_EPS)      /* of its terms: as good as zero */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
+enum { MOST = 20 };                     /* corrections */
 
 size_t pk_project_size(const struct pk_system *system, size_t n)
 {
     const size_t c = system->n_constraints;
     if (!c)
         return system->n_rotations ? 2 * n : 0;
-    return n * n + 2 * c * n + c * c + 4 * c + 2 * n + c + 1;
+    return n * n + 2 * c * n + c * c + 5 * c + 2 * n + c + 1;
 }
 
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *x)
@@ -47,7 +47,8 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
     w.A = x, x += c * c;
     w.phi = x, x += c;
     w.rate = x, x += c;
-    w.size = x, x += c;
+    w.phi_size = x, x += c;
+    w.rate_size = x, x += c;
     w.mu = x, x += c;
     w.depends = x;
     return w;
@@ -68,19 +69,9 @@ void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v
         w->system->constraint(w->params, w->t, q, v, w->u, w->phi);
 }
 
-void pk_project_sizes(struct pk_projection *w, int of_rates, const pk_real *q, const pk_real *v)
+void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    for (size_t i = 0; i < (of_rates ? w->c : w->h); i++) {
-        const pk_real *row = w->J + i * w->n;
-        pk_real sum = 0, known = of_rates ? w->rate[i] : 0;
-        for (size_t k = 0; k < w->m; k++) {
-            if (of_rates)
-                sum += pk_abs(row[k] * v[k]), known -= row[k] * v[k];
-            else
-                sum += pk_abs(k < w->rotation ? row[k] * q[k] : row[k]);
-        }
-        w->size[i] = sum + pk_abs(known); /* j0, where it is of rates */
-    }
+    w->system->terms(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
 }
 
 size_t pk_project_factor(struct pk_projection *w, size_t rows)
@@ -141,9 +132,8 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
     return PK_NO_PROJECTION;
 }
 
-/* The worst residual of `rows`, in units of what its terms are rounded by, and of which it is. */
-static pk_real worst(const struct pk_projection *w, const pk_real *residual, size_t rows,
-                     size_t *which)
+/* The worst residual of `rows` beside its terms, and of which row it is. */
+static pk_real worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which)
 {
     pk_real most = 0;
     *which = 0;
@@ -151,33 +141,17 @@ static pk_real worst(const struct pk_projection *w, const pk_real *residual, siz
         const pk_real x = pk_abs(residual[i]);
         if (!(x > 0) && pk_finite(x))
             continue;
-        const pk_real ratio = x / (w->size[i] + PK_TINY);
+        const pk_real ratio = x / (terms[i] + PK_TINY);
         if (!(ratio <= most)) /* what is no number too */
             most = ratio, *which = i;
     }
     return most;
 }
 
-/* Whether the last correction is lost beside the state x, in the metric of M: where terms cancel
- * that are larger than J x tells, as those of cos x - 1, they are rounded like that. Its length is
- * d.M d = mu.residual. */
-static int is_lost(const struct pk_projection *w, const pk_real *x, pk_real length2)
-{
-    pk_real most = PK_TINY;
-    for (size_t k = 0; k < w->m; k++) {
-        const pk_real size = k < w->rotation ? pk_abs(x[k]) : pk_max(pk_abs(x[k]), 1);
-        most = pk_max(most, pk_ldl_diagonal(w->M, w->m, k) * size * size);
-    }
-    return length2 <= STALLED * STALLED * most;
-}
-
 /* Whether an iteration is done: 1, or has failed: -1. */
-static int judged(pk_real ratio, pk_real before, int count, int lost)
+static int judged(pk_real ratio, pk_real before, int count)
 {
-    if (ratio <= ROUND || (count && ratio >= before / 2 && (ratio <= STALLED || lost)))
-        return 1;
-    /* A rate that a row hardly has, beside a fast spin, is left out by its rounding again and again. */
-    if (count >= SETTLED && lost)
+    if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
         return 1;
     return !pk_finite(ratio) || count == MOST ? -1 : 0;
 }
@@ -190,8 +164,7 @@ static enum pk_status failed(struct pk_integrator *it, size_t where, pk_real res
 }
 
 /* d = M^-1 J^T mu of the first rows, with mu from the residuals. */
-static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows,
-                         pk_real *length2)
+static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows)
 {
     const size_t singular = pk_project_factor(w, rows);
     if (singular)
@@ -199,12 +172,9 @@ static size_t correction(struct pk_projection *w, const pk_real *residual, size_
     memcpy(w->mu, residual, rows * sizeof *w->mu);
     pk_ldl_solve(w->A, rows, w->mu);
     memset(w->d, 0, w->m * sizeof *w->d);
-    *length2 = 0;
-    for (size_t i = 0; i < rows; i++) {
-        *length2 += w->mu[i] * residual[i];
+    for (size_t i = 0; i < rows; i++)
         for (size_t k = 0; k < w->m; k++)
             w->d[k] += w->W[i * w->m + k] * w->mu[i];
-    }
     return 0;
 }
 
@@ -232,17 +202,16 @@ static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
 static enum pk_status positions(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                                 pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
 {
-    pk_real before = 0, length2 = 0;
+    pk_real before = 0;
     for (int count = 0; count <= MOST; count++) {
         size_t which;
         pk_project_rows(w, q, v);
-        pk_project_sizes(w, 0, q, v);
-        const pk_real ratio = worst(w, w->phi, w->h, &which);
-        const int done = judged(ratio, before, count, count && is_lost(w, q, length2));
+        const pk_real ratio = worst(w->phi, w->phi_size, w->h, &which);
+        const int done = judged(ratio, before, count);
         w->depends[0] = 0;
         if (done)
             return done > 0 ? PK_DONE : failed(it, which, w->phi[which]);
-        const size_t singular = correction(w, w->phi, w->h, &length2);
+        const size_t singular = correction(w, w->phi, w->h);
         if (singular)
             return failed(it, singular - 1, w->phi[singular - 1]);
         subtract(q, w->d, low_q, w->rotation);
@@ -257,18 +226,17 @@ static enum pk_status positions(struct pk_integrator *it, struct pk_projection *
 static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
                             pk_real *v, pk_real *low_v, int *moved)
 {
-    pk_real before = 0, length2 = 0;
+    pk_real before = 0;
     for (int count = 0; count <= MOST; count++) {
         size_t which;
         if (count)
             w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
-        pk_project_sizes(w, 1, q, v);
-        const pk_real ratio = worst(w, w->rate, w->c, &which);
-        const int done = judged(ratio, before, count, count && is_lost(w, v, length2));
+        const pk_real ratio = worst(w->rate, w->rate_size, w->c, &which);
+        const int done = judged(ratio, before, count);
         w->depends[0] = 0;
         if (done)
             return done > 0 ? PK_DONE : failed(it, w->c + which, w->rate[which]);
-        const size_t singular = correction(w, w->rate, w->c, &length2);
+        const size_t singular = correction(w, w->rate, w->c);
         if (singular)
             return failed(it, w->c + singular - 1, w->rate[singular - 1]);
         subtract(v, w->d, low_v, w->m);
@@ -296,6 +264,7 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     const size_t singular = pk_project_inertia(&w, q, v);
     if (singular)
         return pk_eval_failed(it, t, q, v, (int)singular);
+    pk_project_terms(&w, q, v);
     const enum pk_status status = positions(it, &w, q, v, low_q, low_v, moved);
     return status < 0 ? status : rates(it, &w, q, v, low_v, moved);
 }

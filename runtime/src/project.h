@@ -17,7 +17,8 @@ struct pk_projection {
     pk_real *M;                  /* m by m, factored */
     pk_real *J, *W, *A;          /* J; M^-1 of each row of it; J M^-1 J^T, factored */
     pk_real *phi, *rate;         /* residuals of position and of the rates */
-    pk_real *size;               /* of the terms that a residual is made of */
+    pk_real *phi_size;           /* of the terms that a residual is made of */
+    pk_real *rate_size;
     pk_real *mu, *d;             /* multipliers; a correction of n */
     pk_real *depends;            /* 1 + the row that depends on earlier ones, or 0; by how much */
 };
@@ -31,11 +32,11 @@ static inline int pk_rolls(const struct pk_system *system)
 /* pk_real of room for a system of n degrees of freedom; 0 where there is nothing to project. */
 size_t pk_project_size(const struct pk_system *system, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
-/* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and what
- * rounding is to be measured by: of positions, of rates. */
+/* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and
+ * the sizes of their terms, which rounding is to be measured by. */
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
-void pk_project_sizes(struct pk_projection *w, int of_rates, const pk_real *q, const pk_real *v);
+void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
 /* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. */
 size_t pk_project_factor(struct pk_projection *w, size_t rows);
 

@@ -1,13 +1,11 @@
-"""`rotation`, `constraint` and `rolling` at the command line: rows, options, reductions."""
+"""`rotation` at the command line: rows, options, members, reductions, what is refused."""
 
 from __future__ import annotations
 
-import json
 import math
-import re
 
 import pytest
-from conftest import ROOT, table, written
+from conftest import rows, written
 
 THROWN = """\
 model thrown
@@ -53,41 +51,6 @@ scene landing
   expect z = 0.5 within 1e-9 at down
 end
 """
-ROD = """\
-model rod
-param l = 1 in (0, inf)
-param g = 9.81
-coord x, y
-kinetic (x'^2 + y'^2)/2
-potential g*y
-constraint rod: x^2 + y^2 = l^2
-observe pull = -2*l*lambda_rod
-start x = l*sin(2), y = -l*cos(2)
-
-scene swing
-  until 3
-  accuracy 1e-10
-  record x, y, lambda_rod every 0.5
-  expect x^2 + y^2 = l^2 within 1e-14
-  expect x*x' + y*y' = 0 within 1e-14
-  expect drift(energy) < 1e-8
-end
-scene many
-  swarm k = 1..7
-  start x = l*sin(k/3), y = -l*cos(k/3)
-  until 2
-  method dop853 rtol 1e-9
-  record x, y every 0.5
-  expect x^2 + y^2 = l^2 within 1e-14
-end
-"""
-
-
-def rows(pkgen, tmp_path, *arguments) -> list[dict[str, float]]:
-    done = pkgen("run", *arguments)
-    assert done.returncode == 0, done.stderr
-    names, numbers = table(done.stdout)
-    return [dict(zip(names, row, strict=True)) for row in numbers]
 
 
 def test_rows_are_in_the_order_of_the_model(pkgen, tmp_path):
@@ -103,8 +66,8 @@ def test_rows_are_in_the_order_of_the_model(pkgen, tmp_path):
 @pytest.mark.parametrize(("scene", "gone"), [("rates", "R.w"), ("flight", "omega(R).x")])
 def test_a_reduced_motion_is_the_whole(pkgen, tmp_path, scene, gone):
     path = written(tmp_path, THROWN)
-    reduced = rows(pkgen, tmp_path, path, "--scene", scene)
-    whole = rows(pkgen, tmp_path, path, "--scene", scene, "--no-reduce")
+    reduced = rows(pkgen, path, "--scene", scene)
+    whole = rows(pkgen, path, "--scene", scene, "--no-reduce")
     assert len(reduced) == len(whole) > 4
     for mine, theirs in zip(reduced, whole, strict=True):
         assert mine.keys() == theirs.keys()
@@ -118,23 +81,22 @@ def test_a_reduced_motion_is_the_whole(pkgen, tmp_path, scene, gone):
 
 def test_a_motion_of_an_attitude_is_the_whole(pkgen, tmp_path):
     path = written(tmp_path, THROWN)
-    mine = rows(pkgen, tmp_path, path, "--scene", "attitude")
-    theirs = rows(pkgen, tmp_path, path, "--scene", "attitude", "--no-reduce")
+    mine = rows(pkgen, path, "--scene", "attitude")
+    theirs = rows(pkgen, path, "--scene", "attitude", "--no-reduce")
     for a, b in zip(mine, theirs, strict=True):
         assert a == pytest.approx(b, abs=1e-7)
     assert mine[-1]["p_R.y"] == pytest.approx(
-        2 * rows(pkgen, tmp_path, path, "--scene", "rates")[-1]["omega(R).y"], abs=1e-8
+        2 * rows(pkgen, path, "--scene", "rates")[-1]["omega(R).y"], abs=1e-8
     )
 
 
 def test_members_are_single_runs(pkgen, tmp_path):
     path = written(tmp_path, THROWN)
-    several = rows(pkgen, tmp_path, path, "--scene", "many")
+    several = rows(pkgen, path, "--scene", "many")
     assert len(several) == 9 * 4
     k = 7
     single = rows(
         pkgen,
-        tmp_path,
         path,
         *("--method", "rk4", "--step", "0.01", "--until", "3", "--every", "1"),
         *("--start", "omega(R).x=0", "--start", f"omega(R).y={k / 5}"),
@@ -150,49 +112,9 @@ def test_members_are_single_runs(pkgen, tmp_path):
 
 
 def test_an_event_is_met_by_a_step_on_the_group(pkgen, tmp_path):
-    (row,) = rows(pkgen, tmp_path, written(tmp_path, THROWN), "--scene", "landing")
+    (row,) = rows(pkgen, written(tmp_path, THROWN), "--scene", "landing")
     assert row["t"] == pytest.approx(2 + math.sqrt(3), abs=1e-9)
     assert sum(row[f"R.{c}"] ** 2 for c in "wxyz") == pytest.approx(1, abs=1e-15)
-
-
-def test_a_rod_keeps_its_length(pkgen, tmp_path):
-    path = written(tmp_path, ROD)
-    done = pkgen("run", path, "--scene", "swing", "--json")
-    assert done.returncode == 0, done.stderr
-    assert [x["met"] for x in json.loads(done.stdout)["expects"]] == [True] * 3
-    assert pkgen("run", path, "--scene", "many").returncode == 0
-
-
-def test_a_rod_is_a_pendulum(pkgen, tmp_path):
-    """Against the angle, by its own model and another method."""
-    pendulum = written(
-        tmp_path,
-        "model swung\nparam l = 1\ncoord a\nkinetic l^2*a'^2/2\npotential -9.81*l*cos(a)\n"
-        "start a = 2\n",
-    )
-    common = ("--until", "4", "--every", "0.5")
-    mine = rows(pkgen, tmp_path, written(tmp_path, ROD), *common, "--method", "gauss")
-    theirs = rows(pkgen, tmp_path, pendulum, *common, "--method", "dop853", "--rtol", "1e-12")
-    for a, b in zip(mine, theirs, strict=True):
-        assert a["x"] == pytest.approx(math.sin(b["a"]), abs=1e-7)
-        pull = b["a'"] ** 2 + 9.81 * math.cos(b["a"])
-        assert a["pull"] == pytest.approx(pull, abs=1e-5)
-    assert max(abs(row["x"]) for row in mine) > 0.9
-
-
-WRONG = [
-    (ROD, ("--set", "l=1.1", "--start", "x=0.9"), "rod"),
-    (ROD, ("--start", "x'=1"), "rod"),
-    (THROWN, ("--start", "R.w=2"), "R"),
-]
-
-
-@pytest.mark.parametrize(("text", "options", "named"), WRONG)
-def test_a_start_off_the_constraints_is_refused(pkgen, tmp_path, text, options, named):
-    done = pkgen("run", written(tmp_path, text), "--until", "1", *options)
-    assert done.returncode == 4
-    assert named in done.stderr and "Traceback" not in done.stderr
-    assert len(done.stdout.splitlines()) <= 2  # no rows of a motion that there is not
 
 
 def test_numbers_of_a_rotation_are_started_one_by_one(pkgen, tmp_path):
@@ -206,160 +128,10 @@ def test_numbers_of_a_rotation_are_started_one_by_one(pkgen, tmp_path):
         assert f"--start {left}: one number an option, of {numbers}\n" in done.stderr
 
 
-def test_what_a_method_needs_is_said(pkgen, tmp_path):
-    free = written(tmp_path, "model spring\ncoord x\nkinetic x'^2/2\npotential x^2/2\n")
-    sleigh = written(
-        tmp_path,
-        "model sleigh\ncoord x, y, a\nkinetic (x'^2 + y'^2 + a'^2)/2\n"
-        "rolling blade: x'*sin(a) - y'*cos(a) = 0\nstart x' = 1, a' = 1\n",
-    )
-    for path, method, said in (
-        (sleigh, "rattle", "rolling"),
-        (sleigh, "verlet", "separable"),
-    ):
-        done = pkgen("run", path, "--method", method, "--step", "0.01", "--until", "1")
-        assert done.returncode in (2, 4) and said in done.stderr, done.stderr
-    done = pkgen("stability", sleigh)
-    assert done.returncode == 2 and "the model has constraints (blade)" in done.stderr
-    done = pkgen("stability", written(tmp_path, THROWN))
-    assert done.returncode == 2 and "the model has rotations (R)" in done.stderr
-    # What is free is taken by the methods of groups and of constraints as it is.
-    for method in ("rattle", "rkmk4", "lie_midpoint"):
-        done = pkgen("run", free, "--method", method, "--step", "0.01", "--until", "1")
-        assert done.returncode == 0, done.stderr
-
-
-def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_path):
-    """A point on a plane that is lowered onto the top of a sphere: there both say the same."""
-    path = written(
-        tmp_path,
-        "model pinched\ncoord x, y, z\nkinetic (x'^2 + y'^2 + z'^2)/2\n"
-        "constraint sphere: x^2 + y^2 + z^2 = 1\nconstraint plane: z = t\n"
-        "start x = 1, z' = 1, y' = 0.5\n",
-    )
-    for method in ("gauss", "dop853", "rk4", "rattle"):
-        options = () if method in ("gauss", "dop853") else ("--step", "0.001")
-        done = pkgen("run", path, "--until", "3", "--method", method, *options)
-        assert done.returncode == 4, method
-        valid = re.search(r"last valid time ([0-9.]+)", done.stderr)
-        assert 0.9 < float(valid[1]) <= 1.001, done.stderr
-        if method in ("gauss", "rk4"):
-            assert (
-                "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
-            )
-
-
-CHAIN = """\
-model chain
-size N = 9
-param l = 1 in (0, inf)
-coord x[1..N], y[1..N]
-fixed x[0] = 0
-fixed y[0] = 0
-kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)
-potential sum(9.81*y[i], i = 1..N)
-constraint link[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
-start x[i = 1..N] = i*l*cos(0.3), y[i = 1..N] = -i*l*sin(0.3)
-"""
-
-
-def test_a_chain_of_links_hangs_on_them(pkgen, tmp_path):
-    """A family's loops know no constraints: with them it is written out, and says so."""
-    path = written(tmp_path, CHAIN)
-    options = ("--until", "0.5", "--every", "0.25", "--record", "x[1],y[1],x[9],y[9]")
-    ends = []
-    for method in ("gauss", "dop853"):
-        last = rows(pkgen, tmp_path, path, *options, "--method", method)[-1]
-        assert math.hypot(last["x[1]"], last["y[1]"]) == pytest.approx(1, abs=1e-15)
-        ends.append(last["y[9]"])
-    assert ends[0] == pytest.approx(ends[1], abs=1e-6) and abs(ends[0]) > 3
-    said = pkgen("explain", path).stdout
-    assert "a model with constraints has its families written out" in said
-    pkgen(path, "-o", tmp_path)
-    assert "chain_constraints" in (tmp_path / "chain.c").read_text()
-
-
-def test_a_refused_start_misses_what_a_scene_expects_of_its_events(pkgen):
-    """No row and no event: once the command met nothing of that name in its report, and broke."""
-    path = ROOT / "models" / "constrained" / "pendulum_rod.lag"
-    done = pkgen("run", path, "--scene", "over_the_top", "--start", "x=2")
-    assert done.returncode == 4, done.stderr
-    assert "the start breaks a constraint: rod by 4" in done.stderr
-    assert "expectation missed: event 'over' did not happen" in done.stderr
-    assert "expected: 0 of 3 met" in done.stderr
-
-
-def test_a_turning_point_of_all_rates_but_a_spin(pkgen):
-    """The row of the pivots hardly has the fast spin, and is rounded by it: no failure."""
-    path = ROOT / "models" / "constrained" / "gimbals.lag"
-    done = pkgen("run", path, "--scene", "nutates", "--set", "turn=0")
-    assert done.returncode == 0, done.stderr
-
-
-HELD = """\
-model held
-coord x, y, z
-kinetic (x'^2 + y'^2 + z'^2)/2
-let r2 = x^2 + y^2
-constraint rod: r2 = 1
-start x = 1, z' = 1
-
-scene turned
-  hold x = cos(t), y = sin(t)
-  until 1
-  record z every 1
-end
-scene wrong
-  hold x = 2*cos(t), y = sin(t)
-  until 1
-  record z every 1
-end
-"""
-
-
-def test_a_constraint_that_what_is_held_fulfils_is_gone(pkgen, tmp_path):
-    path = written(tmp_path, HELD)
-    assert rows(pkgen, tmp_path, path, "--scene", "turned")[-1]["z"] == pytest.approx(1)
-    done = pkgen("run", path, "--scene", "wrong")
-    assert done.returncode == 1
-    assert "the constraint 'rod' holds or fails whatever the motion" in done.stderr
-
-
-TIED = """\
-model tied
-coord x, z
-kinetic (x'^2 + z'^2)/2
-constraint c: x = z
-start x' = 1, z' = 1
-scene one
-  until 2
-  record x every 1
-end
-"""
-GEARED = """\
-model geared
-rotation R
-let w = omega(R)
-kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
-rolling gear: w.z = 0.3*w.x
-start omega(R) = [1, 0.5, 0.3]
-scene one
-  until 5
-  method rk4 step 0.01
-  record omega(R) every 1
-end
-"""
-
-
-@pytest.mark.parametrize("text", [TIED, GEARED])
-def test_what_constraints_tie_is_not_reduced(pkgen, tmp_path, text):
-    """A force that vanishes leaves no momentum constant, and rows of body rates need the body."""
-    path = written(tmp_path, text)
-    mine = rows(pkgen, tmp_path, path, "--scene", "one")
-    theirs = rows(pkgen, tmp_path, path, "--scene", "one", "--no-reduce")
-    for a, b in zip(mine, theirs, strict=True):
-        assert a == pytest.approx(b, abs=1e-12)
-    assert max(abs(x) for row in theirs for x in row.values()) > 1
+def test_a_start_of_another_length_is_refused(pkgen, tmp_path):
+    done = pkgen("run", written(tmp_path, THROWN), "--until", "1", "--start", "R.w=2")
+    assert done.returncode == 4 and "the start breaks a constraint: " in done.stderr
+    assert "the quaternion of R is not of unit length" in done.stderr, done.stderr
 
 
 def test_a_momentum_of_the_body_is_constant_where_that_is_proved(pkgen, tmp_path):
@@ -373,52 +145,14 @@ def test_a_momentum_of_the_body_is_constant_where_that_is_proved(pkgen, tmp_path
     assert "p_R.z" in said and "p_R.x" not in said.partition("Constants")[2].partition("Kern")[0]
 
 
-def test_diagnostics_of_free_coordinates_say_what_is_not_free(pkgen, tmp_path):
-    for text, why in ((ROD, "the model has constraints"), (THROWN, "the model has rotations")):
-        path = written(tmp_path, text)
-        for name in ("symplectic", "modes", "least_action", "action"):
-            done = pkgen(
-                "run",
-                path,
-                "--until",
-                "1",
-                "--method",
-                "gauss4",
-                "--step",
-                "0.01",
-                "--diagnose",
-                name,
-            )
-            assert f"diagnose {name}: {why}" in done.stderr
-    bound = pkgen("run", written(tmp_path, ROD), "--until", "1", "--diagnose", "lyapunov")
-    assert "diagnose lyapunov: the model has constraints" in bound.stderr
+def test_what_is_of_free_coordinates_says_that_there_are_rotations(pkgen, tmp_path):
+    path = written(tmp_path, THROWN)
+    options = ("--until", "1", "--method", "gauss4", "--step", "0.01", "--diagnose")
+    for name in ("symplectic", "modes", "least_action", "action"):
+        done = pkgen("run", path, *options, name)
+        assert f"diagnose {name}: the model has rotations" in done.stderr
+    done = pkgen("stability", path)
+    assert done.returncode == 2 and "the model has rotations (R)" in done.stderr
     for name in ("angular_momentum", "lrl"):
-        done = pkgen("run", written(tmp_path, THROWN), "--until", "1", "--diagnose", name)
+        done = pkgen("run", path, "--until", "1", "--diagnose", name)
         assert done.returncode == 2 and "R*p_R is its angular momentum" in done.stderr
-
-
-AXLE = """\
-model axle
-rotation R
-let w = omega(R)
-kinetic (w.x^2 + 2*w.y^2 + 3*w.z^2)/2
-constraint one: (R*[0, 0, 1]).x = 0
-constraint two: (R*[0, 0, 1]).y = 0
-start omega(R) = [0, 0, 1]
-"""
-RAMP = """\
-model ramp
-coord y, z
-kinetic (y'^2 + z'^2)/2
-potential z
-constraint tie: sin(y + 0.3) = 0.5*z + sin(0.3)
-"""
-
-
-@pytest.mark.parametrize("method", ["rattle", "lie_midpoint", "rattle6"])
-@pytest.mark.parametrize("text", [AXLE, RAMP])
-def test_steps_from_rest_and_beside_a_spin(pkgen, tmp_path, text, method):
-    """Rates that rows hardly have are rounding beside the spin; coordinates at 0 have no size."""
-    path = written(tmp_path, text)
-    done = pkgen("run", path, "--until", "1", "--method", method, "--step", "0.01", "--every", "1")
-    assert done.returncode == 0, done.stderr

@@ -120,6 +120,26 @@ static inline void bound_derivative(const struct bound *b, ARGS, int of_v, pk_re
     }
 }
 
+/* Of rows whose terms are about |J_k q_k|, with attitudes 1 for q_k, and |J_k v_k|. */
+static inline void bound_terms(const struct bound *b, ARGS, pk_real *phi_size, pk_real *rate_size)
+{
+    pk_real J[MOST_C * MOST_N], residual[MOST_C];
+    if (!b->c)
+        return;
+    b->rows(params, t, q, v, u, J, residual);
+    for (size_t i = 0; i < b->c; i++) {
+        pk_real j0 = residual[i];
+        phi_size[i] = rate_size[i] = 0;
+        for (size_t k = 0; k < b->coordinates + 3 * b->rotations; k++) {
+            const pk_real row = J[i * b->n + k];
+            phi_size[i] += PK_F(fabs)(k < b->coordinates ? row * q[k] : row);
+            rate_size[i] += PK_F(fabs)(row * v[k]);
+            j0 -= row * v[k];
+        }
+        rate_size[i] += PK_F(fabs)(j0);
+    }
+}
+
 /* A diagonal M: these masses, and 1 for what has no momenta. */
 static inline void constant_inertia(size_t n, const pk_real *masses, size_t count, pk_real *M)
 {
@@ -162,6 +182,10 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
     {                                                                                              \
         pk_real a[N];                                                                              \
         bound_solve(&NAME##_bound, params, t, q, v, u, a, lambda);                                 \
+    }                                                                                              \
+    static void NAME##_terms(ARGS, pk_real *phi_size, pk_real *rate_size)                          \
+    {                                                                                              \
+        bound_terms(&NAME##_bound, params, t, q, v, u, phi_size, rate_size);                       \
     }                                                                                              \
     static void NAME##_mass(ARGS, pk_real *M)                                                      \
     {                                                                                              \
@@ -222,6 +246,7 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
                                             .energy = NAME##_energy,                               \
                                             .multipliers = (C) ? NAME##_multipliers : NULL,        \
                                             .rows = NAME##_rows,                                   \
+                                            .terms = NAME##_terms,                                 \
                                             .unbound = NAME##_unbound,                             \
                                             .inertia = NAME##_inertia,                             \
                                             __VA_ARGS__}

@@ -91,6 +91,8 @@ _VECTORS = {
     "applied": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "phi_out": lambda p, _: (),
     "residual_out": lambda p, _: (),
+    "phi_size": lambda p, _: (),
+    "residual_size": lambda p, _: (),
     "lambda_out": lambda p, _: p.equations.constraints.names,
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }

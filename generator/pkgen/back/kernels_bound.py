@@ -10,12 +10,17 @@ from .program import Output
 from .schedule import Target
 
 # Called wherever there are any: no scene goes without them.
-BOUND = frozenset({"constraint", "rows", "multipliers", "unbound", "inertia"})
+BOUND = frozenset({"constraint", "rows", "terms", "multipliers", "unbound", "inertia"})
 
 
 def _rows(e: Equations) -> list[Target]:
     c = e.constraints
     return matrix_stores("J_out", c.rows) + stores("residual_out", c.residual)
+
+
+def _terms(e: Equations) -> list[Target]:
+    positions, rates = e.terms
+    return stores("phi_size", positions) + stores("residual_size", rates)
 
 
 def _unbound(e: Equations) -> list[Target]:
@@ -41,6 +46,17 @@ def bound_specs() -> Iterator[KernelSpec]:
         ),
         _rows,
         exists=lambda e: e.constraints is not None,
+    )
+    yield KernelSpec(
+        "terms",
+        "void",
+        "the sizes of the terms of phi and of J v + j0: what both are rounded by, in units of eps",
+        lambda e: (
+            Output("phi_size", len(e.constraints.positions), 1),
+            Output("residual_size", len(e.constraints.residual), 1),
+        ),
+        _terms,
+        exists=lambda e: e.terms is not None,
     )
     yield KernelSpec(
         "multipliers",

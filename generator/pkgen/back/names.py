@@ -49,7 +49,8 @@ _FUNCTIONS = """
 # What the templates call arguments, loop variables and members of their own.
 _OURS = """
     p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
-    status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out lambda_out
+    status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out phi_size residual_size
+    lambda_out
 """
 
 FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS).split()) | {"c_", "side_"}

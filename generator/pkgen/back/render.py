@@ -53,6 +53,7 @@ SYSTEM_KERNELS = [
     "linear",
     "constraint",
     "rows",
+    "terms",
     "multipliers",
     "unbound",
     "inertia",
@@ -214,6 +215,7 @@ def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
     elif kernel.name == "prepare":
         arguments = []
     unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
+    unused += [output.name for output in kernel.outputs if not output.rows]
     return {
         "name": kernel.name,
         "result": kernel.result,

@@ -20,6 +20,7 @@ from .differentiate import reachable
 from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op, Symbol
 from .motion import Motion, Wanted, jacobians_of, linear_of
 from .quantities import symbols
+from .rounding import sizes
 from .solve import solve
 from .substitute import substituted
 
@@ -81,7 +82,8 @@ def as_rates(
         if e.constraints is None:
             return e, structure
         unbound = (e.momenta, e.constraints.free_pdot)
-        return replace(e, unbound=unbound, inertia=e.mass), structure
+        terms = _terms(e.graph, e.constraints)
+        return replace(e, unbound=unbound, inertia=e.mass, terms=terms), structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
     own = symbols(g, Kind.RATE, n + count)[n:]
@@ -104,10 +106,12 @@ def as_rates(
         jacobians = jacobians_of(g, motion, lagrangian=False)
     single = there([x for x in (e.lagrangian, e.energy, e.written)])
     own = _unbound(g, e, there, rates)
+    constraints = _constraints(e.constraints, there, count)
     whole = replace(
         e,
         unbound=own,
-        constraints=_constraints(e.constraints, there, count),
+        constraints=constraints,
+        terms=_terms(g, constraints),
         coordinates=(*e.coordinates, *(_integral(q) for q in e.states)),
         rates=(*e.rates, *e.states),
         momenta_names=(*e.momenta_names, *e.states),
@@ -204,6 +208,14 @@ def _constraints(constraints: Constraints | None, there, count: int) -> Constrai
         multipliers=there(c.multipliers),
         pivots=tuple((*there(pair),) for pair in c.pivots),
     )
+
+
+def _terms(g: Graph, constraints: Constraints | None) -> tuple[Row, Row] | None:
+    if constraints is None:
+        return None
+    c = constraints
+    found = sizes(g, (*c.positions, *c.residual))
+    return found[: c.holonomic], found[c.holonomic :]
 
 
 def _unit(n: int) -> Matrix:

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 6u
+#define PK_ABI 7u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -259,7 +259,8 @@ struct pk_system {
      * phi(t, q) = 0; the motion is that of d'Alembert, with the force J^T lambda, which is in
      * force(), canonical() and acceleration() as a function of (t, q, v). `constraint` writes the
      * n_holonomic phi, `rows` J (n_constraints by n, row-major; the columns of quaternions and states
-     * are 0) and J v + j0, `multipliers` lambda. `unbound` is canonical() without J^T lambda: p = dL/dv
+     * are 0) and J v + j0, `terms` the sizes of the terms that both are sums of, in whose units of
+     * rounding a residual is judged, `multipliers` lambda. `unbound` is canonical() without J^T lambda: p = dL/dv
      * (of quaternions and states: the numbers themselves) and pdot (their rates). It is there
      * wherever there are rotations or constraints, and so is `inertia`, dp/dv of what `unbound` writes:
      * where M is the unit matrix because M a = f was solved, canonical() and mass() say nothing of
@@ -270,6 +271,8 @@ struct pk_system {
                        const pk_real *u, pk_real *phi);
     void (*rows)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
                  pk_real *J, pk_real *residual);
+    void (*terms)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u, pk_real *phi_size, pk_real *residual_size);
     void (*multipliers)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *lambda);
     void (*unbound)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
