@@ -99,8 +99,7 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
             tally->first_failed = first + i;
             tally->status = e->status[i];
             tally->t = e->last_t[i];
-            snprintf(tally->reason, sizeof tally->reason, "%s; last valid time %.17g",
-                     pk_status_text(e->status[i]), (double)e->last_t[i]);
+            pk_ensemble_reason(e, i, b->block, tally->reason, sizeof tally->reason);
         }
     }
 }

@@ -1,6 +1,7 @@
 /* Ensembles: which route a member takes, and the way of one member from row to row. One member:
  * member.c; blocks of members in lanes: block.c.
  */
+#include <stdio.h>
 #include <string.h>
 
 #include "ensemble.h"
@@ -52,28 +53,58 @@ int pk_ensemble_last_interval(const struct pk_ensemble *e, size_t row)
     return row + 1 == e->rows && e->last_h > 0;
 }
 
-static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *block)
+static void keep(const struct pk_ensemble *e, size_t member, size_t row,
+                 const struct pk_integrator *it)
 {
-    struct pk_member *m = (struct pk_member *)block;
-    enum pk_status status = pk_member_begin(e, member, m);
-    struct pk_integrator *it = &m->it;
+    const size_t at = member * e->rows + row, count = e->system->n_quadratures;
+    memcpy(e->q + at * it->n, it->q, it->n * sizeof *it->q);
+    memcpy(e->v + at * it->n, it->v, it->n * sizeof *it->v);
+    if (e->z && it->z)
+        memcpy(e->z + at * count, it->z, count * sizeof *it->z);
+    e->done[member]++;
+}
+
+/* From row to row, which are kept or not. */
+static enum pk_status go(const struct pk_ensemble *e, size_t member, struct pk_integrator *it,
+                         enum pk_status status, int kept)
+{
     for (size_t row = 0; row < e->rows && status == PK_DONE; row++) {
         if (pk_ensemble_last_interval(e, row) && !(e->method->traits & PK_ADAPTIVE))
             pk_integrator_set_step(it, e->last_h);
         status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : pk_integrator_to(it, e->t[row]);
-        e->last_t[member] = it->t;
-        if (status == PK_DONE) {
-            const size_t at = (member * e->rows + row) * it->n;
-            memcpy(e->q + at, it->q, it->n * sizeof *it->q);
-            memcpy(e->v + at, it->v, it->n * sizeof *it->v);
-            if (e->z && it->z)
-                memcpy(e->z + (member * e->rows + row) * e->system->n_quadratures, it->z,
-                       e->system->n_quadratures * sizeof *it->z);
-            e->done[member]++;
-        }
+        if (kept)
+            e->last_t[member] = it->t;
+        if (kept && status == PK_DONE)
+            keep(e, member, row, it);
     }
-    pk_integrator_free(it);
-    return e->status[member] = status;
+    return status;
+}
+
+static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *block)
+{
+    struct pk_member *m = (struct pk_member *)block;
+    e->status[member] = go(e, member, &m->it, pk_member_begin(e, member, m), 1);
+    pk_integrator_free(&m->it);
+    return e->status[member];
+}
+
+int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, char *text,
+                       size_t size)
+{
+    struct pk_member *m = (struct pk_member *)block;
+    const enum pk_status status = e->status[member];
+    const pk_real last = e->last_t[member];
+    const size_t rows = e->done[member];
+    int length = -1;
+    if (status < 0) {
+        if (go(e, member, &m->it, pk_member_begin(e, member, m), 0) == status && m->it.method)
+            length = pk_integrator_reason(&m->it, text, size);
+        pk_integrator_free(&m->it);
+    }
+    e->status[member] = status, e->last_t[member] = last, e->done[member] = rows;
+    return length >= 0 ? length
+                       : snprintf(text, size, "%s; last valid time %.17g", pk_status_text(status),
+                                  (double)last);
 }
 
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,

@@ -284,3 +284,13 @@ def test_terms_that_cancel_are_known_by_their_rounding(pkgen, tmp_path, method, 
     last = rows(pkgen, path, "--until", "1", "--every", "1", "--method", method, "--step", step)[-1]
     assert last["y"] < -0.3
     assert abs(math.sin(last["y"] + 0.3) - 0.5 * last["z"] - math.sin(0.3)) < 3e-16
+
+
+def test_a_member_says_which_constraint_its_start_breaks(pkgen, tmp_path):
+    path = written(tmp_path, ROD)
+    (tmp_path / "m.csv").write_text("x,y\n0.6,-0.8\n0.6,-0.9\n")
+    done = pkgen("run", path, "--ensemble", tmp_path / "m.csv", "--until", "1")
+    assert done.returncode == 4
+    assert "1 of 2 members failed, first member 2: the start breaks a constraint: rod by " in (
+        done.stderr
+    )

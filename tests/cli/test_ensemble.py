@@ -147,7 +147,7 @@ def test_wrong_uses_are_told(pkgen, ensemble, tmp_path: Path) -> None:
     done = pkgen("run", DOUBLE, "--ensemble", tmp_path / "latin.csv")
     assert done.returncode == 2 and "not text in UTF-8" in done.stderr
     done = pkgen("run", DOUBLE, "--ensemble", path, "--method", "verlet", "--step", "0.1")
-    assert done.returncode == 4 and "does not apply" in done.stderr
+    assert done.returncode == 4 and "verlet needs a system that is separable" in done.stderr
     assert len(done.stdout.splitlines()) == 1
 
 

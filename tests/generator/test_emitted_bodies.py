@@ -27,7 +27,20 @@ constraint M: phi^2 + residual = 0
 constraint out[k = 1..2]: lambda_ + k^2*v = 0
 observe both = lambda_M + lambda_out[2]
 """
+# Short rods: what the self-test takes differences of bends within a quarter of a metre.
+CHAIN = """\
+model chain
+param l = 0.25
+param g = 9.81
+coord x[1..4], y[1..4]
+kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..4)
+potential g*sum(y[i], i = 1..4)
+constraint first: x[1]^2 + y[1]^2 = l^2
+constraint link[i = 2..4]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
+start x[i = 1..4] = i*l
+"""
 TEXTS = {
+    "chain": CHAIN,
     "hung": HUNG,
     "bound": "model bound\n" + BODY + ROWS + OUTPUTS,
     "ball": BALL,
