@@ -204,6 +204,20 @@ static void any_company(void)
     }
 }
 
+/* Whether the reason of a member has this in it, and results stay as they are. */
+static int is_told(struct crowd *c, size_t i, const char *part)
+{
+    const struct crowd before = *c;
+    char text[512], last[64];
+    pk_ensemble_reason(&c->e, i, c->block, text, sizeof text);
+    snprintf(last, sizeof last, "; last valid time %.17g", c->last_t[i]);
+    return strstr(text, part) && (c->last_t[i] == 0 || strstr(text, last)) &&
+           memcmp(&before.status, &c->status, sizeof c->status) == 0 &&
+           memcmp(&before.done, &c->done, sizeof c->done) == 0 &&
+           memcmp(&before.last_t, &c->last_t, sizeof c->last_t) == 0 &&
+           memcmp(&before.q, &c->q, sizeof c->q) == 0;
+}
+
 static void failures(void)
 {
     static struct crowd c;
@@ -234,6 +248,8 @@ static void failures(void)
                 arrived += c.status[i] == PK_DONE && c.done[i] == ROWS;
             CU_ASSERT(arrived == MEMBERS - (k < 2 ? 6u : 5u));
             CU_ASSERT(strangers(&c) == 0); /* the others are not touched by it */
+            CU_ASSERT(is_told(&c, 3, k < 2 ? "singular" : "finite"));
+            CU_ASSERT(is_told(&c, 70, "parameter") && is_told(&c, 77, "argument"));
         }
 }
 
@@ -291,6 +307,7 @@ static void guards_know_why(void)
         CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) ==
                   PK_SINGULAR_COORDINATES);
         CU_ASSERT(c.status[53] == PK_SINGULAR_COORDINATES && strangers(&c) == 0);
+        CU_ASSERT(is_told(&c, 53, "limit - q"));
     }
 }
 
