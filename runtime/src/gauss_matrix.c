@@ -12,6 +12,10 @@
 
 #include "gauss.h"
 
+#define SMALL (PK_GAUSS_SURE / 4) /* a norm that is below this is so for any purpose */
+#define LITTLE PK_C(0.8)          /* what is gained in a turn, where many are made */
+enum { MOST_TURNS = 16 };
+
 void pk_gauss_derivatives(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                           pk_real *J)
 {
@@ -98,7 +102,7 @@ pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y)
     pk_real least = PK_INFINITY;
     for (size_t i = 0; i < m; i++)
         x[i] = 1;
-    for (int turn = 0; turn < 6; turn++) {
+    for (int turn = 0; turn < MOST_TURNS && least > SMALL; turn++) {
         pk_real most = 0, sum = 0;
         for (size_t i = 0; i < m; i++) {
             y[i] = 0;
@@ -109,11 +113,14 @@ pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y)
         }
         if (!pk_finite(most))
             return most;
+        const int falls = most < LITTLE * least;
         least = pk_min(least, most);
-        if (m == 1 || !(most > 0))
+        if (m == 1 || !(most > 0) || (turn >= 5 && !falls))
             break;
-        for (size_t i = 0; i < m; i++) { /* a power step, damped since |X| may turn in a circle */
-            x[i] += y[i] / most;
+        /* A power step, damped since |X| may turn in a circle; and little, since a row that takes
+         * and does not give, as a height of a body that rolls, is to grow as fast as it takes. */
+        for (size_t i = 0; i < m; i++) {
+            x[i] += 3 * y[i] / most;
             sum = pk_max(sum, x[i]);
         }
         for (size_t i = 0; i < m; i++)

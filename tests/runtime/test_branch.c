@@ -215,6 +215,22 @@ static void mass_inside(void)
     CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_DONE);
 }
 
+/* The norm sees through rows that take and do not give, one after the other, and units, and stays
+ * above the spectral radius of |X|. */
+static void norm(void)
+{
+    static const double sink[9] = {0.1, 0, 0, 700, 0, 0, 40, -700, 0.1};
+    static const double turning[9] = {0, 0.5, 0, 0, 0, 2, -0.512, 0, 0}; /* cube: 0.512 */
+    static const double units[4] = {0.3, 1e4, -2e-5, 0.2}; /* 0.25 + sqrt(0.0025 + 0.2) */
+    static const double broken[4] = {0.3, NAN, 0, 0.2};
+    double x[3], y[3];
+    const double found = pk_gauss_norm(turning, 3, x, y), of_units = pk_gauss_norm(units, 2, x, y);
+    CU_ASSERT(pk_gauss_norm(sink, 3, x, y) <= 0.3);
+    CU_ASSERT(found >= 0.8 - 1e-12 && found < 0.87);
+    CU_ASSERT(of_units >= 0.7 - 1e-12 && of_units < 0.75);
+    CU_ASSERT(isnan(pk_gauss_norm(broken, 2, x, y)));
+}
+
 void add_branch(void)
 {
     CU_pSuite suite = CU_add_suite("which solution of an implicit step", NULL, NULL);
@@ -224,4 +240,5 @@ void add_branch(void)
     CU_add_test(suite, "nothing in doubt", nothing_in_doubt);
     CU_add_test(suite, "no convergence: L13", fixed_point);
     CU_add_test(suite, "M indefinite inside a step", mass_inside);
+    CU_add_test(suite, "a norm for any units", norm);
 }
