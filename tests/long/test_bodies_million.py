@@ -24,7 +24,8 @@ Drifts over {STEPS:,} steps from each model's own start: of the energy, in brack
 line through it gains over the run, and the largest of the other constants; and the largest residual
 of the constraints, or of unit length, beside the largest coordinate, in 1,000 rows. The test
 demands that what a method keeps stays below 1e-11, that energies that it does not keep gain less
-than a tenth of their error, residuals below 1e-13, and that rk4 misses the first. The skate turns
+than their error and grow slower than t^0.45 (the joint of the dumbbell moves them about for 1e5
+steps on end), residuals below 1e-13, and that rk4 misses the first. The skate turns
 by 24,000 rad, to whose last digit its direction is known.
 
 | model | method | step | energy | others | residual |
@@ -112,7 +113,9 @@ def drifts(pkgen, case: Case, method: str, steps: int, out: Path) -> tuple[dict,
     assert report["steps"] == steps
     head, *lines = out.read_text(encoding="utf-8").splitlines()
     rows = (dict(zip(head.split(","), map(float, x.split(",")), strict=True)) for x in lines)
-    found = {d["name"]: (d["max"], d["slope"] * until) for d in report["drifts"]}
+    found = {
+        d["name"]: (d["max"], d["slope"] * until, d["exponent"] or 0) for d in report["drifts"]
+    }
     return found, max(case.residual(row) / max([1, *map(abs, places(row))]) for row in rows)
 
 
@@ -130,7 +133,7 @@ def page():
 @pytest.mark.parametrize("case", CASES, ids=lambda c: f"{Path(c.path).stem}-{c.method}")
 def test_a_million_steps(pkgen, case: Case, page: list[str], tmp_path: Path) -> None:
     found, residual = drifts(pkgen, case, case.method, STEPS, tmp_path / "rows.csv")
-    largest, gained = found["energy"]
+    largest, gained, _ = found["energy"]
     others = [found[name][0] for name in case.keeps if name != "energy"]
     said = f"{max(others):.1e}" if others else "–"
     page.append(
@@ -140,7 +143,8 @@ def test_a_million_steps(pkgen, case: Case, page: list[str], tmp_path: Path) -> 
     for name in case.keeps:
         assert found[name][0] < 1e-11, name
     for name in case.bounded:
-        assert 1e-7 < found[name][0] < 1e-2 and abs(found[name][1]) < found[name][0] / 10
+        most, line, exponent = found[name]
+        assert 1e-7 < most < 1e-2 and abs(line) < most and exponent < 0.45, found[name]
     assert residual < 1e-13
     if "energy" in case.keeps:
         worse, _ = drifts(pkgen, case, "rk4", STEPS // 100, tmp_path / "rows.csv")
