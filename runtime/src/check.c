@@ -56,6 +56,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         int there;
     } kernels[] = {
         {"rows", c ? ~0u : 0, system->rows != NULL},
+        {"terms", c ? ~0u : 0, system->terms != NULL},
         {"constraint", c && system->n_holonomic ? ~0u : 0, system->constraint != NULL},
         {"inertia", c ? ~0u : own, system->inertia != NULL},
         {"unbound", own, system->unbound != NULL},

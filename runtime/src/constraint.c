@@ -1,8 +1,8 @@
 /* Residuals of constraints, the check of a start by them, and both in words; see pk/constraint.h.
  *
- * A residual is large or small beside its terms, |J_ik x_k|. At a start those may all be 0 but for
- * rounding, so there each x_k is taken as large as the largest one is in the metric of M, which knows
- * how metres and radians compare.
+ * A residual is large or small beside its terms, of which the system knows the sizes. A start is
+ * written with some digits of them; and what should be 0 there may be what rounding left of numbers
+ * as large as the largest, in the metric of M, which knows how metres and radians compare.
  */
 #include <stdio.h>
 #include <string.h>
@@ -11,9 +11,9 @@
 
 #include "project.h"
 
-#define BROKEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* of its terms, at a start */
-#define NEGLIGIBLE (PK_C(64.0) * PK_EPS)       /* in any unit */
-#define SHARE PK_C(1e-6)                       /* of a row in one that depends on it */
+#define DEBRIS (64 * PK_EPS)                 /* beside the largest number of a start */
+#define WRITTEN pk_max(PK_C(1e-8), DEBRIS) /* of its terms */
+#define SHARE PK_C(1e-6)                   /* of a row in one that depends on it */
 
 size_t pk_constraint_size(const struct pk_problem *problem)
 {
@@ -50,14 +50,13 @@ static pk_real norm_error(const struct pk_projection *w, const pk_real *v, size_
     return pk_abs(norm2 - 1) / (1 + PK_F(sqrt)(norm2));
 }
 
-static void largest(const pk_real *residual, const pk_real *terms, size_t rows, pk_real *most,
+static void largest(const pk_real *residual, const pk_real *terms, size_t rows, pk_real *own,
                     pk_real *relative, size_t *row)
 {
     for (size_t i = 0; i < rows; i++) {
         const pk_real x = pk_abs(residual[i]), ratio = x > 0 ? x / (terms[i] + PK_TINY) : 0;
-        *most = pk_max(*most, x);
         if (ratio > *relative)
-            *relative = ratio, *row = i;
+            *own = x, *relative = ratio, *row = i;
     }
 }
 
@@ -98,28 +97,23 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
     return pk_all_finite(lambda, w.c) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Sizes of the rows' terms where each x_k is as large as all are. */
-static void start_sizes(struct pk_projection *w, const pk_real *diagonal, const pk_real *x,
-                        pk_real angle)
+/* The row whose residual is no rounding, or `rows`. x are positions, where attitudes count as 1, or
+ * rates. */
+static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
+                     size_t rows, const pk_real *x, int of_rates)
 {
     pk_real most = 0;
     for (size_t k = 0; k < w->m; k++) {
-        const pk_real size = k < w->rotation || !(angle > 0) ? pk_abs(x[k]) : angle;
-        most = pk_max(most, PK_F(sqrt)(diagonal[k]) * size);
+        const pk_real size = k < w->rotation || of_rates ? pk_abs(x[k]) : 1;
+        most = pk_max(most, PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k)) * size);
     }
-    for (size_t i = 0; i < w->c; i++) {
-        w->rate_size[i] = 0;
+    for (size_t i = 0; i < rows; i++) {
+        pk_real slope = 0;
         for (size_t k = 0; k < w->m; k++)
-            w->rate_size[i] += pk_abs(w->J[i * w->n + k]) * most / PK_F(sqrt)(diagonal[k]);
-    }
-}
-
-/* The row whose residual is no rounding, or `rows`. */
-static size_t broken(const struct pk_projection *w, const pk_real *residual, size_t rows)
-{
-    for (size_t i = 0; i < rows; i++)
-        if (!(pk_abs(residual[i]) <= BROKEN * w->rate_size[i] + NEGLIGIBLE))
+            slope += pk_abs(w->J[i * w->n + k]) / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
+        if (!(pk_abs(residual[i]) <= WRITTEN * terms[i] + DEBRIS * slope * most))
             return i;
+    }
     return rows;
 }
 
@@ -140,13 +134,11 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < w.system->n_rotations; r++)
-        if (!(norm_error(&w, v, r) <= BROKEN))
+        if (!(norm_error(&w, v, r) <= WRITTEN))
             return refuse(it, 2 * w.c + r, norm_error(&w, v, r));
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
-    w.system->inertia(w.params, w.t, q, v, w.u, w.M);
-    for (size_t k = 0; k < w.m; k++)
-        w.d[k] = w.M[k * w.n + k];
+    w.depends[0] = 0;
     const size_t singular = pk_project_inertia(&w, q, v);
     if (singular)
         return pk_eval_failed(it, it->t, q, v, (int)singular);
@@ -154,12 +146,11 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!pk_all_finite(w.J, w.c * w.n))
         return refuse(it, 0, (pk_real)NAN);
     const size_t depends = pk_project_factor(&w, w.c);
-    start_sizes(&w, w.d, q, 1);
-    size_t row = broken(&w, w.phi, w.h);
+    pk_project_terms(&w, q, v);
+    size_t row = broken(&w, w.phi, w.phi_size, w.h, q, 0);
     if (row < w.h)
         return refuse(it, row, w.phi[row]);
-    start_sizes(&w, w.d, v, 0);
-    row = broken(&w, w.rate, w.c);
+    row = broken(&w, w.rate, w.rate_size, w.c, v, 1);
     if (row < w.c)
         return refuse(it, w.c + row, w.rate[row]);
     it->where = depends - 1;
@@ -177,7 +168,7 @@ int pk_constraint_name(const struct pk_system *system, size_t row, char *text, s
     return *name ? snprintf(text, size, "%s", name) : snprintf(text, size, "number %zu", row + 1);
 }
 
-/* What the row that depends on others does so on: "; its rates are fixed by those of a, b". */
+/* What the row that depends on others does so on: "a, b". */
 static void of_others(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);

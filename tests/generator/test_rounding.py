@@ -70,8 +70,10 @@ def test_an_expression_is_as_near_as_its_size_says(case):
 
 
 def test_what_no_motion_changes_is_exact():
-    """The size of p - 1 beside x is |p - 1|, not |p| + 1."""
+    """The size of p - 1 beside x is |p - 1|, not |p| + 1; and x^p is of any x."""
     g = Graph()
     x, p = g.symbol(X[0]), g.symbol(P)
-    (size,) = sizes(g, [g.subtract(x, g.subtract(p, ONE))])
-    assert evaluate(g, [size], {X[0]: -2.0, P: 1.5}) == [2.5]
+    found = sizes(g, [g.subtract(x, g.subtract(p, ONE)), g.call("pow", x, p)])
+    assert evaluate(g, found, {X[0]: -2.0, P: 1.5})[0] == 2.5
+    assert evaluate(g, found, {X[0]: -2.0, P: 2.0})[1] == 12.0  # |p x^(p-1)| |x| + |x^p|
+    assert evaluate(g, found, {X[0]: 0.0, P: 2.0})[1] == 0.0

@@ -2,39 +2,60 @@
 another.
 
 The numbers are those of the model's own starts and defaults; what options give is checked by the
-runtime (src/project.c). With an input nobody knows what holds before it is given.
+runtime by the same rules (src/constraint.c). With an input nobody knows what holds before it is
+given. Rates of metres and of radians compare as their kinetic energies do, by M: its diagonal is
+enough of it.
 """
 
 from __future__ import annotations
 
 import math
+import sys
+from dataclasses import dataclass
 
-from ..equations import ParameterSlot, Row
+from ..equations import Attitude, ParameterSlot, Row
 from ..source import Diagnostic
 from .constrain import Rows
 from .differentiate import gradient
 from .evaluate import evaluate
-from .graph import BIT, Graph, Kind, Node, Symbol
-from .guards import summands
+from .graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from .rounding import sizes
 from .samples import started
 
-ALLOWED = 1e-9  # of the largest term: starts are written with as many digits as their author has
-DEPENDENT = 1e-9  # what is left of a row without its parts along others, beside the row
+EPS = sys.float_info.epsilon
+WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
+DEBRIS = 64 * EPS  # beside the largest number of the start: what rounding leaves of a zero
+DEPENDENT = math.sqrt(16 * EPS)  # left of a row without its parts along others; squared, a pivot
+
+
+@dataclass(frozen=True)
+class Start:
+    """Numbers of the start, and by each rate what one unit of it is in the metric of M."""
+
+    values: dict[Symbol, float]
+    unit: dict[Node, float]
+    far: float  # the largest coordinate there, with attitudes 1
+    fast: float
 
 
 def wrong_starts(
-    g: Graph, c: Rows | None, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
+    g: Graph,
+    c: Rows | None,
+    parameters: tuple[ParameterSlot, ...],
+    starts: tuple[Row, Row, Row],
+    lagrangian: Node,
+    attitudes: tuple[Attitude, ...],
 ) -> list[Diagnostic]:
     """Each constraint that the start breaks; if none, the first that others make superfluous.
     `starts` are of coordinates, their rates, and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return []
-    values = started(g, parameters, starts)
-    rows = [_row(g, node, values) for node in c.residual]
+    start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
+    rows = [_row(g, node, start) for node in c.residual]
     broken = [
         _broken(c, k, *found)
         for k, row in enumerate(rows)
-        if (found := _residual(g, c, k, row, values)) is not None
+        if (found := _residual(g, c, k, row, start)) is not None
     ]
     dependent = _dependent(rows)
     if dependent is None:
@@ -52,22 +73,33 @@ def wrong_starts(
     return [Diagnostic(message, c.spans[k], help)]
 
 
+def _start(
+    g: Graph, values: dict[Symbol, float], lagrangian: Node, attitudes: tuple[Attitude, ...]
+) -> Start:
+    turning = {i for a in attitudes for i in a.rates}
+    unit, far, fast = {}, 0.0, 0.0
+    for rate, slope in gradient(g, lagrangian, BIT[Kind.RATE]).items():
+        own = gradient(g, slope, BIT[Kind.RATE]).get(rate, ZERO)
+        (inertia,) = evaluate(g, [own], values)
+        unit[rate] = math.sqrt(inertia) if 0 < inertia < math.inf else 1.0
+        i = g.data[rate].index
+        place = 1.0 if i in turning else abs(values[Symbol(Kind.COORDINATE, i)])
+        far = max(far, unit[rate] * place)
+        fast = max(fast, unit[rate] * abs(values[g.data[rate]]))
+    return Start(values, unit, far, fast)
+
+
 def _residual(
-    g: Graph, c: Rows, k: int, row: dict[Node, float], values: dict[Symbol, float]
+    g: Graph, c: Rows, k: int, row: dict[Node, float], start: Start
 ) -> tuple[float, bool] | None:
-    """What is not 0, and whether it is of rates. What rounding leaves is a part of the largest
-    term or, of terms that cancel within, of what the row makes of positions or rates this large."""
-    slope = max(map(abs, row.values()), default=0.0)
-    far, fast = (
-        max((abs(x) for s, x in values.items() if s.kind == kind), default=0.0)
-        for kind in (Kind.COORDINATE, Kind.RATE)
-    )
-    nodes = [(c.residual[k], slope * fast, True)]
+    """What is not 0, and whether it is of rates; `row` is in units of M."""
+    slope = math.fsum(map(abs, row.values()))
+    nodes = [(c.residual[k], slope * start.fast, True)]
     if k < c.holonomic:
-        nodes.insert(0, (c.positions[k], slope * far, False))
-    for node, size, of_rates in nodes:
-        found, *terms = evaluate(g, [node, *summands(g, node)], values)
-        if not abs(found) <= ALLOWED * max(size, *map(abs, terms)):
+        nodes.insert(0, (c.positions[k], slope * start.far, False))
+    for node, largest, of_rates in nodes:
+        found, terms = evaluate(g, [node, *sizes(g, [node])], start.values)
+        if not abs(found) <= WRITTEN * terms + DEBRIS * largest:
             return found, of_rates
     return None
 
@@ -82,10 +114,11 @@ def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
     )
 
 
-def _row(g: Graph, residual: Node, values: dict[Symbol, float]) -> dict[Node, float]:
-    """The entries of J, by the rate."""
+def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
+    """The entries of J by the rate, in units of M."""
     by = gradient(g, residual, BIT[Kind.RATE])
-    return dict(zip(by, evaluate(g, by.values(), values), strict=True))
+    entries = evaluate(g, by.values(), start.values)
+    return {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
 
 
 def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:

@@ -59,9 +59,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     rates = rates_of_states(x, energies)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = _parameters(x)
-    start_q, start_v, state_start = _starts(x)
+    start_q, start_v, state_start = starts = _starts(x)
     rows = rows_of(x)
-    wrong = wrong_starts(x.graph, rows, parameters, (start_q, start_v, state_start))
+    wrong = wrong_starts(x.graph, rows, parameters, starts, energies.lagrangian, x.attitudes)
     if wrong:
         raise ModelError(model.source, wrong)
     bodies = None

@@ -32,8 +32,12 @@ def sizes(g: Graph, nodes: Iterable[Node]) -> tuple[Node, ...]:
             known[node] = _absolute(g, node)
             continue
         own = _absolute(g, node) if op is Op.CALL else ZERO
-        by = zip(partials(g, node), args, strict=True)
-        known[node] = g.sum((own, *(g.multiply(_absolute(g, d), of(a)) for d, a in by)))
+        parts = (
+            g.multiply(_absolute(g, d), of(a))
+            for d, a in zip(partials(g, node), args, strict=True)
+            if op is Op.ADD or g.depends[a] & VARIABLE
+        )
+        known[node] = g.sum((own, *parts))
     return tuple(map(of, nodes))
 
 

@@ -16,28 +16,32 @@
 extern "C" {
 #endif
 
-/* Largest residuals: of a row as it is, in its own unit, and beside the sizes of its terms, which
- * rounding is to be measured by; it is the second that is largest. 0 where there is no such row. */
+/* The residual that is largest beside the sizes of its terms, which rounding is to be measured by:
+ * in its own unit, and so. 0 where there is no such row. */
 struct pk_residuals {
     pk_real norm; /* | |Q| - 1 | */
-    size_t rotation;
+    size_t rotation; /* which of n_rotations */
     pk_real position, position_relative;
-    size_t position_row;
+    size_t position_row; /* of n_holonomic */
     pk_real rate, rate_relative; /* of positions and of rolling */
-    size_t rate_row;
+    size_t rate_row; /* of n_constraints */
 };
 
-/* Bytes of the block that both functions want, aligned for pk_real. */
+/* Bytes of the block that the two functions below want, aligned for pk_real; 0 for a problem without
+ * a system, or one of another PK_ABI. */
 size_t pk_constraint_size(const struct pk_problem *problem);
-/* PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL, PK_NOT_FINITE. */
+/* q and v have pk_system_count() numbers each, quaternions and states among them; an input is called
+ * at t. PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL; PK_NOT_FINITE, and then what was found besides. */
 enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real t,
                                        const pk_real *q, const pk_real *v,
                                        struct pk_residuals *found, void *block, size_t size);
-/* lambda, n_constraints numbers, of the motion there. PK_REFUSED where it was compiled without. */
+/* lambda, n_constraints numbers, of the motion there: J^T lambda is in the units of the momenta's
+ * rates. PK_REFUSED where it was compiled without; else as above. */
 enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_real t,
                                          const pk_real *q, const pk_real *v, pk_real *lambda,
                                          void *block, size_t size);
-/* The name of a row as its author gave it: "rod" of "lambda_rod". As snprintf(). */
+/* The name of a row as its author gave it: "rod" of "lambda_rod"; of one without, "number 2". As
+ * snprintf(). */
 int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size);
 
 #ifdef __cplusplus
