@@ -21,6 +21,27 @@ static void multipliers(void)
     CU_ASSERT(strcmp(name, "rod") == 0);
 }
 
+/* Both numbers are of the row that is off most beside its terms; what a kernel is missing is told. */
+static void residuals(void)
+{
+    static struct bound_run f;
+    static double room[4096];
+    struct pk_residuals found;
+    bound_set(&f, &rods_system);
+    const double q[4] = {100, 0, 100.000001, 0}, v[4] = {0, 0, 1e-3, 1};
+    CU_ASSERT(pk_constraint_residuals(&f.problem, 0, q, v, &found, room, sizeof room) == PK_DONE);
+    double phi[2];
+    rods_system.constraint(f.problem.params, 0, q, v, NULL, phi);
+    CU_ASSERT(found.position == fabs(phi[found.position_row]) && found.position_relative > 1e-3);
+    CU_ASSERT(found.position_row < 2 && found.rate_row < 2 && found.rate > 0);
+    static struct pk_system system;
+    system = rod_system;
+    system.terms = NULL;
+    bound_set(&f, &system);
+    CU_ASSERT(bound_init(&f, "rk4", 0.01) == PK_REFUSED);
+    CU_ASSERT(bound_says(&f, "the kernel terms"));
+}
+
 static double shrinking_phi;
 static void shrinking(const void *params, double t, const double *q, const double *v,
                       const double *u, double *phi)
@@ -198,6 +219,7 @@ void add_constraint_told(void)
 {
     CU_pSuite suite = CU_add_suite("constraint, told", NULL, NULL);
     CU_add_test(suite, "multipliers", multipliers);
+    CU_add_test(suite, "residuals", residuals);
     CU_add_test(suite, "refusals of constraints", refusals);
     CU_add_test(suite, "between steps", between);
 }
