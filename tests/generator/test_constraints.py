@@ -264,6 +264,15 @@ def test_claims_that_hold_on_the_constraints_alone():
         assert [claim.outcome for claim in found] == ["proved"] * count
 
 
+BEAD = """\
+model bead
+coord x, y
+kinetic (x'^2 + y'^2)/2
+constraint line: y*cos(2*t) = x*sin(2*t)
+start x = 1, y' = 2
+"""
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -274,6 +283,9 @@ def test_claims_that_hold_on_the_constraints_alone():
             "'wrong' is not constant: dwrong/dt = -1.745, where its terms are",
         ),
         (SPHERE.replace("= 1\n", "= 1 + t^2\n", 1), "that 'h' is constant is not proved"),
+        # A rate that the row gives by the others, divided by what is 0 at the start.
+        (BEAD + "conserve c = x'*cos(2*t) + y'*sin(2*t) - 2*x\n", "dc/dt = 4, where"),
+        (BEAD + "conserve c = x'^3 + (y - 2*t)^2\n", "not looked for; dc/dt = 0, where"),
     ],
 )
 def test_claims_that_do_not(text, said):

@@ -40,11 +40,16 @@ class Along:
         slopes = self._slopes(node)
         terms = self._of_large_blocks(slopes)
         terms += [g.multiply(x, self._rate_of(leaf)) for leaf, x in slopes.items() if x != ZERO]
-        if self.equations.constraints is not None:
-            if self.bound is None:
-                self.bound = rates_bound(g, self.equations)
-            terms = substituted(g, terms, self.bound)
         return [term for term in terms if term != ZERO]
+
+    def on_constraints(self, terms: list[Node]) -> list[Node]:
+        """The same where J v + j0 = 0, some rates written by others; not where what they are
+        divided by vanishes."""
+        if self.equations.constraints is None:
+            return terms
+        if self.bound is None:
+            self.bound = rates_bound(self.graph, self.equations)
+        return [x for x in substituted(self.graph, terms, self.bound) if x != ZERO]
 
     def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
         """What the rates of a block add together where they do without accelerations; their slopes

@@ -52,7 +52,8 @@ def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Cla
 
 def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> Claim:
     g = along.graph
-    terms = along.terms(node)
+    anywhere = along.terms(node)
+    terms = along.on_constraints(anywhere)
     obstacle = "L jumps at a step" if jumping else _jumps(along, exact.ranges, node)
     proof = "" if obstacle else vanishes(g, exact, terms)
     attitudes = tuple(a for a in along.equations.attitudes if a.numbers)
@@ -64,7 +65,7 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
         return Claim(name, PROVED, proof)
     bound = along.equations.constraints
     if bound is not None and bound.holonomic:
-        return _at_the_start(along, name, terms, obstacle)
+        return _at_the_start(along, name, anywhere, obstacle)
     tried = _Tried(along, name, terms)
     if tried.against is not None:
         return Claim(name, REFUTED, tried.counterexample())
