@@ -99,7 +99,8 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
             tally->first_failed = first + i;
             tally->status = e->status[i];
             tally->t = e->last_t[i];
-            pk_ensemble_reason(e, i, b->block, tally->reason, sizeof tally->reason);
+            pk_ensemble_reason(e, i, b->block, b->block_size, tally->reason,
+                               sizeof tally->reason);
         }
     }
 }

@@ -50,16 +50,6 @@ static pk_real norm_error(const struct pk_projection *w, const pk_real *v, size_
     return pk_abs(norm2 - 1) / (1 + PK_F(sqrt)(norm2));
 }
 
-static void largest(const pk_real *residual, const pk_real *terms, size_t rows, pk_real *own,
-                    pk_real *relative, size_t *row)
-{
-    for (size_t i = 0; i < rows; i++) {
-        const pk_real x = pk_abs(residual[i]), ratio = x > 0 ? x / (terms[i] + PK_TINY) : 0;
-        if (ratio > *relative)
-            *own = x, *relative = ratio, *row = i;
-    }
-}
-
 enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real t,
                                        const pk_real *q, const pk_real *v,
                                        struct pk_residuals *found, void *block, size_t size)
@@ -76,8 +66,10 @@ enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real
         return pk_finite(found->norm) ? PK_DONE : PK_NOT_FINITE;
     pk_project_rows(&w, q, v);
     pk_project_terms(&w, q, v);
-    largest(w.phi, w.phi_size, w.h, &found->position, &found->position_relative, &found->position_row);
-    largest(w.rate, w.rate_size, w.c, &found->rate, &found->rate_relative, &found->rate_row);
+    found->position_relative = pk_project_worst(w.phi, w.phi_size, w.h, &found->position_row);
+    found->position = w.h ? pk_abs(w.phi[found->position_row]) : 0;
+    found->rate_relative = pk_project_worst(w.rate, w.rate_size, w.c, &found->rate_row);
+    found->rate = pk_abs(w.rate[found->rate_row]);
     return pk_all_finite(w.phi, w.h) && pk_all_finite(w.rate, w.c) && pk_finite(found->norm)
                ? PK_DONE
                : PK_NOT_FINITE;

@@ -88,9 +88,25 @@ static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *
     return e->status[member];
 }
 
-int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, char *text,
-                       size_t size)
+static enum pk_status usable(const struct pk_ensemble *e, size_t first, size_t count,
+                             const void *block, size_t size)
 {
+    if (!e || !e->system || !e->method || !e->params || !e->q0 || !e->v0 || !e->q || !e->v ||
+        !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
+        first > e->members || count > e->members - first)
+        return PK_BAD_ARGUMENT;
+    return size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) ||
+                   (size_t)block % _Alignof(pk_real)
+               ? PK_BLOCK_TOO_SMALL
+               : PK_DONE;
+}
+
+int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, size_t block_size,
+                       char *text, size_t size)
+{
+    const enum pk_status wrong = usable(e, member, 1, block, block_size);
+    if (wrong < 0)
+        return snprintf(text, size, "%s", pk_status_text(wrong));
     struct pk_member *m = (struct pk_member *)block;
     const enum pk_status status = e->status[member];
     const pk_real last = e->last_t[member];
@@ -110,13 +126,9 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,
                                void *block, size_t size)
 {
-    if (!e || !e->system || !e->method || !e->params || !e->q0 || !e->v0 || !e->q || !e->v ||
-        !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
-        first > e->members || count > e->members - first)
-        return PK_BAD_ARGUMENT;
-    if (size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) ||
-        (size_t)block % _Alignof(pk_real))
-        return PK_BLOCK_TOO_SMALL;
+    const enum pk_status wrong = usable(e, first, count, block, size);
+    if (wrong < 0)
+        return wrong;
     const struct pk_block_stepper *s = stepper(e);
     const size_t W = s ? s->lanes : 1;
     for (size_t i = 0; i < count; i += W) {

@@ -4,8 +4,8 @@
  *
  *     q -= M^-1 J^T mu  until  phi = 0         v -= M^-1 J^T nu  with  J v + j0 = 0
  *
- * by Newton's method, in the metric of M: no other state on the constraints is nearer, and the order
- * of the method stays. A quaternion is turned by the rotation vector that its three entries of
+ * by Newton's method, in the metric of M: to first order no other state on the constraints is nearer,
+ * and the order of the method stays. A quaternion is turned by the rotation vector that its three entries of
  * M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps from its last
  * step are left: they err by as much as the step did, and count h times that.
  *
@@ -132,8 +132,7 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
     return PK_NO_PROJECTION;
 }
 
-/* The worst residual of `rows` beside its terms, and of which row it is. */
-static pk_real worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which)
+pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which)
 {
     pk_real most = 0;
     *which = 0;
@@ -203,10 +202,10 @@ static enum pk_status positions(struct pk_integrator *it, struct pk_projection *
                                 pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
 {
     pk_real before = 0;
-    for (int count = 0; count <= MOST; count++) {
+    for (int count = 0;; count++) {
         size_t which;
         pk_project_rows(w, q, v);
-        const pk_real ratio = worst(w->phi, w->phi_size, w->h, &which);
+        const pk_real ratio = pk_project_worst(w->phi, w->phi_size, w->h, &which);
         const int done = judged(ratio, before, count);
         w->depends[0] = 0;
         if (done)
@@ -219,7 +218,6 @@ static enum pk_status positions(struct pk_integrator *it, struct pk_projection *
         *moved = 1;
         before = ratio;
     }
-    return PK_NO_PROJECTION;
 }
 
 /* J is there; it depends on no rates, so that one correction would do but for rounding. */
@@ -227,11 +225,11 @@ static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, c
                             pk_real *v, pk_real *low_v, int *moved)
 {
     pk_real before = 0;
-    for (int count = 0; count <= MOST; count++) {
+    for (int count = 0;; count++) {
         size_t which;
         if (count)
             w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
-        const pk_real ratio = worst(w->rate, w->rate_size, w->c, &which);
+        const pk_real ratio = pk_project_worst(w->rate, w->rate_size, w->c, &which);
         const int done = judged(ratio, before, count);
         w->depends[0] = 0;
         if (done)
@@ -243,7 +241,6 @@ static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, c
         *moved = 1;
         before = ratio;
     }
-    return PK_NO_PROJECTION;
 }
 
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,

@@ -19,7 +19,7 @@ struct pk_projection {
     pk_real *phi, *rate;         /* residuals of position and of the rates */
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
-    pk_real *mu, *d;             /* multipliers; a correction of n */
+    pk_real *mu, *d;             /* multipliers; 2 n numbers: a correction, and what is behind it */
     pk_real *depends;            /* 1 + the row that depends on earlier ones, or 0; by how much */
 };
 
@@ -37,17 +37,22 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
-/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. */
+/* The largest residual beside its terms, or what is no number, and of which row it is. */
+pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
+/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. The
+ * multipliers mu are overwritten. */
 size_t pk_project_factor(struct pk_projection *w, size_t rows);
 
 /* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether
- * anything changed. PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with
- * PK_OFF_CONSTRAINTS, of a start, 2 c + a rotation. */
+ * anything changed. It takes the room it->project. PK_NOT_FINITE, what M is singular for, or
+ * PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with PK_OFF_CONSTRAINTS, of a
+ * start, 2 c + a rotation. */
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved);
 /* The step in it->next, before it becomes the state. */
 enum pk_status pk_project_step(struct pk_integrator *it);
-/* The status of an acceleration that found the constraints dependent, it->where its row. */
+/* The status of an acceleration that found the constraints dependent, it->where its row, at the time
+ * it->detail. */
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
 /* The state where the integrator starts: refused where it breaks constraints, or they depend on each
  * other; else moved onto them by what rounding left. */

@@ -209,7 +209,7 @@ static int is_told(struct crowd *c, size_t i, const char *part)
 {
     const struct crowd before = *c;
     char text[512], last[64];
-    pk_ensemble_reason(&c->e, i, c->block, text, sizeof text);
+    pk_ensemble_reason(&c->e, i, c->block, sizeof c->block, text, sizeof text);
     snprintf(last, sizeof last, "; last valid time %.17g", c->last_t[i]);
     return strstr(text, part) && (c->last_t[i] == 0 || strstr(text, last)) &&
            memcmp(&before.status, &c->status, sizeof c->status) == 0 &&

@@ -71,10 +71,10 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
                                void *block, size_t size);
 
 /* Why a member of a run failed, in words, with its last valid time, as pk_integrator_reason() has it:
- * the member goes its way once more, alone. The block is that of one thread, of the size that
- * pk_ensemble_size() wants; results stay as they are. Returns its length as snprintf() does. */
-int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, char *text,
-                       size_t size);
+ * the member goes its way once more, alone. The block is as for pk_ensemble_run(), and what is wrong
+ * with the arguments is the text; results stay as they are. Returns its length as snprintf() does. */
+int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, size_t block_size,
+                       char *text, size_t size);
 
 /* All members, by `threads` threads of OpenMP (libpk_omp.a, compiled with -fopenmp; without it,
  * one after the other). The block is for all of them: threads * pk_ensemble_size(). */
