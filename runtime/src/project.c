@@ -74,6 +74,28 @@ void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *
     w->system->terms(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
 }
 
+/* What combination x of the rows before it a row is: (J M^-1 J^T) x = J M^-1 row^T by the factors of
+ * the leading block, of rows c apart; each beside the sizes of both, which mu has squared. */
+static void explain(struct pk_projection *w, size_t c, size_t row)
+{
+    pk_real *x = w->depends + 1;
+    w->depends[0] = (pk_real)(row + 1);
+    for (size_t i = 0; i < row; i++) {
+        x[i] = 0;
+        for (size_t k = 0; k < w->m; k++)
+            x[i] += w->J[row * w->n + k] * w->W[i * w->m + k];
+        for (size_t k = 0; k < i; k++)
+            x[i] -= w->A[i * c + k] * x[k];
+    }
+    for (size_t i = row; i-- > 0;) {
+        x[i] /= w->A[i * c + i];
+        for (size_t k = i + 1; k < row; k++)
+            x[i] -= w->A[k * c + i] * x[k];
+    }
+    for (size_t i = 0; i < row; i++)
+        x[i] *= PK_F(sqrt)(w->mu[i] / (w->mu[row] + PK_TINY));
+}
+
 size_t pk_project_factor(struct pk_projection *w, size_t rows)
 {
     const size_t m = w->m, c = rows;
@@ -91,27 +113,9 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows)
     for (size_t i = 0; i < c; i++)
         w->mu[i] = w->A[i * c + i];
     const size_t failed = pk_ldl_factor(w->A, c);
-    w->depends[0] = (pk_real)failed;
-    if (!failed)
-        return 0;
-    /* The combination of earlier rows that the row is: (J M^-1 J^T) x = J M^-1 row^T. */
-    const size_t last = failed - 1;
-    pk_real *x = w->depends + 1;
-    for (size_t i = 0; i < last; i++) {
-        x[i] = 0;
-        for (size_t k = 0; k < m; k++)
-            x[i] += w->J[last * w->n + k] * w->W[i * m + k];
-    }
-    for (size_t i = 0; i < last; i++) /* by the factors of the leading block, of rows c apart */
-        for (size_t k = 0; k < i; k++)
-            x[i] -= w->A[i * c + k] * x[k];
-    for (size_t i = last; i-- > 0;) {
-        x[i] /= w->A[i * c + i];
-        for (size_t k = i + 1; k < last; k++)
-            x[i] -= w->A[k * c + i] * x[k];
-    }
-    for (size_t i = 0; i < last; i++) /* beside the sizes of both rows */
-        x[i] *= PK_F(sqrt)(w->mu[i] / (w->mu[last] + PK_TINY));
+    w->depends[0] = 0;
+    if (failed)
+        explain(w, c, failed - 1);
     return failed;
 }
 
@@ -124,10 +128,8 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c);
         it->where = row ? row - 1 : it->where;
-        if (!row) { /* found by the acceleration alone */
-            memset(w.depends, 0, (w.c + 1) * sizeof *w.depends);
-            w.depends[0] = (pk_real)(it->where + 1);
-        }
+        if (!row) /* found by the acceleration alone */
+            explain(&w, w.c, it->where);
     }
     return PK_NO_PROJECTION;
 }
