@@ -82,8 +82,10 @@ static enum pk_status moved(struct fixture *f, const struct pk_system *system, c
     for (size_t i = system->n - system->n_states; i < system->n; i++)
         f->q0[i] = integral;
     enum pk_status status = fixture_init(f, method);
-    if (f->it.method && f->it.method->traits & PK_ADAPTIVE)
+    if (f->it.method && f->it.method->traits & PK_ADAPTIVE) {
+        pk_integrator_free(&f->it);
         f->options.h = 0, status = fixture_init(f, method); /* a first step of its own */
+    }
     if (status >= 0)
         status = pk_integrator_to(&f->it, 12);
     if (status >= 0) {
