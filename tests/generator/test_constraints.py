@@ -121,6 +121,11 @@ def test_forces_are_dalemberts(tmp_path, compiler, monkeypatch):
         assert side == pytest.approx(multipliers[3] + p[3], abs=1e-8 * size)
         force = called(bound, "force", *state)[0][:7]
         assert force == pytest.approx(f + J.T @ multipliers, abs=1e-7 * size)
+        # The Gauss methods solve p' = pdot: there the forces have to be too.
+        (free_p, free_pdot), (p, pdot) = (called(c, "canonical", *state) for c in (free, bound))
+        assert p == pytest.approx(free_p, abs=1e-12)
+        assert pdot[:7] == pytest.approx(free_pdot[:7] + J.T @ multipliers, abs=1e-7 * size)
+        assert pdot[7:] == pytest.approx(free_pdot[7:], abs=1e-12)
         phi = called(bound, "constraint", *state)[0]
         x, y, z, angle = q
         place = numpy.array([x, y, z])
@@ -163,6 +168,10 @@ def test_what_is_proved_with_constraints():
     assert belt.conservative
     driven = "model driven\n" + plane.replace("x = 1", "x' = 1") + "rolling belt: x' = 1 + y'\n"
     assert not facts(driven).conservative
+    # Of what an input or the time turns round nobody knows, though it does no work.
+    for by in ("u", "t"):
+        steered = f"model steered\ninput u\n{plane}rolling blade: y' = {by}*x'\n"
+        assert not facts(steered).conservative and not facts(steered).autonomous
 
 
 WRONG = [
