@@ -31,6 +31,7 @@ from pkgen.front.read import read
 
 from . import accuracy_reference, machine
 from .accuracy_chart import Chart, Way
+from .chosen import chosen
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -166,9 +167,8 @@ def main(words: list[str]) -> int:
     folder = accuracy_reference.FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     found = []
-    for case in CASES:
-        if (arguments.quick and not case.quick) or arguments.only not in case.name:
-            continue
+    cases = [case for case in CASES if case.quick or not arguments.quick]
+    for case in chosen(cases, arguments.only, lambda case: case.name):
         try:
             found.append(judge(case, folder))
         except RuntimeError as error:

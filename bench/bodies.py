@@ -23,6 +23,7 @@ from pkgen.front.read import read
 
 from . import machine, systems, tables
 from .builds import AS_RUN, OUTPUT, RUNTIME, SOURCES, compile_program, runtime_library
+from .chosen import chosen
 from .systems import PAGE, ROOT
 
 BEGIN = "<!-- python -m bench bodies --docs -->\n"
@@ -113,12 +114,12 @@ def main(words: list[str]) -> int:
     arguments = parser.parse_args(words)
     if arguments.docs and arguments.only:
         raise SystemExit("bench bodies: --docs wants all scenes")
+    cases = chosen(CASES, arguments.only, lambda case: f"{case[1]} {case[2]}")
     OUTPUT.mkdir(parents=True, exist_ok=True)
     runs = []
-    for folder, model, scene, methods in CASES:
-        if arguments.only in f"{model} {scene}":
-            path = ROOT / "models" / folder / f"{model}.lag"
-            runs += of_scene(path, scene, methods, arguments.steps)
+    for folder, model, scene, methods in cases:
+        path = ROOT / "models" / folder / f"{model}.lag"
+        runs += of_scene(path, scene, methods, arguments.steps)
     text = f"{tables.table(HEAD, (run.cells() for run in runs))}\n"
     print(text)
     if arguments.docs:

@@ -31,6 +31,7 @@ from . import (
 )
 from .attitudes import of_quaternion
 from .builds import BUILDS, OUTPUT
+from .chosen import chosen
 from .measure import Comparison, Effort, Track
 from .peers import forms, quaternion
 from .rotation_cases import CASES, ROOT, Case
@@ -65,10 +66,8 @@ def main(words: list[str]) -> int:
     here = machine.describe()
     effort = QUICK if arguments.quick else FULL
     parts = {}
-    for made in CASES:
-        case = made()
-        if arguments.only in case.name:
-            parts[case.name.capitalize()] = part(case, effort)
+    for case in chosen([made() for made in CASES], arguments.only, lambda case: case.name):
+        parts[case.name.capitalize()] = part(case, effort)
     sections = "\n\n".join(f"### {title}\n\n{text}" for title, text in parts.items())
     print(sections)
     if arguments.docs:

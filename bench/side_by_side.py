@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from . import environment, machine, tables
+from .chosen import chosen
 from .side_by_side_cases import CASES, Case
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -108,7 +109,7 @@ def main(words: list[str]) -> int:
     arguments = parser.parse_args(words)
     if importlib.util.find_spec("physicskit") is None:
         return with_peers(words)
-    rows = [row(case) for case in CASES if arguments.only in case.name]
+    rows = [row(case) for case in chosen(CASES, arguments.only, lambda case: case.name)]
     text = tables.table(HEAD, (row.cells() for row in rows)) + "\n"
     print(text)
     if arguments.docs:

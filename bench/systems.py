@@ -24,6 +24,7 @@ from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 
 from . import machine, tables
+from .chosen import chosen
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "models.md"
@@ -100,11 +101,14 @@ def main(words: list[str]) -> int:
     parser.add_argument("--docs", action="store_true", help="write docs/models.md")
     arguments = parser.parse_args(words)
     rows = []
-    for path in sorted((ROOT / "models").rglob("*.lag"), key=_order):
-        for name in re.findall(r"^scene (\w+)", path.read_text(encoding="utf-8"), re.M):
-            if arguments.only in f"{path.stem} {name}":
-                rows.append(row(path, name))
-                print(" | ".join(rows[-1].cells()), file=sys.stderr, flush=True)
+    scenes = [
+        (path, name)
+        for path in sorted((ROOT / "models").rglob("*.lag"), key=_order)
+        for name in re.findall(r"^scene (\w+)", path.read_text(encoding="utf-8"), re.M)
+    ]
+    for path, name in chosen(scenes, arguments.only, lambda scene: f"{scene[0].stem} {scene[1]}"):
+        rows.append(row(path, name))
+        print(" | ".join(rows[-1].cells()), file=sys.stderr, flush=True)
     met, asked = sum(row.met for row in rows), sum(len(row.expects) for row in rows)
     models = len({row.model for row in rows})
     said = f"Scenes: {len(rows)}, of models: {models}, expectations met: {met} of {asked}"

@@ -46,16 +46,21 @@ struct look {
     double norm, place, rate;
 };
 
-static void look(struct look *seen, const struct pk_problem *problem, const struct pk_integrator *it)
+/* 0; 1 where there are no residuals, said. */
+static int look(struct look *seen, const struct pk_problem *problem, const struct pk_integrator *it)
 {
     struct pk_residuals found;
     pk_monitor_update(&seen->monitor, it->t, it->q, it->v);
-    if (pk_constraint_residuals(problem, it->t, it->q, it->v, &found, seen->block, seen->size) !=
-        PK_DONE)
-        return;
+    const enum pk_status status = pk_constraint_residuals(problem, it->t, it->q, it->v, &found,
+                                                          seen->block, seen->size);
+    if (status != PK_DONE) {
+        fprintf(stderr, "residuals at t = %g: %s\n", it->t, pk_status_text(status));
+        return 1;
+    }
     seen->norm = larger(seen->norm, found.norm);
     seen->place = larger(seen->place, found.position_relative);
     seen->rate = larger(seen->rate, found.rate_relative);
+    return 0;
 }
 
 /* Of the momenta and claims that have a size to be relative to. */
@@ -96,12 +101,12 @@ int main(int argc, char **argv)
     if (pk_monitor_init(&seen.monitor, &problem, malloc(watched), watched) != PK_DONE) return 1;
     seen.size = pk_constraint_size(&problem);
     seen.block = malloc(seen.size);
-    look(&seen, &problem, &it);
+    if (look(&seen, &problem, &it)) return 1;
     for (unsigned long done = 0; done < steps; done += every) {
         const double begin = now();
         if (pk_integrator_to(&it, h * (double)(done + every)) < 0) return failed(&it);
         spent += now() - begin;
-        look(&seen, &problem, &it);
+        if (look(&seen, &problem, &it)) return 1;
     }
     const struct pk_drift *energy = &seen.monitor.energy;
     const int kept = seen.monitor.has_energy;

@@ -1,5 +1,5 @@
 /* Unit quaternions Q = (w, x, y, z), body to space: products, turns of vectors, and how a step turns
- * an attitude. By half a step's x = h omega/2 the Cayley map turns by the quaternion
+ * an attitude. What is written may be where an argument is: all is read before. By half a step's x = h omega/2 the Cayley map turns by the quaternion
  *
  *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    twice:  c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *
@@ -59,18 +59,39 @@ static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, 
 }
 
 /* The four numbers that exp(theta), a rotation vector, adds to Q: sin(a)/a and cos(a) - 1 at half the
- * angle, from series where that is small. */
+ * angle, the second by sin(a/2), where nothing cancels. */
 static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, pk_real *d)
 {
     const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
     const pk_real quarter = PK_F(sin)(angle / 2);
-    const pk_real sinc = angle > PK_C(1e-10) ? PK_F(sin)(angle) / angle : PK_C(1.0);
+    const pk_real sinc = angle > 0 ? PK_F(sin)(angle) / angle : PK_C(1.0);
     const pk_real u[3] = {sinc * theta[0] / 2, sinc * theta[1] / 2, sinc * theta[2] / 2};
     pk_quaternion_times(Q, -2 * quarter * quarter, u, d);
 }
 
-/* Where the norm is off by more than a few roundings; the compensations then belong to what was. 1
- * where it was; -1: no direction is left, the square of the norm is lost or is no number. */
+/* theta' of R0 exp(theta) where the body rates are omega: the inverse of d(exp),
+ *
+ *     omega + theta x omega/2 + (1 - x cot x)/(4 x^2) theta x (theta x omega),  x = |theta|/2.
+ *
+ * The weight is 1/12 + s/720 + s^2/30240 + s^3/1209600 + ..., s = |theta|^2; it is taken from there
+ * where the first term left out, s^4/1209600 beside omega, is less than rounding. */
+static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, pk_real *out)
+{
+    const pk_real s = pk_dot3(theta, theta), x = PK_F(sqrt)(s) / 2;
+    const pk_real weight = s * s * s * s > PK_C(1e6) * PK_EPS
+                               ? (1 - x * PK_F(cos)(x) / PK_F(sin)(x)) / s
+                               : PK_C(1.0) / 12 + s * (PK_C(1.0) / 720 + s / 30240);
+    pk_real one[3], two[3];
+    pk_cross(theta, omega, one);
+    pk_cross(theta, one, two);
+    for (int i = 0; i < 3; i++)
+        out[i] = omega[i] + one[i] / 2 + weight * two[i];
+}
+
+/* Scales Q to length 1 where its norm is off by more than a few roundings, and clears its
+ * compensations `low` (NULL: there are none), which belong to what Q was. Entries are `stride` apart.
+ * 1 where Q was scaled, 0 where it was well; -1, and Q is left as it is, where no direction is left:
+ * the square of its norm is lost or is no number. */
 static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
 {
     pk_real norm2 = 0;

@@ -1,11 +1,8 @@
 /* Explicit Runge-Kutta methods on R^n x SO(3)^b (Munthe-Kaas): a rotation is R0 exp(theta), and
- * it is theta, a vector, that the tableau integrates,
- *
- *     theta' = omega + theta x omega/2 + (1 - x cot x)/(4 x^2) theta x (theta x omega)
- *
- * with x = |theta|/2, the inverse of d(exp); so quaternions are of unit length at every stage. All
- * else is as in pk/step/erk.h, and without rotations all is. Reference: H. Munthe-Kaas, Appl.
- * Numer. Math. 29 (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.8.2.
+ * it is theta, a vector, that the tableau integrates, theta' = d(exp)^-1 omega (pk_dexp_inverse());
+ * so quaternions are of unit length at every stage. All else is as in pk/step/erk.h, and without
+ * rotations all is. Reference: H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; E. Hairer,
+ * C. Lubich, G. Wanner, Geometric Numerical Integration, IV.8.2.
  */
 #include <string.h>
 
@@ -65,19 +62,6 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
     return y;
 }
 
-static void inverse_of_dexp(const pk_real *theta, const pk_real *omega, pk_real *out)
-{
-    const pk_real square = pk_dot3(theta, theta), x = PK_F(sqrt)(square) / 2;
-    const pk_real weight =
-        x > PK_C(5e-4) ? (1 - x * PK_F(cos)(x) / PK_F(sin)(x)) / square
-                       : PK_C(1.0) / 12 + square * (PK_C(1.0) / 720 + square / 30240);
-    pk_real one[3], two[3];
-    pk_cross(theta, omega, one);
-    pk_cross(theta, one, two);
-    for (size_t i = 0; i < 3; i++)
-        out[i] = omega[i] + one[i] / 2 + weight * two[i];
-}
-
 static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)it->method->table;
@@ -92,13 +76,13 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
             return status;
         for (size_t r = 0; r < turned; r++) {
             rotation_vector(it, table->a + i * (i - 1) / 2, i, r, theta);
-            inverse_of_dexp(theta, at + rates(it, r), k + quaternion(it, r));
+            pk_dexp_inverse(theta, at + rates(it, r), k + quaternion(it, r));
             k[quaternion(it, r) + 3] = 0;
         }
     }
     memcpy(low, pk_part(it->state, n, PK_LOW_Q), m * sizeof *low); /* of q and of v */
     for (size_t i = 0; i < m; i++) {
-        const pk_real before = low[i];
+        const pk_real before = low[i]; /* of a quaternion: what is added to it comes below */
         y[i] = pk_sum(it->state[i], it->h * pk_row_sum(table->b, table->stages, it->work, m, i),
                       &low[i]);
         if (turned && i >= quaternion(it, 0) && i < quaternion(it, turned))

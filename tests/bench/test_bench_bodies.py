@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from bench import bodies
+from bench import accuracy, bodies, systems
 
 RUN = bodies.Run(
     "disk goes", "gauss4 h = 0.1", 1000, 3, 1, 0, 3,
@@ -38,3 +38,12 @@ def test_rods_stay_on_their_circle_and_keep_their_energy() -> None:
     assert 0 < short.place < 1e-15 and 0 < short.rate < 1e-15
     assert 0 < short.energy < 2e-7 < long.energy  # of order 4
     assert short.well and short.seconds > 0
+
+
+@pytest.mark.parametrize(
+    ("bench", "there"), [(bodies, "free_body"), (systems, "free_body"), (accuracy, "pendulum")]
+)
+def test_what_is_not_there_is_no_empty_table(bench, there) -> None:
+    with pytest.raises(SystemExit) as caught:
+        bench.main(["--only", "nosuch"])
+    assert "nosuch" in str(caught.value) and there in str(caught.value)

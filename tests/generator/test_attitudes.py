@@ -296,3 +296,29 @@ start x = 1, k = 1, omega(R) = [1, 0, 0]
     made = compile_model(Source("model.lag", text), use=use)
     assert made.equations.attitudes and not made.equations.quaternions
     assert not made.structure.conservative
+
+
+PAIR = """\
+model pair
+coord x, y
+rotation A
+rotation B
+let a = omega(A)
+kinetic (x'^2 + y'^2)/2 + a.x^2 + a.y^2/2 + a.z^2/4 + dot(omega(B), omega(B))/2
+start omega(A) = [1, 2, 3], omega(B) = [1, 0, 0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "columns", "left"),
+    [
+        ("", {"omega(A).x", "omega(B).x"}, 0),
+        ("", {"A.w", "omega(B).x"}, 8),  # all rotations have their attitudes, or none
+        ("", {"A.w"}, 4),
+        ("constraint c: x = y\n", {"omega(A).x", "x"}, 4),  # steps return all to unit length
+    ],
+)
+def test_the_quaternions_that_are_left(more, columns, left):
+    use = Use(lambda model: (model, ()), lambda _: Needs(frozenset(columns)))
+    made = compile_model(Source("model.lag", PAIR + more), use=use)
+    assert made.equations.quaternions == left

@@ -12,7 +12,8 @@ from c_harness import COMPILERS, ROOT, STRICT, TYPES, Loaded, for_warnings, run
 from pkgen.compiler import Compilation, compile_model
 from pkgen.source import Source
 from test_attitudes import HUNG
-from test_constraints import BALL, BODY, OUTPUTS, ROWS
+from test_constraint_claims import BALL
+from test_constraints import BODY, OUTPUTS, ROWS
 
 RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
 FAMILIES = ("ERK", "EMBEDDED", "SPLITTING", "ENSEMBLE")

@@ -111,6 +111,16 @@ def test_the_extra_model_is_right():
     assert outcome(EXTRA)
 
 
+FOUND = [  # what has once ended in an internal error
+    "model wrong\nparam force = 1\nparam in\n= \nend\n2\nparam step = 3\ncoord x\nkinetic x'^2/2\n",
+]
+
+
+@pytest.mark.parametrize("text", FOUND)
+def test_what_was_found(text):
+    assert not outcome(text)
+
+
 def test_noise():
     random_ = random.Random(2385)
     alphabet = "aqx'[]()+-*/^.,=0123456789 \n#θé"

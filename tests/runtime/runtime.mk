@@ -79,7 +79,7 @@ $(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
 # Order of the methods of order 6 and more in __float128, where round-off is far away. The systems
 # alone are compiled twice: around function pointers, and with the steps inlined.
 RT_QUAD_FLAGS = -std=gnu11 -O1 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
-                -Itests/runtime $(RT_EXTRA)
+                -Iruntime/src -Itests/runtime $(RT_EXTRA)
 RT_QUAD = $(patsubst runtime/src/%.c,$(RT_TESTS)/quad.d/%.o,$(sort $(wildcard runtime/src/*.c))) \
           $(RT_TESTS)/quad.d/order.o
 RT_QUAD_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/quad.d/%.o,$(RT_SYSTEMS_C))

@@ -1,6 +1,7 @@
 /* Rotations: the order of methods on SO(3), what each keeps of a free body over long runs, the
  * symplectic form of T*SO(3), reversal; each with a method that fails it.
  */
+#include "attitude_series.h"
 #include "bound.h"
 
 static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6", "rattle",
@@ -246,6 +247,53 @@ static void reversible(void)
     }
 }
 
+/* On both sides of where a formula gives way to its series. */
+static void small_angles(void)
+{
+    double exp_off, dexp_off;
+    series_of_attitudes(12, &exp_off, &dexp_off); /* 7/64 */
+    printf("\n    small angles: exp off by %.2g eps, the inverse of d(exp) by %.2g", exp_off, dexp_off);
+    CU_ASSERT(exp_off > 0 && exp_off < 4 && dexp_off > 0 && dexp_off < 3);
+}
+
+/* What a sum of quaternions has rounded away goes on to the next one: a turn about an axis, exact. */
+static void compensated(void)
+{
+    static struct bound_run f;
+    static const char *const names[] = {"rkmk4", "rkmk8"};
+    const long double h = 1.0L / 1024;
+    for (int k = 0; k < 2; k++) {
+        bound_set(&f, &free_body_system);
+        f.v0[0] = 1, f.v0[1] = f.v0[2] = 0;
+        f.v0[3] = 1, f.v0[4] = f.v0[5] = f.v0[6] = 0;
+        CU_ASSERT_FATAL(bound_init(&f, names[k], (double)h) == PK_DONE);
+        long double worst = 0;
+        for (int i = 1; i <= 4; i++) {
+            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1) == PK_DONE);
+            const double *low = pk_part(f.it.state, f.it.n, PK_LOW_X);
+            worst = fmaxl(worst, fabsl((long double)f.it.v[3] + low[3] - cosl(h * i / 2)));
+            worst = fmaxl(worst, fabsl((long double)f.it.v[4] + low[4] - sinl(h * i / 2)));
+        }
+        printf("\n    %s: quaternion and what it has rounded away off by %.1Le", names[k], worst);
+        CU_ASSERT(worst < 1e-18L);
+    }
+}
+
+static void normalised(void)
+{
+    double Q[8] = {0, 9, 3, 9, 0, 9, 4, 9}, low[8] = {1, 9, 1, 9, 1, 9, 1, 9};
+    CU_ASSERT(pk_normalise(Q, low, 2) == 1);
+    const double scaled[] = {0, 9, 0.6, 9, 0, 9, 0.8, 9}, cleared[] = {0, 9, 0, 9, 0, 9, 0, 9};
+    for (int i = 0; i < 8; i++)
+        CU_ASSERT(fabs(Q[i] - scaled[i]) < 1e-15 && fabs(low[i] - cleared[i]) < 1e-300);
+    low[2] = 1e-17;
+    CU_ASSERT(pk_normalise(Q, low, 2) == 0 && low[2] > 0);
+    CU_ASSERT(pk_normalise(Q, NULL, 2) == 0);
+    double none[4] = {0, 1e-200, 0, 0}, wild[4] = {1, INFINITY, 0, 0};
+    CU_ASSERT(pk_normalise(none, NULL, 1) == -1 && none[1] > 0);
+    CU_ASSERT(pk_normalise(wild, NULL, 1) == -1);
+}
+
 void add_rotation(void)
 {
     CU_pSuite suite = CU_add_suite("rotation", NULL, NULL);
@@ -255,4 +303,7 @@ void add_rotation(void)
     CU_add_test(suite, "periods in closed form", closed_form);
     CU_add_test(suite, "the symplectic form", symplectic);
     CU_add_test(suite, "reversal", reversible);
+    CU_add_test(suite, "small angles", small_angles);
+    CU_add_test(suite, "what sums of quaternions round away", compensated);
+    CU_add_test(suite, "unit length", normalised);
 }

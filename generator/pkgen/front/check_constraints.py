@@ -6,17 +6,17 @@ rolling lambda d(A-B)/dq', so that its unit is an energy, or a power, over that 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .. import model as m
 from ..source import Span
 from ..tree import AXES, Add, Expr
 from . import statements as st
 from . import units
-from .check_names import Entry, Facts
+from .check_names import UNKNOWN, Entry, Facts
 from .check_shared import Shared, name_span
 from .check_vectors import component, component_name
 from .units import Dimension, si_text
-
-_OTHER = {"constraint": "rolling", "rolling": "constraint"}
 
 
 class Constraints:
@@ -31,6 +31,9 @@ class Constraints:
         difference = Add((statement.a, statement.b), (1, -1), statement.a.span.to(statement.b.span))
         parts = [self.expressions.check(side, scope) for side in (statement.a, statement.b)]
         sides = (statement.a, statement.b)
+        self._alike(sides, [facts.vector for _, facts in parts])
+        if len(self.report.errors) > before:
+            parts = [(side, UNKNOWN) for side, _ in parts]
         dimension = self.expressions.mismatch.common(
             sides, [f for _, f in parts], f"'{statement.keyword}'", numbers=True
         )
@@ -60,11 +63,29 @@ class Constraints:
                 )
             )
 
+    def _alike(self, sides: tuple[Expr, Expr], vectors: list[bool | None]) -> None:
+        if True in vectors and False in vectors:
+            vector, number = sides if vectors[0] else reversed(sides)
+            text = self.expressions.mismatch.text
+            self.report.error(
+                f"{text(vector)} is a vector; the other side, {text(number)}, is a number",
+                number.span,
+                "write a vector on both sides, or take a component (.x, .y, .z) or norm(v)",
+            )
+
     @staticmethod
-    def _rows(name: str, value: Expr, vector: bool) -> list[tuple[str, Expr]]:
+    def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
+        """Of a vector a row each component, of the sides' components: what is not in one of them
+        is not in the row."""
         if not vector:
-            return [(name, value)]
-        return [(component_name(name, k), component(value, k)) for k in range(len(AXES))]
+            return [(name, difference)]
+        return [
+            (
+                component_name(name, k),
+                replace(difference, terms=tuple(component(side, k) for side in difference.terms)),
+            )
+            for k in range(len(AXES))
+        ]
 
     def _moves(self, statement: st.Equation, facts: Facts, span: Span) -> None:
         keyword = statement.keyword

@@ -106,7 +106,8 @@ class Rotations:
                 item.span,
                 f"start omega({left.name}) = [x, y, z]",
             )
-        values = self._rates(item, around) if item.function else self._attitude(item, around)
+        of_rates = item.function or item.order  # R' gives rates, if under a wrong name
+        values = self._rates(item, around) if of_rates else self._attitude(item, around)
         if len(self.report.errors) > before or entry is None or not values:
             return None
         if item.function:

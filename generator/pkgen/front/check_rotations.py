@@ -163,7 +163,7 @@ class RotationCalls:
             self.report.error(
                 "omega takes the name of a rotation",
                 expr.arguments[0].span,
-                "of a product of rotations the rates are in several frames: add them as vectors",
+                _of_no_name(facts.turns),
             )
             return expr, UNKNOWN
         names = (Name(rate, None, expr.span) for rate in rate_names(name))
@@ -210,6 +210,15 @@ class RotationCalls:
         unit = Vector(tuple(Number(Fraction(n), span) for n in _UNIT[axis]), span)
         whole = applied(turns, unit, span)
         return [Component(whole, k, span) for k in range(len(AXES))]
+
+
+def _of_no_name(turns: Turns) -> str:
+    """How body rates are had of what is no declared rotation."""
+    if len(turns) > 1:
+        return "of a product of rotations the rates are in several frames: add them as vectors"
+    if turns[0].quaternion is not None:
+        return "of inverse(R) they are -(R*omega(R))"
+    return "of rot(n, a) they are a'*n, where n is constant and of length 1"
 
 
 def _backwards(turn: Turn) -> Turn:

@@ -133,7 +133,7 @@ def _reserved_word(spot: Spot):
     if (
         "NAME" in spot.expected
         and (spot.after is not None or not spot.wants_value())
-        and not (word == "in" and spot.after.type == "LEND")
+        and not (word == "in" and spot.after is not None and spot.after.type == "LEND")
     ):
         return f"'{word}' is a word of the language and cannot be a name", "choose another name"
     if word in STATEMENT_WORDS and spot.before.type in _VALUE_ENDS:

@@ -6,8 +6,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ..equations import Equations, Structure
+from ..equations import Equations, Indices, Structure
 from .analyze import analyze
+from .analyze_coupling import partition
 from .graph import ZERO, Kind
 from .lagrange import derived_again
 from .motion import STATE
@@ -28,16 +29,24 @@ def parts_of(
     equations: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Part, ...]:
     """The parts of a system, or none where it is one block, or something belongs to several."""
-    joined = equations.events or equations.states or equations.constraints
-    if len(structure.blocks) < 2 or joined:
+    if equations.events or equations.states or equations.constraints:
         return ()
-    owners = [_owner(structure.blocks, equations, node) for node in equations.quadratures]
+    blocks = _with_whole_bodies(equations, structure.blocks)
+    if len(blocks) < 2:
+        return ()
+    owners = [_owner(blocks, equations, node) for node in equations.quadratures]
     if None in owners:
         return ()
     return tuple(
         _part(equations, kernels, k, block, [i for i, owner in enumerate(owners) if owner == k])
-        for k, block in enumerate(structure.blocks)
+        for k, block in enumerate(blocks)
     )
+
+
+def _with_whole_bodies(equations: Equations, blocks: Indices) -> Indices:
+    """The rates of a body together, though those of a ball do not influence one another."""
+    together = (*blocks, *(tuple(a.rates) for a in equations.attitudes))
+    return partition(len(equations.coordinates), ((row[0], i) for row in together for i in row))
 
 
 def _owner(blocks: Sequence[tuple[int, ...]], equations: Equations, node: int) -> int | None:

@@ -24,10 +24,14 @@ def rows_of(x: Expander) -> Rows | None:
                 node = x.scalar(item.value, loop)
                 name = indexed(item.name, index)
                 if not x.graph.depends[node] & MOVES:
-                    if normal(node) == {} and not _of_the_free(x, item.value):
+                    held = names(item.value) and not _of_the_free(x, item.value)
+                    if held and normal(node) == {}:
                         continue  # what a scene holds fulfils it
                     message = f"the constraint '{name}' holds or fails whatever the motion"
-                    help = "leave it out; in a scene, hold what it ties as it says"
+                    help = (
+                        "state its other components one by one" if "." in name else "leave it out"
+                    )
+                    help = "hold what it ties as it says" if held else help
                     raise error(x.model, message, item.span, help)
                 rate = x.derivative(node) if item.holonomic else node
                 quantity = Quantity(f"lambda_{name}", item.unit, item.description)

@@ -8,6 +8,7 @@
 
 #include <pk/pk.h>
 
+#include "attitude_series.h"
 #include "systems.h"
 
 enum { FAILED, MADE, SHORTENED }; /* the last where an iteration could not take the step */
@@ -107,6 +108,15 @@ static int check_exact(void)
     return !(error > 0 && error < 1e-32Q);
 }
 
+/* Attitudes by small angles, to this precision's round-off. */
+static int check_small_angles(void)
+{
+    pk_real exp_off, dexp_off;
+    series_of_attitudes(18, &exp_off, &dexp_off); /* 7/512 */
+    printf("quad: small angles, off by %.2g and %.2g eps\n", (double)exp_off, (double)dexp_off);
+    return !(exp_off > 0 && exp_off < 4 && dexp_off > 0 && dexp_off < 3);
+}
+
 /* Methods on SO(3) and with constraints: order 6 and 8 where M depends on the attitude, with forces
  * of time, and on a constraint that moves. */
 static int check_bound(const struct pk_method *m)
@@ -120,7 +130,7 @@ static int check_bound(const struct pk_method *m)
 int main(void)
 {
     const struct pk_system carried = carrying(&pendulum_system);
-    int failed = check_exact(), found = 0, with_z = 0;
+    int failed = check_exact() | check_small_angles(), found = 0, with_z = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *m = pk_method_at(i);
         if (m->order < 5)

@@ -1,0 +1,39 @@
+"""Methods at one step on a constraint, against the angle that takes its place."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from conftest import rows, written
+
+ROD = """\
+model rod
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential 9.81*y
+constraint rod: x^2 + y^2 = 1
+start x = 0.6, y = 0.8
+"""
+ANGLE = """\
+model angle
+coord a
+kinetic a'^2/2
+potential 9.81*cos(a)
+start a = asin(0.6)
+"""
+# Largest distance from the circle's x, y over a second: a few times what each errs by.
+BOUNDS = {"rk4": 2e-6, "gauss4": 3e-13, "lobatto4": 1e-10, "radau5": 3e-9, "rattle4": 6e-7}
+
+
+@pytest.mark.parametrize("method", BOUNDS)
+def test_a_rod_by_a_step_is_its_angle(pkgen, tmp_path, method):
+    common = ("--until", "1", "--every", "0.25")
+    options = ("--method", method, "--step", "0.01")
+    mine = rows(pkgen, written(tmp_path, ROD), *common, *options)
+    exact = rows(pkgen, written(tmp_path, ANGLE), *common, "--method", "dop853", "--rtol", "1e-13")
+    off = max(
+        math.hypot(a["x"] - math.sin(b["a"]), a["y"] - math.cos(b["a"]))
+        for a, b in zip(mine, exact, strict=True)
+    )
+    assert 0 < off < BOUNDS[method]
