@@ -6,15 +6,13 @@
 
 enum { MOST = 50 };
 
-/* The largest rate in the metric of M, times the root of its mass; and that what the forces of a
- * step give, since momenta are sums with it: beside these rates are rounded. */
-static pk_real fastest(const struct pk_variational_work *w, const pk_real *v)
+/* What rates are rounded beside, times the roots of their masses: the fastest in the metric of M,
+ * and momenta, which are large of a charge at rest in a magnetic field, or M^-1 of them. */
+static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, const pk_real *p)
 {
     pk_real most = PK_TINY;
-    for (size_t k = 0; k < w->m; k++) {
-        const pk_real by_force = pk_abs(w->h * w->f[k]) / w->root[k];
-        most = pk_max(most, pk_max(w->root[k] * pk_abs(v[k]), by_force));
-    }
+    for (size_t k = 0; k < w->m; k++)
+        most = pk_max(most, pk_max(w->root[k] * pk_abs(v[k]), pk_abs(p[k]) / w->root[k]));
     return most;
 }
 
@@ -79,7 +77,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
             v[k] += w->dV[k];
             left = pk_max(left, pk_abs(w->dV[k]) * w->root[k]);
         }
-        const pk_real most = fastest(w, v);
+        const pk_real most = fastest(w, v, p);
         left /= most;
         if (w->c)
             left = pk_max(left, tangent(w, q, most, v, p, low_p));
