@@ -46,16 +46,19 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     return worst;
 }
 
-/* What V is rounded beside: itself, the coordinates over h, and those that phi adds its own numbers
- * to, as x of (a + x)^2: they count as what takes phi as far as its terms. */
+/* What V is rounded beside: itself, momenta, the coordinates over h, and those that phi adds its own
+ * numbers to, as x of (a + x)^2: they count as what takes phi as far as its terms. */
 static void set_scale(struct pk_variational_work *w)
 {
     const pk_real *q = pk_part(w->to, w->n, PK_Q), *v = pk_part(w->to, w->n, PK_V);
+    const pk_real *p = pk_part(w->to, w->n, PK_P);
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = k < w->rotation ? q[k] : k < w->states ? 1 : v[k];
         const pk_real rate = k < w->m ? pk_max(pk_abs(v[k]), pk_abs(w->V[k])) : pk_abs(w->V[k]);
         w->scale[k] = pk_max(rate, pk_abs(x / w->h));
     }
+    for (size_t k = 0; k < w->m; k++)
+        w->scale[k] = pk_max(w->scale[k], pk_abs(p[k]) / (w->root[k] * w->root[k]));
     for (size_t i = 0; i < w->c; i++) {
         const pk_real *J = w->at.J + i * w->n;
         pk_real all = PK_TINY;
