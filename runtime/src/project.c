@@ -56,7 +56,8 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
 
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    w->system->inertia(w->params, w->t, q, v, w->u, w->M);
+    const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
+    (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
     for (size_t i = 1; i < w->m; i++) /* without the columns of quaternions and states */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     return pk_ldl_factor(w->M, w->m);

@@ -31,37 +31,46 @@
 
 #include <pk/step/tables.h>
 
+/* The numbers that x holds; x may be NULL: they are counted alone. */
+static size_t lay_out(struct pk_variational_work *w, pk_real *x)
+{
+    const size_t n = w->n, ends = w->table->ends ? 2 : 1;
+    const size_t stages = ends * (size_t)w->table->parts->stages * (2 + 2 * n);
+    const struct {
+        pk_real **part;
+        size_t size;
+    } list[] = {{&w->V, n},      {&w->dV, n},      {&w->scale, n},     {&w->p, n},
+                {&w->f, n},      {&w->p_end, n},   {&w->f_end, n},     {&w->f_start, n},
+                {&w->q_at, n},   {&w->v_at, n},    {&w->q_end, n},     {&w->v_end, n},
+                {&w->low_q, n},  {&w->low_v, n},   {&w->kick, n},      {&w->root, n},
+                {&w->spare, n},  {&w->last_V, n},  {&w->last_h, 1},    {&w->kept, n},
+                {&w->slope, n},  {&w->pivot, n},   {&w->kept_kick, n}, {&w->A_pivot, n},
+                {&w->J, n * n},  {&w->lu, n * n},  {&w->at.M, n * n},  {&w->stages, stages}};
+    size_t used = 0;
+    for (size_t i = 0; i < sizeof list / sizeof *list; used += list[i++].size)
+        *list[i].part = x ? x + used : NULL;
+    return used;
+}
+
 static size_t variational_size(const struct pk_method *method, size_t n)
 {
-    const struct pk_variational *table = (const struct pk_variational *)method->table;
-    const size_t stages = (size_t)table->parts->stages * (table->ends ? 2 : 1);
-    return 23 * n + 6 * n * n + 1 + stages * (2 + 2 * n);
+    struct pk_variational_work w = {.table = (const struct pk_variational *)method->table, .n = n};
+    return lay_out(&w, NULL);
 }
 
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
     struct pk_variational_work w = {.table = (const struct pk_variational *)it->method->table};
-    const size_t n = it->n, nn = n * n;
-    pk_real *x = it->work;
-    w.n = n;
-    w.c = system->n_constraints;
+    w.n = it->n;
     w.turned = system->n_rotations;
-    w.rotation = n - system->n_states;
-    w.m = w.first = w.rotation + 3 * w.turned;
+    /* Of what is free M alone is used. */
+    w.at = pk_project_parts(&it->problem, it->n, it->project ? it->project : it->work);
+    w.c = w.at.c;
+    w.m = w.at.m;
+    w.rotation = w.at.rotation;
     w.states = w.m + 4 * w.turned;
-    pk_real **const vectors[] = {&w.V,     &w.dV,    &w.scale, &w.last_V, &w.p,     &w.f,   &w.p_end,
-                                 &w.f_end, &w.q_at,  &w.v_at,  &w.q_end,  &w.v_end, &w.low_q,
-                                 &w.low_v, &w.pivot, &w.S_pivot, &w.kick, &w.phi,   &w.spare,
-                                 &w.kept,  &w.kept_kick, &w.f_start,
-                                 &w.slope};
-    pk_real **const matrices[] = {&w.M, &w.lu, &w.J, &w.J_end, &w.by_kick, &w.S};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++, x += n)
-        *vectors[i] = x;
-    for (size_t i = 0; i < sizeof matrices / sizeof *matrices; i++, x += nn)
-        *matrices[i] = x;
-    w.last_h = x++;
-    w.stages = x;
+    lay_out(&w, it->work);
     return w;
 }
 
@@ -78,14 +87,15 @@ void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *
 enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variational_work *w,
                                    pk_real t, const pk_real *q, const pk_real *v)
 {
-    const struct pk_system *system = it->problem.system;
-    const pk_real *u = pk_eval_input(it, t);
-    (system->inertia ? system->inertia : system->mass)(it->problem.params, t, q, v, u, w->M);
-    for (size_t i = 1; i < w->m; i++)
-        memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
+    w->at.t = t;
+    w->at.u = pk_eval_input(it, t);
     it->count.factorisations++;
-    const size_t failed = pk_ldl_factor(w->M, w->m);
-    return failed ? pk_eval_failed(it, t, q, v, (int)failed) : PK_DONE;
+    const size_t failed = pk_project_inertia(&w->at, q, v);
+    if (failed)
+        return pk_eval_failed(it, t, q, v, (int)failed);
+    for (size_t k = 0; k < w->m; k++)
+        w->root[k] = PK_F(sqrt)(pk_ldl_diagonal(w->at.M, w->m, k));
+    return PK_DONE;
 }
 
 static enum pk_status variational_init(struct pk_integrator *it)
@@ -112,7 +122,7 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
         const pk_real force = ends ? half * (w->f[k] + w->f_end[k]) : w->h * w->f[k];
         p[k] = pk_sum(p[k], w->spare[k] + force, &low[k]);
     }
-    for (size_t k = w->rotation; k < w->first; k += 3) {
+    for (size_t k = w->rotation; k < w->m; k += 3) {
         const pk_real *omega = w->V + k, yy = w->h * w->h * pk_dot3(omega, omega) / 16;
         const pk_real weight = w->h / 2 / (1 + yy); /* C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
@@ -159,7 +169,7 @@ static void guess(struct pk_integrator *it, struct pk_variational_work *w, const
 {
     const pk_real ratio = it->flags & PK_HAVE_STEP ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
-        const int turns = k >= w->first && k < w->states; /* quaternions are no unknowns */
+        const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
         w->V[k] = k < w->m ? v[k] : turns ? 0 : w->last_V[k];
         if (pk_abs(ratio) <= 64 && k < w->m)
             w->V[k] += ratio * (v[k] - w->last_V[k]);
@@ -192,12 +202,12 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     }
     memcpy(q, w->q_end, n * sizeof *q);
     memcpy(pk_part(w->to, n, PK_LOW_Q), w->low_q, n * sizeof *q);
-    memcpy(v + w->first, w->v_end + w->first, (n - w->first) * sizeof *v);
-    memcpy(low_p + w->first, w->low_v + w->first, (n - w->first) * sizeof *v);
-    for (size_t k = w->first; k < w->states; k += 4)
+    memcpy(v + w->m, w->v_end + w->m, (n - w->m) * sizeof *v);
+    memcpy(low_p + w->m, w->low_v + w->m, (n - w->m) * sizeof *v);
+    for (size_t k = w->m; k < w->states; k += 4)
         if (pk_normalise(v + k, low_p + k, 1) < 0)
             return PK_NOT_FINITE;
-    memcpy(p + w->first, v + w->first, (n - w->first) * sizeof *v);
+    memcpy(p + w->m, v + w->m, (n - w->m) * sizeof *v);
     if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
         return PK_NOT_FINITE;
     memcpy(v, w->V, w->m * sizeof *v); /* a guess again */

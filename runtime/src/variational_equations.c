@@ -21,7 +21,7 @@ void pk_variational_reach(struct pk_variational_work *w)
         w->q_at[k] += half * w->V[k];
     }
     for (size_t r = 0; r < w->turned; r++) {
-        const size_t at = w->first + 4 * r;
+        const size_t at = w->m + 4 * r;
         const pk_real *omega = w->V + w->rotation + 3 * r;
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         const pk_real yy = pk_dot3(y, y), weight = 2 / (1 + yy);
@@ -49,8 +49,8 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
         pk_variational_momenta(it, w->t + w->h / 2, w->q_at, w->v_at, w->p, w->f);
         return pk_all_finite(w->p, n) && pk_all_finite(w->f, n);
     }
-    memcpy(w->v_at + w->first, pk_part(w->to, n, PK_V) + w->first,
-           (n - w->first) * sizeof *w->v_at);
+    memcpy(w->v_at + w->m, pk_part(w->to, n, PK_V) + w->m,
+           (n - w->m) * sizeof *w->v_at);
     pk_variational_momenta(it, w->t, pk_part(w->to, n, PK_Q), w->v_at, w->p, w->f);
     pk_variational_momenta(it, w->end, w->q_end, w->v_end, w->p_end, w->f_end);
     return pk_all_finite(w->p, n) && pk_all_finite(w->f, n) && pk_all_finite(w->p_end, n) &&
@@ -74,7 +74,7 @@ void pk_variational_residual(const struct pk_variational_work *w, pk_real *r)
         const pk_real p = ends ? (w->p[k] + w->p_end[k]) / 2 : w->p[k];
         r[k] = (p - start(w, k)) - half * w->f[k];
     }
-    for (size_t k = w->rotation; k < w->first; k += 3) {
+    for (size_t k = w->rotation; k < w->m; k += 3) {
         const pk_real *omega = w->V + k;
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         pk_real G[3], P[3], across[3];
@@ -92,6 +92,6 @@ void pk_variational_residual(const struct pk_variational_work *w, pk_real *r)
                 r[k + i] -= half * (G[i] - across[i]);
         }
     }
-    for (size_t k = w->first; k < w->n; k++)
+    for (size_t k = w->m; k < w->n; k++)
         r[k] = k < w->states ? 0 : w->V[k] - (ends ? (w->f[k] + w->f_end[k]) / 2 : w->f[k]);
 }

@@ -286,6 +286,18 @@ def test_terms_that_cancel_are_known_by_their_rounding(pkgen, tmp_path, method, 
     assert abs(math.sin(last["y"] + 0.3) - 0.5 * last["z"] - math.sin(0.3)) < 2e-15
 
 
+@pytest.mark.parametrize("method", ["rattle", "rattle6", "lie_midpoint4"])
+@pytest.mark.parametrize(("a", "b"), [(1, 1), (300, 400), (30000, 40000)])
+def test_terms_that_coordinates_are_small_beside(pkgen, tmp_path, a, b, method):
+    """From rest at 0 on a circle, down its slope."""
+    text = "model circle\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
+    path = written(tmp_path, f"{text}constraint c: ({a} + x)^2 + ({b} + y)^2 = {a * a + b * b}\n")
+    for step in (1e-2, 1e-3, 1e-4, 1e-5):
+        options = ("--method", method, "--step", step, "--until", "0.1", "--every", "0.1")
+        y = rows(pkgen, path, *options)[-1]["y"]
+        assert y == pytest.approx(-0.005 * a * a / (a * a + b * b), rel=1e-2)
+
+
 def test_a_member_says_which_constraint_its_start_breaks(pkgen, tmp_path):
     path = written(tmp_path, ROD)
     (tmp_path / "m.csv").write_text("x,y\n0.6,-0.8\n0.6,-0.9\n")

@@ -170,7 +170,8 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
 #define BOUND_OUTSIDE (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SMOOTH)
 
 /* A system of these names: NAME_inertia, _drift, _unbound, _energy, and with constraints _rows,
- * _bias. n counts quaternions. The rest: further members of struct pk_system. */
+ * _bias. n counts quaternions. The rest: further members of struct pk_system, of which `terms` is
+ * NAME_terms or its own. */
 #define BOUND(NAME, N, COORDINATES, ROTATIONS, C, FACTS, GRAVITY, LIMIT0, START_Q, START_V, ...)  \
     static const struct bound NAME##_bound = {N, COORDINATES, ROTATIONS, C, NAME##_inertia,        \
                                               NAME##_drift, NAME##_bias, NAME##_rows};             \
@@ -183,7 +184,7 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
         pk_real a[N];                                                                              \
         bound_solve(&NAME##_bound, params, t, q, v, u, a, lambda);                                 \
     }                                                                                              \
-    static void NAME##_terms(ARGS, pk_real *phi_size, pk_real *rate_size)                          \
+    static inline void NAME##_terms(ARGS, pk_real *phi_size, pk_real *rate_size)                   \
     {                                                                                              \
         bound_terms(&NAME##_bound, params, t, q, v, u, phi_size, rate_size);                       \
     }                                                                                              \
@@ -246,7 +247,6 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
                                             .energy = NAME##_energy,                               \
                                             .multipliers = (C) ? NAME##_multipliers : NULL,        \
                                             .rows = NAME##_rows,                                   \
-                                            .terms = NAME##_terms,                                 \
                                             .unbound = NAME##_unbound,                             \
                                             .inertia = NAME##_inertia,                             \
                                             __VA_ARGS__}

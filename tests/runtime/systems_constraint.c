@@ -46,7 +46,38 @@ static pk_real rod_energy(ARGS)
 }
 BOUND(rod, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
       LIST(PK_C(0.8), PK_C(0.6)), .n_holonomic = 1, .constraints = rod_constraints,
-      .constraint = rod_constraint);
+      .constraint = rod_constraint, .terms = rod_terms);
+
+/* On a circle through 0 about (-3 limit, -4 limit): the numbers of phi are beside small x and y. */
+static const struct pk_quantity circle_names[] = {NAMED("x"), NAMED("y")};
+#define ACROSS (3 * LIMIT(params))
+#define ALONG (4 * LIMIT(params))
+#define circle_inertia rod_inertia
+#define circle_drift rod_drift
+#define circle_unbound rod_unbound
+#define circle_bias rod_bias
+#define circle_energy rod_energy
+static void circle_constraint(ARGS, pk_real *phi)
+{
+    const pk_real x = ACROSS + q[0], y = ALONG + q[1];
+    UNUSED;
+    phi[0] = x * x + y * y - (ACROSS * ACROSS + ALONG * ALONG);
+}
+static void circle_rows(ARGS, pk_real *J, pk_real *residual)
+{
+    UNUSED;
+    J[0] = 2 * (ACROSS + q[0]);
+    J[1] = 2 * (ALONG + q[1]);
+    residual[0] = J[0] * v[0] + J[1] * v[1];
+}
+static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size);
+BOUND(circle, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), PK_C(100.0), LIST(0), LIST(0), .n_holonomic = 1,
+      .constraints = rod_constraints, .constraint = circle_constraint, .terms = circle_sizes);
+static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size)
+{
+    circle_terms(params, t, q, v, u, phi_size, rate_size);
+    phi_size[0] += 4 * (ACROSS * ACROSS + ALONG * ALONG);
+}
 
 /* The same, said twice over. */
 static const struct pk_quantity twice_names[] = {NAMED("x"), NAMED("y")};
@@ -74,7 +105,7 @@ static void twice_bias(ARGS, pk_real *b)
 }
 BOUND(twice, 2, 2, 0, 2, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
       LIST(PK_C(0.8), PK_C(0.6)), .n_holonomic = 2, .constraints = twice_constraints,
-      .constraint = twice_constraint);
+      .constraint = twice_constraint, .terms = twice_terms);
 
 /* Two unit masses on unit rods: double_pendulum as particles. */
 static const struct pk_quantity rods_names[] = {NAMED("x1"), NAMED("y1"), NAMED("x2"), NAMED("y2")};
@@ -126,7 +157,7 @@ static pk_real rods_energy(ARGS)
 BOUND(rods, 4, 4, 0, 2, BOUND_FACTS, PK_C(1.0), 0,
       LIST(PK_C(0.6), PK_C(-0.8), PK_C(1.4), PK_C(-0.2)),
       LIST(PK_C(0.4), PK_C(0.3), PK_C(0.22), PK_C(0.54)), .n_holonomic = 2,
-      .constraints = rods_constraints, .constraint = rods_constraint);
+      .constraints = rods_constraints, .constraint = rods_constraint, .terms = rods_terms);
 
 /* A bead on a wire through the origin that turns by A(t) = t + .3 sin 2t, V = g r^2/2 + x^4/4. */
 static const struct pk_quantity wire_names[] = {NAMED("x"), NAMED("y")};
@@ -174,7 +205,7 @@ static pk_real wire_energy(ARGS)
 }
 BOUND(wire, 2, 2, 0, 1, BOUND_OUTSIDE | PK_VARIATIONAL, PK_C(2.0), 0, LIST(PK_C(0.8), PK_C(0.0)),
       LIST(PK_C(0.1), PK_C(1.28)), .n_holonomic = 1, .constraints = wire_constraints,
-      .constraint = wire_constraint);
+      .constraint = wire_constraint, .terms = wire_terms);
 
 /* The top of systems_rotation.c as a body free in space whose point r = -e_z is held: unit mass,
  * I = (1/2, 1/2, 1/2) about its centre. */
@@ -252,4 +283,5 @@ BOUND(jointed, 10, 3, 1, 3, BOUND_FACTS, PK_C(2.0), 0,
       LIST(PK_C(0.0), PK_C(-0.96), PK_C(0.28)),
       LIST(PK_C(-0.2), PK_C(-0.084), PK_C(-0.288), PK_C(0.3), PK_C(-0.2), PK_C(5.0), PK_C(0.8),
            PK_C(0.6), PK_C(0.0), PK_C(0.0)),
-      .n_holonomic = 3, .constraints = jointed_constraints, .constraint = jointed_constraint);
+      .n_holonomic = 3, .constraints = jointed_constraints, .constraint = jointed_constraint,
+      .terms = jointed_terms);

@@ -57,7 +57,8 @@ static pk_real sleigh_energy(ARGS)
     return (p[0] * v[0] + p[1] * v[1] + p[2] * v[2]) / 2;
 }
 BOUND(sleigh, 3, 3, 0, 1, BOUND_FACTS & ~(unsigned)PK_VARIATIONAL, PK_C(0.5), PK_C(0.4), LIST(0),
-      LIST(PK_C(-0.7), PK_C(0.0), PK_C(0.9)), .constraints = sleigh_constraints);
+      LIST(PK_C(-0.7), PK_C(0.0), PK_C(0.9)), .constraints = sleigh_constraints,
+      .terms = sleigh_terms);
 
 /* A solid unit sphere that rolls on a table turning at `limit`: its centre goes round at 2/7 of
  * that, wherever it starts. */
@@ -121,4 +122,4 @@ BOUND(ball, 9, 2, 1, 2, BOUND_OUTSIDE | PK_AUTONOMOUS, PK_C(1.0), PK_C(1.4),
       LIST(PK_C(0.5), PK_C(0.25)),
       LIST(PK_C(0.3), PK_C(-0.2), PK_C(0.9), PK_C(0.65), PK_C(0.4), PK_C(1.0), PK_C(0.0), PK_C(0.0),
            PK_C(0.0)),
-      .constraints = ball_constraints);
+      .constraints = ball_constraints, .terms = ball_terms);

@@ -152,6 +152,15 @@ static void slot_rows(const void *params, double t, const double *q, const doubl
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
 
+static void slot_terms(const void *params, double t, const double *q, const double *v,
+                       const double *u, double *phi_size, double *rate_size)
+{
+    (void)params, (void)t, (void)u;
+    const double slope = fabs(cos(q[0] + 0.3)), x = fabs(q[0]) + 0.3;
+    phi_size[0] = slope * x + fabs(sin(q[0] + 0.3)) + fabs(q[1]) / 2 + sin(0.3);
+    rate_size[0] = (slope + x) * fabs(v[0]) + fabs(v[1]) / 2;
+}
+
 /* From rest where all coordinates are 0: down the slot, energy v^2/2 + y. */
 static void from_rest(void)
 {
@@ -161,6 +170,7 @@ static void from_rest(void)
     system = rod_system;
     system.constraint = slot;
     system.rows = slot_rows;
+    system.terms = slot_terms;
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < 3; k++) {
             bound_set(&f, &system);
@@ -175,6 +185,29 @@ static void from_rest(void)
         }
 }
 
+/* From rest at 0 on circles of radius 5 limit, whose numbers round phi by far more than x and y do. */
+static void numbers_of_phi(void)
+{
+    static struct bound_run f;
+    static const double limits[] = {1.0 / 3, 100, 1e4}, h[] = {1e-2, 1e-3, 1e-4, 1e-5};
+    for (int r = 0; r < 3; r++) {
+        double lost = 0, off = 0;
+        for (int i = 0; i < BOUND_VARIATIONAL; i++)
+            for (int k = 0; k < 4; k++) {
+                bound_set(&f, &circle_system);
+                f.params.limit = limits[r];
+                CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], h[k]) == PK_DONE);
+                CU_ASSERT_FATAL(pk_integrator_to(&f.it, 2000 * h[k]) == PK_DONE);
+                CU_ASSERT(f.it.count.jacobians == 0);
+                CU_ASSERT(f.it.v[1] < -h[k]);
+                lost = fmax(lost, fabs(bound_energy(&f) / f.it.q[1]));
+                off = fmax(off, bound_residuals(&f).position_relative);
+            }
+        printf("\n    radius %.4g: energy %.1e, phi %.1e", 5 * limits[r], lost, off);
+        CU_ASSERT(off < 1e-15 && lost < 1e-4);
+    }
+}
+
 void add_variational(void)
 {
     CU_pSuite suite = CU_add_suite("variational", NULL, NULL);
@@ -184,4 +217,5 @@ void add_variational(void)
     CU_add_test(suite, "compensated sums of momenta", compensated);
     CU_add_test(suite, "from anywhere", anew);
     CU_add_test(suite, "from rest at 0", from_rest);
+    CU_add_test(suite, "numbers of phi", numbers_of_phi);
 }

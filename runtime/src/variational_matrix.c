@@ -1,0 +1,146 @@
+/* One correction of V and of the kick in a variational step: the matrix M, or that of Newton's method
+ * by differences, bordered by the exact derivatives of phi; see variational_solve.c.
+ */
+#include <string.h>
+
+#include "variational.h"
+
+pk_real pk_variational_most(const struct pk_variational_work *w)
+{
+    pk_real most = 0;
+    for (size_t k = 0; k < w->n; k++)
+        most = pk_max(most, w->scale[k]);
+    return most;
+}
+
+static size_t unknowns(const struct pk_variational_work *w) { return w->m + (w->n - w->states); }
+static size_t place(const struct pk_variational_work *w, size_t i)
+{
+    return i < w->m ? i : i - w->m + w->states;
+}
+
+/* x by the matrix of the iteration, in place. */
+static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
+{
+    if (!newton) {
+        pk_ldl_solve(w->at.M, w->m, x);
+        return;
+    }
+    for (size_t i = w->m; i < unknowns(w); i++)
+        x[i] = x[place(w, i)];
+    pk_lu_solve(w->lu, w->pivot, unknowns(w), x);
+    for (size_t i = unknowns(w); i-- > w->m;) {
+        const pk_real state = x[i];
+        x[i] = 0;
+        x[place(w, i)] = state;
+    }
+}
+
+/* Its sign. */
+static int determinant(const pk_real *lu, const pk_real *pivot, size_t count)
+{
+    int sign = 1;
+    for (size_t i = 0; i < count; i++) {
+        const int swapped = (size_t)pivot[i] != i;
+        sign *= (lu[i * count + i] < 0) == swapped ? 1 : -1;
+    }
+    return sign;
+}
+
+/* dr/dV by differences, factored; the sign of its determinant, or 0. Then all is of V again. */
+static int differences(struct pk_integrator *it, struct pk_variational_work *w)
+{
+    const size_t count = unknowns(w);
+    const pk_real e = PK_F(sqrt)(PK_EPS);
+    const pk_real more = PK_VARIATIONAL_SHARE * pk_variational_most(w);
+    pk_real *column = w->spare;
+    for (size_t j = 0; j < count; j++) {
+        const size_t k = place(w, j);
+        const pk_real V = w->V[k], own = w->scale[k] + more, d = e * (own > 0 ? own : 1);
+        w->V[k] = V + d;
+        const int finite = pk_variational_evaluate(it, w);
+        pk_variational_residual(w, column);
+        w->V[k] = V;
+        if (!finite)
+            return 0;
+        for (size_t i = 0; i < count; i++)
+            w->lu[i * count + j] = (column[place(w, i)] - w->dV[place(w, i)]) / d;
+    }
+    pk_variational_reach(w);
+    it->count.jacobians++;
+    it->count.factorisations++;
+    return pk_lu_factor(w->lu, w->pivot, count) ? determinant(w->lu, w->pivot, count) : 0;
+}
+
+/* A row of d(phi)/dV. */
+static void end_by_rates(const struct pk_variational_work *w, const pk_real *J, pk_real *row)
+{
+    for (size_t k = 0; k < w->rotation; k++)
+        row[k] = w->h * J[k];
+    for (size_t k = w->rotation; k < w->m; k += 3) {
+        const pk_real *V = w->V + k, y[3] = {w->h * V[0] / 4, w->h * V[1] / 4, w->h * V[2] / 4};
+        const pk_real weight = w->h / 2 / (1 + pk_dot3(y, y));
+        pk_real both[3], across[3];
+        pk_cayley_turn(y, 1, J + k, both);
+        for (size_t l = 0; l < 3; l++)
+            both[l] += J[k + l];
+        pk_cross(y, both, across);
+        for (size_t l = 0; l < 3; l++)
+            row[k + l] = weight * (both[l] + across[l]);
+    }
+}
+
+/* What a kick of a row of J(q0), which is turned into the middle's frame, does to V. */
+static void rates_by_kick(const struct pk_variational_work *w, int newton, const pk_real *J,
+                          pk_real *by)
+{
+    memcpy(by, J, w->m * sizeof *by);
+    memset(by + w->m, 0, (w->n - w->m) * sizeof *by);
+    for (size_t k = w->rotation; k < w->m; k += 3) {
+        const pk_real *V = w->V + k, y[3] = {w->h * V[0] / 4, w->h * V[1] / 4, w->h * V[2] / 4};
+        pk_cayley_turn(y, -1, by + k, by + k);
+    }
+    solve(w, newton, by);
+}
+
+/* dV += what makes phi vanish at the end of V + dV, and that much more kick. The sign of what that
+ * adds to the determinant of all, 1 at h = 0; 0: singular. */
+static int constrain(struct pk_variational_work *w, int newton)
+{
+    const size_t n = w->n, c = w->c;
+    pk_real *row = w->spare, *A = w->at.A, *by = w->at.W, *mu = w->at.mu;
+    for (size_t j = 0; j < c; j++)
+        rates_by_kick(w, newton, w->J + j * n, by + j * n);
+    for (size_t i = 0; i < c; i++) {
+        end_by_rates(w, w->at.J + i * n, row);
+        mu[i] = -w->at.phi[i];
+        for (size_t k = 0; k < w->m; k++)
+            mu[i] -= row[k] * w->dV[k];
+        for (size_t j = 0; j < c; j++) {
+            A[i * c + j] = 0;
+            for (size_t k = 0; k < w->m; k++)
+                A[i * c + j] += row[k] * by[j * n + k];
+        }
+    }
+    if (!pk_lu_factor(A, w->A_pivot, c))
+        return 0;
+    pk_lu_solve(A, w->A_pivot, c, mu);
+    for (size_t j = 0; j < c; j++) {
+        w->kick[j] += mu[j];
+        for (size_t k = 0; k < n; k++)
+            w->dV[k] += mu[j] * by[j * n + k];
+    }
+    return determinant(A, w->A_pivot, c) * (w->h < 0 && c % 2 ? -1 : 1);
+}
+
+int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton)
+{
+    int sign = newton ? differences(it, w) : 1;
+    if (!sign)
+        return 0;
+    for (size_t k = 0; k < w->n; k++)
+        w->dV[k] = -w->dV[k];
+    solve(w, newton, w->dV);
+    it->count.iterations++;
+    return w->c ? sign * constrain(w, newton) : sign;
+}
