@@ -60,6 +60,7 @@ class Rotations:
                 turn_names(item.name),
                 tuple(f"p_{item.name}.{axis}" for axis in AXES),
                 si_text(per_time, 1 if time != NONE else 0),
+                si_text(per_time),
                 si_text(action),
                 description,
                 item.span,
@@ -167,10 +168,9 @@ def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
 
 
 def states_of(rotation: m.Rotation) -> Iterable[m.State]:
-    per_time = rotation.rate_unit.replace("rad", "1")
     for number in rotation.quaternion:
         what = rotation.description or "of its unit quaternion, body to space"
-        yield m.State(number, None, "", per_time, what, rotation.span)
+        yield m.State(number, None, "", rotation.per_time, what, rotation.span)
 
 
 def identity(rotation: m.Rotation) -> m.Start:

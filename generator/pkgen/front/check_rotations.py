@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from ..source import Span
 from ..tree import (
     AXES,
-    COMPONENTS,
     Add,
     Call,
     Component,
@@ -53,7 +52,7 @@ def turn_names(rotation: str) -> tuple[str, ...]:
 
 def attitude(name: str, span: Span) -> Turn:
     """A declared rotation as it stands."""
-    numbers = tuple(Name(f"{name}.{axis}", None, span) for axis in COMPONENTS)
+    numbers = tuple(Name(number, None, span) for number in quaternion_names(name))
     return Turn(quaternion=Vector(numbers, span), name=name)
 
 
@@ -224,9 +223,9 @@ def _of_no_name(turns: Turns) -> str:
 def _backwards(turn: Turn) -> Turn:
     if turn.quaternion is None:
         return replace(turn, angle=Negate(turn.angle, turn.angle.span))
-    x, y, z, w = turn.quaternion.items
+    w, x, y, z = turn.quaternion.items
     opposite = tuple(p.of if isinstance(p, Negate) else Negate(p, p.span) for p in (x, y, z))
-    return Turn(quaternion=Vector((*opposite, w), turn.quaternion.span))
+    return Turn(quaternion=Vector((w, *opposite), turn.quaternion.span))
 
 
 def _atan2(y: Expr, x: Expr) -> Expr:

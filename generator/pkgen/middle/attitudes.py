@@ -82,8 +82,8 @@ def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
 
 
 def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
-    """Q a Q*; the quaternion as x, y, z, w here."""
-    x, y, z, w = quaternion
+    """Q a Q*, of a vector a of three."""
+    w, x, y, z = quaternion
 
     def twice(*terms: tuple[int, Node, Node]) -> Node:
         return g.multiply(
