@@ -43,10 +43,12 @@ def quaternion_names(rotation: str) -> tuple[str, ...]:
 
 
 def rate_names(rotation: str) -> tuple[str, ...]:
+    """Of the body rates, as they are written: omega(R).x, .y, .z."""
     return tuple(f"omega({rotation}).{axis}" for axis in AXES)
 
 
 def turn_names(rotation: str) -> tuple[str, ...]:
+    """Of the coordinates whose rates these are, which nobody can write."""
     return tuple(f"turn({rotation}).{axis}" for axis in AXES)
 
 
@@ -57,7 +59,8 @@ def attitude(name: str, span: Span) -> Turn:
 
 
 def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """The unit quaternion w, x, y, z of a product of rot()s."""
+    """The unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE)s, without declared rotations
+    among them: Euler's cos(angle/2), sin(angle/2) axis/|axis| each. () of none."""
 
     def times(a: Expr, b: Expr) -> Expr:
         return Multiply((a, b), (1, 1), span)
@@ -103,6 +106,8 @@ class RotationCalls:
         }
 
     def call(self, expr: Call, parts: list[Checked]) -> Checked:
+        """The call with its arguments, which are checked already. What is wrong is reported, and
+        UNKNOWN; of a rotation the `turns` of the facts are what counts, not the expression."""
         if expr.function != "rot":
             if len(parts) != 1:
                 message = f"{expr.function} takes one rotation, not {len(parts)} arguments"
