@@ -5,8 +5,9 @@ Euler angles turn by R = Rz(phi) Rx(theta) Rz(psi), body to space; body rates ar
     w = (phi' sin(theta) sin(psi) + theta' cos(psi),
          phi' sin(theta) cos(psi) - theta' sin(psi),  phi' cos(theta) + psi')
 
-(L. Landau, E. Lifshitz, Mechanics, section 35). A quaternion is w, x, y, z with R' = R (0, w)/2. An
-angle that goes round is no error of its own: what is compared are the entries of R, and w.
+(L. Landau, E. Lifshitz, Mechanics, section 35). A quaternion is Q = (w, x, y, z) with
+Q' = Q (0, w)/2. An angle that goes round is no error of its own: what is compared are the entries
+of R, and w.
 """
 
 from __future__ import annotations

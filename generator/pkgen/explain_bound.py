@@ -9,6 +9,7 @@ from .middle.graph import Node
 
 
 def rates_title(e: Equations) -> str:
+    """Over the rows of x' = g: "Rates of the attitudes and states"."""
     what = ["attitudes"] if e.quaternions else []
     what += ["states"] if len(e.states) > e.quaternions or not what else []
     return f"Rates of the {' and '.join(what)}"

@@ -69,7 +69,8 @@ class Coordinate:
 @dataclass(frozen=True)
 class Rotation:
     """An attitude in SO(3). Its body rates are the rates of coordinates of their own, `turns`,
-    which stand behind all others; its unit quaternion w, x, y, z are states, before all others."""
+    which stand behind all others; its unit quaternion w, x, y, z are states, before all others,
+    whose own rates have `per_time`."""
 
     name: str
     quaternion: tuple[str, ...]
@@ -77,6 +78,7 @@ class Rotation:
     turns: tuple[str, ...]
     momenta: tuple[str, ...]
     rate_unit: str
+    per_time: str
     momentum_unit: str
     description: str
     span: Span

@@ -13,7 +13,7 @@ from fractions import Fraction
 from .source import Span
 
 AXES = "xyz"
-COMPONENTS = AXES + "w"  # of a quaternion, by Component.axis
+COMPONENTS = AXES + "w"  # what may stand behind a point, by Component.axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class Power:
 class Call:
     """A function of `functions.py`, or one of vectors: dot, cross, norm, and behind the check
     rotate(axis, angle, vector) and attitude(quaternion, vector), a quaternion being a vector of
-    COMPONENTS."""
+    w, x, y, z."""
 
     function: str
     arguments: tuple[Expr, ...]

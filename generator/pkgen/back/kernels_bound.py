@@ -29,6 +29,7 @@ def _unbound(e: Equations) -> list[Target]:
 
 
 def bound_specs() -> Iterator[KernelSpec]:
+    """Each exists where there is what it writes: see pk/system.h."""
     yield KernelSpec(
         "constraint",
         "void",

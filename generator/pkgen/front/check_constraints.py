@@ -20,11 +20,16 @@ from .units import Dimension, si_text
 
 
 class Constraints:
+    """Statements into `m.Constraint`s, one for each component of a vector's, and names: NAME itself
+    and lambda_NAME, of which outputs and events may use the second."""
+
     def __init__(self, shared: Shared) -> None:
         self.shared, self.expressions = shared, shared.expressions
         self.report, self.names = shared.report, shared.names
 
     def equation(self, statement: st.Equation) -> None:
+        """Reports sides that are not alike, in kind or unit, and what a constraint or a rolling
+        cannot be of; then it declares the names alone."""
         left = statement.left
         scope, members = self.shared.left_scope(left, "constraint")
         before = len(self.report.errors)

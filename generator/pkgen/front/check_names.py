@@ -27,7 +27,7 @@ SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 @dataclass(frozen=True, slots=True)
 class Turn:
     """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
-    of its numbers x, y, z, w. `name` is of one that stands as it is declared."""
+    of its numbers w, x, y, z. `name` is of one that stands as it is declared."""
 
     axis: Expr | None = None
     angle: Expr | None = None

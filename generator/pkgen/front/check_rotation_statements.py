@@ -36,6 +36,7 @@ class Rotations:
         self.report, self.names = shared.report, shared.names
 
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        """`rotation NAME`; a unit or a range is reported, so that `unit` is of no use here."""
         if item.unit is not None:
             self.report.error("a rotation has no unit", item.unit.span, f"rotation {item.name}")
         if item.lo is not None:
@@ -60,6 +61,7 @@ class Rotations:
                 turn_names(item.name),
                 tuple(f"p_{item.name}.{axis}" for axis in AXES),
                 si_text(per_time, 1 if time != NONE else 0),
+                si_text(per_time),
                 si_text(action),
                 description,
                 item.span,
@@ -86,7 +88,8 @@ class Rotations:
     def start(
         self, item: st.StartItem, entry: Entry | None, around: Scope
     ) -> tuple[m.Start, ...] | None:
-        """`start R = rot(...)`, or `start omega(R) = [...]`."""
+        """`start R = rot(...)` as four starts of numbers, or `start omega(R) = [...]` as three of
+        rates; None where that is wrong, said already."""
         left = item.left
         before = len(self.report.errors)
         self._plain(left)
@@ -149,7 +152,7 @@ class Rotations:
 
 
 def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
-    """Whose rates are the body rates."""
+    """Three, whose rates are the body rates; their own unit is that of an angle, none."""
     for axis, turn, rate, momentum in zip(
         AXES, rotation.turns, rotation.rates, rotation.momenta, strict=True
     ):
@@ -167,10 +170,10 @@ def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
 
 
 def states_of(rotation: m.Rotation) -> Iterable[m.State]:
-    per_time = rotation.rate_unit.replace("rad", "1")
+    """Four pure numbers w, x, y, z."""
     for number in rotation.quaternion:
         what = rotation.description or "of its unit quaternion, body to space"
-        yield m.State(number, None, "", per_time, what, rotation.span)
+        yield m.State(number, None, "", rotation.per_time, what, rotation.span)
 
 
 def identity(rotation: m.Rotation) -> m.Start:

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from ..source import Span
 from ..tree import (
     AXES,
-    COMPONENTS,
     Add,
     Call,
     Component,
@@ -44,21 +43,24 @@ def quaternion_names(rotation: str) -> tuple[str, ...]:
 
 
 def rate_names(rotation: str) -> tuple[str, ...]:
+    """Of the body rates, as they are written: omega(R).x, .y, .z."""
     return tuple(f"omega({rotation}).{axis}" for axis in AXES)
 
 
 def turn_names(rotation: str) -> tuple[str, ...]:
+    """Of the coordinates whose rates these are, which nobody can write."""
     return tuple(f"turn({rotation}).{axis}" for axis in AXES)
 
 
 def attitude(name: str, span: Span) -> Turn:
     """A declared rotation as it stands."""
-    numbers = tuple(Name(f"{name}.{axis}", None, span) for axis in COMPONENTS)
+    numbers = tuple(Name(number, None, span) for number in quaternion_names(name))
     return Turn(quaternion=Vector(numbers, span), name=name)
 
 
 def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """The unit quaternion w, x, y, z of a product of rot()s."""
+    """The unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE)s, without declared rotations
+    among them: Euler's cos(angle/2), sin(angle/2) axis/|axis| each. () of none."""
 
     def times(a: Expr, b: Expr) -> Expr:
         return Multiply((a, b), (1, 1), span)
@@ -104,6 +106,8 @@ class RotationCalls:
         }
 
     def call(self, expr: Call, parts: list[Checked]) -> Checked:
+        """The call with its arguments, which are checked already. What is wrong is reported, and
+        UNKNOWN; of a rotation the `turns` of the facts are what counts, not the expression."""
         if expr.function != "rot":
             if len(parts) != 1:
                 message = f"{expr.function} takes one rotation, not {len(parts)} arguments"
@@ -224,9 +228,9 @@ def _of_no_name(turns: Turns) -> str:
 def _backwards(turn: Turn) -> Turn:
     if turn.quaternion is None:
         return replace(turn, angle=Negate(turn.angle, turn.angle.span))
-    x, y, z, w = turn.quaternion.items
+    w, x, y, z = turn.quaternion.items
     opposite = tuple(p.of if isinstance(p, Negate) else Negate(p, p.span) for p in (x, y, z))
-    return Turn(quaternion=Vector((*opposite, w), turn.quaternion.span))
+    return Turn(quaternion=Vector((w, *opposite), turn.quaternion.span))
 
 
 def _atan2(y: Expr, x: Expr) -> Expr:

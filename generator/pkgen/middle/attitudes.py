@@ -25,15 +25,17 @@ _TURNED = (
 
 
 def numbers(g: Graph, at: Attitude) -> Row:
+    """Q = (w, x, y, z), or () where a reduction has left the attitude out."""
     return tuple(g.symbol(Symbol(Kind.STATE, k)) for k in at.numbers)
 
 
 def rates(g: Graph, at: Attitude) -> Row:
+    """The body rates, x, y, z."""
     return tuple(g.symbol(Symbol(Kind.RATE, i)) for i in at.rates)
 
 
 def turned(g: Graph, quaternion: Row, axis: int) -> Row:
-    """Q e_i/2."""
+    """Q e_i/2, four numbers as Q is; `axis` i is 0, 1 or 2."""
     half = g.power(g.number(2), -1)
     return tuple(
         g.multiply(g.multiply(half, g.number(sign)), quaternion[k]) for k, sign in _TURNED[axis]
@@ -48,7 +50,8 @@ def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
 
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
-    """X_i f of a function whose derivatives are given, by the number of its rate."""
+    """X_i f of a function f, under the index of the coordinate whose rate is w_i; `by` has its
+    derivatives by the symbols of the quaternions."""
     found = {}
     for at in attitudes:
         quaternion = numbers(g, at)
@@ -59,7 +62,8 @@ def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> d
 
 
 def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[int, Node]:
-    """p x w."""
+    """p x w by components, under the index of the coordinate whose rate is w_i; `momenta` are of
+    all coordinates."""
     found = {}
     for at in attitudes:
         w, p = rates(g, at), [momenta[i] for i in at.rates]
@@ -82,8 +86,8 @@ def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
 
 
 def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
-    """Q a Q*; the quaternion as x, y, z, w here."""
-    x, y, z, w = quaternion
+    """Q a Q*, of a vector a of three."""
+    w, x, y, z = quaternion
 
     def twice(*terms: tuple[int, Node, Node]) -> Node:
         return g.multiply(

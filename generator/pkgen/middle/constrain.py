@@ -29,17 +29,19 @@ from .solve import Factors, SingularMass, Solution, elimination_order, factors, 
 
 @dataclass(frozen=True)
 class Rows:
-    """What a model states: phi of the holonomic ones, which come first, and J v + j0 of all."""
+    """What a model states, a row each constraint: the `holonomic` ones, which come first, as
+    phi(t, q), and all as J v + j0, which of those is the rate of phi."""
 
-    names: tuple[Quantity, ...]
+    names: tuple[Quantity, ...]  # of the multipliers, in the unit of a force along q over J's
     holonomic: int
-    positions: Row
-    residual: Row
-    spans: tuple[Span, ...]
+    positions: Row  # phi, in the unit of a side; as many as are holonomic
+    residual: Row  # J v + j0, in that unit over time, of a rolling in that of a side
+    spans: tuple[Span, ...]  # of the statements
 
 
 class CannotConstrain(Exception):
-    """`row` is the one at fault, None if none is."""
+    """Why rows cannot be solved for; `row` is the one at fault, None if none is. The message goes
+    on after "the constraint 'NAME'", or stands by itself where there is none."""
 
     def __init__(self, message: str, row: int | None = None, help: str = ""):
         super().__init__(message)
@@ -49,7 +51,11 @@ class CannotConstrain(Exception):
 def constrain(
     g: Graph, motion: Motion, rows: Rows, rate_of: Callable[[Node], Node]
 ) -> tuple[Motion, Solution, Constraints]:
-    """Raises CannotConstrain."""
+    """The motion with J^T lambda in what is applied, in pdot and in f; its accelerations with the
+    pivots of M, both by coordinate; and the rows with their multipliers and what is without them.
+    `rate_of` gives the time derivative of a coordinate, a state, t or an input. Raises
+    CannotConstrain where a row is not affine in the rates or has none, where rows depend on each
+    other everywhere, and where M or S cannot be solved in straight-line code."""
     n = len(motion.force)
     v = symbols(g, Kind.RATE, n)
     J = tuple(_row(g, rows, k, v) for k in range(len(rows.residual)))

@@ -57,6 +57,8 @@ def _of_the_free(x: Expander, value: Expr) -> bool:
 
 
 def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelError:
+    """The same with the row's name and place in the text; the first row's place where none is at
+    fault."""
     if wrong.row is None:
         return error(x.model, wrong.message, rows.spans[0], wrong.help)
     name = rows.names[wrong.row].name.removeprefix("lambda_")
@@ -65,7 +67,8 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
 
 
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
-    """Under their names, for outputs and events."""
+    """The nodes of lambda_NAME under that name and index, for outputs and events; of rows that are
+    not there, as a scene holds what they tie, none."""
     known = {} if constraints is None else _multipliers(constraints)
     for item in x.model.constraints:
         for index, _ in x.unrolled(item.index, item.range):

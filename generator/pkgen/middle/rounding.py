@@ -1,4 +1,5 @@
-"""How large the terms are that an expression is made of: what it is rounded by, in units of eps.
+"""How large the terms are that an expression is made of: what it is off by, in units of eps, where
+its leaves are rounded.
 
 A sum that vanishes has terms that do not, and what their rounding leaves of it is no residual. A
 number known to half a unit in its last place has the size |x|; and sizes go on as errors do,
@@ -6,8 +7,10 @@ number known to half a unit in its last place has the size |x|; and sizes go on 
     of a + b    size a + size b            of f(a)    |f'(a)| size a + |f(a)|
     of a b      |a| size b + |b| size a
 
-a running error bound. What no motion changes is rounded alike at every evaluation, and counts as
-exact. Reference: N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, 3.3.
+which is a running error bound but for what every + and * rounds itself: of those nothing is
+counted, of leaves and calls alone. What no motion changes is rounded alike at every
+evaluation, and counts as a leaf, however it is made. Reference: N. J. Higham, Accuracy and
+Stability of Numerical Algorithms, SIAM 2002, 3.3.
 """
 
 from __future__ import annotations

@@ -77,7 +77,9 @@ def with_inertia_of_states(e: Equations) -> bool:
 def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
-    """Equations of coordinates alone, of which the last ones' rates are the states."""
+    """Equations of coordinates alone, of which the last ones' rates are the states; and what C has
+    of rotations and constraints, with or without states: `unbound`, `inertia` and `terms`. Matrices
+    are n + count square then, of so many states. Every call is of equations that are not so yet."""
     if not e.states and not e.attitudes:
         if e.constraints is None:
             return e, structure

@@ -250,9 +250,9 @@ struct pk_system {
 
     /* Rotations, attitudes R in SO(3): n_rotations of them, body to space. The first 3 n_rotations of
      * the n_states first-order variables are their body rates, omega(R).x, .y, .z each; the next
-     * 4 n_rotations their unit quaternions w, x, y, z, with R' = R (0, omega)/2. Of all kernels:
-     * p = dL/domega and pdot = X L + p x omega + torque there, X_i the derivative along
-     * R' = R e_i/2; the momenta are those of the body frame. */
+     * 4 n_rotations their unit quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R
+     * turns by R v = Q v Q*. Of all kernels: p = dL/domega and pdot = X L + p x omega + torque there,
+     * X_i the derivative along Q' = Q e_i/2; the momenta are those of the body frame. */
     size_t n_rotations;
 
     /* Constraints. Rows J v + j0 = 0 of the rates, of which the first n_holonomic are the rates of
@@ -260,10 +260,10 @@ struct pk_system {
      * force(), canonical() and acceleration() as a function of (t, q, v). `constraint` writes the
      * n_holonomic phi, `rows` J (n_constraints by n, row-major; the columns of quaternions and states
      * are 0) and J v + j0, `terms` the sizes of the terms that both are sums of, in whose units of
-     * rounding a residual is judged, `multipliers` lambda. `unbound` is canonical() without J^T lambda: p = dL/dv
-     * (of quaternions and states: the numbers themselves) and pdot (their rates). It is there
-     * wherever there are rotations or constraints, and so is `inertia`, dp/dv of what `unbound` writes:
-     * where M is the unit matrix because M a = f was solved, canonical() and mass() say nothing of
+     * rounding a residual is judged, `multipliers` lambda. `unbound` is canonical() without
+     * J^T lambda: p = dL/dv (of quaternions and states: the numbers themselves) and pdot (their
+     * rates). It is there wherever there are rotations or constraints, and so is `inertia`, dp/dv of
+     * what `unbound` writes: where M is the unit matrix because M a = f was solved, canonical() and mass() say nothing of
      * the momenta. NULL and 0: there are none. */
     size_t n_constraints, n_holonomic;
     const struct pk_quantity *constraints; /* "lambda_rod": unit and description of the multipliers */
