@@ -31,6 +31,18 @@ static void field(void)
         }
 }
 
+/* M is factored once a step where it does not depend on the rates, else until they are found. */
+static void factorisations(void)
+{
+    const struct pk_system *const systems[] = {&rods_system, &swift_system};
+    for (int i = 0; i < 2; i++) {
+        bound_set(&f, systems[i]);
+        CU_ASSERT(go(systems[i], "rattle", 0.01) == PK_DONE);
+        const unsigned long made = f.it.count.factorisations, steps = f.it.count.steps;
+        CU_ASSERT(i ? made > 2 * steps && made < 5 * steps : made == steps + 1);
+    }
+}
+
 /* A rod whose J v is summed with a number that is taken away again, of which its terms tell. */
 static void spread_rows(ARGS, double *J, double *residual)
 {
@@ -155,6 +167,7 @@ void add_variational_end(void)
 {
     CU_pSuite suite = CU_add_suite("the end of a variational step", NULL, NULL);
     CU_add_test(suite, "momenta of a field", field);
+    CU_add_test(suite, "factorisations", factorisations);
     CU_add_test(suite, "terms of rates", terms_of_rates);
     CU_add_test(suite, "beside a spin", spin);
     CU_add_test(suite, "rows that come to depend on each other", dependent);
