@@ -74,20 +74,17 @@ static void set_scale(struct pk_variational_work *w)
 }
 
 /* By the first correction: at least the change of rates that the step makes, in the metric of M, so
- * that what is at rest at 0 has a scale too; and the rounding of others. */
+ * that what others set in motion has a scale too. */
 static void raise_scale(struct pk_variational_work *w)
 {
     const pk_real *v = pk_part(w->to, w->n, PK_V);
-    pk_real change = 0;
+    pk_real change = PK_TINY;
     for (size_t k = 0; k < w->m; k++)
         change = pk_max(change, pk_abs(w->V[k] + w->dV[k] - v[k]) * w->root[k]);
-    for (size_t k = 0; k < w->m; k++)
-        w->scale[k] = pk_max(w->scale[k], change / w->root[k]);
-    for (size_t k = w->states; k < w->n; k++)
-        w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[k] + w->dV[k]));
-    const pk_real most = pk_variational_most(w);
-    for (size_t k = 0; k < w->n; k++)
-        w->scale[k] = pk_max(w->scale[k], PK_EPS * most + PK_TINY);
+    for (size_t k = 0; k < w->n; k++) {
+        const pk_real other = k < w->m ? change / w->root[k] : pk_abs(w->V[k] + w->dV[k]);
+        w->scale[k] = pk_max(w->scale[k], other + PK_TINY);
+    }
 }
 
 /* The largest of dV beside its scale and so much of the largest scale. */
