@@ -199,6 +199,13 @@ static void tie_rows(const void *params, double t, const double *q, const double
     J[0] = 0.3, J[1] = -0.7;
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
+static void tie_terms(const void *params, double t, const double *q, const double *v,
+                      const double *u, double *phi_size, double *rate_size)
+{
+    (void)params, (void)t, (void)u;
+    phi_size[0] = 0.3 * fabs(q[0]) + 0.7 * fabs(q[1]);
+    rate_size[0] = 0.3 * fabs(v[0]) + 0.7 * fabs(v[1]);
+}
 static void moved_by_others(void)
 {
     static struct pk_system system;
@@ -206,6 +213,7 @@ static void moved_by_others(void)
     system = rod_system;
     system.constraint = tie;
     system.rows = tie_rows;
+    system.terms = tie_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
         bound_set(&f, &system);
         memset(f.q0, 0, sizeof f.q0);
