@@ -224,7 +224,7 @@ static void moved_by_others(void)
     }
 }
 
-/* A loose tolerance is one of momenta; and a step after one of hardly any is like any other. */
+/* A loose tolerance is one of rates alone; and a step after one of hardly any is like any other. */
 static void loose(void)
 {
     static struct bound_run f;
