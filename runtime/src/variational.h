@@ -9,8 +9,6 @@
 #include "project.h"
 #include "tableau.h"
 
-/* Corrections below this, relative, that no longer shrink are round-off. */
-#define PK_VARIATIONAL_ROUND (PK_C(16384.0) * PK_EPS)
 /* What an iteration may leave undone: see newton.c. */
 #define PK_VARIATIONAL_BIAS (PK_EPS / PK_C(8192.0))
 /* Of the largest scale, beside one's own: what forces, as differences of coordinates, and M mix is

@@ -4,6 +4,8 @@
  */
 #include "variational.h"
 
+/* A correction, relative, whose square is far below round-off. */
+#define SMALL (PK_F(sqrt)(PK_EPS) / 64)
 enum { MOST = 50 };
 
 /* What rates are rounded beside, times the roots of their masses: the fastest in the metric of M,
@@ -58,18 +60,18 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
                                     pk_real *p, pk_real *low_p)
 {
     const pk_real *q = pk_part(w->to, w->n, PK_Q);
-    pk_real *v = pk_part(w->to, w->n, PK_V), before = 0;
-    pk_real rate = it->problem.system->facts & PK_QUADRATIC ? 0 : 1;
+    pk_real *v = pk_part(w->to, w->n, PK_V), left = 0;
+    const int quadratic = (it->problem.system->facts & PK_QUADRATIC) != 0;
     for (int count = 0; count < MOST; count++) {
-        pk_real left = 0;
         pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);
         if (!pk_all_finite(w->p, w->m))
             return PK_NOT_FINITE;
-        if (count == 0 || rate > PK_C(0.1)) { /* else M at the guess will do */
+        if (count == 0 || !quadratic) { /* else M is the same */
             const enum pk_status status = matrices(it, w, q, v);
             if (status < 0)
                 return status;
         }
+        left = 0;
         for (size_t k = 0; k < w->m; k++)
             w->dV[k] = p[k] - w->p[k];
         pk_ldl_solve(w->at.M, w->m, w->dV);
@@ -81,13 +83,10 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         left /= most;
         if (w->c)
             left = pk_max(left, tangent(w, q, most, v, p, low_p));
-        const int rounding = count && left >= before / 2 && left <= PK_VARIATIONAL_ROUND;
-        if (left <= 2 * PK_EPS || rounding)
+        if (left <= SMALL)
             return pk_all_finite(v, w->m) ? PK_DONE : PK_NOT_FINITE;
-        rate = count ? left / pk_max(before, PK_TINY) : rate;
-        before = left;
     }
-    it->detail = before;
+    it->detail = left;
     it->where = PK_OF_RATES;
     return PK_NO_CONVERGENCE;
 }

@@ -46,7 +46,7 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     return worst;
 }
 
-/* What V is rounded beside: itself, momenta, the coordinates over h, and those that phi adds its own
+/* What V is rounded beside: itself, momenta and what they add up, the coordinates over h, and those that phi adds its own
  * numbers to, as x of (a + x)^2: they count as what takes phi as far as its terms. */
 static void set_scale(struct pk_variational_work *w)
 {
@@ -57,8 +57,10 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real rate = k < w->m ? pk_max(pk_abs(v[k]), pk_abs(w->V[k])) : pk_abs(w->V[k]);
         w->scale[k] = pk_max(rate, pk_abs(x / w->h));
     }
-    for (size_t k = 0; k < w->m; k++)
-        w->scale[k] = pk_max(w->scale[k], pk_abs(p[k]) / (w->root[k] * w->root[k]));
+    for (size_t k = 0; k < w->m; k++) {
+        const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
+        w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
+    }
     for (size_t i = 0; i < w->c; i++) {
         const pk_real *J = w->at.J + i * w->n;
         pk_real all = PK_TINY;
@@ -72,20 +74,17 @@ static void set_scale(struct pk_variational_work *w)
 }
 
 /* By the first correction: at least the change of rates that the step makes, in the metric of M, so
- * that what is at rest at 0 has a scale too; and the rounding of others. */
+ * that what others set in motion has a scale too. */
 static void raise_scale(struct pk_variational_work *w)
 {
     const pk_real *v = pk_part(w->to, w->n, PK_V);
-    pk_real change = 0;
+    pk_real change = PK_TINY;
     for (size_t k = 0; k < w->m; k++)
         change = pk_max(change, pk_abs(w->V[k] + w->dV[k] - v[k]) * w->root[k]);
-    for (size_t k = 0; k < w->m; k++)
-        w->scale[k] = pk_max(w->scale[k], change / w->root[k]);
-    for (size_t k = w->states; k < w->n; k++)
-        w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[k] + w->dV[k]));
-    const pk_real most = pk_variational_most(w);
-    for (size_t k = 0; k < w->n; k++)
-        w->scale[k] = pk_max(w->scale[k], PK_EPS * most + PK_TINY);
+    for (size_t k = 0; k < w->n; k++) {
+        const pk_real other = k < w->m ? change / w->root[k] : pk_abs(w->V[k] + w->dV[k]);
+        w->scale[k] = pk_max(w->scale[k], other + PK_TINY);
+    }
 }
 
 /* The largest of dV beside its scale and so much of the largest scale. */

@@ -88,5 +88,6 @@ void add_rotation_beside(void);
 void add_constraint(void);
 void add_constraint_told(void);
 void add_variational(void);
+void add_variational_end(void);
 
 #endif

@@ -172,6 +172,7 @@ int main(int argc, char **argv)
     add_constraint();
     add_constraint_told();
     add_variational();
+    add_variational_end();
     CU_basic_set_mode(CU_BRM_VERBOSE);
     CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();

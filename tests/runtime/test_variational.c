@@ -185,6 +185,62 @@ static void from_rest(void)
         }
 }
 
+/* 0.3 x = 0.7 y: from rest at 0, where phi has no terms, x is moved by y alone. */
+static void tie(const void *params, double t, const double *q, const double *v, const double *u,
+                double *phi)
+{
+    (void)params, (void)t, (void)v, (void)u;
+    phi[0] = 0.3 * q[0] - 0.7 * q[1];
+}
+static void tie_rows(const void *params, double t, const double *q, const double *v,
+                     const double *u, double *J, double *residual)
+{
+    (void)params, (void)t, (void)q, (void)u;
+    J[0] = 0.3, J[1] = -0.7;
+    residual[0] = J[0] * v[0] + J[1] * v[1];
+}
+static void tie_terms(const void *params, double t, const double *q, const double *v,
+                      const double *u, double *phi_size, double *rate_size)
+{
+    (void)params, (void)t, (void)u;
+    phi_size[0] = 0.3 * fabs(q[0]) + 0.7 * fabs(q[1]);
+    rate_size[0] = 0.3 * fabs(v[0]) + 0.7 * fabs(v[1]);
+}
+static void moved_by_others(void)
+{
+    static struct pk_system system;
+    static struct bound_run f;
+    system = rod_system;
+    system.constraint = tie;
+    system.rows = tie_rows;
+    system.terms = tie_terms;
+    for (int i = 0; i < BOUND_VARIATIONAL; i++) {
+        bound_set(&f, &system);
+        memset(f.q0, 0, sizeof f.q0);
+        memset(f.v0, 0, sizeof f.v0);
+        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.01) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE && fabs(f.it.q[0] + 0.21 / 0.58 / 2) < 1e-14);
+        CU_ASSERT(f.it.count.jacobians == 0);
+    }
+}
+
+/* A loose tolerance is one of rates alone; and a step after one of hardly any is like any other. */
+static void loose(void)
+{
+    static struct bound_run f;
+    for (int i = 0; i < BOUND_VARIATIONAL; i++) {
+        bound_set(&f, &rods_system);
+        f.options.newton_tol = 1e-3;
+        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.1) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE);
+        CU_ASSERT(bound_residuals(&f).position_relative < 3e-15);
+        bound_set(&f, &rods_system);
+        CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.1) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 1e-15) == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 0.1) == PK_DONE && f.it.count.jacobians == 0);
+    }
+}
+
 /* From rest at 0 on circles of radius 5 limit, whose numbers round phi by far more than x and y do. */
 static void numbers_of_phi(void)
 {
@@ -217,5 +273,7 @@ void add_variational(void)
     CU_add_test(suite, "compensated sums of momenta", compensated);
     CU_add_test(suite, "from anywhere", anew);
     CU_add_test(suite, "from rest at 0", from_rest);
+    CU_add_test(suite, "moved by others", moved_by_others);
+    CU_add_test(suite, "a loose tolerance", loose);
     CU_add_test(suite, "numbers of phi", numbers_of_phi);
 }
