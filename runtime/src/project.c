@@ -17,7 +17,7 @@
 #include "attitude.h"
 #include "project.h"
 
-#define ROUND (PK_C(4.0) * PK_EPS)      /* of its terms: as good as zero */
+#define ROUND (PK_EPS / 2)              /* of its terms: as good as zero. More, left each step, drifts */
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
 enum { MOST = 20 };                     /* corrections */
 
