@@ -243,18 +243,28 @@ static enum pk_status try_step(struct pk_integrator *it, pk_real limit)
     return status;
 }
 
-/* That, back on the constraints; a step that is too far off is made shorter where the method can. */
+/* That, back on the constraints; a step that is too far off is made shorter where the method can, and
+ * where it then shrinks to nothing, that is why. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
     enum { CUTS = 12 };
+    size_t where = 0;
+    pk_real detail = 0;
     for (int cuts = 0;; cuts++) {
         enum pk_status status = try_step(it, limit);
         if (status >= 0)
             status = pk_project_step(it);
         if (status >= 0 && it->project && !pk_all_finite(it->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
+        if (status == PK_STEP_UNDERFLOW && cuts) {
+            it->where = where;
+            it->detail = detail;
+            return PK_NO_PROJECTION;
+        }
         if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)
             return status;
+        where = it->where;
+        detail = it->detail;
         it->h = (it->next_t - it->t) / 4;
         it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
         it->count.rejections++;

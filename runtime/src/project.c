@@ -4,10 +4,10 @@
  *
  *     q -= M^-1 J^T mu  until  phi = 0         v -= M^-1 J^T nu  with  J v + j0 = 0
  *
- * by Newton's method, in the metric of M: to first order no other state on the constraints is nearer,
- * and the order of the method stays. A quaternion is turned by the rotation vector that its three entries of
- * M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps from its last
- * step are left: they err by as much as the step did, and count h times that.
+ * by Newton's method, in the metric of M: to first order no other state on the constraints is
+ * nearer, and the order of the method stays. A quaternion is turned by the rotation vector that its
+ * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps
+ * from its last step are left: they err by as much as the step did, and count h times that.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
@@ -17,7 +17,7 @@
 #include "attitude.h"
 #include "project.h"
 
-#define ROUND (PK_C(4.0) * PK_EPS)      /* of its terms: as good as zero */
+#define ROUND (PK_EPS / 2)              /* of its terms: as good as zero. More, left each step, drifts */
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
 enum { MOST = 20 };                     /* corrections */
 

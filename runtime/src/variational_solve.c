@@ -46,8 +46,9 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     return worst;
 }
 
-/* What V is rounded beside: itself, momenta and what they add up, the coordinates over h, and those that phi adds its own
- * numbers to, as x of (a + x)^2: they count as what takes phi as far as its terms. */
+/* What V is rounded beside: itself, momenta and what adds to them, and the coordinates over h; where
+ * phi adds numbers of its own to these, as in (a + x)^2, they count as what takes phi as far as its
+ * terms. */
 static void set_scale(struct pk_variational_work *w)
 {
     const pk_real *q = pk_part(w->to, w->n, PK_Q), *v = pk_part(w->to, w->n, PK_V);
