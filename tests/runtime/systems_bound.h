@@ -140,6 +140,26 @@ static inline void bound_terms(const struct bound *b, ARGS, pk_real *phi_size, p
     }
 }
 
+/* x^2 + y^2 = 1, for a system of these two coordinates first. */
+#define UNIT_ROD(NAME)                                                                             \
+    static void NAME##_constraint(ARGS, pk_real *phi)                                              \
+    {                                                                                              \
+        UNUSED;                                                                                    \
+        phi[0] = q[0] * q[0] + q[1] * q[1] - 1;                                                    \
+    }                                                                                              \
+    static void NAME##_rows(ARGS, pk_real *J, pk_real *residual)                                   \
+    {                                                                                              \
+        UNUSED;                                                                                    \
+        J[0] = 2 * q[0];                                                                           \
+        J[1] = 2 * q[1];                                                                           \
+        residual[0] = J[0] * v[0] + J[1] * v[1];                                                   \
+    }                                                                                              \
+    static void NAME##_bias(ARGS, pk_real *b)                                                      \
+    {                                                                                              \
+        UNUSED;                                                                                    \
+        b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);                                                    \
+    }
+
 /* A diagonal M: these masses, and 1 for what has no momenta. */
 static inline void constant_inertia(size_t n, const pk_real *masses, size_t count, pk_real *M)
 {

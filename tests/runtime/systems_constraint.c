@@ -22,23 +22,7 @@ static void rod_unbound(ARGS, pk_real *p, pk_real *pdot)
     memcpy(p, v, 2 * sizeof *p);
     rod_drift(params, t, q, v, u, pdot);
 }
-static void rod_constraint(ARGS, pk_real *phi)
-{
-    UNUSED;
-    phi[0] = q[0] * q[0] + q[1] * q[1] - 1;
-}
-static void rod_rows(ARGS, pk_real *J, pk_real *residual)
-{
-    UNUSED;
-    J[0] = 2 * q[0];
-    J[1] = 2 * q[1];
-    residual[0] = J[0] * v[0] + J[1] * v[1];
-}
-static void rod_bias(ARGS, pk_real *b)
-{
-    UNUSED;
-    b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);
-}
+UNIT_ROD(rod)
 static pk_real rod_energy(ARGS)
 {
     UNUSED;

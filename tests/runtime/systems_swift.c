@@ -32,23 +32,7 @@ static void swift_unbound(ARGS, pk_real *p, pk_real *pdot)
     p[0] = c * v[0] - b * q[1], p[1] = c * v[1] + b * q[0];
     pdot[0] = b * v[1], pdot[1] = -G(params) - b * v[0];
 }
-static void swift_constraint(ARGS, pk_real *phi)
-{
-    UNUSED;
-    phi[0] = q[0] * q[0] + q[1] * q[1] - 1;
-}
-static void swift_rows(ARGS, pk_real *J, pk_real *residual)
-{
-    UNUSED;
-    J[0] = 2 * q[0];
-    J[1] = 2 * q[1];
-    residual[0] = J[0] * v[0] + J[1] * v[1];
-}
-static void swift_bias(ARGS, pk_real *b)
-{
-    UNUSED;
-    b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);
-}
+UNIT_ROD(swift)
 static pk_real swift_energy(ARGS)
 {
     UNUSED;
