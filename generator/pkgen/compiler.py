@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from .back import loops_lower, loops_render, lower, render
+from .back.beyond import Beyond, extreme
 from .back.loops_lower import LoopProgram
 from .back.program import Program
 from .equations import Equations, Structure
@@ -115,7 +116,8 @@ def stages(
         yield equations.facts
         check_claims(model, equations.facts.claims)
         yield equations, equations.facts, Report(lines)
-        loops = loops_lower.lower_loops(equations, libm)
+        with _in_range(model):
+            loops = loops_lower.lower_loops(equations, libm)
         yield loops, ()
         yield loops_render.render_loops(loops)
         return
@@ -132,7 +134,7 @@ def stages(
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
     yield left.equations, left.structure, report
     of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
-    with _no_collection():
+    with _no_collection(), _in_range(model):
         in_c = states.as_rates(left.equations, left.structure, of_whole)
         program = lower.lower(*in_c, of_whole, libm=libm)
         parts = tuple(_part(part, kernels, libm) for part in left.parts)
@@ -148,6 +150,15 @@ def _part(part: Part, kernels: frozenset[str] | None, libm: bool) -> CompiledPar
     e = part.equations
     program = lower.lower(e, part.structure, reduce.of_a_part(kernels), libm=libm)
     return CompiledPart(e.model.name, part.coordinates, e, part.structure, program)
+
+
+@contextmanager
+def _in_range(model: Model) -> Iterator[None]:
+    """A constant that no double holds is an error of the model."""
+    try:
+        yield
+    except Beyond as beyond:
+        raise beyond.placed(model) from None
 
 
 @contextmanager
@@ -168,10 +179,13 @@ def check_model(
 ) -> tuple[Model, tuple[Diagnostic, ...]]:
     """A model of which there are no errors, and the warnings about it; no C is made.
 
-    Raises ModelError as compile_model() does: what comes after `reduce` finds nothing more.
+    Raises ModelError as compile_model() does: what comes after `reduce` finds no more
+    than constants that a double cannot hold.
     """
     made = stages(source, sizes or {})
-    _, (_, model, warnings), _, facts, _ = islice(made, STAGES.index("reduce") + 1)
+    _, (_, model, warnings), _, facts, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
+    if extreme(equations.graph):
+        next(made)
     return model, warnings + partly_proved(model, facts)
 
 

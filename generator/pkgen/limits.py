@@ -4,6 +4,8 @@ A hostile file must end within seconds and within a gibibyte, with a message tha
 limit it met; an honest one never meets any.
 """
 
+from sys import float_info
+
 FILE_BYTES = 1_000_000  # of one model
 STATEMENTS = 20_000
 DEPTH = 100  # of brackets, calls, powers, signs and primes within each other
@@ -23,3 +25,11 @@ CONSTANT_BITS = 4_096  # of a constant's exact numerator or denominator
 DIAGNOSTICS = 50  # shown of one run
 CPU_SECONDS = 8  # of deriving one model; --max-seconds overrides
 MEMORY_BYTES = 1 << 30  # address space added while compiling
+
+
+def lost(exact: object, rounded: float, what: str = "constant") -> str:
+    """Why a double cannot hold a small value that is not zero, or ""."""
+    if exact == 0 or abs(rounded) >= float_info.min:
+        return ""
+    loses = "lose digits" if rounded else "become zero"
+    return f"this {what} is too small for a double: it would {loses}"

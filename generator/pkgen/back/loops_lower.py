@@ -206,6 +206,7 @@ class _Context:
             "facts": [flag for field, flag in FACTS if getattr(facts, field)],
             "tables": [{"name": k, "rows": rows} for k, rows in quantities.items()],
             "helpers": sorted(w.helpers),
+            "float_too": w.work.constants.float_too,
             "operations": self._operations(sets, totals),
             "proved": labelled(loop_facts(e)),
             "constant": labelled(loop_invariants(facts)),

@@ -99,6 +99,7 @@ class _Lowering:
             start=self._of_parameters("start"),
             quadrature_start=self._of_parameters("quadrature_start"),
             kernels=tuple(self._kernel(draft) for draft in drafts),
+            float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
         )
 

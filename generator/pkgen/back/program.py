@@ -146,6 +146,7 @@ class Program:
     start: Kernel
     quadrature_start: Kernel
     kernels: tuple[Kernel, ...]
+    float_too: bool  # whether float can hold its constants
     helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
 
     def kernel(self, name: str) -> Kernel | None:

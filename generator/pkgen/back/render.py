@@ -191,6 +191,7 @@ def _context(program: Program) -> dict[str, Any]:
             )
         ),
         "helpers": list(program.helpers),
+        "float_too": program.float_too,
         "guards": tables.guards(program),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],

@@ -17,6 +17,7 @@ from fractions import Fraction
 
 from ..middle.graph import MINUS_ONE, VARIABLE, Graph, Node, Op, Symbol
 from ..middle.switches import SIDED
+from .beyond import Constants
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
@@ -35,6 +36,7 @@ class Workspace:
         self.fixed = [not mask & VARIABLE for mask in graph.depends]
         self.sides: dict[Node, Node] = {}  # of calls that a switch decides: the side
         self._side_leaves: dict[int, Node] = {}
+        self.constants = Constants(self)
 
     def side(self, call: Node, switch: int, sign: int) -> None:
         """Has a call decided by the side of a switch, or by the other one."""

@@ -133,12 +133,16 @@ class Schedule:
                 continue
             if (leaf := self.leaf(node)) is not None:
                 forms[node] = negated(atom(leaf[1:])) if leaf[0] == "-" else atom(leaf)
+                if work.op[node] is Op.NUMBER:
+                    work.constants.see(node)
                 continue
             missing = [a for a in work.args[node] if a not in forms]
             if missing:
                 stack.extend(reversed(missing))
                 continue
             stack.pop()
+            if work.fixed[node]:
+                work.constants.see(node)
             if work.op[node] is not Op.CALL:
                 self._finish(node)
                 continue

@@ -27,8 +27,8 @@ def checked(value: Fraction | float) -> Fraction | float:
         raise NoValue("this constant is too large for a double") from None
     if not math.isfinite(rounded):
         raise NoValue("this constant is not finite")
-    if rounded == 0 and value != 0:
-        raise NoValue("this constant is too small for a double: it would become zero")
+    if lost := limits.lost(value, rounded):
+        raise NoValue(lost)
     if isinstance(value, Fraction) and _bits(value) > limits.CONSTANT_BITS:
         raise NoValue(f"this constant takes more than {limits.CONSTANT_BITS} bits to write exactly")
     return value
@@ -78,8 +78,8 @@ def raised(base: Fraction | float, exponent: Fraction | float) -> Fraction | flo
         result = float(base) ** float(exponent)
     except OverflowError:
         raise NoValue("this constant is too large for a double") from None
-    if result == 0 and base != 0:
-        raise NoValue("this constant is too small for a double: it would become zero")
+    if lost := limits.lost(base, result):
+        raise NoValue(lost)
     return checked(result)
 
 

@@ -19,6 +19,4 @@ def literal_value(spelt: str) -> Fraction | str:
         rounded = float(value)
     except OverflowError:
         return "this number is too large for a double"
-    if rounded == 0 and value != 0:
-        return "this number is too small for a double: it would become zero"
-    return value
+    return limits.lost(value, rounded, "number") or value

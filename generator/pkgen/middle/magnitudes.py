@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 
+from .. import limits
 from .evaluate import value_of
 from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 
 _PARAMETER = BIT[Kind.PARAMETER]
 LARGE = "this constant is too large for a double"
-SMALL = "this constant is too small for a double: it would become zero"
 NO_VALUE = "this constant has no real value"
 
 
@@ -45,7 +45,7 @@ class Magnitudes:
                 if wrong:
                     return wrong
                 product *= math.pow(self._values[base], float(exponent))
-        return "" if math.isfinite(product) else LARGE
+        return limits.lost(1, product) if math.isfinite(product) else LARGE
 
     def _of(self, constant: Node) -> str:
         """A constant that depends on nothing, its parts first."""
@@ -64,6 +64,10 @@ class Magnitudes:
             return NO_VALUE
         if math.isinf(value):
             return LARGE
-        # A sum or a sine may be zero without anything lost; numbers and products may not.
-        lost = value == 0 and constant != ZERO and g.op[constant] not in (Op.ADD, Op.CALL)
-        return SMALL if lost and all(values[a] != 0 for a in g.args[constant]) else ""
+        args = [values[a] for a in g.args[constant]]
+        return limits.lost(not may_vanish(g, constant, args), value)
+
+
+def may_vanish(g: Graph, node: Node, args: list[float]) -> bool:
+    """A sum or a sine may be small without anything lost; numbers and products may not."""
+    return node == ZERO or g.op[node] in (Op.ADD, Op.CALL) or not all(args)
