@@ -78,6 +78,7 @@ def _gsl(tools: Toolchain) -> list[str]:
 
 
 # The driver is linked with whatever model this names.
+CHOICE_FILE = "which-model.c"  # no model can be called that
 CHOICE = """#include <pk/apart.h>
 extern const struct pk_system {name}_system;
 extern const struct pk_system *const run_model;
@@ -134,17 +135,17 @@ def build_program(
         with _staging(directory.parent) as staging:
             for file_name, text in files.items():
                 (staging / file_name).write_text(text, encoding="utf-8")
-            (staging / "choice.c").write_text(choice, encoding="utf-8")
+            (staging / CHOICE_FILE).write_text(choice, encoding="utf-8")
             libraries = [str(library / archive) for archive in ("librun.a", "libpk.a")]
             libraries += [*tools.gsl_libs, "-lm"]
             libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
             integrated = [f"{part}.c" for part, _ in parts] or [f"{name}.c"]
-            sources = ["choice.c", *integrated]
+            sources = [CHOICE_FILE, *integrated]
             if parts:
-                compile_c(tools, ["-DPK_RUNTIME", "-I.", "-c", f"{name}.c"], staging)
+                compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], staging)
                 sources.append(f"{name}.o")
             linked = [*sources, "-o", "program", *libraries]
-            compile_c(tools, ["-DPK_RUNTIME", *inlined, "-I.", *linked], staging)
+            compile_c(tools, ["-DPK_RUNTIME", *inlined, *linked], staging)
             _publish(staging, directory)
         _prune(directory.parent)
     os.utime(directory)

@@ -51,7 +51,7 @@ def test_no_model_can_have_a_symbol_of_the_driver(pkgen, tmp_path: Path) -> None
 
 
 def test_models_named_as_parts_of_the_driver_run(pkgen, tmp_path: Path) -> None:
-    for name in ("run", "apart"):
+    for name in ("run", "apart", "choice", "features"):
         path = tmp_path / f"{name}.lag"
         path.write_text(f"model {name}\ncoord x\nkinetic x'^2/2\npotential x^4\nstart x = 1\n")
         done = pkgen("run", path, "--until", "1", "-o", tmp_path / "rows.csv")

@@ -68,7 +68,7 @@ class Lowering:
         self.hoisted: dict[Node, int] = {}
         self.helpers: set[str] = set()
         self.prepare: list[dict[str, str]] = []
-        fields = Names(FIELD_RESERVED, ("block_",))
+        fields = Names(FIELD_RESERVED, (), self.prefix)
         self.sizes = {s.name: fields.take(s.name) for s in equations.model.sizes}
         self.fields = {g.name: fields.take(g.name) for g in equations.parameters}
         self.size_texts = {
@@ -76,7 +76,7 @@ class Lowering:
         }
         self.first = _firsts(equations)
         self.inputs = [q.name for q in input_quantities(equations.model, equations.orders)]
-        self._locals = Names(LOCAL_RESERVED, _OURS)
+        self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
         self._names: dict[Slot, str] = {}
 
     # -- text ---------------------------------------------------------------------------------
@@ -184,7 +184,7 @@ class Lowering:
         return len(set(self.hoisted.values()))
 
     def _schedule(self, where: str, known: dict[str, str] | None = None) -> Schedule:
-        names = Names(LOCAL_RESERVED, (*_OURS, *self._names.values()))
+        names = Names(LOCAL_RESERVED, (*_OURS, *self._names.values()), self.prefix)
         return Schedule(
             self.work,
             names,

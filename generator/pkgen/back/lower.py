@@ -103,6 +103,9 @@ class _Lowering:
             helpers=tuple(sorted(self.helpers)),
         )
 
+    def _names(self, taken: Iterable[str] = ()) -> Names:
+        return Names(LOCAL_RESERVED, taken, self.prefix)
+
     # Kernels of the motion
 
     def _draft(self, spec: KernelSpec) -> _Draft:
@@ -124,7 +127,7 @@ class _Lowering:
     def _kernel(self, draft: _Draft) -> Kernel:
         spec, n = draft.spec, len(self.equations.coordinates)
         outputs = spec.outputs(self.equations)
-        names = Names(LOCAL_RESERVED, (o.name for o in outputs))
+        names = self._names(o.name for o in outputs)
         for name in self.symbols.values():
             names.take(name)
         schedule = Schedule(
@@ -194,7 +197,7 @@ class _Lowering:
         places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
         schedule = Schedule(
             self.work,
-            Names(LOCAL_RESERVED),
+            self._names(),
             self.prefix,
             self._symbol,
             known_after={place: place for place in places.values()},
@@ -232,7 +235,7 @@ class _Lowering:
     def _fixed_code(self, targets: list[Target]) -> Schedule:
         """Code on parameters alone, nothing hoisted."""
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
-        schedule = Schedule(self.work, Names(LOCAL_RESERVED), self.prefix, self._symbol)
+        schedule = Schedule(self.work, self._names(), self.prefix, self._symbol)
         schedule.run(Target(t.kind, t.where, tuple(new[x] for x in t.nodes)) for t in targets)
         self.helpers |= schedule.helpers
         return schedule
@@ -252,7 +255,7 @@ class _Lowering:
 
 def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
     """The members of struct NAME_params, and the C text of each scalar parameter."""
-    names = Names(FIELD_RESERVED)
+    names = Names(FIELD_RESERVED, (), equations.model.name + "_")
     fields: list[Field] = []
     scalars: list[str] = []
     for index, slot in enumerate(equations.parameters):
@@ -265,7 +268,7 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 
 def _local_names(equations: Equations) -> dict[Symbol, str]:
     """What coordinates, rates, inputs, accelerations and momenta are called in the kernels."""
-    names = Names(LOCAL_RESERVED)
+    names = Names(LOCAL_RESERVED, (), equations.model.name + "_")
     own = len(equations.coordinates) - equations.n_states
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]

@@ -23,18 +23,27 @@ _KEYWORDS = """
     using virtual void volatile wchar_t while xor xor_eq
 """
 
-# Object-like macros of the standard and system headers, of gcc's gnu modes and of platforms.
+# Macros are written in capitals: a name of three and more gets an underscore, whatever it is. These
+# are the others: of the standard and system headers, of gcc's gnu modes, of platforms.
+_CAPITALS = re.compile(
+    r"(?![A-Z](_[0-9]+)+$)[A-Z][A-Z0-9_]+[A-Z0-9](f|l|q|f[0-9]+x?)?|(PRI|SCN)[a-z]\w*[^_]"
+)  # M_0_1 is one of ours
 _MACROS = """
-    I NAN NULL INFINITY HUGE HUGE_VAL HUGE_VALF HUGE_VALL EOF BUFSIZ RAND_MAX CLOCKS_PER_SEC
-    M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI M_SQRT2 M_SQRT1_2
-    MAXFLOAT DOMAIN SING OVERFLOW UNDERFLOW PLOSS TLOSS X_TLOSS FP_NAN FP_INFINITE FP_ZERO
-    FP_SUBNORMAL FP_NORMAL FP_ILOGB0 FP_ILOGBNAN MATH_ERRNO MATH_ERREXCEPT math_errhandling
-    FLT_EPSILON DBL_EPSILON LDBL_EPSILON FLT_MAX DBL_MAX LDBL_MAX FLT_MIN DBL_MIN LDBL_MIN FLT_RADIX
-    CHAR_BIT INT_MAX INT_MIN UINT_MAX LONG_MAX LONG_MIN SIZE_MAX
-    linux unix i386 sun vax mips arm errno complex imaginary assert isnan isinf isfinite signbit
-    stdin stdout stderr offsetof va_start va_end setjmp signgam far near small huge hyper interface
-    min max PI TWO_PI HALF_PI EULER DEG_TO_RAD RAD_TO_DEG LOW HIGH INPUT OUTPUT TRUE FALSE ERROR
-    IN OUT CONST DELETE SP EDOM ERANGE EILSEQ B0 B50 B75 B110 B134 B150 B200 B300 B600 SIGINT
+    I B0 HZ SP IN PI AF_DECnet PF_DECnet L_ctermid L_cuserid L_tmpnam P_tmpdir
+    and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq
+    alignas alignof bool complex false imaginary noreturn static_assert thread_local true
+    assert basename errno h_errno math_errhandling offsetof signgam stderr stdin stdout
+    arm far hyper huge i386 interface linux max min mips near small sun unix vax
+    d_fileno h_addr ifa_broadaddr ifa_dstaddr ifc_buf ifc_req ifr_addr ifr_bandwidth ifr_broadaddr
+    ifr_data ifr_dstaddr ifr_flags ifr_hwaddr ifr_ifindex ifr_map ifr_metric ifr_mtu ifr_name
+    ifr_netmask ifr_newname ifr_qlen ifr_slave msg_cbytes s6_addr s6_addr16 s6_addr32 sa_handler
+    sa_sigaction sched_priority si_addr si_addr_lsb si_arch si_band si_call_addr si_fd si_int
+    si_lower si_overrun si_pid si_pkey si_ptr si_status si_stime si_syscall si_timerid si_uid
+    si_upper si_utime si_value sigev_notify_attributes sigev_notify_function st_atime st_ctime
+    st_mtime atomic_init atomic_load_explicit atomic_store_explicit atomic_exchange_explicit
+    atomic_compare_exchange_strong_explicit atomic_compare_exchange_weak_explicit
+    atomic_fetch_add_explicit atomic_fetch_and_explicit atomic_fetch_or_explicit
+    atomic_fetch_sub_explicit atomic_fetch_xor_explicit
 """
 
 # Functions of <math.h>, POSIX included: a local variable of that name would hide them.
@@ -50,27 +59,33 @@ _FUNCTIONS = """
 _OURS = """
     p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
     status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out phi_size residual_size
-    lambda_out
+    lambda_out size_t ptrdiff_t
 """
+_MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params
 
-FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS).split()) | {"c_", "side_"}
-LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _FUNCTIONS + _OURS).split())
+# Their names in float, long double and quad too.
+_LIBM = " ".join(name + end for name in _FUNCTIONS.split() for end in ("", "f", "l", "q"))
+FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS + _MEMBERS).split())
+LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _LIBM + _OURS).split())
 
 
 class Names:
-    """Hands out C identifiers: the wished name if it can be had, else with underscores."""
+    """Hands out C identifiers: the wished name if it can be had, else with underscores. What
+    begins with `prefix` is a symbol of the model's own."""
 
-    def __init__(self, reserved: frozenset[str], taken: Iterable[str] = ()) -> None:
-        self._reserved = reserved
+    def __init__(
+        self, reserved: frozenset[str], taken: Iterable[str] = (), prefix: str = "pk_"
+    ) -> None:
+        self._reserved, self._prefixes = reserved, ("pk_", prefix.lower())
         self._taken = set(taken)
         self._next: dict[str, int] = {}
 
     def take(self, wish: str) -> str:
         """`I` is `I_`; what C reserves for itself (`_X`, `__x`, `pk_x`) gets an `x` before it."""
         name = re.sub(r"\W", "_", wish, flags=re.ASCII)
-        if not name or name[0] == "_" or name[0].isdigit() or name.lower().startswith("pk_"):
+        if not name or name[0] in "_0123456789" or name.lower().startswith(self._prefixes):
             name = "x" + name
-        while name in self._reserved or name in self._taken:
+        while not self.is_free(name):
             name += "_"
         self._taken.add(name)
         return name
@@ -85,7 +100,9 @@ class Names:
         return f"{stem}{count}"
 
     def is_free(self, name: str) -> bool:
-        return name not in self._taken and name not in self._reserved
+        if name in self._taken or name in self._reserved:
+            return False
+        return not (self._reserved and _CAPITALS.fullmatch(name))
 
 
 def local_wish(name: str) -> str:

@@ -15,7 +15,7 @@ from .check_scope import PLACES, Scope
 from .check_shared import Shared, described, name_span
 from .check_vectors import by_component
 from .units import NONE
-from .words import C_HEADERS, reserved
+from .words import C_HEADERS, reserved, symbols_of
 
 _UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
 
@@ -37,11 +37,11 @@ class Definitions:
             self.report.error(
                 f"'{statement.name}' {why} and cannot name a model", statement.name_span
             )
-        elif statement.name == "pk" or statement.name.startswith("pk_"):
+        elif whose := symbols_of(statement.name):
             self.report.error(
-                f"'{statement.name}' cannot name a model: symbols of the runtime begin with 'pk_'",
+                f"'{statement.name}' cannot name a model: symbols of {whose} begin so",
                 statement.name_span,
-                f"choose another name, e.g. {statement.name.replace('pk', 'my', 1)}",
+                f"choose another name, e.g. my_{statement.name}",
             )
         elif statement.name in C_HEADERS:
             self.report.error(

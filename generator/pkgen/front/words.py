@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 _MODEL = """
@@ -28,6 +29,18 @@ _HEADERS = """
     stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn
     string tgmath threads time uchar wchar wctype
 """
+
+# What symbols of others begin with, before a '_'. Those of a model begin with its name.
+_OTHERS = {
+    "the runtime": re.compile(r"(?i:pk)(_\w*)?"),
+    "GSL": re.compile(r"(?i:gsl)(_\w*)?"),
+    "OpenMP": re.compile(r"(?i:g?omp)(_\w*)?"),
+    "C": re.compile(
+        r"[US]?(BOOL|CHAR|SHRT|INT|LONG|LLONG|SIZE|PTRDIFF|WCHAR|WINT|SIG)"
+        r"(MAX|PTR|_?(FAST|LEAST|ATOMIC))?(8|16|32|64)?|QUADMATH|va|argz|envz|printf|atomic(_\w*)?"
+        r"|error_message|inet6_rth|malloc_usable|sched_get_priority"
+    ),
+}
 
 MODEL_WORDS = tuple(_MODEL.split())
 SCENE_WORDS = tuple(_SCENE.split())
@@ -68,6 +81,11 @@ def reserved(name: str) -> str:
     if name.startswith("__") or (name.startswith("_") and name[1:2].isupper()):
         return "is kept for the C compiler (it begins with an underscore)"
     return ""
+
+
+def symbols_of(name: str) -> str:
+    """Whose symbols begin as those of a model of this name would, or ""."""
+    return next((whose for whose, found in _OTHERS.items() if found.fullmatch(name)), "")
 
 
 def greek(character: str) -> str | None:
