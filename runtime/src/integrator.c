@@ -6,6 +6,9 @@
 
 #include "project.h"
 
+enum { FIRST_LOOK = 1 << 16 }; /* at progress: steps */
+#define MOST_AHEAD PK_C(1e9) /* steps, where nobody says how many */
+
 struct pk_options pk_options_default(void)
 {
     struct pk_options options = {0};
@@ -172,12 +175,36 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
     return 1;
 }
 
+/* Whether time all but stands still; looked at each time that the number of steps has doubled, so that
+ * no more than this number and the times decide. It is measured by the lengths of steps, since a
+ * caller may go back in time. */
+static int stands_still(struct pk_integrator *it, pk_real left)
+{
+    const unsigned long tried = it->count.steps + it->count.rejections;
+    if (tried < FIRST_LOOK || tried / 2 < it->judged)
+        return 0;
+    const unsigned long given = it->options.max_steps;
+    const pk_real most = given ? (pk_real)given : MOST_AHEAD;
+    const pk_real rate = (it->passed - it->judged_passed) / (pk_real)(tried - it->judged);
+    const pk_real ahead = pk_min(it->passed, pk_abs(left));
+    if (ahead > most * rate) {
+        it->detail = rate > 0 ? ahead / rate : PK_INFINITY;
+        return 1;
+    }
+    it->judged = tried;
+    it->judged_t = it->t;
+    it->judged_passed = it->passed;
+    return 0;
+}
+
 static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fixed)
 {
     if (pk_sides_missing(it))
         return PK_REFUSED;
     if (it->options.max_steps && it->count.steps >= it->options.max_steps)
         return PK_TOO_MANY_STEPS;
+    if (stands_still(it, limit - it->t))
+        return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
     it->trouble = PK_DONE; /* only trial steps leave it behind */
@@ -209,6 +236,7 @@ void pk_step_made(struct pk_integrator *it, int fixed)
 {
     it->last_t = it->t;
     it->t = it->next_t;
+    it->passed += pk_abs(it->t - it->last_t);
     it->count.steps++;
     if (it->off_grid) {
         it->anchor = it->t;

@@ -200,6 +200,13 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         what, (double)it->detail, t);
     case PK_TOO_MANY_STEPS:
         return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
+    case PK_NO_PROGRESS:
+        return snprintf(text, size,
+                        "%s: the last %lu lead from t = %.17g to here, and at this rate %.3g more "
+                        "would arrive, or double the time passed: the motion may end here in a "
+                        "singularity, or be stiff (method radau); last valid time %.17g",
+                        what, it->count.steps + it->count.rejections - it->judged,
+                        (double)it->judged_t, (double)it->detail, t);
     case PK_STOPPED_EVENT:
         if (it->event)
             return snprintf(text, size, "stopped at event %s at t = %.17g",

@@ -16,6 +16,13 @@ kinetic theta'^2/2
 potential -k^2/(2*theta^2)
 start theta = 0.2, theta' = -k/0.2
 """
+CREEP = """model creep
+coord x
+kinetic x'^2/2
+potential x
+dissipation x'^2/(2*(1 - t)^2)
+start x = 1
+"""
 KEPLER = """model kepler
 param mu = 1 in (0, inf)
 coord x, y
@@ -265,6 +272,12 @@ CASES: dict[str, Case] = {
         PENDULUM,
         "--until 20 --method gauss2 --step 0.1 --max-steps 7",
         "PK_TOO_MANY_STEPS",
+    ),
+    "standstill": Case(
+        "steps that shrink without an end, where the equations are ever stiffer",
+        CREEP,
+        "--until 3 --method dop853",
+        "PK_NO_PROGRESS",
     ),
     "refused": Case(
         "a method misused: M depends on q",

@@ -107,6 +107,61 @@ static void first_step(void)
     CU_ASSERT(fabs(f.it.t / h1 - 1) < 1e-9 && fabs(h0 / h1 - 1) > 0.1);
 }
 
+/* v' = -v/(1 - t)^2: dopri5's steps are some 3.3 (1 - t)^2 long, so that t = 1 is never reached. */
+static int creeps(const void *p, double t, const double *q, const double *v, const double *u,
+                  double *a)
+{
+    (void)p, (void)q, (void)u;
+    a[0] = -1 - v[0] / ((1 - t) * (1 - t));
+    return 0;
+}
+
+/* At rest to t = 100, then in steps some 1e-5 of it. */
+static int wakes(const void *p, double t, const double *q, const double *v, const double *u,
+                 double *a)
+{
+    (void)p, (void)v, (void)u;
+    a[0] = t < 100 ? 0 : -1e6 * (q[0] + 1e-3);
+    return 0;
+}
+
+/* A run that gets nowhere ends, and says since when; hard ones that get somewhere do not. */
+static void progress(void)
+{
+    static struct fixture f;
+    char text[640];
+    static const struct pk_guard none;
+    struct pk_system system = guarded_point(creeps, &none, first_coordinate);
+    system.n_guards = 0;
+    system.guard = NULL;
+    fixture_set(&f, &system);
+    CU_ASSERT_FATAL(fixture_init(&f, "dopri5") == PK_DONE);
+    CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_NO_PROGRESS);
+    CU_ASSERT(f.it.t < 1 && f.it.t > 1 - 1e-5 && f.it.count.steps < 1u << 20);
+    const double reached = f.it.t;
+    pk_integrator_reason(&f.it, text, sizeof text);
+    CU_ASSERT(strstr(text, "nowhere") && strstr(text, "last valid time"));
+    f.options.max_steps = 1ul << 40; /* who asks for more steps gets them */
+    CU_ASSERT(fixture_init(&f, "dopri5") == PK_DONE);
+    CU_ASSERT(pk_integrator_steps(&f.it, 3, 200000) == PK_DONE && f.it.t > reached);
+
+    f.options.max_steps = 0;
+    system.acceleration = wakes;
+    fixture_set(&f, &system);
+    f.q0[0] = f.v0[0] = 0;
+    CU_ASSERT_FATAL(fixture_init(&f, "dopri5") == PK_DONE);
+    CU_ASSERT(pk_integrator_steps(&f.it, 1e4, 300000) == PK_DONE && f.it.t < 1000);
+    static const struct pk_system *const hard[] = {&arenstorf_system, &kepler_system};
+    for (int i = 0; i < 2; i++) {
+        fixture_set(&f, hard[i]);
+        f.options.rtol = f.options.atol = 1e-13;
+        if (i)
+            f.v0[0] *= 0.1, f.v0[1] *= 0.1; /* e = .99 and more */
+        CU_ASSERT_FATAL(fixture_init(&f, "dopri5") == PK_DONE);
+        CU_ASSERT(pk_integrator_steps(&f.it, 1e9, 300000) == PK_DONE && f.it.t > 1);
+    }
+}
+
 void add_control(void)
 {
     CU_pSuite suite = CU_add_suite("step control", NULL, NULL);
@@ -114,4 +169,5 @@ void add_control(void)
     CU_add_test(suite, "a published run", published);
     CU_add_test(suite, "a step cut short", cut_short);
     CU_add_test(suite, "the first step", first_step);
+    CU_add_test(suite, "progress", progress);
 }

@@ -50,7 +50,10 @@ struct pk_options {
     pk_real atol;
     pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
     pk_real h_max; /* adaptive; 0: none. A last step may be 1% longer. */
-    unsigned long max_steps; /* 0: no bound */
+    unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run before it where time all
+                                but stands still: where at the rate of the last half of the steps
+                                it would take more than max_steps (where that is 0, 1e9) to arrive
+                                or to double the time passed so far. */
     enum pk_iteration iteration;
     pk_real newton_tol; /* relative correction that ends an iteration, < 1; 0: the next one is
                            foreseen to be far below round-off, the choice for long runs,
@@ -86,6 +89,10 @@ struct pk_integrator {
     size_t n_guards; /* their values: of families one a member */
     int slopes;      /* of the guards: what is known of them at this state */
     pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
+    pk_real passed;           /* the lengths of all steps since init; when steps were last judged */
+    pk_real judged_passed;    /* by their progress: that, their number with those rejected, and t */
+    pk_real judged_t;
+    unsigned long judged;
     pk_real next_t, last_t;   /* end of the step being made; start of the last one made */
     pk_real h;                /* signed step, made or to be made */
     pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
