@@ -42,8 +42,7 @@ FUNCTIONS: dict[str, Function] = {
     "step": Function(1, "any", ":step", smooth=False),  # 0 below 0, 1 from 0 on
     # a to a power that is not a constant
     "pow": Function(2, "none", "pow", internal=True),
-    # -1, 0 or 1: the derivative of abs
-    "sign": Function(1, "any", ":sign", smooth=False, internal=True),
+    "sign": Function(1, "any", ":sign", smooth=False),  # -1, 0 or 1: the derivative of abs
     # 1/x, and 0 at 0: with it sqrt, norm and abs have derivative 0 at 0
     "reciprocal": Function(1, "any", ":reciprocal", internal=True),
 }
@@ -55,6 +54,14 @@ IN_C = FUNCTIONS | {
     "side_abs": Function(2, "any", ":side_abs", smooth=False, internal=True),
     "side_min": Function(3, "any", ":side_min", smooth=False, internal=True),
     "side_max": Function(3, "any", ":side_max", smooth=False, internal=True),
+}
+
+WRITTEN_OUT = {"ln": 1, "clamp": 3}  # log(x) and min(max(x, a), b) from the checker on: arguments
+# What others call them.
+MEANT = {
+    **dict.fromkeys(("heaviside", "Heaviside", "theta", "Theta", "H"), "step"),
+    **dict.fromkeys(("sgn", "signum"), "sign"),
+    **{"fabs": "abs", "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2"},
 }
 
 ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})

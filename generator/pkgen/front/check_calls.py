@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from ..functions import FUNCTIONS, VECTOR_FUNCTIONS
+from ..functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ..source import Span
 from ..tree import Call, Expr, Multiply, Name, Number, Quantity, Sum, Vector
 from . import check_values as values
@@ -39,12 +39,14 @@ class Calls:
             return self.rotations.call(
                 expr, [self.x.factor(argument, scope) for argument in expr.arguments]
             )
+        if len(expr.arguments) == WRITTEN_OUT.get(function):
+            return self.call(_written_out(expr), scope)
         parts = [self.x.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
         if function not in CALLABLE:
             self._not_callable(expr)
             return expr, UNKNOWN
-        arity = VECTOR_FUNCTIONS.get(function) or FUNCTIONS[function].arity
+        arity = (VECTOR_FUNCTIONS | WRITTEN_OUT).get(function) or FUNCTIONS[function].arity
         if len(parts) != arity:
             count = "one argument" if arity == 1 else f"{arity} arguments"
             self.report.error(f"{function} takes {count}, not {len(parts)}", expr.span)
@@ -200,6 +202,13 @@ class Calls:
                 f"values are in SI: [{si}]",
             )
         return of, facts
+
+
+def _written_out(expr: Call) -> Call:
+    x, *ends = expr.arguments
+    if not ends:
+        return replace(expr, function="log")
+    return Call("min", (Call("max", (x, ends[0]), expr.span), ends[1]), expr.span)
 
 
 def _scaled(of: Expr, unit: units.Unit, span: Span) -> Expr:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -9,7 +10,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 
 from .. import limits
-from ..functions import FUNCTIONS, VECTOR_FUNCTIONS
+from ..functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ..source import Diagnostic, Span
 from ..tree import Expr
 from .units import Dimension
@@ -20,6 +21,7 @@ NO_INPUTS: dict[str, int] = {}
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
 CALLABLE = frozenset(n for n, f in FUNCTIONS.items() if not f.internal) | VECTOR_FUNCTIONS.keys()
+CALLABLE |= WRITTEN_OUT.keys()
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
 SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 
@@ -276,6 +278,10 @@ class Names:
             return f"a product is written {name}*(…)"
         if not called and name in CALLABLE | SPECIAL:
             return f"'{name}' is a function: write {name}(…)"
+        if called and name in MEANT:
+            return f"write {MEANT[name]}(…)"
+        if not called and (rate := self._rate(name)):
+            return rate
         known = sorted(CALLABLE | {"sum"}) if called else [*self.table, "t", "pi"]
         if built_in:
             known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.moving))]
@@ -290,6 +296,19 @@ class Names:
         if called:
             return "functions: " + " ".join(sorted(CALLABLE | {"sum"}))
         return (missing or self.missing).format(name=name)
+
+    def _rate(self, name: str) -> str:
+        """`xdot`, `x_dot`, and `dx`, `dt` of `dx/dt`: what a rate is written as."""
+        moving = self.moving | self.states
+        if name == "dt" and moving:
+            return f"a rate is written with a prime: {min(moving)}'"
+        for form, primes in ((r"(\w+?)_?dot|d(\w+)", 1), (r"(\w+?)_?ddot|dd(\w+)", 2)):
+            found = re.fullmatch(form, name)
+            of = found and (found[1] or found[2])
+            if of in moving:
+                why = "; pkgen derives it: energies take coordinates and rates"
+                return f"that is written {of}" + "'" * primes + why * (primes > 1)
+        return ""
 
     def _product(self, name: str) -> str:
         """`m*g` for `mg` where m and g are names."""

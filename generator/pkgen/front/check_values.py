@@ -88,6 +88,7 @@ _BY_NAME: dict[str, Callable[..., float]] = {
     "min": min,
     "max": max,
     "step": lambda x: 0.0 if x < 0 else 1.0,
+    "sign": lambda x: (x > 0) - (x < 0),
 }
 
 

@@ -18,6 +18,7 @@ from ..tree import COMPONENTS
 from .lexed import Lexed, description
 from .literals import literal_value
 from .stray_characters import stray_character
+from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS, STATEMENT_WORDS, greek
 
 _PATTERN = re.compile(
@@ -192,7 +193,9 @@ class _Lexer:
                 f"'{spelt}{word}' is neither a number nor a name",
                 at,
                 end + len(word),
-                f"a product is written {spelt}*{word}",
+                bracketed(spelt, unit)
+                if (unit := bare_unit(text, end))
+                else f"a product is written {spelt}*{word}",
             )
         value = literal_value(spelt)
         if isinstance(value, str):

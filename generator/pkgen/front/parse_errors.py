@@ -17,6 +17,8 @@ from .lexed import Lexed
 from .parse_mistakes import BINARY, RULES, Spot
 from .words import MODEL_WORDS, STATEMENT_WORDS
 
+_ENERGIES = {"L": "lagrangian", "T": "kinetic"} | dict.fromkeys("UV", "potential")
+
 
 def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
     """The parser's complaint as a physicist should read it."""
@@ -91,6 +93,9 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
             span,
             "an expression goes on in the next line only while a bracket is open: put it in ( )",
         )
+    if shown in _ENERGIES and types[1:2] == ["EQUAL"]:
+        help = f"write '{_ENERGIES[shown]} …', which needs no name and no '='"
+        return Diagnostic(f"a statement cannot start with '{shown}'", span, help)
     near = get_close_matches(shown.lower(), sorted(STATEMENT_WORDS), 1, 0.7)
     if near and (len(types) < 2 or types[1] not in ("EQUAL", "LINDEX", "PRIME")):
         help = f"did you mean '{near[0]}'?"

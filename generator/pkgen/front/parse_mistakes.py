@@ -15,6 +15,7 @@ from lark.lexer import Token
 from ..source import Source, Span
 from .lexed import Lexed
 from .parse_forms import FORMS, ORDER, WHAT
+from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS, STATEMENT_WORDS
 
 _VALUE_STARTS = frozenset(("NAME", "NUMBER", "FUNCTION", "SUM", "LPAREN", "LVECTOR"))
@@ -191,6 +192,10 @@ def _missing_operator(spot: Spot):
     if spot.token.type not in _VALUE_STARTS or "TIMES" not in spot.expected:
         return None
     left, right = spot.text(spot.before), spot.text(spot.token)
+    unit = bare_unit(spot.source.text, spot.token.start_pos)
+    if spot.before.type == "NUMBER" and unit:
+        at = spot.token.start_pos
+        return f"the unit {unit} has no brackets", bracketed(left, unit), Span(at, at + len(unit))
     if "[" in left:
         left = "…"
     return (

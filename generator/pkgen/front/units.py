@@ -104,6 +104,23 @@ KINDS = {
 _SHORT = {ENERGY: "J", POWER: "W"}
 
 
+_BARE = re.compile(r"[A-Za-z]\w*(\^-?[0-9]+)?([*/][A-Za-z]\w*(\^-?[0-9]+)?)*")
+_MORE = ("deg", "kN", "kJ", "kW", "kPa", "mN", "um", "nm", "us", "kHz", "MHz", "GHz", "bar", "eV")
+
+
+def bare_unit(text: str, at: int) -> str:
+    """The well-known unit that stands there without brackets, or ""."""
+    found = _BARE.match(text, at)
+    names = re.findall(r"[A-Za-z]\w*", found.group()) if found else ["?"]
+    return found.group() if all(n in _SIMPLE or n in _MORE for n in names) else ""
+
+
+def bracketed(number: str, unit: str) -> str:
+    """What is said of one."""
+    product = f"; a product is written {number}*{unit}" if unit.isalpha() else ""
+    return f"a unit stands in square brackets: {number} [{unit}]{product}"
+
+
 class UnitError(Exception):
     """A unit that cannot be read: what is wrong, where in its text, and a hint."""
 
