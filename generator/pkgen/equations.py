@@ -45,10 +45,14 @@ class Guard:
 
 @dataclass(frozen=True)
 class Switch:
-    """The equations are smooth on either side of its zero: see middle/switches.py."""
+    """The equations are smooth on either side of its zero: see middle/switches.py. Where L or a
+    row may jump there, its `impulse` is not 0 (middle/impulses.py), and the slopes are there."""
 
     quantity: Quantity  # its name is the expression
     node: Node
+    impulse: int = 0  # of OF_ENERGY and OF_ROLLING
+    slope: Row = ()  # by the coordinates, along body rates
+    slope_t: Node = 0  # by t, all coordinates held
 
 
 @dataclass(frozen=True)
@@ -204,6 +208,11 @@ class Equations:
             (self.rates if i in self.turning else self.coordinates)[i].name
             for i in range(len(self.coordinates))
         )
+
+    @property
+    def jolted(self) -> tuple[Switch, ...]:
+        """The switches at which rates may jump."""
+        return tuple(x for x in self.switches if x.impulse)
 
     @property
     def turning(self) -> frozenset[int]:

@@ -35,7 +35,7 @@ unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method
 int pk_sides_missing(const struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
-    if (!(it->method->needs & ~system->facts & PK_SMOOTH))
+    if (!system->impulses && !(it->method->needs & ~system->facts & PK_SMOOTH))
         return 0;
     const char *const params = (const char *)it->problem.params;
     const pk_real *side = (const pk_real *)(const void *)(params + system->sides);

@@ -27,7 +27,7 @@ static size_t reals(const struct pk_problem *problem, const struct pk_method *me
     const size_t switches = problem->system->n_switches, m = problem->system->n_events + switches;
     return 4 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + switches +
            m * (size_t)(samples_of(method) + 2 + PK_EVENT_ENTRY * PK_MOST_NODES) +
-           (switches ? pk_params_reals(problem->system) : 0);
+           (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
 }
 
 size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method)
@@ -71,6 +71,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         events->params = events->fresh + events->n_switches;
         events->sides = (pk_real *)(void *)((char *)events->params + problem->system->sides);
         memcpy(events->params, own.params, problem->system->params_size);
+        events->room = (pk_real *)events->params + pk_params_reals(problem->system);
         own.params = events->params;
     }
     return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,

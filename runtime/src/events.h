@@ -56,6 +56,16 @@ int pk_switches_turn(struct pk_events *e, struct pk_integrator *it);
 /* To the other side of those that the list has up to `last`, of a step of that length. */
 enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, pk_real last,
                                 pk_real attempted);
+/* Room for impulses, in pk_real; 0: there are none. */
+size_t pk_impulse_size(const struct pk_system *system, size_t n);
+/* The impulses at `count` switches at once, which[i] to side[i], of the state that `it` has got to,
+ * e->t, e->q and e->v: the rates in e->trial and the sides behind them. PK_NO_IMPULSE. */
+enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const size_t *which,
+                          const pk_real *side, size_t count);
+int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size);
+/* The arguments of all switches, with inputs filled. */
+void pk_switches_values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                        const pk_real *q, const pk_real *v, pk_real *x);
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k);
 /* Adds the crossings of event k to the list, which is in the order in which they are met. */
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k);

@@ -34,7 +34,7 @@ size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
 enum pk_status pk_check_options(struct pk_integrator *it);
 /* Facts that a method needs and the system lacks; and where it lacks no more than smoothness across
- * its switches, whether their sides are not given. */
+ * its switches, or rates jump there, whether their sides are not given. */
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method);
 int pk_sides_missing(const struct pk_integrator *it);
 /* A kernel that a method calls and the system was compiled without; NULL: there is none. */

@@ -23,13 +23,18 @@ enum { MOST = 20 };                     /* corrections */
 
 size_t pk_project_size(const struct pk_system *system, size_t n)
 {
-    const size_t c = system->n_constraints;
-    if (!c)
+    if (!system->n_constraints)
         return system->n_rotations ? 2 * n : 0;
-    return n * n + 2 * c * n + c * c + 5 * c + 2 * n + c + 1;
+    return pk_project_room(system, n);
 }
 
-struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *x)
+size_t pk_project_room(const struct pk_system *system, size_t n)
+{
+    const size_t c = system->n_constraints;
+    return n * n + 2 * c * n + c * c + 6 * c + 2 * n + 1;
+}
+
+static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk_real *x, int all)
 {
     const struct pk_system *system = problem->system;
     struct pk_projection w = {.system = system, .params = problem->params, .n = n};
@@ -38,9 +43,10 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
     w.h = system->n_holonomic;
     w.rotation = n - system->n_states;
     w.m = w.rotation + 3 * system->n_rotations;
-    w.d = x, x += 2 * n; /* a correction; momenta and forces of a step */
-    if (!c)
+    w.d = x;
+    if (!c && !all)
         return w;
+    x += 2 * n; /* a correction; momenta and forces of a step */
     w.M = x, x += n * n;
     w.J = x, x += c * n;
     w.W = x, x += c * n;
@@ -52,6 +58,16 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
     w.mu = x, x += c;
     w.depends = x;
     return w;
+}
+
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *x)
+{
+    return parts(problem, n, x, 0);
+}
+
+struct pk_projection pk_project_layout(const struct pk_problem *problem, size_t n, pk_real *x)
+{
+    return parts(problem, n, x, 1);
 }
 
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)

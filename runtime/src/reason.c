@@ -3,6 +3,7 @@
 
 #include <pk/constraint.h>
 
+#include "events.h"
 #include "project.h"
 #include "tableau.h"
 
@@ -101,6 +102,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             if (pk_missing_facts(system, it->method) & fact_text[i].fact)
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
+        if (pk_sides_missing(it) && system->impulses)
+            return snprintf(text, size,
+                            "the rates of %s jump where one of its switches vanishes: make steps by "
+                            "pk_events_step(), which does what follows there",
+                            system->name);
         if (pk_sides_missing(it))
             return snprintf(text, size,
                             "%s needs a smooth system; %s changes where %s vanishes: make steps by "
@@ -177,6 +183,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "back to it, and what follows they do not say; a smooth function in place "
                         "of the jump, such as tanh, does; last valid time %.17g",
                         system->switches[it->where].name, t);
+    case PK_NO_IMPULSE:
+        return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
     case PK_NO_PROJECTION:
         return pk_project_reason(it, text, size);

@@ -14,7 +14,7 @@
 
 /* So many switchings one upon another, each after less than SHORT of a step that was to be made, or
  * some units in the last place of t, are no motion. */
-enum { MOST_BRIEF = 64 };
+enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
 #define TINY (PK_EPS * PK_EPS) /* what stands for a zero, for its sign alone */
 
@@ -31,8 +31,8 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
     it->problem.params = e->params;
 }
 
-static void values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
-                   const pk_real *q, const pk_real *v, pk_real *x)
+void pk_switches_values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                        const pk_real *q, const pk_real *v, pk_real *x)
 {
     const struct pk_problem *p = &it->problem;
     if (p->system->n_inputs && p->input)
@@ -40,15 +40,30 @@ static void values(const struct pk_events *e, const struct pk_integrator *it, pk
     p->system->switching(e->params, t, q, v, e->u, x);
 }
 
+static int impulse(const struct pk_integrator *it, size_t k)
+{
+    const struct pk_system *system = it->problem.system;
+    return system->impulses && system->impulses[k];
+}
+
 void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                            const pk_real *q, const pk_real *v, pk_real *g)
 {
     if (e->n_switches == 0)
         return;
-    values(e, it, t, q, v, g);
+    pk_switches_values(e, it, t, q, v, g);
+    const int begins = e->kept && !(t < e->from) && !(t > e->from);
     for (size_t k = 0; k < e->n_switches; k++)
-        if (pk_abs(g[k]) <= 0)
+        if (pk_abs(g[k]) <= 0 || (begins && impulse(it, k)))
             g[k] = TINY * e->sides[k];
+}
+
+/* Whether the step begins where an impulse has left the motion: a little behind the zero, from where
+ * a barrier has turned it back. */
+static int kept(const struct pk_events *e, const struct pk_integrator *it)
+{
+    return e->kept && it->direction == 0 && !memcmp(e->trial, it->q, e->n * sizeof *e->trial) &&
+           !memcmp(e->trial + e->n, it->v, e->n * sizeof *e->trial);
 }
 
 /* Arguments may have switches in them, which are settled before. */
@@ -56,6 +71,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
     pk_real *x = pk_events_sample(e, e->samples + 1);
     int changed = 1, reset = 0;
+    e->kept = kept(e, it);
     if (e->n_switches == 0 || it->direction != 0)
         return PK_DONE;
     for (size_t round = 0; changed; round++) {
@@ -64,10 +80,13 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
             return it->status = PK_SLIDING;
         }
         changed = 0;
-        values(e, it, it->t, it->q, it->v, x);
+        pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
             /* Exactly 0, as where another switch in it has turned, is above: step(0) = 1. */
             const pk_real was = e->sides[k];
+            e->fresh[k] = 0;
+            if (e->kept && impulse(it, k))
+                continue;
             e->sides[k] = x[k] < 0 ? PK_C(-1.0) : PK_C(1.0);
             e->fresh[k] = x[k] > 0 || x[k] < 0 ? PK_C(0.0) : PK_C(1.0);
             changed |= e->sides[k] > was || e->sides[k] < was;
@@ -99,24 +118,34 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
                                 pk_real attempted)
 {
     const pk_real took = pk_abs(e->t - e->from);
-    size_t which = 0;
+    size_t which = 0, hit[MOST_AT_ONCE], hits = 0;
+    pk_real to[MOST_AT_ONCE];
     for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
         if (entry[1] < (pk_real)e->n_events)
             continue;
         which = (size_t)entry[1] - e->n_events;
-        e->sides[which] = entry[2] * (pk_real)it->direction;
+        const pk_real side = entry[2] * (pk_real)it->direction;
+        if (impulse(it, which) && hits < MOST_AT_ONCE)
+            hit[hits] = which, to[hits++] = side;
+        else if (!impulse(it, which))
+            e->sides[which] = side;
     }
     const int brief = took <= SHORT * attempted ||
                       took <= PK_C(64.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));
     e->brief = e->at_switch && brief ? e->brief + 1 : 0;
     e->at_switch = 1;
-    if (e->brief < MOST_BRIEF)
+    enum pk_status status = hits ? pk_impulse(e, it, hit, to, hits) : PK_DONE;
+    const size_t where = it->where;
+    const pk_real detail = it->detail, condition = it->condition;
+    if (status >= 0 && e->brief < MOST_BRIEF)
         return PK_DONE;
     pk_integrator_reset(it, e->t, e->q, e->v);
     if (e->z)
         pk_integrator_set_quadratures(it, e->z);
     it->ready = 0;
-    it->where = which;
-    return it->status = PK_SLIDING;
+    it->where = status < 0 ? where : which;
+    it->detail = detail;
+    it->condition = condition;
+    return it->status = status < 0 ? status : PK_SLIDING;
 }

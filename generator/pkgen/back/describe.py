@@ -48,6 +48,7 @@ _MATRICES = {
     "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
     "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
     "J_out": "J_out[k*{n} + j] = d(residual_k)/dv_j, row-major",
+    "slope": "slope[k*{n} + j] = d(switch k)/dq_j, along the axes of a body",
 }
 
 
@@ -93,6 +94,7 @@ _VECTORS = {
     "residual_out": lambda p, _: (),
     "phi_size": lambda p, _: (),
     "residual_size": lambda p, _: (),
+    "slope_t": lambda p, _: (),
     "lambda_out": lambda p, _: p.equations.constraints.names,
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }

@@ -23,6 +23,7 @@ def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
         ("forces beyond L", _forces(equations) if own else ""),
         ("smooth", _smooth(equations, structure)),
+        ("impulses", _impulses(equations)),
         ("blocks", _blocks(equations, structure.blocks)),
     ]
     return [row for row in rows if row[1]]
@@ -95,6 +96,11 @@ def _smooth(equations: Equations, structure: Structure) -> str:
     names = [switch.quantity.name for switch in equations.switches]
     shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
     return f"between zeros of {', '.join(shown)}, which a run locates"
+
+
+def _impulses(equations: Equations) -> str:
+    names = [switch.quantity.name for switch in equations.jolted]
+    return f"where {' or '.join(names)} vanishes: the rates may jump there" if names else ""
 
 
 def _mass(equations: Equations, structure: Structure) -> str:

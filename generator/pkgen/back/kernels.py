@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from ..equations import Equations, Particles, Row
-from ..middle.graph import Node
+from ..middle.graph import ZERO, Node
 from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import KernelSpec, matrix_stores, pivot_checks, row_checks, square, stores, vector
 from .kernels_bound import BOUND, bound_specs
@@ -28,6 +28,8 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
         names |= {"quadrature"}
     if equations.switches:
         names |= {"switching"}
+    if equations.jolted:
+        names |= {"corner", "energy"}
     if "acceleration" in names and equations.acceleration is None:
         names |= {"mass", "force"}
     return frozenset(names)
@@ -195,6 +197,20 @@ def _specs() -> Iterator[KernelSpec]:
         "the arguments of step, abs, min and max at whose zeros the equations change",
         *vector("out", lambda e: tuple(switch.node for switch in e.switches)),
         exists=lambda e: bool(e.switches),
+    )
+    yield KernelSpec(
+        "corner",
+        "void",
+        "the slopes of the switches at which rates may jump, by q and by t; 0 of others",
+        lambda e: (
+            Output("slope", len(e.switches), len(e.coordinates)),
+            Output("slope_t", len(e.switches), 1),
+        ),
+        lambda e: (
+            matrix_stores("slope", tuple(x.slope or (ZERO,) * len(e.coordinates) for x in e.switches))
+            + stores("slope_t", tuple(x.slope_t for x in e.switches))
+        ),
+        exists=lambda e: bool(e.jolted),
     )
     yield KernelSpec(
         "quadrature",

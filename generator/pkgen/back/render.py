@@ -61,11 +61,13 @@ SYSTEM_KERNELS = [
     "event",
     "quadrature",
     "switching",
+    "corner",
     "particles",
 ]
 _SELDOM = {
     "quadrature",
     "switching",
+    "corner",
     "particles",
 } | BOUND  # named in the table where they are alone
 
@@ -165,6 +167,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
         "events": tables.events(program),
         "switches": [switch.quantity.name for switch in equations.switches],
+        "impulses": [x.impulse for x in equations.switches] if equations.jolted else [],
         "n_hoisted": program.hoisted,
         "factored": program.factored,
         "indices": tables.indices(program),

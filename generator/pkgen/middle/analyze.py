@@ -45,7 +45,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     autonomous = steady and not seen.occurs([*equations.state_rates, *kept], TIME_OR_INPUT)
     moving = [*equations.force, *equations.state_rates]
     jumping = _jumping(equations)
-    smooth = _smooth(equations)
+    smooth = _smooth(equations) and not equations.jolted
     coupled = mass_blocks(equations)
     influence = influences(equations, coupled)
     return Structure(
@@ -77,6 +77,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         and n
         and untouched
         and not jumping
+        and not equations.jolted
         and not equations.attitudes
         and bound is None
         else None,

@@ -39,11 +39,15 @@ def mass_band(equations: Equations) -> int:
 
 def influences(equations: Equations, blocks: Indices) -> Indices:
     """For each coordinate those whose position or rate is in its solved equation of motion, and
-    those that a constraint ties to it: their inertia has a part in it, seen there or not.
+    those that a constraint ties to it: their inertia has a part in it, seen there or not. Where
+    rates jump each has to do with all: the impulse keeps the energy of them together.
 
     `blocks` are those of M: within one, each acceleration has all forces and entries of M in it.
     """
     found = _in_motion(equations, blocks)
+    if equations.jolted:
+        n = len(equations.coordinates)
+        found = tuple((*range(n), *row) if i < n else row for i, row in enumerate(found))
     tied = ties(equations)
     return tuple(tuple(sorted({*row, *tied.get(i, ())})) for i, row in enumerate(found))
 

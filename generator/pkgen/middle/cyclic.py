@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..equations import Equations
-from .lagrange import NoRate
+from .impulses import NoRate
 from .motion import COORDINATES
 from .reduction import Needs, State, cost
 from .report import Line

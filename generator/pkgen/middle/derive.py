@@ -19,7 +19,8 @@ from .derive_constraints import cannot_constrain, define_multipliers, rows_of
 from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import VARIABLE, ZERO, Node
-from .lagrange import Derived, derived, guards, switches
+from .impulses import check_rates
+from .lagrange import Derived, derived, guards, naming, switches
 from .masses import Given
 from .motion import PARTICLES, Energies, Motion, Wanted
 from .particles import particles_of
@@ -92,12 +93,14 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
+    primes = x.primes[:]  # of outputs they say what is seen, not how it moves
     outputs = _outputs(x, found, rates)
     names = x.coordinates
     declared = model.coordinates
     states = quantities(model.states, x.states, "{}", "unit")
     coordinates = quantities(declared, names, "{}", "unit")
     inputs = input_quantities(model, orders)
+    check_rates(model, x.graph, primes, naming(parameters, coordinates, inputs, states))
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
         ends = guards(x.graph, found, parameters, coordinates, inputs, states)

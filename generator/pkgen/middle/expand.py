@@ -61,6 +61,7 @@ class Expander:
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self._ends = _ends(model, self.coordinates | self.states)
+        self.primes: list[tuple[Node, Span]] = []  # what the rate was taken of, and where
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
 

@@ -24,6 +24,7 @@ from .constrain import Rows, constrain
 from .differentiate import reachable
 from .graph import ZERO, Graph, Kind, Node, Symbol
 from .guards import guards_of
+from .impulses import NoRate, with_impulses
 from .motion import (
     Energies,
     Motion,
@@ -142,19 +143,20 @@ def guards(
         acceleration = motion.force
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
-    name = _naming(parameters, coordinates, inputs, states)
+    name = naming(parameters, coordinates, inputs, states)
     return guards_of(g, parameters, motion.mass, outputs, pivots, name)
 
 
 def switches(equations: Equations) -> tuple[Switch, ...]:
-    """Of the motion and of the quadratures."""
+    """Of the motion and of the quadratures, and where rates jump."""
     e = equations
     outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
     outputs += e.state_rates
-    return switches_of(e.graph, outputs, _naming(e.parameters, e.coordinates, e.inputs, e.states))
+    name = naming(e.parameters, e.coordinates, e.inputs, e.states)
+    return with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
 
 
-def _naming(
+def naming(
     parameters: tuple[ParameterSlot, ...],
     coordinates: tuple[Quantity, ...],
     inputs: tuple[Quantity, ...],
@@ -213,7 +215,3 @@ def _rate_of(equations: Equations) -> Callable[[Node], Node]:
         return g.symbol(Symbol(Kind.INPUT, inputs[following]))
 
     return rate_of
-
-
-class NoRate(Exception):
-    """The equations need a derivative of an input that they did not need before."""

@@ -51,6 +51,7 @@ class LoopExpander:
         self.orders = orders
         self.graph = Graph(limits.UNROLLED)
         self.slots: list[Slot] = []
+        self.primes: list[tuple[Node, Span]] = []
         self._known: dict[Slot, Node] = {}
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
         self.coordinates = {c.name: self._group(c) for c in model.coordinates}

@@ -19,7 +19,7 @@ from .balls import Balls
 from .differentiate import reachable
 from .evaluate import evaluate
 from .exact import Exact
-from .graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from .guards import DIVISOR, about, bounds_of, dangerous, squared, zeros
 from .normal import Normal
 from .ranges import Ranges
@@ -55,6 +55,7 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     anywhere = along.terms(node)
     terms = along.on_constraints(anywhere)
     obstacle = "L jumps at a step" if jumping else _jumps(along, exact.ranges, node)
+    obstacle = obstacle or _jolted(along, node)
     proof = "" if obstacle else vanishes(g, exact, terms)
     attitudes = tuple(a for a in along.equations.attitudes if a.numbers)
     if not proof and attitudes:
@@ -102,6 +103,34 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
     )
     for zero in _divisors(g, ranges, [node]) - motion:
         return f"it may jump where {wording(g, about(g, zero), names(e))} vanishes"
+    return ""
+
+
+def _jolted(along: Along, node: Node) -> str:
+    """Why it may jump where rates do. What is made of momenta that no impulse is along, and of the
+    energy where nothing moves by itself, does not."""
+    g, e = along.graph, along.equations
+    if not e.jolted:
+        return ""
+    rows = e.constraints.rows if e.constraints is not None else ()
+    timeless = all(x.slope_t == ZERO and any(x.slope) for x in e.jolted)
+    held = e.constraints is None or e.constraints.workless
+    kept = {
+        rest
+        for rest, (_, i) in along.leaves.items()
+        if (i is None and timeless and held)
+        or (i is not None and not any(x.slope[i] for x in e.jolted) and not any(r[i] for r in rows))
+    }
+    seen, stack = set(), [node]
+    while stack:
+        n = stack.pop()
+        if n in kept or n in seen or not g.depends[n] & BIT[Kind.RATE]:
+            continue
+        seen.add(n)
+        stack += g.args[n]
+        if g.op[n] is Op.SYMBOL:
+            at = ", ".join(x.quantity.name for x in e.jolted)
+            return f"{names(e)(g.data[n])} jumps where {at} vanishes"
     return ""
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ..equations import Constraints, Equations, Matrix, Quantity, Row, Structure
+from ..equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
 from .differentiate import reachable
 from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op, Symbol
 from .motion import Motion, Wanted, jacobians_of, linear_of
@@ -81,11 +81,11 @@ def as_rates(
     of rotations and constraints, with or without states: `unbound`, `inertia` and `terms`. Matrices
     are n + count square then, of so many states. Every call is of equations that are not so yet."""
     if not e.states and not e.attitudes:
-        if e.constraints is None:
+        if e.constraints is None and not e.jolted:
             return e, structure
-        unbound = (e.momenta, e.constraints.free_pdot)
+        pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
         terms = _terms(e.graph, e.constraints)
-        return replace(e, unbound=unbound, inertia=e.mass, terms=terms), structure
+        return replace(e, unbound=(e.momenta, pdot), inertia=e.mass, terms=terms), structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
     own = symbols(g, Kind.RATE, n + count)[n:]
@@ -136,7 +136,7 @@ def as_rates(
         pdot_v=jacobians[2],
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
         guards=tuple(replace(x, node=there([x.node])[0]) for x in e.guards),
-        switches=tuple(replace(x, node=there([x.node])[0]) for x in e.switches),
+        switches=tuple(_switch(x, there, count) for x in e.switches),
         observed=there(e.observed),
         conserved=there(e.conserved),
         events=there(e.events),
@@ -154,6 +154,12 @@ def as_rates(
 def _integral(state: Quantity) -> Quantity:
     """The coordinate that nobody sees."""
     return Quantity(f"integral of {state.name}", "", "of no use: v has the state")
+
+
+def _switch(x: Switch, there, count: int) -> Switch:
+    node, slope_t, *slope = there((x.node, x.slope_t, *x.slope))
+    slope += [ZERO] * count if slope else []
+    return replace(x, node=node, slope_t=slope_t, slope=tuple(slope))
 
 
 def _matrix(matrix: Matrix, there) -> Matrix:
@@ -190,7 +196,7 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
 
 def _unbound(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
     """p and pdot without the forces of constraints, where there are rotations or constraints."""
-    if not e.quaternions and e.constraints is None:
+    if not e.quaternions and e.constraints is None and not e.jolted:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
     n, count = len(e.coordinates), len(rates)

@@ -13,47 +13,73 @@ Springer 1993, section II.6, "Discontinuous equations".
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from fractions import Fraction
 
 from ..equations import Quantity, Switch
 from .differentiate import reachable
 from .graph import ONE, VARIABLE, ZERO, Graph, Node, Op, Symbol
+from .normal import Normal
 from .wording import wording
 
 # What each of them is called where its side is given too, as a first argument.
 SIDED = {name: f"side_{name}" for name in ("step", "sign", "abs", "min", "max")}
 
 
+class Surfaces:
+    """Which arguments vanish in the same places: those with one normal form, but for a number in
+    front. What that makes on the way is added to the graph."""
+
+    def __init__(self, g: Graph):
+        self.graph = g
+        self.normal = Normal(g)
+
+    def __call__(self, argument: Node) -> tuple[object, int]:
+        """What is the same for all of these, and a sign."""
+        form = self.normal(argument)
+        if not form:
+            return argument, 1
+        first = Fraction(form[min(form)])
+        return frozenset((m, c / first) for m, c in form.items()), 1 if first > 0 else -1
+
+    def of_call(self, node: Node) -> tuple[object, int]:
+        """That of the argument by which a call is decided; None where it is smooth."""
+        g = self.graph
+        argument = argument_of(g, node)
+        if argument == ZERO or not g.depends[argument] & VARIABLE:
+            return None, 0
+        return self(argument)
+
+
 def switches_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
 ) -> tuple[Switch, ...]:
-    """Those of the equations that `outputs` are, each argument once: of x and -x the first.
+    """Those of the equations that `outputs` are, each surface once: of x and -x the first.
 
     None where one stands in what has no value everywhere, max(0, x)^(3/2) say: a step that is held
     on one side goes a little beyond the zero, where that is no number. Then all stay as they are.
     """
-    found: dict[Node, None] = {}
+    found: dict[object, Node] = {}
     bounded = [a for n in reachable(g, outputs, VARIABLE) if _bounded(g, n) for a in g.args[n]]
-    if any(_argument(g, n)[0] != ZERO for n in reachable(g, bounded, VARIABLE)):
+    calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
+    if not calls or any(argument_of(g, n) != ZERO for n in reachable(g, bounded, VARIABLE)):
         return ()
-    for node in reachable(g, outputs, VARIABLE):
-        argument, _ = _argument(g, node)
-        if g.depends[argument] & VARIABLE and g.negate(argument) not in found:
-            found[argument] = None
-    return tuple(Switch(Quantity(wording(g, x, name), "", ""), x) for x in found)
+    surfaces = Surfaces(g.copy())
+    for node in calls:
+        surface, sign = surfaces.of_call(node)
+        if sign:
+            found.setdefault(surface, argument_of(g, node))
+    return tuple(Switch(Quantity(wording(g, x, name), "", ""), x) for x in found.values())
 
 
 def sides(g: Graph, switches: Iterable[Switch]) -> dict[Node, tuple[int, int]]:
     """Of each call that a switch decides: which one, and 1 or -1 as its own argument has the sign
     of the switch's or the other."""
-    places: dict[Node, tuple[int, int]] = {}
-    for k, switch in enumerate(switches):
-        places[switch.node] = (k, 1)
-        places[g.negate(switch.node)] = (k, -1)
-    found = {}
-    for node in range(len(g) if places else 0):  # all that there are: arguments are made on the way
-        argument, sign = _argument(g, node)
-        if argument in places:
-            k, side = places[argument]
+    surfaces, found = Surfaces(g.copy()), {}
+    places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
+    for node in range(len(g) if places else 0):
+        surface, sign = surfaces.of_call(node)
+        if surface in places:
+            k, side = places[surface]
             found[node] = k, sign * side
     return found
 
@@ -65,14 +91,13 @@ def _bounded(g: Graph, node: Node) -> bool:
     return g.op[node] is Op.CALL and g.data[node] in ("sqrt", "log", "asin", "acos", "pow")
 
 
-def _argument(g: Graph, node: Node) -> tuple[Node, int]:
-    """What decides a call, without a number in front, of which the sign alone counts; 0 of what is
-    smooth."""
+def argument_of(g: Graph, node: Node) -> Node:
+    """What decides a call, without a positive number in front; 0 of what is smooth."""
     if g.op[node] is not Op.CALL or g.data[node] not in SIDED:
-        return ZERO, 1
+        return ZERO
     a, *b = g.args[node]
     argument = g.subtract(a, *b) if b else a
     scale, rest = g.split(argument)
     if g.op[scale] is not Op.NUMBER or rest == ONE:
-        return argument, 1
-    return rest, 1 if g.data[scale] > 0 else -1
+        return argument
+    return rest if g.data[scale] > 0 else g.negate(rest)

@@ -49,6 +49,7 @@ def _number(x: Expander, expr: Number, loop: Loop) -> Value:
 
 def _prime(x: Expander, expr: Prime, loop: Loop) -> Value:
     value = x.value(expr.of, loop)
+    x.primes += [(node, expr.span) for node in (value if isinstance(value, tuple) else (value,))]
     with x.statement(expr.span):
         return _each(x.derivative, value)
 

@@ -36,6 +36,11 @@
  * the one to which the motion goes, or else 1. The sides are in a copy of the params that is the
  * integrator's during a step; those of the caller keep 0 and are read anew for each step. Where the
  * motion does not leave a zero, as under dry friction at rest, the status is PK_SLIDING.
+ *
+ * Where L or a constraint jumps across a switch (system->impulses) the rates get the impulse that
+ * the jump gives, before the next step begins; of a barrier that is too high the motion is turned
+ * back, and stays on its side. Where the impulse is not determined, or a position would have to
+ * jump, the status is PK_NO_IMPULSE.
  */
 #ifndef PK_EVENTS_H
 #define PK_EVENTS_H
@@ -85,6 +90,8 @@ struct pk_events {
     int again;       /* and was a wrong one */
     int brief;       /* switchings one upon another */
     int at_switch;   /* the step begins at one */
+    int kept;        /* and the sides of those with an impulse are what that has left */
+    pk_real *room;   /* for impulses */
 };
 
 /* Bytes of the block that pk_events_init() wants, aligned for pk_real; 0 as

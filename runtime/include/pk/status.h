@@ -31,13 +31,14 @@ extern "C" {
     X(PK_SLIDING, -15, "the motion stays where the equations change")                         \
     X(PK_OFF_CONSTRAINTS, -16, "the start breaks a constraint")                               \
     X(PK_NO_PROJECTION, -17, "the constraints cannot be fulfilled here")                      \
-    X(PK_NO_PROGRESS, -18, "the steps get nowhere")
+    X(PK_NO_PROGRESS, -18, "the steps get nowhere")                                           \
+    X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
 
 enum pk_status {
 #define PK_STATUS_ENUM(name, value, text) name = value,
     PK_STATUSES(PK_STATUS_ENUM)
 #undef PK_STATUS_ENUM
-    PK_STATUS_LAST = -19 /* below every status; no trailing comma, for C++98 readers */
+    PK_STATUS_LAST = -20 /* below every status; no trailing comma, for C++98 readers */
 };
 
 /* "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 7u
+#define PK_ABI 8u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -38,6 +38,9 @@ enum pk_fact {
                                   n_switches */
     PK_AFFINE = 1u << 8        /* a = A q + B v + c with constant A, B, c; no t and no inputs */
 };
+
+/* What may jump across a switch: L or a constraint of positions; a rolling's row. */
+enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
 
 /* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
 struct pk_quantity {
@@ -240,6 +243,14 @@ struct pk_system {
     size_t sides;
     void (*switching)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *out);
+
+    /* Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
+     * pk_impulse; NULL: nowhere. Then there are `corner`, which writes ds/dq (n_switches by n, along
+     * body rates; 0 of others) and ds/dt of the switches s, and unbound, inertia and energy. See
+     * pk/events.h; a step by pk_integrator_step() alone is refused. */
+    const unsigned char *impulses;
+    void (*corner)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *u, pk_real *slope, pk_real *slope_t);
 
     /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last
      * n_states degrees of freedom, whose names are those of the rates there. Their q is the
