@@ -95,6 +95,8 @@ static enum pk_status usable(const struct pk_ensemble *e, size_t first, size_t c
         !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
         first > e->members || count > e->members - first)
         return PK_BAD_ARGUMENT;
+    if (e->system->impulses)
+        return PK_REFUSED; /* nobody looks for its switches here */
     return size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) ||
                    (size_t)block % _Alignof(pk_real)
                ? PK_BLOCK_TOO_SMALL

@@ -112,10 +112,19 @@ static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *
 static int rates(struct corner *x, pk_real alpha)
 {
     struct pk_projection *w = &x->w;
-    pk_real before = 0, *d = x->along;
+    pk_real before = 0, part = 1, *d = x->along;
     for (int count = 0; count < MOST; count++) {
         pk_real change = 0, size = 0;
         momenta(x, x->v);
+        if (count && !pk_all_finite(x->p, w->m)) { /* beyond what L has: half of the way back */
+            part /= 2;
+            for (size_t i = 0; i < w->m; i++)
+                x->v[i] -= part * d[i];
+            for (size_t j = 0; j < w->c; j++)
+                x->lambda[j] -= part * x->by[j];
+            continue;
+        }
+        part = 1;
         rows(x, x->v);
         for (size_t i = 0; i < w->m; i++) {
             d[i] = x->p0[i] - x->p[i] + alpha * x->slope[i];

@@ -40,7 +40,8 @@ class Dynamics:
                 f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
                 " it bends or jumps",
                 statement.value.span,
-                "the force jumps there: steps of a run end at it, but in families kept as loops",
+                "the force jumps there, or the rates: steps of a run end at it, but in families"
+                " kept as loops",
             )
         if facts.state_rates:
             self.report.error(

@@ -146,20 +146,21 @@ class _Refused(Exception):
 
 def with_impulses(
     e: Equations,
-    known: tuple[Switch, ...],
+    known: tuple[Switch, ...] | None,
     name: Callable[[Symbol], str],
     rate_of: Callable[[Node], Node],
 ) -> tuple[Switch, ...]:
-    """The switches of the motion, marked where they have an impulse, and those behind them that
-    have nothing else. Raises ModelError where there is one that the motion does not survive."""
+    """The switches of the motion (None: they cannot be located), marked where they have an impulse,
+    and those behind them that have nothing else. Raises ModelError where there is one that the motion does not survive."""
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
-    if not arguments_of(e.graph, [e.lagrangian, *rows]):
-        return known
+    jumping = [e.lagrangian, *e.momenta, *rows]
+    if not arguments_of(e.graph, jumping):
+        return known or ()
     across, found, marked = Across(e.graph), {}, []
     surfaces = across.surfaces
-    places = {surfaces(x.node)[0]: x.node for x in known}
-    for node in arguments_of(across.graph, [e.lagrangian, *rows]):
+    places = {surfaces(x.node)[0]: x.node for x in known or ()}
+    for node in arguments_of(across.graph, jumping):
         surface, _ = surfaces(node)
         argument = places.setdefault(surface, node)
         if surface in found:
@@ -167,12 +168,18 @@ def with_impulses(
         text = wording(across.graph, argument, name)
         try:
             kind = _kind(e, across, argument, text)
+            if kind and known is None:
+                raise _Refused(
+                    f"L or a constraint jumps where {text} vanishes, and there is a root, a power or"
+                    " a logarithm of what bends or jumps: then no zeros are located",
+                    "put a smooth function in place of one of them",
+                )
             slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
             found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)
         except _Refused as wrong:
             span = wrong.span or _span(e)
             raise error(e.model, wrong.message, span, wrong.help) from None
-    marked = [found.pop(surfaces(x.node)[0], x) for x in known]
+    marked = [found.pop(surfaces(x.node)[0], x) for x in known or ()]
     return (*marked, *(x for x in found.values() if x.impulse))
 
 

@@ -9,10 +9,12 @@ from ..model import Model
 from ..source import Diagnostic, ModelError
 from .affine import ROW, variable
 from .expand import NeedsDerivative
+from .graph import ZERO
+from .impulses import Across, arguments_of
 from .loops import Band, Limit, LoopEquations, Row, Total, Unrolled, Vector
 from .loops_bodies import Gathered
 from .loops_expand import LoopExpander, size_values
-from .loops_facts import facts_of
+from .loops_facts import facts_of, total_nodes
 from .loops_guards import guards_of
 from .loops_rows import Gather
 from .loops_statements import Outputs, bounds_of, defaults_of, given_of, starts_of
@@ -112,6 +114,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         wraps=gather.found.wraps,
     )
     _check_points(x, result)
+    _check_jumps(x, result)
     result = replace(result, facts=facts_of(x, gather, result))
     guards, pivots = guards_of(x, gather, result)
     return replace(result, guards=guards, pivots=pivots, slots=tuple(x.slots))
@@ -196,6 +199,18 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
         kept[limit] = None
     plain = {limit.needs for limit in kept if limit.unless is None}
     return tuple(k for k in kept if k.unless is None or k.needs not in plain)
+
+
+def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
+    """Impulses are of single coordinates: nobody locates the switches of loops."""
+    ends = [node for values in result.given.values() for node in values[:2]]
+    if arguments_of(x.graph, ends):
+        raise Unrolled("the motion of a fixed end bends or jumps")
+    bodies, across = [*total_nodes([result.lagrangian]), *(node for node, _ in x.primes)], None
+    for argument in arguments_of(x.graph, bodies):
+        across = across or Across(x.graph)
+        if any(across.jump(node, argument) != ZERO for node in bodies):
+            raise Unrolled("L jumps at a step, so that rates do")
 
 
 def _check_points(x: LoopExpander, result: LoopEquations) -> None:

@@ -20,9 +20,9 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         for row in (*e.mass.entries.values(), *e.mass.border.values())
         for part in row.parts
     ]
-    entries += _total_nodes(e.mass.corner.values())
+    entries += total_nodes(e.mass.corner.values())
     forces = [*vector_nodes(e.force)]
-    energies = _total_nodes([e.lagrangian])
+    energies = total_nodes([e.lagrangian])
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
     smooth = all(
@@ -66,7 +66,7 @@ def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
     return found
 
 
-def _total_nodes(totals: Iterable[Total]) -> list[Node]:
+def total_nodes(totals: Iterable[Total]) -> list[Node]:
     found = []
     for total in totals:
         found += [total.constant, *(p.node for p in total.parts), *(p.node for p in total.pairs)]
@@ -75,7 +75,7 @@ def _total_nodes(totals: Iterable[Total]) -> list[Node]:
 
 def vector_nodes(vector: Vector) -> list[Node]:
     found = [part.node for row in vector.rows.values() for part in row.parts]
-    found += _total_nodes(vector.totals.values())
+    found += total_nodes(vector.totals.values())
     for pair in vector.pairs:
         found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar) for _, node in side]
     return found

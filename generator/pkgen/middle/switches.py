@@ -44,7 +44,7 @@ class Surfaces:
     def of_call(self, node: Node) -> tuple[object, int]:
         """That of the argument by which a call is decided; None where it is smooth."""
         g = self.graph
-        argument = argument_of(g, node)
+        argument = _deciding(g, node)
         if argument == ZERO or not g.depends[argument] & VARIABLE:
             return None, 0
         return self(argument)
@@ -52,7 +52,7 @@ class Surfaces:
 
 def switches_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
-) -> tuple[Switch, ...]:
+) -> tuple[Switch, ...] | None:
     """Those of the equations that `outputs` are, each surface once: of x and -x the first.
 
     None where one stands in what has no value everywhere, max(0, x)^(3/2) say: a step that is held
@@ -61,8 +61,10 @@ def switches_of(
     found: dict[object, Node] = {}
     bounded = [a for n in reachable(g, outputs, VARIABLE) if _bounded(g, n) for a in g.args[n]]
     calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
-    if not calls or any(argument_of(g, n) != ZERO for n in reachable(g, bounded, VARIABLE)):
+    if not calls:
         return ()
+    if any(argument_of(g, n) != ZERO for n in reachable(g, bounded, VARIABLE)):
+        return None
     surfaces = Surfaces(g.copy())
     for node in calls:
         surface, sign = surfaces.of_call(node)
@@ -92,12 +94,14 @@ def _bounded(g: Graph, node: Node) -> bool:
 
 
 def argument_of(g: Graph, node: Node) -> Node:
-    """What decides a call, without a positive number in front; 0 of what is smooth."""
+    """What decides a call, without a number in front; 0 of what is smooth."""
+    argument = _deciding(g, node)
+    scale, rest = g.split(argument)
+    return argument if g.op[scale] is not Op.NUMBER or rest == ONE else rest
+
+
+def _deciding(g: Graph, node: Node) -> Node:
     if g.op[node] is not Op.CALL or g.data[node] not in SIDED:
         return ZERO
     a, *b = g.args[node]
-    argument = g.subtract(a, *b) if b else a
-    scale, rest = g.split(argument)
-    if g.op[scale] is not Op.NUMBER or rest == ONE:
-        return argument
-    return rest if g.data[scale] > 0 else g.negate(rest)
+    return g.subtract(a, *b) if b else a

@@ -69,6 +69,12 @@ def _refuse_states(compilation: Compilation) -> None:
             " 'pkgen stability' maps equilibria, modes and energies of free coordinates alone:"
             " 'pkgen chart' compares methods on any model"
         )
+    jolted = getattr(compilation.equations, "jolted", ())
+    if jolted:
+        raise UsageError(
+            f"{model.source.path}: the rates jump where {jolted[0].quantity.name} vanishes, and"
+            " 'pkgen stability' locates no switches: 'pkgen chart' does"
+        )
 
 
 def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
