@@ -207,7 +207,9 @@ def _specs() -> Iterator[KernelSpec]:
             Output("slope_t", len(e.switches), 1),
         ),
         lambda e: (
-            matrix_stores("slope", tuple(x.slope or (ZERO,) * len(e.coordinates) for x in e.switches))
+            matrix_stores(
+                "slope", tuple(x.slope or (ZERO,) * len(e.coordinates) for x in e.switches)
+            )
             + stores("slope_t", tuple(x.slope_t for x in e.switches))
         ),
         exists=lambda e: bool(e.jolted),

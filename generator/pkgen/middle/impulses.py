@@ -151,7 +151,7 @@ def with_impulses(
     rate_of: Callable[[Node], Node],
 ) -> tuple[Switch, ...]:
     """The switches of the motion (None: they cannot be located), marked where they have an impulse,
-    and those behind them that have nothing else. Raises ModelError where there is one that the motion does not survive."""
+    and those behind them that have nothing else. Raises ModelError where no motion follows."""
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
     jumping = [e.lagrangian, *e.momenta, *rows]
@@ -170,8 +170,8 @@ def with_impulses(
             kind = _kind(e, across, argument, text)
             if kind and known is None:
                 raise _Refused(
-                    f"L or a constraint jumps where {text} vanishes, and there is a root, a power or"
-                    " a logarithm of what bends or jumps: then no zeros are located",
+                    f"L or a constraint jumps where {text} vanishes, and there is a root, a power"
+                    " or a logarithm of what bends or jumps: then no zeros are located",
                     "put a smooth function in place of one of them",
                 )
             slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
@@ -191,7 +191,7 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
     if found and of_rates:
         raise _Refused(
             f"L or a momentum jumps where {text} vanishes: what its rates do there is not defined",
-            "a step or a sign of a rate may stand in a force and in a dissipation, not in an energy",
+            "a step or a sign of a rate may stand in a force or a dissipation, not in an energy",
         )
     for k in range(len(c.residual) if c is not None else 0):
         row, span = c.names[k].name.removeprefix("lambda_"), c.spans[k]
@@ -215,7 +215,7 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
 def _slopes(
     e: Equations, argument: Node, text: str, rate_of: Callable[[Node], Node]
 ) -> tuple[tuple[Node, ...], Node]:
-    """The derivatives by the coordinates, along body rates, and by t where they do not all vanish."""
+    """The derivatives by the coordinates, along body rates, and by t where those do not vanish."""
     g, count = e.graph, len(e.coordinates)
     beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
     by = gradient(g, argument, _PLACES | beside)
@@ -228,7 +228,9 @@ def _slopes(
         if kind is Kind.COORDINATE or (kind is Kind.STATE and index < e.quaternions):
             continue
         if kind is Kind.STATE:
-            raise _Refused(f"L or a constraint jumps where {text} vanishes, which has a state in it")
+            raise _Refused(
+                f"L or a constraint jumps where {text} vanishes, which has a state in it"
+            )
         try:
             rate = g.add(rate, g.multiply(x, rate_of(symbol)))
         except NoRate as no:
