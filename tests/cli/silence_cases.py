@@ -16,6 +16,12 @@ kinetic theta'^2/2
 potential -k^2/(2*theta^2)
 start theta = 0.2, theta' = -k/0.2
 """
+BELT = """model belt
+coord x, y
+kinetic (x'^2 + y'^2)/2 + 0.3*x'*y'
+rolling driven: x' = 5*step(y - 1)
+start y' = 1
+"""
 CREEP = """model creep
 coord x
 kinetic x'^2/2
@@ -278,6 +284,12 @@ CASES: dict[str, Case] = {
         CREEP,
         "--until 3 --method dop853",
         "PK_NO_PROGRESS",
+    ),
+    "edge": Case(
+        "an impulse that no motion follows: it throws back from the side that gives it",
+        BELT,
+        "--until 3",
+        "PK_NO_IMPULSE",
     ),
     "refused": Case(
         "a method misused: M depends on q",

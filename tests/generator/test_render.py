@@ -92,7 +92,7 @@ def test_system_table_names_every_kernel(files):
     loops |= {"guard_count", "guard_place"}
     members = set(re.findall(r"\(\*(\w+)\)\(", body))
     assert loops < members  # of families kept as loops alone
-    scenes = {"quadrature", "quadrature_start"}  # of what a scene has reduced alone
+    scenes = {"quadrature", "quadrature_start", "corner"}  # of a reduced scene, of impulses
     kinks = {"switching"}  # of equations with step, abs, min or max
     asked = {"particles"}  # of what a command asks for
     bound = BOUND  # of models with rotations or constraints
