@@ -112,12 +112,15 @@ def test_the_false_claim_in_the_docs_is_refuted_as_shown(tmp_path: Path) -> None
 def test_the_example_of_events_runs(tmp_path: Path) -> None:
     page = ROOT / "docs/events.md"
     model = ROOT / "models/particles/thrown_stone.lag"
-    (text, section, trampoline), (program,) = blocks(page, "lag"), blocks(page, "c")
+    (text, section, trampoline, stairs), (program,) = blocks(page, "lag"), blocks(page, "c")
     assert model.read_text().startswith(text)
     (tmp_path / "section.lag").write_text(section)
     done = run_pkgen("run", tmp_path / "section.lag", "--scene", "at_a_twelfth")
     assert done.returncode == 0 and "expected: 2 of 2 met" in done.stderr
     assert done.stdout.splitlines()[-1].startswith("40,")
+    (tmp_path / "stairs.lag").write_text(stairs)
+    done = run_pkgen("run", tmp_path / "stairs.lag", "--scene", "climbs")
+    assert done.returncode == 0 and "expected: 2 of 2 met" in done.stderr
     equations = derive.derive(check.check_text(Source("m.lag", trampoline))[0])
     assert [x.quantity.name for x in equations.switches] == ["x"]
     run_pkgen(model, "-o", tmp_path)
