@@ -181,6 +181,14 @@ def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
     return outcome
 
 
+def _length(report: dict) -> str:
+    """Of the steps: the one asked for, or from the shortest to the longest of those that vary."""
+    if report["step"] is not None:
+        return f" of {report['step']:.6g}"
+    longest = report["step_max"]
+    return f" of {report['step_min']:.3g} to {longest:.3g}" if longest else ""
+
+
 def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
     """Say to a person how the run went."""
     if outcome.messages:
@@ -198,7 +206,7 @@ def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
             print(line, file=sys.stderr)
         return
     print(
-        f"{report['method']}: t = {report['t']:g} after {report['steps']} steps, "
+        f"{report['method']}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
         f"{report['rejections']} rejected, {report['evaluations']} evaluations, "
         f"{1000 * report['seconds']:.3g} ms",
         file=sys.stderr,

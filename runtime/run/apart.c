@@ -1,5 +1,4 @@
-/* See apart.h. Rows are landed on by all parts, so each part's steps divide the interval between
- * rows. The whole is seen as an integrator that makes no steps: run->it has the time and the state
+/* See apart.h. Adaptive parts land on rows, of others the motion there is made aside. The whole is seen as an integrator that makes no steps: run->it has the time and the state
  * where all parts are, and the sums of their counts.
  */
 #include "apart.h"
@@ -89,7 +88,7 @@ int apart_choose(struct run *run)
                     c->method->name);
             return 2;
         }
-        c->options.h = s->every / run_intervals(s->every, c->options.h);
+        c->options.h = run_step(s->every, c->options.h);
     }
     return 0;
 }
@@ -142,16 +141,6 @@ int apart_begin(struct run *run)
     return status < 0 ? 4 : 0;
 }
 
-/* Steps of the last interval, which may be shorter. */
-static void shorten(struct run *run, pk_real tail)
-{
-    for (size_t k = 0; k < run_n_parts; k++) {
-        struct pk_integrator *it = &run->apart.parts[k].it;
-        if (!(it->method->traits & PK_ADAPTIVE))
-            pk_integrator_set_step(it, tail / run_intervals(tail, it->options.h));
-    }
-}
-
 /* Rows may be so far apart that a motion looks at rest in each, as one recorded at its turning
  * points does. So what an energy is measured by is seen at each step of each part. */
 static void stepped(void *context, size_t k)
@@ -199,11 +188,9 @@ void apart_integrate(struct run *run)
     output_row(run, run->out, 0, a->q, a->v, a->z);
     run_sample(run);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
-        const pk_real t = run_row_time(run, k, run->count), tail = t - a->t;
-        if (k >= run->count && tail < s->every - 4 * PK_EPSILON * t)
-            shorten(run, tail);
+        const pk_real t = run_row_time(run, k, run->count);
         while (a->t < t) {
-            pk_apart_to(a, expect_limit(run, t));
+            pk_apart_to(a, expect_limit(run, a->t, t), s->until);
             look(run);
             if (a->status != PK_DONE)
                 return;

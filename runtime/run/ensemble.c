@@ -228,11 +228,6 @@ int ensemble_run(struct run *run, pk_real count)
             pk_monitor_size(&(struct pk_problem){.system = run_model, .params = b.params}), 1);
     for (size_t k = 0; k < rows; k++)
         b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
-    if (rows > 1 && ensemble_fixed(s)) {
-        const pk_real tail = s->until - b.t[rows - 2];
-        if (tail < s->every - 4 * PK_EPSILON * s->until)
-            b.e.last_h = tail / run_intervals(tail, s->options.h);
-    }
     code = members_check(&b);
     if (watched)
         watched_begin(&tally, s);

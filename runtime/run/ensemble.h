@@ -48,6 +48,8 @@ double run_now(void);
 void run_progress(const struct run *run, double part, int force);
 /* Of integrate.c. */
 pk_real run_intervals(pk_real whole, pk_real part);
+/* A step that was asked for, made a whole part of the interval where it is one but for rounding. */
+pk_real run_step(pk_real interval, pk_real h);
 /* Of row k of `count`: a double in every precision, as it is written. */
 pk_real run_row_time(const struct run *run, pk_real k, pk_real count);
 

@@ -41,9 +41,8 @@ static int is_at(const struct run *run, pk_real t, pk_real at)
     return PK_F(fabs)(t - at) <= 8 * PK_EPSILON * run->settings.until;
 }
 
-pk_real expect_limit(const struct run *run, pk_real limit)
+pk_real expect_limit(const struct run *run, pk_real t, pk_real limit)
 {
-    const pk_real t = run->it.t;
     pk_real next = limit;
     for (size_t i = 0; i < run->settings.n_expected; i++) {
         const struct expected *x = &run->settings.expected[i];

@@ -13,8 +13,8 @@ int expect_setting(struct settings *s, const struct pk_system *system, size_t li
 int expect_hides(const struct settings *s, size_t output);
 /* Memory for the outputs, or the end of the process. */
 void expect_begin(struct run *run);
-/* The next time up to `limit` at which something is expected: a step ends there. */
-pk_real expect_limit(const struct run *run, pk_real limit);
+/* The next time behind `from`, up to `limit`, at which something is expected. */
+pk_real expect_limit(const struct run *run, pk_real from, pk_real limit);
 /* A state at a time t: what is expected then; in rows; at an event. z: as of output_row(). */
 void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *z);

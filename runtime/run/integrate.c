@@ -1,15 +1,18 @@
 /* One trajectory from the start to the end, row by row.
  *
- * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. A fixed step is shortened so that a whole
- * number of steps makes an interval, the last and shorter interval likewise. An adaptive method
- * lands on rows, or answers by its dense output where that is as accurate as its steps: that of
- * gauss is; dopri5's and dop853's lose digits at tight tolerances (measured in tests/runtime), so
- * they land.
+ * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. Fixed steps are not disturbed by them: the last
+ * before `until` or at a switch alone is shorter, and a row within a step is at the end of a shorter one
+ * from where it began. An adaptive method lands on rows, or answers by its dense output where that is as
+ * accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at tight tolerances
+ * (measured in tests/runtime), so they land.
  */
+#include <stdlib.h>
+
 #include "ensemble.h"
 #include "expect.h"
 #include "trust.h"
 #include "watch.h"
+#include "words.h"
 
 static void progress(const struct run *run, int force)
 {
@@ -26,6 +29,12 @@ pk_real run_intervals(pk_real whole, pk_real part)
     return count < 1 ? 1 : count;
 }
 
+pk_real run_step(pk_real interval, pk_real h)
+{
+    const pk_real count = run_intervals(interval, h);
+    return PK_F(fabs)(interval / count - h) <= PK_C(1e-12) * h ? interval / count : h;
+}
+
 void run_sample(struct run *run)
 {
     const struct pk_integrator *it = &run->it;
@@ -34,10 +43,112 @@ void run_sample(struct run *run)
     expect_landed(run, it->t, it->q, it->v, it->z);
 }
 
-static int step(struct run *run, pk_real limit)
+static int is_fixed(const struct run *run)
+{
+    return !(run->settings.method->traits & PK_ADAPTIVE);
+}
+
+/* The motion at t within the last step: q, v and quadratures there, or none where that fails. */
+struct inside {
+    const pk_real *q, *v, *z;
+};
+
+static struct inside at(struct run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
-    const enum pk_status status = watch_step(run, expect_limit(run, limit));
+    const struct inside none = {NULL, NULL, NULL}, now = {it->q, it->v, it->z};
+    const size_t size = pk_integrator_size(&it->problem, it->method);
+    pk_real *q = run->row, *v = q + it->n, *z = v + it->n + run->problem.system->n_observed;
+    if (pk_integrator_is_at(it, t))
+        return now;
+    if (!is_fixed(run)) {
+        const struct inside dense = {q, v, it->z ? z : NULL};
+        return pk_integrator_dense(it, t, q, v) < 0 ||
+                       (it->z && pk_integrator_dense_quadratures(it, t, z) < 0)
+                   ? none
+                   : dense;
+    }
+    if (!run->aside_block) {
+        struct pk_problem problem = run->problem;
+        if (run->events.params) /* with the sides of switches */
+            problem.params = run->events.params;
+        run->aside_block = words_allocate(size, 1);
+        if (pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
+                               run->aside_block, size) < 0)
+            return none;
+    }
+    run->aside.options.h = it->options.h;
+    const enum pk_status status = it->status;
+    if (pk_integrator_aside(it, &run->aside, t) < 0)
+        return none;
+    it->status = status;
+    const struct inside found = {run->aside.q, run->aside.v, run->aside.z};
+    return found;
+}
+
+/* The next time up to `limit` for which a row or what is expected asks. */
+static pk_real wanted(const struct run *run, pk_real from, pk_real limit)
+{
+    const int rows = run->next <= run->count && run->settings.every > 0;
+    const pk_real row = rows ? run_row_time(run, run->next, run->count) : limit;
+    return expect_limit(run, from, row < limit ? row : limit);
+}
+
+/* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is expected. */
+static pk_real limit(const struct run *run)
+{
+    const struct settings *s = &run->settings;
+    if (!is_fixed(run))
+        return s->land ? wanted(run, run->it.t, s->until) : expect_limit(run, run->it.t, s->until);
+    return pk_integrator_limit(&run->it, wanted(run, run->it.t, s->until), s->until);
+}
+
+int run_due(struct run *run, pk_real end)
+{
+    const struct settings *s = &run->settings;
+    pk_real from = run->it.last_t, t = 0;
+    const int now = !(end < run->it.t);
+    for (; run->next <= run->count && s->every > 0; run->next += 1) {
+        t = run_row_time(run, run->next, run->count);
+        if (!(t <= end) && !(now && pk_integrator_is_at(&run->it, t)))
+            break;
+        const struct inside state = at(run, t);
+        if (!state.q)
+            return 0;
+        output_row(run, run->out, t, state.q, state.v, state.z);
+    }
+    if (run->expecting < from)
+        run->expecting = from;
+    while (is_fixed(run) && (t = expect_limit(run, run->expecting, end)) < end &&
+           !pk_integrator_is_at(&run->it, t)) {
+        const struct inside state = at(run, t);
+        if (!state.q)
+            return 0;
+        expect_landed(run, t, state.q, state.v, state.z);
+        run->expecting = t;
+    }
+    return 1;
+}
+
+/* Many steps of a large system at once: some 0.1 s of them. Drifts are measured where they end. */
+static enum pk_status many(struct run *run, pk_real end)
+{
+    struct pk_integrator *it = &run->it;
+    const unsigned long most = (unsigned long)(50000000 / it->n) + 2;
+    const pk_real next = wanted(run, it->t, run->settings.until);
+    const pk_real whole = PK_F(floor)((next - it->t) / it->options.h);
+    if (end > next && !(whole >= 2)) /* the row is within this one */
+        return pk_integrator_step(it, end);
+    return pk_integrator_steps(it, end,
+                               end > next && whole < (pk_real)most ? (unsigned long)whole : most);
+}
+
+static int step(struct run *run)
+{
+    struct pk_integrator *it = &run->it;
+    const int fused = run->problem.system->advance != NULL;
+    const pk_real end = limit(run);
+    const enum pk_status status = fused ? many(run, end) : watch_step(run, end);
     if (status < 0)
         return 0;
     const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
@@ -45,32 +156,12 @@ static int step(struct run *run, pk_real limit)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    run_sample(run);
-    trust_step(run);
-    if (it->count.steps % 64 == 0)
+    if (!fused || !(it->t < end))
+        run_sample(run), trust_step(run);
+    if (fused || it->count.steps % 64 == 0)
         progress(run, 0);
     run->interrupted = run_interrupted();
     return status == PK_DONE && !run->interrupted && !run->write_failed;
-}
-
-/* Many steps of a large system at once: some 0.1 s of them. Drifts are measured where they end. */
-static int steps(struct run *run, pk_real limit)
-{
-    struct pk_integrator *it = &run->it;
-    const unsigned long many = (unsigned long)(50000000 / it->n) + 2;
-    const pk_real end = expect_limit(run, limit);
-    if (pk_integrator_steps(it, end, many) < 0)
-        return 0;
-    const pk_real h = it->t - it->last_t;
-    if (run->h_max <= 0 || h < run->h_min)
-        run->h_min = h;
-    if (h > run->h_max)
-        run->h_max = h;
-    if (!(it->t < end))
-        run_sample(run), trust_step(run);
-    progress(run, 0);
-    run->interrupted = run_interrupted();
-    return !run->interrupted && !run->write_failed;
 }
 
 pk_real run_row_time(const struct run *run, pk_real k, pk_real count)
@@ -78,77 +169,18 @@ pk_real run_row_time(const struct run *run, pk_real k, pk_real count)
     return k < count ? (pk_real)(double)(k * run->settings.every) : run->settings.until;
 }
 
-static void integrate_landing(struct run *run)
-{
-    struct pk_integrator *it = &run->it;
-    const pk_real count = run->count;
-    const int fixed = !(run->settings.method->traits & PK_ADAPTIVE);
-    for (pk_real k = 1; k <= count; k += 1) {
-        const pk_real t = run_row_time(run, k, count);
-        if (fixed && k >= count && count > 1) {
-            /* A tail that is a whole interval but for the round-off of t keeps its step. */
-            const pk_real tail = t - it->t, rounding = 4 * PK_EPSILON * t;
-            if (tail < run->settings.every - rounding)
-                pk_integrator_set_step(it, tail / run_intervals(tail, run->settings.options.h));
-        }
-        while (it->t < t)
-            if (!(run->problem.system->advance ? steps(run, t) : step(run, t)))
-                return;
-        output_row(run, run->out, t, it->q, it->v, it->z);
-    }
-}
-
-int run_dense_rows(struct run *run, pk_real end)
-{
-    const struct pk_integrator *it = &run->it;
-    pk_real *q = run->row, *v = q + it->n;
-    pk_real *z = v + it->n + run->problem.system->n_observed;
-    for (; run->next <= run->count && run_row_time(run, run->next, run->count) <= end;
-         run->next += 1) {
-        const pk_real t = run_row_time(run, run->next, run->count);
-        if (!(t < it->t))
-            output_row(run, run->out, t, it->q, it->v, it->z);
-        else if (pk_integrator_dense(&run->it, t, q, v) < 0 ||
-                 (it->z && pk_integrator_dense_quadratures(&run->it, t, z) < 0))
-            return 0;
-        else
-            output_row(run, run->out, t, q, v, z);
-    }
-    return 1;
-}
-
-static void integrate_dense(struct run *run)
-{
-    while (run->it.t < run->settings.until)
-        if (!step(run, run->settings.until) || !run_dense_rows(run, run->it.t))
-            return;
-}
-
-/* A row at each step, or with rows at events alone at none. */
-static void integrate_steps(struct run *run)
-{
-    const int rows = run->settings.has_every || !run->settings.at;
-    while (run->it.t < run->settings.until && step(run, run->settings.until))
-        if (rows)
-            output_row(run, run->out, run->it.t, run->it.q, run->it.v, run->it.z);
-}
-
 void run_integrate(struct run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
-    const int by_time = s->has_every || !s->at;
+    const int by_time = s->has_every || !s->at, each = by_time && !(s->every > 0);
     if (by_time && (s->has_every || !s->ensemble)) /* of a member the final state alone */
         output_row(run, run->out, 0, it->q, it->v, it->z);
     run_sample(run);
-    if (!by_time || !(s->every > 0))
-        integrate_steps(run);
-    else if (s->land)
-        integrate_landing(run);
-    else
-        integrate_dense(run);
+    while (it->t < s->until && step(run) && run_due(run, it->t))
+        if (each)
+            output_row(run, run->out, it->t, it->q, it->v, it->z);
     if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
         output_row(run, run->out, it->t, it->q, it->v, it->z);
     expect_member(run, &run->monitor.energy);
 }
-

@@ -85,9 +85,9 @@ static int settle(struct run *run)
         return 2;
     }
     if (fixed)
-        s->options.h = interval / run_intervals(interval, s->options.h);
+        s->options.h = run_step(interval, s->options.h);
     if (s->land < 0)
-        s->land = fixed || s->method->dense_order < s->method->order;
+        s->land = s->method->dense_order < s->method->order;
     if (!(s->method->traits & PK_DENSE))
         s->land = 1;
     return 0;
@@ -143,6 +143,8 @@ void run_free(struct run *run)
     free(run->block);
     free(run->monitor_block);
     free(run->row);
+    pk_integrator_free(&run->aside);
+    free(run->aside_block);
     free(run->expected);
     free(run->besides);
 }

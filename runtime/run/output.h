@@ -34,6 +34,9 @@ struct run {
     pk_real *row;      /* q, v, observed, quadratures of a row */
     FILE *out;           /* where rows go */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
+    pk_real expecting;   /* what is expected at times within steps was looked at up to here */
+    struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */
+    void *aside_block;
     pk_real last_row;    /* its time */
     int at_event;        /* the row being written is at one */
     unsigned long rows;

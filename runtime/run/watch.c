@@ -22,8 +22,7 @@ static void switched(void *context, const struct pk_events *events)
 {
     struct run *run = (struct run *)context;
     note_time(&run->crossed[run->problem.system->n_events + events->which], events->t);
-    if (!run->settings.land)
-        run_dense_rows(run, events->t);
+    run_due(run, events->t);
 }
 
 static int found(void *context, const struct pk_events *events)
@@ -31,7 +30,7 @@ static int found(void *context, const struct pk_events *events)
     struct run *run = (struct run *)context;
     note_time(&run->crossed[events->which], events->t);
     expect_landed_at(run, events);
-    if (!run->settings.land && !run_dense_rows(run, events->t))
+    if (!run_due(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {
         run->at_event = 1;

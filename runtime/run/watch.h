@@ -14,11 +14,11 @@ void watch_warn(const struct run *run);
 void watch_report(struct run *run, FILE *file);
 void watch_free(struct run *run);
 
-/* Of integrate.c: rows from the start to the end, which may be at an event; rows by time up to t, of
- * the last step by the method's dense output, 0 where that fails. */
+/* Of integrate.c: rows from the start to the end, which may be at an event; rows by time, and what is
+ * expected at times, up to t in the last step, 0 where the motion there cannot be had. */
 void run_integrate(struct run *run);
 /* A state that a step has made, or the start: for drifts and for what is expected. */
 void run_sample(struct run *run);
-int run_dense_rows(struct run *run, pk_real t);
+int run_due(struct run *run, pk_real t);
 
 #endif

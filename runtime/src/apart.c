@@ -40,7 +40,7 @@ size_t pk_apart_size(const struct pk_problem *whole, const struct pk_part *parts
         const size_t size = pk_integrator_size(&problem, choices[k].method);
         if (size == 0)
             return 0;
-        bytes += own_size(problem.system) + padded(size);
+        bytes += own_size(problem.system) + 2 * padded(size);
     }
     return bytes;
 }
@@ -134,11 +134,11 @@ static void assemble(struct pk_apart *a)
     for (size_t k = 0; k < a->count; k++) {
         const struct pk_apart_part *part = &a->parts[k];
         for (size_t i = 0; i < part->of.system->n; i++) {
-            a->state[part->of.coordinates[i]] = part->it.q[i];
-            a->state[n + part->of.coordinates[i]] = part->it.v[i];
+            a->state[part->of.coordinates[i]] = part->there->q[i];
+            a->state[n + part->of.coordinates[i]] = part->there->v[i];
         }
         for (size_t i = 0; i < part->of.system->n_quadratures; i++)
-            a->state[2 * n + part->quadratures[i]] = part->it.z[i];
+            a->state[2 * n + part->quadratures[i]] = part->there->z[i];
     }
 }
 
@@ -167,8 +167,12 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
         q[i] = q0[part->of.coordinates[i]];
         v[i] = v0[part->of.coordinates[i]];
     }
+    part->there = &part->it;
     a->status = pk_integrator_init(&part->it, &problem, choice->method, &choice->options, t0, q, v,
                                    block, size);
+    if (a->status == PK_DONE)
+        a->status = pk_integrator_init(&part->aside, &problem, choice->method, &choice->options, t0, q,
+                                       v, (char *)block + padded(size), size);
     if (a->status == PK_DONE)
         a->failed = 0;
     return a->status;
@@ -211,7 +215,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
         const size_t own = pk_integrator_size(&problem, choices[k].method);
         if (start(a, k, &choices[k], t0, q0, v0, at, own) < 0)
             return a->status;
-        at += padded(own);
+        at += 2 * padded(own);
     }
     assemble(a);
     a->t = t0;
@@ -239,21 +243,35 @@ enum pk_status pk_apart_set_quadratures(struct pk_apart *a, const pk_real *z)
     return PK_DONE;
 }
 
-enum pk_status pk_apart_to(struct pk_apart *a, pk_real t)
+static enum pk_status part_to(struct pk_apart *a, size_t k, pk_real t, pk_real limit)
+{
+    struct pk_apart_part *part = &a->parts[k];
+    struct pk_integrator *it = &part->it;
+    const pk_real way = t < a->t ? PK_C(-1.0) : PK_C(1.0);
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    part->there = it;
+    while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t))) {
+        if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, limit) : t) != PK_DONE)
+            return it->status;
+        if (a->stepped)
+            a->stepped(a->context, k);
+    }
+    if (pk_integrator_is_at(it, t))
+        return PK_DONE;
+    part->there = &part->aside;
+    return pk_integrator_aside(it, &part->aside, t);
+}
+
+enum pk_status pk_apart_to(struct pk_apart *a, pk_real t, pk_real limit)
 {
     if (a->status < 0)
         return a->status;
     for (size_t k = 0; k < a->count; k++) {
-        struct pk_integrator *it = &a->parts[k].it;
-        do {
-            a->status = pk_integrator_step(it, t);
-            if (a->status != PK_DONE) {
-                a->failed = k + 1;
-                return a->status;
-            }
-            if (a->stepped)
-                a->stepped(a->context, k);
-        } while (it->t < t || it->t > t);
+        a->status = part_to(a, k, t, limit);
+        if (a->status != PK_DONE) {
+            a->failed = k + 1;
+            return a->status;
+        }
     }
     assemble(a);
     a->t = t;
@@ -284,5 +302,5 @@ int pk_apart_reason(const struct pk_apart *a, char *text, size_t size)
 void pk_apart_free(struct pk_apart *a)
 {
     for (size_t k = 0; a->parts && k < a->count; k++)
-        pk_integrator_free(&a->parts[k].it);
+        pk_integrator_free(&a->parts[k].it), pk_integrator_free(&a->parts[k].aside);
 }

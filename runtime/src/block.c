@@ -73,7 +73,7 @@ enum { MOST_STAGES = 12 };
 
 static size_t block_reals(const struct pk_ensemble *e, size_t n, size_t W)
 {
-    return (2 * PK_PARTS * n + pk_params_reals(e->system) + e->system->n_inputs + 1) * W +
+    return (3 * PK_PARTS * n + pk_params_reals(e->system) + e->system->n_inputs + 1) * W +
            pk_block_reals(MOST_STAGES, n, W) + 3 * n + e->system->n_inputs;
 }
 
@@ -136,7 +136,7 @@ static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first
 }
 
 static void store_row(const struct pk_block *b, const struct pk_ensemble *e, size_t first,
-                      size_t row, unsigned long long live)
+                      size_t row, unsigned long long live, const pk_real *state)
 {
     const size_t n = b->n, W = b->lanes;
     for (size_t l = 0; l < W; l++) {
@@ -144,8 +144,8 @@ static void store_row(const struct pk_block *b, const struct pk_ensemble *e, siz
             continue;
         const size_t at = ((first + l) * e->rows + row) * n;
         for (size_t i = 0; i < n; i++) {
-            e->q[at + i] = b->state[i * W + l];
-            e->v[at + i] = b->state[(PK_V * n + i) * W + l];
+            e->q[at + i] = state[i * W + l];
+            e->v[at + i] = state[(PK_V * n + i) * W + l];
         }
         e->done[first + l] = row + 1;
         e->last_t[first + l] = b->now;
@@ -187,13 +187,28 @@ static unsigned long long normalise(struct pk_block *b)
     return lost;
 }
 
-/* All live lanes to t. */
+/* As pk_integrator_aside(), into b->spare; the lanes that failed. */
+static unsigned long long aside(const struct pk_block *of, const struct pk_block_stepper *s,
+                                const struct pk_integrator *clock, pk_real t)
+{
+    struct pk_block b = *of;
+    b.state = of->next; /* where the step began */
+    b.next = of->spare;
+    b.now = clock->last_t;
+    b.end = t;
+    b.h = t - b.now;
+    b.have_a = 0;
+    return s->step(&b) | normalise(&b);
+}
+
+/* All live lanes to t, or by the step that is to be made beyond it. */
 static unsigned long long advance(struct pk_block *b, const struct pk_block_stepper *s,
                                   const struct pk_ensemble *e, struct pk_integrator *clock,
                                   size_t first, char *memory, pk_real t, unsigned long long live)
 {
-    while (live && (clock->t < t || clock->t > t)) {
-        const enum pk_status status = pk_step_choose(clock, t, 1);
+    const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? PK_C(-1.0) : PK_C(1.0);
+    while (live && way * (t - clock->t) > 0 && !pk_integrator_is_at(clock, t)) {
+        const enum pk_status status = pk_step_choose(clock, pk_integrator_limit(clock, t, last), 1);
         b->now = clock->t;
         if (status < 0) {
             retire(b, e, first, live, status, &live);
@@ -240,7 +255,8 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
     b.n = n;
     b.state = (pk_real *)(void *)own;
     b.next = b.state + PK_PARTS * n * W;
-    b.P = b.next + PK_PARTS * n * W;
+    b.spare = b.next + PK_PARTS * n * W;
+    b.P = b.spare + PK_PARTS * n * W;
     b.u = b.P + pk_params_reals(e->system) * W;
     b.t = b.u + e->system->n_inputs * W;
     b.work = b.t + W;
@@ -261,13 +277,16 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
             copy_lane(&b, e, lowest(live), l);
     b.now = e->t0;
     for (size_t row = 0; live && row < e->rows; row++) {
-        if (pk_ensemble_last_interval(e, row)) {
-            clock.options.h = e->last_h;
-            clock.direction = 0;
-        }
         if (pk_ensemble_stopped(e))
             retire(&b, e, first, live, PK_STOPPED_USER, &live);
         live = advance(&b, s, e, &clock, first, memory, e->t[row], live);
-        store_row(&b, e, first, row, live);
+        if (pk_integrator_is_at(&clock, e->t[row])) {
+            store_row(&b, e, first, row, live, b.state);
+            continue;
+        }
+        const unsigned long long bad = live ? aside(&b, s, &clock, e->t[row]) & live : 0;
+        if (bad)
+            retire(&b, e, first, bad, PK_NOT_FINITE, &live);
+        store_row(&b, e, first, row, live, b.spare);
     }
 }

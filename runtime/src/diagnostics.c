@@ -103,8 +103,11 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
     enum pk_growth growth;
     const unsigned long n = drift->n_marks;
     unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
-    while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > 0))
-        first++; /* exact so far: there is no logarithm of 0 */
+    /* Round-off shows no law: not while it was all there was, nor zeros, which have no logarithm. */
+    const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
+    const pk_real least = max > level + walk ? level * (drift->scale - drift->max) : 0;
+    while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > least))
+        first++;
     if (!pk_finite(max)) {
         e = s = max - max;
         growth = PK_GROWTH_NO_NUMBER;
@@ -119,8 +122,7 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
         s = pk_abs(exponent_of(drift, (first + n - 1) / 2, n - 1) -
                    exponent_of(drift, first, (first + n - 1) / 2));
         growth = named(e);
-        const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
-        if (max <= level || (max <= level + walk && e < PK_C(0.75)))
+        if (max <= level + walk)
             growth = PK_GROWTH_ROUND_OFF;
     }
     *(exponent ? exponent : &nowhere) = e;

@@ -48,11 +48,6 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
 
 int pk_ensemble_stopped(const struct pk_ensemble *e) { return e->stop && e->stop(e->context); }
 
-int pk_ensemble_last_interval(const struct pk_ensemble *e, size_t row)
-{
-    return row + 1 == e->rows && e->last_h > 0;
-}
-
 static void keep(const struct pk_ensemble *e, size_t member, size_t row,
                  const struct pk_integrator *it)
 {
@@ -64,18 +59,39 @@ static void keep(const struct pk_ensemble *e, size_t member, size_t row,
     e->done[member]++;
 }
 
-/* From row to row, which are kept or not. */
-static enum pk_status go(const struct pk_ensemble *e, size_t member, struct pk_integrator *it,
-                         enum pk_status status, int kept)
+/* To the time of a row, and for a fixed step beyond it: the integrator that is there then. */
+static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct pk_member *m, pk_real t,
+                             const struct pk_integrator **there)
 {
+    struct pk_integrator *it = &m->it;
+    struct pk_member *aside = (struct pk_member *)(void *)((char *)m + pk_member_size(e));
+    const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? PK_C(-1.0) : PK_C(1.0);
+    const int fixed = !(e->method->traits & PK_ADAPTIVE);
+    *there = it;
+    while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t)))
+        if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, last) : t) != PK_DONE)
+            return it->status;
+    if (pk_integrator_is_at(it, t))
+        return PK_DONE;
+    if (!aside->it.state && pk_member_integrator(e, member, aside) < 0)
+        return aside->it.status;
+    *there = &aside->it;
+    return pk_integrator_aside(it, &aside->it, t);
+}
+
+/* From row to row, which are kept or not. */
+static enum pk_status go(const struct pk_ensemble *e, size_t member, struct pk_member *m, int kept)
+{
+    struct pk_member *aside = (struct pk_member *)(void *)((char *)m + pk_member_size(e));
+    memset(aside, 0, sizeof *aside);
+    enum pk_status status = pk_member_begin(e, member, m);
     for (size_t row = 0; row < e->rows && status == PK_DONE; row++) {
-        if (pk_ensemble_last_interval(e, row) && !(e->method->traits & PK_ADAPTIVE))
-            pk_integrator_set_step(it, e->last_h);
-        status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : pk_integrator_to(it, e->t[row]);
+        const struct pk_integrator *there = &m->it;
+        status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : to_row(e, member, m, e->t[row], &there);
         if (kept)
-            e->last_t[member] = it->t;
+            e->last_t[member] = m->it.t;
         if (kept && status == PK_DONE)
-            keep(e, member, row, it);
+            keep(e, member, row, there);
     }
     return status;
 }
@@ -83,7 +99,7 @@ static enum pk_status go(const struct pk_ensemble *e, size_t member, struct pk_i
 static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *block)
 {
     struct pk_member *m = (struct pk_member *)block;
-    e->status[member] = go(e, member, &m->it, pk_member_begin(e, member, m), 1);
+    e->status[member] = go(e, member, m, 1);
     pk_integrator_free(&m->it);
     return e->status[member];
 }
@@ -115,7 +131,7 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
     const size_t rows = e->done[member];
     int length = -1;
     if (status < 0) {
-        if (go(e, member, &m->it, pk_member_begin(e, member, m), 0) == status && m->it.method)
+        if (go(e, member, m, 0) == status && m->it.method)
             length = pk_integrator_reason(&m->it, text, size);
         pk_integrator_free(&m->it);
     }

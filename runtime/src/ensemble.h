@@ -16,8 +16,6 @@ struct pk_constant_input {
 
 struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member);
 int pk_ensemble_stopped(const struct pk_ensemble *e);
-/* Whether the interval before this row is the last and has a step of its own. */
-int pk_ensemble_last_interval(const struct pk_ensemble *e, size_t row);
 static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
 /* A member in the block: its integrator's own memory follows. Members in lanes share one, unless
@@ -27,8 +25,10 @@ struct pk_member {
     struct pk_constant_input input;
 };
 size_t pk_member_size(const struct pk_ensemble *e);
-/* How many of them a block has, for steps of W lanes. */
+/* How many of them a block has, for steps of W lanes; of 1, another makes steps aside. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
+/* Its integrator alone, and with what is known of the member before the first step. */
+enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
 /* The step that its lane has just made by the clock, to next[i * W] and so on, or failed with
  * `status`: the reason by the guards, if they know one, or PK_DONE, and the member follows. */

@@ -121,21 +121,11 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     e->tries++;
     if (e->dense)
         return pk_integrator_dense(it, t, e->trial, e->trial + e->n);
-    pk_integrator_reset(scout, e->from, e->q0, e->v0);
-    if (it->z && scout->status >= 0)
-        pk_integrator_set_quadratures(scout, e->z0);
-    if (scout->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
-        (t < e->from || t > e->from))
-        pk_integrator_set_step(scout, pk_abs(t - e->from));
-    if (scout->status >= 0 && pk_integrator_to(scout, t) >= 0) {
-        memcpy(e->trial, scout->q, bytes);
-        memcpy(e->trial + e->n, scout->v, bytes);
-        return PK_DONE;
-    }
-    it->where = scout->where;
-    it->detail = scout->detail;
-    it->condition = scout->condition;
-    return it->status = scout->status;
+    if (pk_integrator_aside(it, scout, t) < 0)
+        return it->status;
+    memcpy(e->trial, scout->q, bytes);
+    memcpy(e->trial + e->n, scout->v, bytes);
+    return PK_DONE;
 }
 
 static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)

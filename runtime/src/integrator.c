@@ -359,6 +359,43 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
                : (it->status = pk_project(it, t, q, v, NULL, NULL, &moved));
 }
 
+int pk_integrator_is_at(const struct pk_integrator *it, pk_real t)
+{
+    return pk_abs(it->t - t) <= PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(t));
+}
+
+pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit)
+{
+    const int direction = t > it->t ? 1 : -1;
+    const int begins = direction != it->direction; /* a grid of its own */
+    const pk_real anchor = begins ? it->t : it->anchor, h = (pk_real)direction * it->options.h;
+    const pk_real count = PK_F(floor)((t - anchor) / h + PK_C(0.5));
+    const struct pk_integrator then = {.t = anchor + count * h};
+    return count > (begins ? 0 : it->grid) && pk_integrator_is_at(&then, t) ? t : limit;
+}
+
+enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t)
+{
+    const size_t n = it->n;
+    const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
+    if (!(t >= lo && t <= hi))
+        return fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
+    pk_integrator_reset(side, it->last_t, it->next, pk_part(it->next, n, PK_V));
+    if (side->status >= 0) { /* what a start lacks of a state amid the motion */
+        memcpy(pk_part(side->state, n, PK_P), pk_part(it->next, n, PK_P),
+               (PK_A - PK_P) * n * sizeof *it->next);
+        pk_quadrature_aside(it, side);
+    }
+    if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) && (t < it->last_t || t > it->last_t))
+        pk_integrator_set_step(side, pk_abs(t - it->last_t));
+    if (side->status >= 0 && pk_integrator_to(side, t) >= 0)
+        return PK_DONE;
+    it->where = side->where;
+    it->detail = side->detail;
+    it->condition = side->condition;
+    return it->status = side->status;
+}
+
 void pk_integrator_free(struct pk_integrator *it)
 {
     if (it->method && it->method->release)

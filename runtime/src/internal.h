@@ -68,6 +68,8 @@ enum pk_status pk_quadrature_step(struct pk_integrator *it);
 /* Whether the step is to be made again, shorter, for the quadratures' sake; it->h follows them. */
 int pk_quadrature_rejects(struct pk_integrator *it);
 void pk_quadrature_accept(struct pk_integrator *it);
+/* Those at the begin of the last step of `it` for `side`. */
+void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side);
 
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);

@@ -15,7 +15,7 @@ size_t pk_member_size(const struct pk_ensemble *e)
 
 size_t pk_member_count(const struct pk_ensemble *e, size_t W)
 {
-    return e->system->n_guards ? W : 1;
+    return W == 1 ? 2 : e->system->n_guards ? W : 1;
 }
 
 static void constant_input(void *context, pk_real t, pk_real *u)
@@ -27,11 +27,16 @@ static void constant_input(void *context, pk_real t, pk_real *u)
 
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m)
 {
+    e->done[member] = 0;
+    e->last_t[member] = e->t0;
+    return pk_member_integrator(e, member, m);
+}
+
+enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, struct pk_member *m)
+{
     struct pk_problem problem = pk_ensemble_problem(e, member);
     const struct pk_problem first = pk_ensemble_problem(e, 0);
     const size_t n = pk_system_count(e->system, first.params);
-    e->done[member] = 0;
-    e->last_t[member] = e->t0;
     memset(m, 0, sizeof *m);
     if (pk_system_count(e->system, problem.params) != n)
         return PK_BAD_ARGUMENT;

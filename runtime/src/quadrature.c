@@ -126,6 +126,13 @@ void pk_quadrature_accept(struct pk_integrator *it)
     *series(it) = 0;
 }
 
+void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side)
+{
+    if (it->z && side->z)
+        memcpy(part(side, half(side)), part(it, NEXT - half(it)),
+               2 * it->problem.system->n_quadratures * sizeof *it->z);
+}
+
 /* Of g over the last step, at the nodes of gauss_dense.c: sum_j w_j P_k(2 x_j - 1) g_j / 2. */
 static enum pk_status make_series(struct pk_integrator *it)
 {

@@ -63,7 +63,7 @@ def test_a_run_stops_at_its_event(pkgen) -> None:
 
 def test_a_single_step_to_a_stop_says_nothing_of_how_far_an_event_leaves_zero(pkgen) -> None:
     done = pkgen("run", STONE, "--method", "rk4", "--step", "10", "--until", "10")
-    assert "stopped at event ground" in done.stderr and "after 2 steps" in done.stderr
+    assert "stopped at event ground" in done.stderr and "after 2 steps of 10," in done.stderr
     assert done.returncode == 0 and "stays within" not in done.stderr
 
 

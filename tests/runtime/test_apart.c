@@ -169,7 +169,7 @@ static void against_together(void)
                                        block, sizeof block) == PK_DONE);
     double worst = 0;
     for (int k = 1; k <= 8; k++) {
-        CU_ASSERT(pk_apart_to(&t.apart, k * 0.5) == PK_DONE && t.apart.t == k * 0.5);
+        CU_ASSERT(pk_apart_to(&t.apart, k * 0.5, k * 0.5) == PK_DONE && t.apart.t == k * 0.5);
         CU_ASSERT(pk_integrator_to(&it, k * 0.5) == PK_DONE);
         for (int i = 0; i < 2; i++) {
             worst = fmax(worst, fabs(t.apart.q[i] - it.q[i]));
@@ -185,7 +185,7 @@ static void against_together(void)
     CU_ASSERT(many == 2000 && few < 20 && it.count.steps > 100);
     const double other = 5, was = t.apart.z[0];
     CU_ASSERT(pk_apart_set_quadratures(&t.apart, &other) == PK_DONE && t.apart.z[0] == 5);
-    CU_ASSERT(pk_apart_to(&t.apart, 0) == PK_DONE);
+    CU_ASSERT(pk_apart_to(&t.apart, 0, 0) == PK_DONE);
     CU_ASSERT(fabs(t.apart.z[0] - (5 - (was - 1))) < 1e-12 && fabs(t.apart.q[1] - 1) < 1e-10);
     end(&t);
 }
@@ -202,14 +202,14 @@ static void failure(void)
     t.block = malloc(size);
     CU_ASSERT_FATAL(t.block && pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0,
                                              t.block, size) == PK_DONE);
-    CU_ASSERT(pk_apart_to(&t.apart, 1) == PK_DONE);
+    CU_ASSERT(pk_apart_to(&t.apart, 1, 1) == PK_DONE);
     const double x = t.apart.q[0], y = t.apart.q[1];
-    CU_ASSERT(pk_apart_to(&t.apart, 2) == PK_NOT_FINITE && t.apart.failed == 1);
+    CU_ASSERT(pk_apart_to(&t.apart, 2, 2) == PK_NOT_FINITE && t.apart.failed == 1);
     CU_ASSERT(t.apart.t == 1 && t.apart.q[0] == x && t.apart.q[1] == y);
     pk_apart_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "part 1 (y): the motion is no longer finite; last valid time 1.2") != NULL);
     CU_ASSERT(strstr(reason, "the whole is at t = 1") != NULL);
-    CU_ASSERT(pk_apart_to(&t.apart, 1.5) == PK_NOT_FINITE && t.apart.t == 1);
+    CU_ASSERT(pk_apart_to(&t.apart, 1.5, 1.5) == PK_NOT_FINITE && t.apart.t == 1);
     end(&t);
 }
 
@@ -225,7 +225,7 @@ static void refused(void)
     CU_ASSERT(begin(&t, twice) == PK_BAD_ARGUMENT);
     pk_apart_reason(&t.apart, reason, sizeof reason);
     CU_ASSERT(strstr(reason, "the parts are not the whole") != NULL);
-    CU_ASSERT(pk_apart_to(&t.apart, 1) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_apart_to(&t.apart, 1, 1) == PK_BAD_ARGUMENT);
     end(&t);
     CU_ASSERT(begin(&t, beyond) == PK_BAD_ARGUMENT && t.apart.failed == 1);
     end(&t);

@@ -120,26 +120,48 @@ static const struct {
              {&double_pendulum_system, "gauss2", 0.05}, {&double_pendulum_system, "dop853", 0},
              {&kepler_system, "dopri5", 0}};
 
-/* The last interval has a step of its own, by lanes and one by one: as with set_step() alone. */
-static void last_interval(void)
+/* Rows that are no whole number of steps: by lanes and one by one, with and without momenta, each is what
+ * a step aside of one integrator is, and the steps are what they are without rows. */
+static void rows_between(void)
 {
-    static const char *const methods[] = {"rk4", "gauss2"};
-    static struct crowd c;
-    for (int k = 0; k < 2; k++) {
-        static double block[8192];
-        struct pk_integrator it;
-        crowd_set(&c, &pendulum_system, LANES, methods[k], 0.1);
-        c.e.last_h = 0.03;
-        const struct pk_problem problem = {.system = &c.system, .params = &c.params[5]};
-        CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) == PK_DONE);
-        CU_ASSERT(pk_integrator_init(&it, &problem, c.e.method, &c.e.options, 0, c.q0 + 5,
-                                     c.v0 + 5, block, sizeof block) == PK_DONE);
-        CU_ASSERT(pk_integrator_to(&it, 1.1) == PK_DONE);
-        pk_integrator_set_step(&it, 0.03);
-        CU_ASSERT(pk_integrator_to(&it, 1.25) == PK_DONE && it.count.steps == 16);
-        CU_ASSERT(!(it.q[0] < c.q[5 * ROWS + 2]) && !(it.q[0] > c.q[5 * ROWS + 2]));
-        CU_ASSERT(strangers(&c) == MEMBERS);
-    }
+    static const struct {
+        const struct pk_system *system;
+        const char *method;
+    } of[] = {{&pendulum_system, "rk4"}, {&driven_system, "yoshida4"}, {&pendulum_system, "verlet"},
+              {&double_pendulum_system, "gauss2"}, {&pushed_system, "rk4"}};
+    static struct crowd c, other;
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++)
+        for (int route = OWN; route <= SCALAR; route++) {
+            static double block[2][8192];
+            struct pk_integrator it, aside;
+            const size_t n = of[k].system->n, i = 5;
+            size_t row = 0;
+            crowd_set(&c, of[k].system, (enum route)route, of[k].method, 0.07);
+            const struct pk_problem problem = {.system = &c.system, .params = &c.params[i],
+                                               .input = member_input, .context = &c.u[i]};
+            CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) == PK_DONE);
+            for (int side = 0; side < 2; side++)
+                pk_integrator_init(side ? &aside : &it, &problem, c.e.method, &c.e.options, 0,
+                                   c.q0 + i * n, c.v0 + i * n, block[side], sizeof *block);
+            while (it.t < 1.25) {
+                CU_ASSERT_FATAL(pk_integrator_step(&it, 1.25) == PK_DONE);
+                for (; row < ROWS && c.t[row] <= it.t; row++) {
+                    const double *q = c.q + (i * ROWS + row) * n, *v = c.v + (i * ROWS + row) * n;
+                    CU_ASSERT(pk_integrator_aside(&it, &aside, c.t[row]) == PK_DONE);
+                    const double *to_q = c.t[row] < it.t ? aside.q : it.q;
+                    CU_ASSERT(memcmp(q, to_q, n * sizeof *q) == 0);
+                    CU_ASSERT(memcmp(v, c.t[row] < it.t ? aside.v : it.v, n * sizeof *v) == 0);
+                    CU_ASSERT(row + 1 == ROWS || memcmp(q, it.q, n * sizeof *q) != 0);
+                }
+            }
+            CU_ASSERT(it.count.steps == 18 && row == ROWS);
+            crowd_set(&other, of[k].system, (enum route)route, of[k].method, 0.07);
+            other.e.rows = 1;
+            other.e.t = other.t + ROWS - 1;
+            CU_ASSERT(pk_ensemble_run(&other.e, 0, MEMBERS, other.block, sizeof c.block) == PK_DONE);
+            for (size_t m = 0; m < MEMBERS; m++)
+                CU_ASSERT(memcmp(other.q + m * n, c.q + (m * ROWS + ROWS - 1) * n, n * 8) == 0);
+        }
 }
 
 static void as_alone(void)
@@ -344,7 +366,7 @@ void add_ensemble(void)
 {
     CU_pSuite suite = CU_add_suite("ensembles", NULL, NULL);
     CU_add_test(suite, "each member as alone, to the bit", as_alone);
-    CU_add_test(suite, "a last step of its own", last_interval);
+    CU_add_test(suite, "rows between steps", rows_between);
     CU_add_test(suite, "dop853 at fixed steps", adaptive_tables_at_fixed_steps);
     CU_add_test(suite, "any threads, any company", any_company);
     CU_add_test(suite, "members fail alone", failures);

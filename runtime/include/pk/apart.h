@@ -3,7 +3,7 @@
  *
  *     size_t size = pk_apart_size(&whole, parts, choices, count);
  *     pk_apart_init(&apart, &whole, parts, choices, count, t0, q0, v0, block, size);
- *     status = pk_apart_to(&apart, t);                          apart.t, apart.q, apart.v
+ *     status = pk_apart_to(&apart, t, t);                        apart.t, apart.q, apart.v
  *
  * A part has its own parameters: each takes the value of that of the whole which has its name, and
  * the rest are its defaults or follow. So too its inputs and its quadratures. A coordinate of the
@@ -35,7 +35,8 @@ struct pk_choice {
 /* A part at work; to be read alone. */
 struct pk_apart_part {
     struct pk_part of;
-    struct pk_integrator it;
+    struct pk_integrator it, aside; /* see pk_integrator_aside() */
+    const struct pk_integrator *there; /* of these, at the time of the whole */
     void *params;
     const struct pk_apart *apart;
     size_t *inputs, *quadratures; /* where they are in those of the whole */
@@ -72,9 +73,10 @@ enum pk_status pk_apart_init(struct pk_apart *apart, const struct pk_problem *wh
                              void *block, size_t block_size);
 /* Other values of the quadratures, in the order of the whole. */
 enum pk_status pk_apart_set_quadratures(struct pk_apart *apart, const pk_real *z);
-/* Each part to t, one after the other. Where one fails the state stays that of the last t where all
- * were, parts before it are at t already, and no later call makes a step. */
-enum pk_status pk_apart_to(struct pk_apart *apart, pk_real t);
+/* Each part to t, one after the other, fixed steps beyond it up to `limit`, which alone shortens them.
+ * Where one fails the state stays that of the last t where all were, parts before it are at t already,
+ * and no later call makes a step. */
+enum pk_status pk_apart_to(struct pk_apart *apart, pk_real t, pk_real limit);
 /* The last status in words, with the part's coordinates and its last valid time. Returns its length
  * as snprintf() does. */
 int pk_apart_reason(const struct pk_apart *apart, char *text, size_t size);

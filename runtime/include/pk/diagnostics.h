@@ -63,7 +63,7 @@ pk_real pk_drift_slope(const struct pk_drift *drift); /* per unit of time */
 /* The exponent, and by how much it differs between the earlier and the later of the six octaves
  * (either pointer may be NULL; both 0 where nothing can be fitted: ZERO, CONSTANT, SHORT, and NaN
  * of what is not finite). ROUND_OFF: at the level of evaluating X, or of a random walk of
- * roundings. */
+ * roundings; a law is fitted only to what is above that of evaluating X. */
 enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread);
 const char *pk_growth_text(enum pk_growth growth);
 

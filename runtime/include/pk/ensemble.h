@@ -37,12 +37,12 @@ struct pk_ensemble {
     const pk_real *q0, *v0, *u;
     const pk_real *z0; /* quadratures at the start, or NULL: as init has them */
 
-    /* Rows: the times at which results are wanted, one after the other away from t0. Steps end
-     * there. For a fixed step, last_h is that of the last interval; 0: options.h. */
+    /* Rows: the times at which results are wanted, one after the other away from t0. Adaptive steps
+     * end there; fixed ones at the last alone, and within one a shorter step from where it began has
+     * the result. */
     pk_real t0;
     size_t rows;
     const pk_real *t;
-    pk_real last_h;
 
     /* Results, the caller's memory: q[(i * rows + row) * n], the same for v; and of each member how
      * many rows there are, its last valid time, and why it ended. */

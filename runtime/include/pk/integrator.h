@@ -141,6 +141,11 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 /* One step towards `limit`, never past it; a step that would end within round-off of it ends
  * exactly there. PK_DONE without a step if t is there already. */
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
+/* For a result at t by fixed steps that it does not disturb: the limit of the next one, t where it is
+ * on their grid but for rounding, else `limit`, beyond it; and behind that step pk_integrator_aside()
+ * has it. Whether t is where `it` is, but for rounding. */
+pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
+int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Up to `steps` steps (0: as many as it takes) towards `limit`. Where the system can advance() by a
  * splitting method and has no guards, all that lie on the grid at once, uncompensated and in one
  * pass over memory; if they end in what is not finite fewer are made, so that the failing one is found. Else the same
@@ -151,6 +156,11 @@ enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
 /* The motion at t inside the last step, by the method's own interpolant, into n numbers each.
  * PK_BAD_ARGUMENT for another t or method; a failure leaves the state as it is. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+/* The motion at t inside the last step, as exactly as the method steps: `side`, an integrator of the
+ * same problem and method in memory of its own, makes that step again, only shorter, and is at t
+ * behind it. Nothing of `it` changes but, where that fails, its status and reason. Not after a reset
+ * or many steps at once. */
+enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
 /* The quadratures there: the motion between is the interpolant's, and the polynomial through what
  * they sum at 16 nodes of it, made once a step, is integrated. */
 enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z);

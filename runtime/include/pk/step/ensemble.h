@@ -21,7 +21,7 @@ struct pk_block {
     const void *params[PK_BLOCK_MOST]; /* of each lane */
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
     pk_real *t;                        /* W times */
-    pk_real *state, *next, *work;
+    pk_real *state, *next, *spare, *work;
     pk_real *lane;                     /* one state, of a system without lane kernels */
     pk_real now, end, h;               /* of the step */
     int have_a;
