@@ -89,7 +89,7 @@ format: $(STAMP)
 	$(PYTHON) -m ruff format $(PYTHON_CODE)
 	$(PYTHON) -m ruff check --fix $(PYTHON_CODE)
 
-asan: $(STAMP) asan-runtime
+asan: $(STAMP) asan-runtime msan-runtime
 
 # PREFIX/bin/pkgen with a Python environment of its own, the runtime's headers and libraries.
 install: runtime

@@ -71,6 +71,14 @@ if [ -z "${PKGEN_PREFIX:-}" ] && [ "$(uname -m)" != aarch64 ]; then
     fi
 fi
 
+# The run-time parts of clang's sanitizers and of libFuzzer: make asan, make fuzz.
+if [ -z "${PKGEN_PREFIX:-}" ] &&
+    ! echo 'int main(void) { return 0; }' | clang -fsanitize=memory -x c - -o /dev/null 2>/dev/null
+then
+    (apt_install libclang-rt-dev) 2>>"$log" ||
+        say "not to be had here: libclang-rt-dev; make asan and make fuzz will leave out what wants it"
+fi
+
 from_registry() {
     # Some Debian machines have python3 without venv and pip; those come from apt.
     command -v python3 >/dev/null || apt_install python3 python3-venv

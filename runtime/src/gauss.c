@@ -100,7 +100,7 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
             w.mu_columns[j * w.s + i] = *mu;
         }
     *w.contraction = *w.last_contraction = PK_INFINITY;
-    *w.sure = *w.loose_for = 0;
+    *w.sure = *w.loose_for = *w.fresh = *w.noisy = 0;
     *w.slow_h = *w.h = *w.lu_h = *w.ratio = *w.last_h = *w.best = *w.wait = *w.patience = 0;
     pk_eval_canonical(it, it->t, it->q, it->v, p, w.F);
     it->p = p;

@@ -1,4 +1,6 @@
 /* The adaptive Gauss method over function pointers; see pk/step/gauss.h. */
+#include <string.h>
+
 #include "gauss_dense.h"
 #include "generic.h"
 #include "tableau.h"
@@ -13,7 +15,9 @@ static size_t size(const struct pk_method *method, size_t n)
 
 static enum pk_status init(struct pk_integrator *it)
 {
-    (void)it;
+    pk_gauss_dense_init(it);
+    /* Where nothing depends on rates those of stages are not made, and kernels get them yet. */
+    memset(pk_gauss_lanes(it, it->n, it->work).v, 0, it->n * PK_GAUSS_S * sizeof *it->work);
     return PK_DONE;
 }
 

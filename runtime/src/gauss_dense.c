@@ -103,8 +103,9 @@ static pk_real node_at(int l) { return l < 8 ? node[l] : 1 - node[NODES - 1 - l]
 /* The node of the piece, in steps. */
 static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * node_at(l); }
 
-static void fill(const struct parts *d)
+void pk_gauss_dense_init(struct pk_integrator *it)
 {
+    const struct parts at = parts_of(it), *d = &at;
     for (int l = 0; l < NODES; l++) {
         const pk_real y = l < 8 ? 2 * node[l] - 1 : 1 - 2 * node[NODES - 1 - l];
         legendre(y, TERMS, d->P + l, NODES);
@@ -186,8 +187,6 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
 {
     const size_t n = it->n, half = PK_GAUSS_S * n;
     pk_real before = 0;
-    if (!(d->P[0] > 0)) /* P_0 is 1: the block is zero until the first output */
-        fill(d);
     begin(it, w, d);
     collocate(it, w, d);
     for (int count = 0; count < 30; count++) {

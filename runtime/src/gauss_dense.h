@@ -11,6 +11,8 @@ struct pk_node {
 struct pk_node pk_gauss_node(int j);
 
 size_t pk_gauss_dense_size(size_t n);
+/* Its tables, which no step changes. */
+void pk_gauss_dense_init(struct pk_integrator *it);
 enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 
 #endif

@@ -81,7 +81,6 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return fail(it, PK_BLOCK_TOO_SMALL, 0);
 
     it->step = stepper(system, method);
-    memset(block, 0, pk_integrator_size(problem, method));
     it->quadratures = (pk_real *)block;
     it->state = it->quadratures + pk_quadrature_size(system, it->n);
     it->next = it->state + PK_PARTS * it->n;
@@ -250,7 +249,7 @@ void pk_step_made(struct pk_integrator *it, int fixed)
  * end, no step follows. */
 static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 {
-    it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+    it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
     if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
         it->ready = 0;
     return it->status = status;

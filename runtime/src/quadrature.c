@@ -27,10 +27,10 @@ static int half(const struct pk_integrator *it) { return it->z == part(it, NOW) 
 size_t pk_quadrature_size(const struct pk_system *system, size_t n)
 {
     const size_t m = system->n_quadratures;
-    return m ? PARTS * m + 2 * n + 1 + TERMS * m : 0;
+    return m ? PARTS * m + 2 * n + TERMS * m : 0;
 }
 
-/* Whether there is one of the last step, and its terms. */
+/* Its terms: of the last step, where it->flags has PK_HAVE_SERIES. */
 static pk_real *series(const struct pk_integrator *it) { return part(it, PARTS) + 2 * it->n; }
 
 enum pk_status pk_quadrature_start(struct pk_integrator *it)
@@ -38,6 +38,7 @@ enum pk_status pk_quadrature_start(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     pk_real *z = part(it, NOW);
     it->z = z;
+    memset(z, 0, 2 * system->n_quadratures * sizeof *z); /* the low parts too */
     if (system->quadrature_start)
         system->quadrature_start(it->problem.params, z);
     it->where = BAD_STATE;
@@ -123,7 +124,7 @@ int pk_quadrature_rejects(struct pk_integrator *it)
 void pk_quadrature_accept(struct pk_integrator *it)
 {
     it->z = part(it, NEXT - half(it));
-    *series(it) = 0;
+    it->flags &= ~PK_HAVE_SERIES;
 }
 
 void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side)
@@ -139,7 +140,7 @@ static enum pk_status make_series(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     const size_t m = system->n_quadratures;
     const pk_real h = it->t - it->last_t;
-    pk_real *q = part(it, PARTS), *v = q + it->n, *rate = part(it, RATE), *terms = series(it) + 1;
+    pk_real *q = part(it, PARTS), *v = q + it->n, *rate = part(it, RATE), *terms = series(it);
     memset(terms, 0, TERMS * m * sizeof *terms);
     for (int j = 0; j < TERMS; j++) {
         const struct pk_node node = pk_gauss_node(j);
@@ -156,7 +157,7 @@ static enum pk_status make_series(struct pk_integrator *it)
             next = ((pk_real)(2 * k + 3) * y * P - (pk_real)(k + 1) * now) / (pk_real)(k + 2);
         }
     }
-    *series(it) = 1;
+    it->flags |= PK_HAVE_SERIES;
     return PK_DONE;
 }
 
@@ -175,9 +176,9 @@ enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real
     const pk_real h = it->t - it->last_t, y = 2 * (t - it->last_t) / h - 1;
     pk_real *q = part(it, PARTS), *v = q + it->n;
     if ((!(pk_abs(y) <= 1) && pk_integrator_dense(it, t, q, v) < 0) || /* which says why not */
-        (!(*series(it) > 0) && make_series(it) < 0))
+        (!(it->flags & PK_HAVE_SERIES) && make_series(it) < 0))
         return it->status;
-    const pk_real *terms = series(it) + 1, *from = part(it, NEXT - half(it)), *low = from + m;
+    const pk_real *terms = series(it), *from = part(it, NEXT - half(it)), *low = from + m;
     pk_real before = -1, P = 1, next = y;
     memcpy(z, low, m * sizeof *z);
     for (int k = 0; k < TERMS; k++) {

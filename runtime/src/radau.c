@@ -126,7 +126,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
         pk_gauss_set_step(it, w, it->h);
     pk_radau_tolerances(it, r, it->q, it->v);
     do {
-        *w->fresh = 0;
+        *w->fresh = *w->noisy = 0;
         pk_gauss_predict(it, w);
         status = iterate(it, w, r, count);
         it->flags |= status < 0 ? PK_REFRESH : 0; /* a kept matrix may be at fault */

@@ -167,15 +167,16 @@ static void keep_stages(struct pk_variational_work *w, int part, const pk_real *
 /* The guess: rates at the middle of the last part and at its end, on a straight line. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
-    const pk_real ratio = it->flags & PK_HAVE_STEP ? w->h / *w->last_h : 0;
+    const int before = it->flags & PK_HAVE_STEP; /* else last_V and last_h are not there */
+    const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
         const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
-        w->V[k] = k < w->m ? v[k] : turns ? 0 : w->last_V[k];
-        if (pk_abs(ratio) <= 64 && k < w->m)
+        w->V[k] = k < w->m ? v[k] : turns || !before ? 0 : w->last_V[k];
+        if (before && k < w->m)
             w->V[k] += ratio * (v[k] - w->last_V[k]);
     }
     for (size_t i = 0; i < w->c; i++)
-        w->kick[i] *= pk_abs(ratio) <= 64 ? ratio : 0;
+        w->kick[i] *= ratio;
 }
 
 static enum pk_status part(struct pk_integrator *it, struct pk_variational_work *w, int which)

@@ -136,6 +136,7 @@ int main(int argc, char **argv)
     add_order();
     add_gauss();
     add_dense();
+    add_memory();
     add_geometry();
     add_status();
     add_silence();
@@ -174,8 +175,12 @@ int main(int argc, char **argv)
     add_variational();
     add_variational_end();
     CU_basic_set_mode(CU_BRM_VERBOSE);
-    CU_basic_run_tests();
+    if (argc > 2) /* runtime INSTANCE SUITE... */
+        for (int i = 2; i < argc; i++)
+            CU_basic_run_suite(CU_get_suite(argv[i]));
+    else
+        CU_basic_run_tests();
     const unsigned failures = CU_get_number_of_failures(), run = CU_get_number_of_tests_run();
     CU_cleanup_registry();
-    return failures || run < 20 ? EXIT_FAILURE : EXIT_SUCCESS;
+    return failures || run < (argc > 2 ? 1 : 20) ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -142,9 +142,72 @@ static void long_chain(void)
     }
 }
 
+/* Each method that has it: the end of a step is the step's, and inside it errs as its end does, or as
+ * the tolerance, of an interpolant of lower order a hundred times; a straight line between both ends
+ * does not. */
+static void every_method(void)
+{
+    static const struct pk_system *const systems[] = {
+        &pendulum_system, &double_pendulum_system, &kepler_system, &driven_system,
+        &oscillator_system, &relativistic_system};
+    static struct fixture f, e;
+    int made = 0;
+    for (size_t i = 0; pk_method_at(i); i++) {
+        double worst = 0, line = 0, ends = 0;
+        const struct pk_method *method = pk_method_at(i);
+        CU_ASSERT(!method->dense == !(method->traits & PK_DENSE));
+        for (size_t k = 0; method->dense && k < sizeof systems / sizeof *systems; k++) {
+            fixture_set(&f, systems[k]);
+            f.options.h = 0.02;
+            f.options.rtol = f.options.atol = 1e-7;
+            if (fixture_init(&f, method->name) < 0)
+                continue;
+            for (int step = 0; step < 20; step++) {
+                double q0[2], v0[2], q[2], v[2];
+                const double t0 = f.it.t;
+                memcpy(q0, f.it.q, sizeof q0);
+                memcpy(v0, f.it.v, sizeof v0);
+                CU_ASSERT_FATAL(pk_integrator_step(&f.it, 5) == PK_DONE);
+                fixture_set(&e, systems[k]);
+                e.options.rtol = e.options.atol = 1e-13;
+                memcpy(e.q0, q0, sizeof q0);
+                memcpy(e.v0, v0, sizeof v0);
+                CU_ASSERT_FATAL(fixture_init(&e, "dop853") == PK_DONE);
+                CU_ASSERT_FATAL(pk_integrator_reset(&e.it, t0, q0, v0) == PK_DONE);
+                double inside = 0, straight = 0;
+                for (int part = 1; part <= 8; part++) {
+                    const double t = part == 8 ? f.it.t : t0 + part * (f.it.t - t0) / 8;
+                    CU_ASSERT_FATAL(pk_integrator_to(&e.it, t) == PK_DONE);
+                    CU_ASSERT_FATAL(pk_integrator_dense(&f.it, t, q, v) == PK_DONE);
+                    inside = fmax(inside, part < 8 ? fixture_distance(&e, q, v) : 0);
+                    for (size_t n = 0; n < f.it.n; n++) {
+                        const double end = fabs(q[n] - f.it.q[n]) + fabs(v[n] - f.it.v[n]);
+                        ends = fmax(ends, part == 8 ? end : 0);
+                        q[n] = q0[n] + part * (f.it.q[n] - q0[n]) / 8;
+                        v[n] = v0[n] + part * (f.it.v[n] - v0[n]) / 8;
+                    }
+                    straight = fmax(straight, part < 8 ? fixture_distance(&e, q, v) : 0);
+                }
+                const double bound = 1e-7 + fixture_distance(&e, f.it.q, f.it.v);
+                worst = fmax(worst, inside / bound);
+                line = fmax(line, straight / bound);
+                made++;
+            }
+        }
+        if (method->dense) {
+            printf("\n    %s: at ends %.1e, inside %.2g of the bound, a line %.0f", method->name, ends,
+                   worst, line);
+            const double most = method->dense_order < method->order ? 100 : 3;
+            CU_ASSERT(ends < 1e-14 && worst > 0 && worst < most && line > 10 * most);
+        }
+    }
+    CU_ASSERT(made > 200);
+}
+
 void add_dense(void)
 {
-    CU_pSuite suite = CU_add_suite("dense output of gauss", NULL, NULL);
+    CU_pSuite suite = CU_add_suite("dense output", NULL, NULL);
+    CU_add_test(suite, "every method", every_method);
     CU_add_test(suite, "as accurate as the steps", dense);
     CU_add_test(suite, "longer steps than it contracts over", long_chain);
 }

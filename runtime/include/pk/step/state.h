@@ -25,7 +25,14 @@
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
 /* it->flags */
-enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
+enum {
+    PK_HAVE_A = 1,
+    PK_HAVE_LU = 2,
+    PK_HAVE_STEP = 4,
+    PK_HAVE_DENSE = 8,
+    PK_REFRESH = 16,
+    PK_HAVE_SERIES = 32
+};
 
 static inline pk_real *pk_part(pk_real *state, size_t n, int part)
 {
