@@ -17,7 +17,7 @@
 #include <gsl/gsl_odeiv2.h>
 
 #include <pk/gsl.h>
-#include <pk/linear.h>
+#include <pk/linear.h> /* size of work */
 
 #include "../src/internal.h"
 
@@ -56,8 +56,7 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
     } else {
         return GSL_SUCCESS;
     }
-    it->trouble = f->status;
-    it->trouble_t = t;
+    pk_trouble(it, f->status, t);
     return GSL_FAILURE; /* GSL halves the step on this, and gives up only on GSL_EBADFUNC */
 }
 
@@ -67,12 +66,9 @@ static int jacobian(double t, const double *y, double *df_dy, double *df_dt, voi
     struct foreign *f = (struct foreign *)it->extra;
     const size_t n = it->n, m = 2 * n;
     double *a = f->linear, *a_q = a + n, *a_v = a_q + n * n, *rest = a_v + n * n;
-    it->count.jacobians++;
-    f->status =
-        pk_system_linear(&it->problem, t, y, y + n, a, a_q, a_v, df_dt + n, rest);
+    f->status = pk_eval_linear(it, t, y, y + n, a, a_q, a_v, df_dt + n, rest);
     if (f->status < 0) {
-        it->trouble = f->status;
-        it->trouble_t = t;
+        pk_trouble(it, f->status, t);
         return GSL_FAILURE;
     }
     memset(df_dy, 0, m * m * sizeof *df_dy);
@@ -139,8 +135,11 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (!(h * left > 0)) { /* first step, or the direction turned */
         h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
         h = left > 0 ? h : -h;
-        fall_back(f, PK_DONE);
+        it->flags = 0;
     }
+    if (!(it->flags & PK_HAVE_STEP)) /* a step that GSL has made was refused: its end is none */
+        fall_back(f, PK_DONE);
+    it->flags = 0;
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
         h = h > 0 ? it->options.h_max : -it->options.h_max;
     const double round = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
@@ -180,6 +179,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     f->h = cut && h * h < planned * planned ? planned : h;
     it->next_t = t;
     it->h = f->h;
+    it->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
 

@@ -73,20 +73,16 @@ static size_t size(const struct pk_method *method, size_t n)
 static enum pk_status frequency(struct pk_integrator *it, const struct work *w, const pk_real *q,
                                 const pk_real *v, pk_real *omega)
 {
-    const struct pk_problem *problem = &it->problem;
     const enum pk_status status =
-        pk_system_linear(problem, it->t, q, v, w->a, w->a_q, w->a_v, w->a_t, w->linear);
+        pk_eval_linear(it, it->t, q, v, w->a, w->a_q, w->a_v, w->a_t, w->linear);
     pk_real sum = 0;
     it->count.evaluations++;
-    it->count.jacobians++;
-    if (status == PK_SINGULAR_MASS) { /* M is constant: again, for which coordinate it is */
-        const int failed = problem->system->acceleration(problem->params, it->t, q, v, it->u, w->a);
-        return failed ? pk_eval_failed(it, it->t, q, v, failed) : status;
-    }
+    if (status < 0)
+        return status;
     for (size_t i = 0; i < it->n * it->n; i++)
         sum += w->a_q[i] * w->a_q[i];
     *omega = PK_F(sqrt)(PK_F(sqrt)(sum));
-    return status;
+    return PK_DONE;
 }
 
 static pk_real raised(const struct work *w, pk_real omega)
@@ -195,7 +191,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     pk_real *number = w.number;
     const pk_real sign = (pk_real)it->direction;
     enum pk_status status = PK_DONE;
-    if (number[WHOLE] > 0) { /* the last step was accepted: the sequence goes on from its end */
+    if (number[WHOLE] > 0 && !(it->flags & PK_HAVE_STEP)) { /* it was made, and refused */
+        number[WHOLE] = number[PLANNED] = 0;
+    } else if (number[WHOLE] > 0) { /* it was accepted: the sequence goes on from its end */
         take_base(it, &w);
         number[RHO] = number[RHO_NEXT];
         number[T] = number[END];

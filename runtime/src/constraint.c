@@ -184,6 +184,8 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     const size_t c = system->n_constraints, row = it->where % (c ? c : 1);
     const char *what = pk_status_text(it->status);
     char name[128], others[256], more[400] = "";
+    if (it->where >= 2 * c + system->n_rotations)
+        return snprintf(text, size, "%s; last valid time %.17g", what, (double)it->t);
     if (it->where >= 2 * c) {
         const size_t first = it->n - system->n_states + 3 * (it->where - 2 * c);
         pk_system_name(system, it->problem.params, system->rates, first, name, sizeof name);

@@ -128,8 +128,10 @@ enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
             it->detail = h;
             return PK_STEP_UNDERFLOW;
         }
-        it->trouble = PK_SINGULAR_MASS;
+        pk_trouble(it, PK_SINGULAR_MASS, it->trouble_t);
     }
+    it->where = it->trouble_where;
+    it->condition = it->trouble_condition;
     it->detail = it->trouble_t;
     return it->trouble;
 }

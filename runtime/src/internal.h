@@ -48,6 +48,9 @@ void pk_step_made(struct pk_integrator *it, int fixed);
 /* Kernels through the integrator: inputs filled, calls counted, failures named. */
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, pk_real *a);
+enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
+                              pk_real *a_t, pk_real *work); /* see pk/linear.h */
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 

@@ -207,10 +207,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         status = attempt(it, &w, &r, rejected || !(it->flags & PK_HAVE_STEP), &count);
         if (status >= 0 && it->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
-        if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP) {
-            it->trouble = status; /* the others are no cause but a step too long */
-            it->trouble_t = it->next_t;
-        }
+        if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
+            pk_trouble(it, status, it->next_t); /* the others are no cause but a step too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         planned = pk_abs(it->h) * less;
         rejected = 1;

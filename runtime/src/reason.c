@@ -72,6 +72,9 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
+    if (it->where >= it->n_guards)
+        return snprintf(text, size, "%s; last valid time %.17g", pk_status_text(it->status),
+                        (double)it->t);
     const struct pk_guard *guard =
         &system->guards[pk_system_guard(system, params, it->where).guard];
     char name[128];
@@ -96,7 +99,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
 
     switch (it->status) {
     case PK_BAD_ARGUMENT:
-        return snprintf(text, size, "%s: %s", what, bad_argument[it->where]);
+        return snprintf(text, size, "%s: %s", what,
+                        it->where < sizeof bad_argument / sizeof *bad_argument
+                            ? bad_argument[it->where] : "");
     case PK_REFUSED:
         for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
             if (pk_missing_facts(system, it->method) & fact_text[i].fact)
@@ -156,8 +161,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             what);
         return snprintf(text, size, "%s: what follows from the parameters is not finite", what);
     case PK_SINGULAR_MASS:
-        pk_system_name(system, it->problem.params, system->coordinates, it->where, name,
-                       sizeof name);
+        pk_system_name(system, it->problem.params,
+                       it->where < it->n ? system->coordinates : NULL, it->where, name, sizeof name);
         if (!pk_finite(it->condition))
             return snprintf(text, size,
                             "%s: pivot of coordinate %s is not positive at t = %.17g; "
@@ -171,7 +176,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_SINGULAR_COORDINATES:
         return singular(it, text, size);
     case PK_STEP_TOO_LONG:
-        pk_system_guard_name(system, it->problem.params, it->where, name, sizeof name);
+        snprintf(name, sizeof name, "a guard");
+        if (it->where < it->n_guards)
+            pk_system_guard_name(system, it->problem.params, it->where, name, sizeof name);
         return snprintf(text, size,
                         "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
                         "from there the motion does not: make the steps shorter; last valid time "
@@ -182,7 +189,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "the motion stays on %s = 0: on either side of it the equations lead "
                         "back to it, and what follows they do not say; a smooth function in place "
                         "of the jump, such as tanh, does; last valid time %.17g",
-                        system->switches[it->where].name, t);
+                        it->where < system->n_switches ? system->switches[it->where].name : "x", t);
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:

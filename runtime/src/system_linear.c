@@ -25,9 +25,10 @@ static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *
     }
 }
 
-enum pk_status pk_system_linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
-                                const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
-                                pk_real *a_t, pk_real *work)
+/* *failed: as the acceleration has it, of PK_SINGULAR_MASS. */
+static enum pk_status linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
+                             const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
+                             pk_real *a_t, pk_real *work, int *failed)
 {
     const struct pk_system *system = problem->system;
     const void *params = problem->params;
@@ -38,10 +39,12 @@ enum pk_status pk_system_linear(const struct pk_problem *problem, pk_real t, con
     memset(u, 0, system->n_inputs * sizeof *u);
     if (system->n_inputs && problem->input)
         problem->input(problem->context, t, u);
-    if (system->acceleration(params, t, q, v, u, a))
-        return PK_SINGULAR_MASS;
-    system->mass(params, t, q, v, u, L);
-    if (pk_ldl_factor(L, n))
+    *failed = system->acceleration(params, t, q, v, u, a);
+    if (!*failed) {
+        system->mass(params, t, q, v, u, L);
+        *failed = (int)pk_ldl_factor(L, n);
+    }
+    if (*failed)
         return PK_SINGULAR_MASS;
     system->linear(params, t, q, v, u, a, a_q, a_v, a_t);
     solve_columns(L, n, a_q, column);
@@ -51,4 +54,23 @@ enum pk_status pk_system_linear(const struct pk_problem *problem, pk_real t, con
                    pk_all_finite(a_t, n)
                ? PK_DONE
                : PK_NOT_FINITE;
+}
+
+enum pk_status pk_system_linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
+                                const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
+                                pk_real *a_t, pk_real *work)
+{
+    int failed;
+    return linear(problem, t, q, v, a, a_q, a_v, a_t, work, &failed);
+}
+
+enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
+                              pk_real *a_t, pk_real *work)
+{
+    int failed;
+    const enum pk_status status =
+        linear(&it->problem, t, q, v, a, a_q, a_v, a_t, work, &failed);
+    it->count.jacobians++;
+    return status == PK_SINGULAR_MASS ? pk_eval_failed(it, t, q, v, failed) : status;
 }

@@ -1,4 +1,4 @@
-"""Parameters that no kernel reads change no number: runs copy them over memory that steps work in."""
+"""Parameters that no kernel reads change no number: runs copy them over memory that steps use."""
 
 from __future__ import annotations
 

@@ -54,6 +54,7 @@ void add_order(void);
 void add_gauss(void);
 void add_dense(void);
 void add_memory(void);
+void add_faults(void);
 void add_geometry(void);
 void add_status(void);
 void add_silence(void);

@@ -137,6 +137,8 @@ int main(int argc, char **argv)
     add_gauss();
     add_dense();
     add_memory();
+    if (strcmp(instance, "inlined") != 0) /* its kernels are not called through pointers */
+        add_faults();
     add_geometry();
     add_status();
     add_silence();

@@ -126,7 +126,7 @@ check-runtime-driver: $(RT_RUN_PROGRAMS)
 
 asan-runtime:
 	$(MAKE) -f tests/runtime/runtime.mk RT_SUFFIX=-asan \
-	    RT_EXTRA="-g -fsanitize=address,undefined -fno-sanitize-recover=all" \
+	    RT_EXTRA="-g -DDEEP=12 -fsanitize=address,undefined -fno-sanitize-recover=all" \
 	    BUILD=$(BUILD) run-asan-runtime
 .PHONY: run-asan-runtime
 run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_RUN_PROGRAMS)

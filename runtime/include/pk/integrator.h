@@ -106,8 +106,10 @@ struct pk_integrator {
     pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
     pk_real *project; /* rotations and constraints: src/project.c; NULL: there are none */
     size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
-    enum pk_status trouble;   /* what the last trial step that broke down met, and when: the */
-    pk_real trouble_t;        /* cause to name if steps then shrink to nothing just before it */
+    enum pk_status trouble;   /* what the last trial step that broke down met, when, and its */
+    pk_real trouble_t;        /* where and condition: the cause to name if steps then shrink to */
+    size_t trouble_where;     /* nothing just before it */
+    pk_real trouble_condition;
     void *extra;              /* of a foreign library */
 };
 

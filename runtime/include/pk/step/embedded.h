@@ -152,8 +152,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         it->next_t = lands ? limit : it->t + sign * h;
         status = PK_STEPPER(attempt)(it, table, &w, sign * h);
         if (status < 0) {
-            it->trouble = status;
-            it->trouble_t = it->next_t;
+            pk_trouble(it, status, it->next_t);
             planned = h * PK_C(0.2);
         } else {
             const pk_real raw = PK_F(pow)(it->error, alpha) / safety;

@@ -177,10 +177,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
         if (status < 0) {
-            if (status != PK_NO_CONVERGENCE) { /* that is no cause but a step too long */
-                it->trouble = status;
-                it->trouble_t = it->next_t;
-            }
+            if (status != PK_NO_CONVERGENCE) /* that is no cause but a step too long */
+                pk_trouble(it, status, it->next_t);
             y.growth = PK_C(0.5);
         } else {
             y.growth = pk_max(PK_GAUSS_SHRINK, pk_min(PK_C(0.9), PK_GAUSS_SAFETY * y.growth));

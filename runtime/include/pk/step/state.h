@@ -67,6 +67,14 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
 /* system->lanes(), or lane by lane where the system has none. */
 unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
                                  const pk_real *v, const pk_real *u, pk_real *a);
+/* A trial step up to t broke down. */
+static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
+{
+    it->trouble = status;
+    it->trouble_t = t;
+    it->trouble_where = it->where;
+    it->trouble_condition = it->condition;
+}
 /* The status of an adaptive method whose step h became too small, with its cause if known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
 
