@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 from . import explain as explanation
@@ -16,7 +17,7 @@ from .back.kernels_canonical import CANONICAL
 from .build import driver_methods
 from .compiler import Compilation, check_model, compile_model
 from .dump import dump
-from .exits import DONE
+from .exits import DONE, UsageError
 from .explain_html import html
 from .explain_loops import explain_loops, record_loops
 from .explain_scenes import scenes_shown
@@ -107,6 +108,8 @@ def check(options: argparse.Namespace) -> int:
 
 def explain(options: argparse.Namespace) -> int:
     """Show a model's equations and structure."""
+    if find_spec("sympy") is None:
+        raise UsageError("explain shows equations by SymPy, which is not installed; C needs none")
     compilation = compile_within_limits(
         options, symmetric=True, canonical=options.canonical, use=scene_use.of_compile(options)
     )

@@ -45,11 +45,14 @@ STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
 @dataclass(frozen=True)
 class Use:
-    """What a scene makes of a model: what it fixes and holds in it, and what it needs of it."""
+    """What a scene makes of a model: what it fixes and holds in it, and what it needs of it: its
+    kernels, or where the equations are not known yet all that may come to be, and the parameters
+    that it reads besides."""
 
     model: Callable[[Model], tuple[Model, tuple[Line, ...]]]
     needs: Callable[[Model], Needs | None]  # None: everything
-    kernels: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
+    kernels: Callable[[Model, tuple | None], frozenset[str] | None] = lambda *_: None  # None: all
+    reads: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,12 @@ def stages(
     model, lines = use.model(declared) if use else (declared, ())
     yield declared, model, warnings
     needs = use.needs(model) if use else None
-    called = use.kernels(model) if use and kernels is None else kernels
+
+    def asked(*made: object) -> frozenset[str] | None:
+        """Of equations and their structure; without these all that may be asked for."""
+        return use.kernels(model, made or None) if use and kernels is None else kernels
+
+    called = asked()
     with _no_collection():
         equations = _equations(model, kernels, called, self_test or canonical, unroll, needs)
         if isinstance(equations, LoopEquations):
@@ -115,29 +123,40 @@ def stages(
     if isinstance(equations, LoopEquations):
         yield equations.facts
         check_claims(model, equations.facts.claims)
+        if needs is not None:
+            equations, gone = _of_loops(equations, needs)
+            lines = (*lines, *gone)
         yield equations, equations.facts, Report(lines)
         with _in_range(model):
-            loops = loops_lower.lower_loops(equations, libm)
+            loops = loops_lower.lower_loops(equations, libm, asked(equations, equations.facts))
         yield loops, ()
         yield loops_render.render_loops(loops)
         return
-    kernels = called  # loops have all
     structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure
     check_claims(equations.model, structure.claims)
     left = reduce.Reduced(equations, structure, Report(), ())
     if needs is not None:
         with _no_collection():
-            left = reduce.reduce(equations, structure, needs, kernels)
+            left = reduce.reduce(equations, structure, needs, called)
     report = replace(left.report, lines=(*lines, *left.report.lines))
     if canonical:
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
-    yield left.equations, left.structure, report
+    kernels = asked(left.equations, left.structure)
     of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
+    reads = use.reads(model) if use else None
     with _no_collection(), _in_range(model):
         in_c = states.as_rates(left.equations, left.structure, of_whole)
-        program = lower.lower(*in_c, of_whole, libm=libm)
-        parts = tuple(_part(part, kernels, libm) for part in left.parts)
+        of_parts = [(x, reduce.of_a_part(asked(x.equations, x.structure))) for x in left.parts]
+        kept = None
+        if reads is not None:
+            made = [(in_c[0], of_whole), *((part.equations, own) for part, own in of_parts)]
+            kept = _kept(made, reads | {*report.starts.values()})
+            report = report.unread(in_c[0].parameters, kept)
+    yield left.equations, left.structure, report
+    with _no_collection(), _in_range(model):
+        program = lower.lower(*in_c, of_whole, libm=libm, kept=kept)
+        parts = tuple(_part(part, own, libm, kept) for part, own in of_parts)
     yield program, parts
     with _no_collection():
         files = render.render(program, self_test=self_test, report=report)
@@ -146,9 +165,29 @@ def stages(
     yield files
 
 
-def _part(part: Part, kernels: frozenset[str] | None, libm: bool) -> CompiledPart:
+def _of_loops(equations: LoopEquations, needs: Needs) -> tuple[LoopEquations, tuple[Line, ...]]:
+    """Without the outputs that no column has; claims are judged, and not watched."""
+    model, lines = reduce.outputs_of_loops(equations.model, needs)
+    if not lines:
+        return equations, ()
+    return replace(loops_derive.derive_loops(model), facts=equations.facts), lines
+
+
+def _kept(
+    made: list[tuple[Equations, frozenset[str] | None]], reads: frozenset[str]
+) -> frozenset[int]:
+    """The parameters that a whole and its parts have in C, and that whoever runs them reads."""
+    slots = made[0][0].parameters
+    read = {k for k, x in enumerate(slots) if x.family in reads}
+    read |= {k for equations, kernels in made for k in lower.parameters_read(equations, kernels)}
+    return lower.with_dependents(made[0][0], frozenset(read))
+
+
+def _part(
+    part: Part, kernels: frozenset[str] | None, libm: bool, kept: frozenset[int] | None
+) -> CompiledPart:
     e = part.equations
-    program = lower.lower(e, part.structure, reduce.of_a_part(kernels), libm=libm)
+    program = lower.lower(e, part.structure, kernels, libm=libm, kept=kept)
     return CompiledPart(e.model.name, part.coordinates, e, part.structure, program)
 
 

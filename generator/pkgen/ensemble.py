@@ -102,7 +102,7 @@ def settable(compilation: Compilation) -> dict[str, Column]:
     """What may differ from member to member, by name."""
     equations = compilation.equations
     families = {
-        "param": [slot.quantity for slot in equations.parameters],
+        "param": [slot.quantity for slot in compilation.program.equations.parameters],
         "input": equations.inputs,
         "q": equations.coordinates,
         "v": (*equations.rates, *equations.states),

@@ -151,7 +151,7 @@ def _coordinates(model: Model, rates: bool) -> Named:
 def parameters(compilation: Compilation) -> Named:
     """By flat index; see position() for what the loops of C count."""
     if not compilation.looped:
-        return Named(_each(slot.quantity for slot in compilation.equations.parameters))
+        return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
     model = compilation.model
     found = families(model, model.parameters)
 
@@ -184,7 +184,9 @@ def inputs(compilation: Compilation) -> Named:
 
 def observed(compilation: Compilation) -> list[Quantity]:
     if compilation.looped:
-        return [Quantity(o.name, o.unit, o.description) for o in compilation.model.observed]
+        return [
+            Quantity(o.name, o.unit, o.description) for o in compilation.equations.model.observed
+        ]
     return list(compilation.equations.observed_names)
 
 

@@ -15,6 +15,7 @@ from .compiler import Compilation
 from .exits import UsageError
 from .front import options_text
 from .front.options_text import OptionError
+from .front.scene_values import within_bounds
 from .indices import indexed, parted
 from .scene_model import hidden
 from .simulate import Shown, columns
@@ -85,6 +86,23 @@ class Values:
             elif name not in others:
                 raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
         return tuple(found)
+
+    def read(self, sets: list[tuple[str, str]]) -> tuple[list[tuple[str, str]], list[str]]:
+        """`--set`: those of parameters that are there, and what the scene left out; these must be
+        right all the same."""
+        declared = {p.name: p for p in self.compilation.declared.parameters}
+        found, unread = [], []
+        for left, text in sets:
+            name = self.flat_name("--set", left)
+            parameter = declared.get(parted(name)[0])
+            if parameter is None or name not in self.compilation.report.unused:
+                found.append((left, text))
+                continue
+            value = self.value("--set", text, parameter.unit, name)
+            if not within_bounds(self.compilation.declared, parameter, parted(name)[1], value):
+                raise UsageError(f"--set {name}={text}: outside its bounds: {name}")
+            unread.append(name)
+        return found, unread
 
     def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
         """`--start`: those of coordinates and rates, and those that have become parameters."""

@@ -8,11 +8,9 @@ from pathlib import Path
 
 from . import diagnostics, limits, named, rows, scene, scene_model, scene_use
 from .compiler import Compilation
-from .equations import Structure
 from .exits import UsageError
 from .front.scene_values import ROUND_OFF
-from .methods import METHODS
-from .middle.loops import Facts, LoopEquations
+from .methods import METHODS, default_method
 from .middle.quantities import indexed
 from .model import Scene
 from .option_values import Values, assignment, unknown
@@ -22,9 +20,6 @@ UNTIL = 10.0
 RTOL = 1e-10
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
 THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
-# Measured over the models: above it dop853 takes less time to the same error than gauss.
-GAUSS_RTOL = 1e-5
-EXPONENTIAL_MOST = 64  # coordinates: a step of it is a product with a full matrix
 
 
 def sizes(assignments: Iterable[str]) -> dict[str, int]:
@@ -87,6 +82,7 @@ def settings(
     _once("--set", (values.flat_name("--set", name) for name, _ in sets))
     lefts = (assignment("--start", text)[0] for text in options.start)
     _once("--start", (values.flat_name("--start", left) for left in lefts))
+    sets, _ = values.read(sets)
     parameters, inputs = named.parameters(compilation), named.inputs(compilation)
     parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
     inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
@@ -128,7 +124,7 @@ def settings(
     exact = free and members is None and not options.diagnose
     exact = exact and scene_use.EXACT not in scene_use.switched_off(options.no_reduce)
     return Settings(
-        method=method or default_method(compilation, compilation.structure, rtol, exact),
+        method=method or default_method(compilation.equations, compilation.structure, rtol, exact),
         until=until,
         every=every,
         step=step,
@@ -149,10 +145,22 @@ def settings(
         parts=()
         if method
         else tuple(
-            PartSettings(default_method(compilation, part.structure, rtol, exact), step, rtol, rtol)
+            PartSettings(
+                default_method(compilation.equations, part.structure, rtol, exact), step, rtol, rtol
+            )
             for part in compilation.parts
         ),
     )
+
+
+def unread(options: argparse.Namespace, compilation: Compilation) -> str:
+    """What is said of parameters that are set and that the scene does not read."""
+    values = Values(compilation)
+    _, names = values.read([assignment("--set", text) for text in options.set])
+    if not names:
+        return ""
+    scene = options.scene
+    return f"--set {', '.join(names)}: no effect: nothing that scene '{scene}' needs reads it"
 
 
 def _author_chooses(options: argparse.Namespace) -> bool:
@@ -195,29 +203,6 @@ def _method(options: argparse.Namespace, of_scene: str) -> str:
                 shown = "--" + option.replace("_", "-")
                 raise UsageError(f"{shown} is for adaptive methods, which {name} is not")
     return name
-
-
-def default_method(
-    compilation: Compilation, structure: Structure | Facts, rtol: float, exact: bool
-) -> str:
-    """For all coordinates or those of a part. A linear system with constant coefficients has an
-    exact flow, unless it is large or events are to be found between its rows.
-
-    gauss is the fastest where the equations are smooth and the tolerance is not loose; across a
-    kink its error estimate means nothing. A long chain oscillates faster than it visibly moves, so
-    that the iteration of gauss, not its error, limits its steps, and all its stages do not fit a
-    cache; pair sums have no such neighbours and repay it."""
-    equations = compilation.equations
-    if isinstance(equations, LoopEquations):
-        return "gauss" if equations.force.pairs and _by_gauss(structure, rtol) else "dop853"
-    few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
-    if exact and structure.affine and few and not equations.events:
-        return "exponential"
-    return "gauss" if _by_gauss(structure, rtol) else "dop853"
-
-
-def _by_gauss(structure: Structure | Facts, rtol: float) -> bool:
-    return structure.smooth_in_pieces and rtol <= GAUSS_RTOL
 
 
 def threads(options: argparse.Namespace, several: bool) -> int | None:

@@ -84,9 +84,9 @@ def run(options: argparse.Namespace) -> int:
     for choice in choices:
         for line in choose.lines(choice, time, options.json):
             print(line, file=sys.stderr)
-    note = rows.note(options, settings, compilation)
-    if note:
-        print(f"pkgen: {note}", file=sys.stderr)
+    for note in (rows.note(options, settings, compilation), parsing.unread(options, compilation)):
+        if note:
+            print(f"pkgen: {note}", file=sys.stderr)
     if output is None and not options.json:
         sys.stdout.flush()
         outcome = _simulate(what, sys.stdout.fileno())

@@ -124,6 +124,18 @@ def of_swarm(scene: Scene, value: Expr) -> bool:
     return scene.swarm is not None and scene.swarm.variable in names(value)
 
 
+def reads(model: Model, scene: Scene) -> frozenset[str]:
+    """What a run of it computes its numbers from, besides what is compiled."""
+    asked = [scene.until, scene.step, scene.rtol, scene.record.every if scene.record else None]
+    asked += [item.value for item in (*scene.assignments, *scene.starts)]
+    asked += [x for item in scene.expects for x in (item.a, item.b, item.within, item.at)]
+    found = {name for expr in asked if expr is not None for name in names(expr)}
+    for item in reversed(model.definitions):
+        if item.name in found:
+            found |= names(item.value)
+    return frozenset(found)
+
+
 def columns(scene: Scene) -> list[str]:
     """The names of what it records."""
     return [item.name for item in scene.record.columns] if scene.record else []

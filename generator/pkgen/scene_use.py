@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from . import diagnostics, scene_model
 from . import scene as scenes
 from .compiler import Use
+from .equations import Equations, Structure
 from .exits import UsageError
-from .methods import called, carries_quadratures
+from .front.scene_values import Values, WrongValue
+from .methods import called, carries_quadratures, default_method, in_blocks
+from .middle.motion import LINEAR_OF_FEW
 from .middle.reduce import APART, REDUCTIONS
 from .middle.reduction import ENOUGH, Needs
 from .middle.report import Line
@@ -20,7 +24,8 @@ from .option_values import unknown
 
 FOLD = "fold"
 EXACT = "exact"  # the flow of a linear system, by its exponential
-EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT))
+UNREAD = "unread"  # parameters
+EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT, UNREAD))
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,9 @@ class Asked:
     method: str  # "" without
     apart: bool
     judged: bool = True  # what the scene expects is measured
+    rtol: float | None = None
+    steps: bool = False  # a step is given
+    several: bool = False  # members of a file
 
 
 def of_run(options: argparse.Namespace) -> Use | None:
@@ -58,8 +66,71 @@ def of_run(options: argparse.Namespace) -> Use | None:
         True,
         options.method or "",
         options.ensemble is None,
+        rtol=_number(options.rtol),
+        steps=options.step is not None,
+        several=options.ensemble is not None,
     )
-    return _use(options.scene, asked)
+    use = _use(options.scene, asked)
+
+    def kernels(used: Model, made: tuple | None) -> frozenset[str] | None:
+        """Diagnostics, and trials of methods, call others."""
+        scene = _chosen(used, options.scene, asked)
+        own = (options.method, options.step, options.rtol, options.atol)
+        if options.diagnose or (scene.accuracy is not None and not any(own)):
+            return None
+        return _of_method(used, scene, asked, made) | _of_driver(used, scene, asked, made)
+
+    return replace(use, kernels=kernels)
+
+
+def _number(text: str | None) -> float | None:
+    """Of an option that is judged elsewhere."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return None
+
+
+def _of_method(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> frozenset[str]:
+    """What the method of a run calls: the default one, as far as it is known before values are."""
+    method, rtol = asked.method or scene.method, asked.rtol
+    if rtol is None and scene.rtol is not None:
+        with suppress(WrongValue):  # of a parameter: what is chosen is right, if not the fewest
+            rtol = Values(model, {}).number("rtol", scene.rtol)
+    steps = asked.steps or scene.step is not None
+    at = asked.event or (scene.record.at if scene.record else "")
+    several = asked.several or scene.swarm is not None
+    found = called(method) if method else frozenset()
+    if not method and made is None:
+        found = called("gauss") | {"mass", LINEAR_OF_FEW}
+    elif not method:
+        exact = rtol is None and not steps and not at and not several and EXACT not in asked.off
+        found = called(default_method(*made, rtol or 0.0, exact))
+    watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
+    if several and not watched and (made is None or _side_by_side(*made, method, steps)):
+        found |= {"members"}
+    return found
+
+
+def _of_driver(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> frozenset[str]:
+    """What a run calls besides: the drift of what is constant, and where M is singular."""
+    found = {"canonical", "conserve"}
+    columns = asked.columns or scene_model.columns(scene)
+    whole = asked.columns is None and scene.record is None
+    structure = made[1] if made else None
+    if whole or "energy" in {*columns, *scene_model.needed(scene)}:
+        found |= {"energy"}
+    if structure is None or structure.conservative:
+        found |= {"energy"}
+    if structure is None or not getattr(structure, "definite", True):
+        found |= {"mass"}
+    return frozenset(found)
+
+
+def _side_by_side(equations: Equations, structure: Structure, method: str, steps: bool) -> bool:
+    """Whether members go in blocks, as in runtime/src/ensemble.c."""
+    alone = equations.quadratures or equations.constraints or equations.switches
+    return in_blocks(method, steps) and not alone
 
 
 def whole(options: argparse.Namespace) -> Use | None:
@@ -73,7 +144,7 @@ def whole(options: argparse.Namespace) -> Use | None:
 def as_written(name: str) -> Use:
     """For what is to be known of a scene without options; no C is made of it."""
     use = _use(name, Asked(None, None, frozenset(), frozenset(), True, "", True))
-    return Use(use.model, use.needs, lambda _: ENOUGH)
+    return Use(use.model, use.needs, lambda *_: ENOUGH)
 
 
 def of_compile(options: argparse.Namespace) -> Use | None:
@@ -98,11 +169,11 @@ def of_scene(
         model, lines = use.model(declared)
         return replace(model, name=f"{model.name}_{name}"), lines
 
-    def kernels(used: Model) -> frozenset[str]:
+    def kernels(used: Model, made: tuple | None) -> frozenset[str]:
         scene = _chosen(used, name, asked)
-        return called(scene.method) | shown(used, scene) | more
+        return _of_method(used, scene, asked, made) | shown(used, scene) | more
 
-    return Use(named, use.needs, kernels)
+    return Use(named, use.needs, kernels, use.reads)
 
 
 def shown(model: Model, scene: Scene) -> frozenset[str]:
@@ -168,4 +239,9 @@ def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
             asked.off,
         )
 
-    return Use(model, needs)
+    def reads(used: Model) -> frozenset[str] | None:
+        if UNREAD in asked.off or asked.several:
+            return None
+        return scene_model.reads(used, scenes.chosen(used, name))
+
+    return Use(model, needs, reads=reads)

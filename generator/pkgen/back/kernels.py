@@ -11,7 +11,7 @@ from ..equations import Equations, Particles, Row
 from ..middle.graph import ZERO, Node
 from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import KernelSpec, matrix_stores, pivot_checks, row_checks, square, stores, vector
-from .kernels_bound import BOUND, bound_specs
+from .kernels_bound import ALWAYS, bound_specs
 from .kernels_canonical import CANONICAL, canonical_specs
 from .program import FILL, RETURN, STORE, Output
 from .schedule import Target
@@ -23,7 +23,12 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     """Those of `wanted` that the model has, and those that these call."""
     names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
     if wanted is not None:
-        names &= wanted | CANONICAL | BOUND | ({"linear"} if LINEAR_OF_FEW in wanted else set())
+        names &= (
+            wanted
+            | CANONICAL
+            | (ALWAYS if equations.constraints else frozenset())
+            | ({"linear"} if LINEAR_OF_FEW in wanted else set())
+        )
     if equations.quadratures:
         names |= {"quadrature"}
     if equations.switches:

@@ -9,8 +9,8 @@ from .kernel_spec import KernelSpec, matrix_stores, square, stores, vector
 from .program import Output
 from .schedule import Target
 
-# Called wherever there are any: no scene goes without them.
 BOUND = frozenset({"constraint", "rows", "terms", "multipliers", "unbound", "inertia"})
+ALWAYS = BOUND - {"multipliers", "unbound"}  # wherever there are constraints
 
 
 def _rows(e: Equations) -> list[Target]:

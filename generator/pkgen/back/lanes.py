@@ -56,6 +56,7 @@ def context(program: Program) -> dict[str, Any]:
         "pairs": list(pairs),
         "uniform": [s.text for s in algebra.statements if is_uniform(s)],
         "places": _places,
+        "forms": list(program.lanes),
     }
 
 

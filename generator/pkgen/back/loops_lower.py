@@ -13,7 +13,7 @@ from ..middle.quantities import input_quantities
 from .describe import labelled
 from .facts import loop_facts, loop_invariants
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
-from .loops_plan import TOTALS, VECTORS, entries, planned
+from .loops_plan import TOTALS, VECTORS, emitted, entries, planned
 from .loops_sets import Builder
 from .loops_tables import named, quantity, row, system_kernels
 from .loops_text import Text
@@ -24,6 +24,7 @@ from .schedule import Target
 M = variable(ROW)
 BLOCK = 16  # chunks of one stage before the next follows
 LEAD = 2  # chunks that have drifted before one is kicked
+_PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}
 SAYS = {
     "force": "f = pdot - (dp/dq) v - dp/dt",
     "canonical": "p = dL/dv and pdot = dL/dq + Q - dD/dv",
@@ -44,19 +45,23 @@ class LoopProgram:
     context: dict[str, Any]
 
 
-def lower_loops(e: LoopEquations, libm: bool = False) -> LoopProgram:
-    """Blocks of C for a model's loops; raises Unrolled where a row cannot be one."""
-    return LoopProgram(e.model.name, _Context(e).build(libm))
+def lower_loops(
+    e: LoopEquations, libm: bool = False, wanted: frozenset[str] | None = None
+) -> LoopProgram:
+    """Blocks of C for a model's loops, with the kernels wanted (None: all); raises Unrolled where a
+    row cannot be one."""
+    return LoopProgram(e.model.name, _Context(e, emitted(e, wanted)).build(libm))
 
 
 class _Context:
-    def __init__(self, e: LoopEquations):
+    def __init__(self, e: LoopEquations, kernels: frozenset[str]):
         self.e = e
+        self.kernels = kernels
         self.builder = Builder(e)
         self.diagonal = e.mass.is_diagonal
 
     def build(self, libm: bool) -> dict[str, Any]:
-        plans = planned(self.e, self.builder)
+        plans = planned(self.e, self.builder, self.kernels)
         self.builder.begin(libm)
         lowering = self.lowering = self.builder.lowering
         assert lowering is not None
@@ -65,7 +70,8 @@ class _Context:
         totals = {key: self.builder.total(p) for key, p in plans["totals"].items()}
         pairs = {
             what: [self.builder.pair(pair) for pair in getattr(self.e, what).pairs]
-            for what in ("gradient", "pdot", "force")
+            for kernel, what in _PAIRED.items()
+            if kernel in self.kernels
         }
         pieces = self._pieces(lowering)
         pieces["guards"] = [self.builder.total(p) for p in plans["guards"]]
@@ -186,11 +192,13 @@ class _Context:
                     "says": SAYS[kernel],
                     "outputs": [o for o, _ in outputs],
                     "whats": [what for _, what in outputs],
-                    "pairs": "pdot" if kernel == "canonical" else kernel,
+                    "pairs": _PAIRED.get(kernel),
                     "paired": {"force": "f", "gradient": "dLdq", "canonical": "pdot"}.get(kernel),
                 }
                 for kernel, outputs in VECTORS.items()
+                if kernel in self.kernels
             ],
+            "with_mass": "mass" in self.kernels,
             "scalar_kernels": [k for k in TOTALS if k in totals],
             "says": SAYS,
             "starts": [self.text.lines(s) for s in pieces["starts"]],
@@ -215,10 +223,10 @@ class _Context:
             "homes": [
                 self.text.group(s.group)
                 | {"periodic": s.group.periodic, "ends": self.text.homes(s.group)}
-                for s in (band or sets["force"])
+                for s in (band or sets["force" if "force" in sets else "acceleration"])
                 if band or s.ghosts or s.group.periodic
             ],
-            "system_kernels": system_kernels(e, totals),
+            "system_kernels": system_kernels(e, self.kernels),
         }
 
     def _operations(self, sets, totals) -> list[str]:
@@ -235,7 +243,13 @@ class _Context:
     def _stepper(self, sets, acceleration: str) -> dict[str, Any] | None:
         """Fused steps exist where the acceleration of a row needs q of cells near it and t."""
         e = self.e
-        if acceleration != "direct" or not e.facts.separable or e.scalars or e.model.inputs:
+        if (
+            "advance" not in self.kernels
+            or acceleration != "direct"
+            or not e.facts.separable
+            or e.scalars
+            or e.model.inputs
+        ):
             return None
         reach = 0
         for s in sets["acceleration"]:

@@ -17,18 +17,31 @@ VECTORS = {
 }
 
 
-def planned(e: LoopEquations, plan: Builder) -> dict[str, Any]:
+def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
+    """The kernels that there are of those wanted (None: all), with those that these call."""
+    named = {*VECTORS, "mass", "advance", *(k for k in TOTALS if getattr(e, k) is not None)}
+    if wanted is None:
+        return frozenset(named)
+    alone = e.mass.is_diagonal and not e.force.pairs  # a row of the acceleration is made by itself
+    solved = set() if alone else {"force"} if e.mass.is_diagonal else {"force", "mass"}
+    return frozenset(named & wanted | solved)
+
+
+def planned(e: LoopEquations, plan: Builder, kernels: frozenset[str]) -> dict[str, Any]:
     """By kind (rows, totals, band) and kernel; the graph may still grow."""
     rows: dict[str, list[dict]] = {}
     totals: dict[str, dict] = {}
-    for kernel, outputs in VECTORS.items():
+    vectors = {kernel: outputs for kernel, outputs in VECTORS.items() if kernel in kernels}
+    for kernel, outputs in vectors.items():
         rows[kernel] = [
             plan.plan_rows(
                 f"{kernel}_{g.name}", g, [getattr(e, what).rows[g.name] for _, what in outputs]
             )
             for g in e.families
         ]
-    for what in ("force", "momenta", "pdot", "gradient"):
+    # The acceleration of a coordinate that is no member takes its force by itself.
+    whats = {"force", *(what for outputs in vectors.values() for _, what in outputs)}
+    for what in sorted(whats):
         for g in e.scalars:
             key = f"{what}_{g.name}"
             totals[key] = plan.plan_total(key, getattr(e, what).totals[g.name])
@@ -52,7 +65,7 @@ def planned(e: LoopEquations, plan: Builder) -> dict[str, Any]:
         totals[f"mass_{a}_{b}"] = plan.plan_total(f"mass_{a}_{b}", total)
     for what in TOTALS:
         total = getattr(e, what)
-        if total is not None:
+        if what in kernels:
             totals[what] = plan.plan_total(what, total)
     for k, total in enumerate(e.sums):
         totals[f"sum_{k}"] = plan.plan_total(f"sum_{k}", total)

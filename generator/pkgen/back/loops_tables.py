@@ -9,11 +9,12 @@ from ..middle.loops import Group, LoopEquations
 from ..model import Definition
 
 
-def system_kernels(e: LoopEquations, totals: dict) -> list[tuple[str, str, list[str]]]:
+def system_kernels(e: LoopEquations, kernels: frozenset[str]) -> list[tuple[str, str, list[str]]]:
     """Of struct pk_system; M and the Jacobians, which it wants whole, are not among them."""
-    found = [("acceleration", "int", ["a"]), ("force", "void", ["f"])]
-    found += [("canonical", "void", ["momenta", "pdot"]), ("gradient", "void", ["dLdq"])]
-    found += [(k, "pk_real", []) for k in ("energy", "kinetic", "potential") if k in totals]
+    found = [("acceleration", "int", ["a"])]
+    vectors = {"force": ["f"], "canonical": ["momenta", "pdot"], "gradient": ["dLdq"]}
+    found += [(k, "void", outputs) for k, outputs in vectors.items() if k in kernels]
+    found += [(k, "pk_real", []) for k in ("energy", "kinetic", "potential") if k in kernels]
     found += [("guard", "void", ["out"])] if e.guards or e.pivots else []
     found += [("observe", "void", ["out"])] if e.observed else []
     found += [("conserve", "void", ["out"])] if e.conserved else []

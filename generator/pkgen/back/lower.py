@@ -11,13 +11,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from ..equations import Equations, Structure
-from ..middle.graph import Kind, Node, Op, Symbol
+from ..middle.differentiate import reachable
+from ..middle.graph import BIT, Graph, Kind, Node, Op, Symbol
 from ..middle.switches import sides
 from .chunk import blocks
-from .kernels import KERNELS, KernelSpec, needed_kernels
+from .kernels import KERNELS, STARTS, KernelSpec, needed_kernels
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import (
+    LANES,
     LOAD,
     STORE,
     Assignment,
@@ -49,10 +51,37 @@ def lower(
     kernels: frozenset[str] | None = None,
     *,
     libm: bool = False,
+    kept: frozenset[int] | None = None,
 ) -> Program:
     """Straight-line code for the kernels named (None: all that the model has); with `libm` sine
-    and cosine are the library's."""
-    return _Lowering(equations, structure, libm).program(kernels)
+    and cosine are the library's. Of the parameters are there those `kept` (None: all)."""
+    return _Lowering(equations, structure, libm, kept).program(kernels)
+
+
+def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
+    """The parameters that these kernels read, and the starts."""
+    specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), *STARTS))
+    nodes = [x for spec in specs for t in spec.targets(equations) for x in t.nodes]
+    return _parameters_in(equations.graph, nodes)
+
+
+def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int]:
+    """Those too by which defaults of these are computed, and the rest of families."""
+    slots, kept = equations.parameters, set(read)
+    families = {slots[k].family for k in kept}
+    for k in reversed(range(len(slots))):  # each is computed from earlier ones
+        if k in kept or slots[k].family in families:
+            kept.add(k)
+            more = _parameters_in(equations.graph, [slots[k].default])
+            kept |= more
+            families |= {slots[i].family for i in more}
+    return frozenset(kept)
+
+
+def _parameters_in(g: Graph, nodes: Iterable[Node]) -> frozenset[int]:
+    mask = BIT[Kind.PARAMETER]
+    below = (g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
+    return frozenset(s.index for s in below if s.kind is Kind.PARAMETER)
 
 
 @dataclass(frozen=True)
@@ -66,8 +95,16 @@ class _Draft:
 
 
 class _Lowering:
-    def __init__(self, equations: Equations, structure: Structure, libm: bool) -> None:
-        self.equations = equations
+    def __init__(
+        self,
+        equations: Equations,
+        structure: Structure,
+        libm: bool,
+        kept: frozenset[int] | None,
+    ) -> None:
+        slots = equations.parameters
+        numbers = range(len(slots)) if kept is None else sorted(kept)
+        self.equations = equations = replace(equations, parameters=tuple(slots[k] for k in numbers))
         self.libm = libm
         self.structure = structure
         self.prefix = equations.model.name + "_"
@@ -76,6 +113,7 @@ class _Lowering:
         for call, (switch, sign) in decided.items():
             self.work.side(call, switch, sign)
         self.fields, self.parameter_names = _fields(equations)
+        self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
         self.symbols = _local_names(equations)
         self.leaves: dict[Node, str] = {}
         self.hoisted: dict[Node, int] = {}
@@ -101,6 +139,7 @@ class _Lowering:
             kernels=tuple(self._kernel(draft) for draft in drafts),
             float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
+            lanes=tuple(form for form in LANES if wanted is None or form in wanted),
         )
 
     def _names(self, taken: Iterable[str] = ()) -> Names:
@@ -180,7 +219,7 @@ class _Lowering:
         symbol = self.work.data[node]
         assert isinstance(symbol, Symbol)
         if symbol.kind is Kind.PARAMETER:
-            return "p->" + self.parameter_names[symbol.index]
+            return "p->" + self.parameters[symbol.index]
         if symbol.kind is SIDE:
             return f"p->side_[{symbol.index}]"
         if symbol.kind in _ARGUMENT:

@@ -14,6 +14,8 @@ from typing import NamedTuple
 from ..equations import Equations, Structure
 from .expressions import count_operations
 
+LANES = ("lanes", "members")  # many states side by side, with one set of parameters or many
+
 # The kinds of a statement, and how each is shown in a dump.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
 TRIG = "trig"  # sine and cosine into the names in TARGET; NULL: not needed. TEXT: one angle, or
@@ -148,6 +150,7 @@ class Program:
     kernels: tuple[Kernel, ...]
     float_too: bool  # whether float can hold its constants
     helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
+    lanes: tuple[str, ...] = ()  # forms of the acceleration of many states: of LANES
 
     def kernel(self, name: str) -> Kernel | None:
         return next((k for k in self.kernels if k.name == name), None)

@@ -58,6 +58,7 @@ class Facts:
     state_rates: frozenset[str] = NOTHING
     rough: str = ""  # the first function of the motion that is not smooth
     turns: Turns = ()  # of a rotation
+    accelerations: bool = False  # or rates of the rates of states: of what is solved for
 
     @property
     def moves(self) -> bool:
@@ -71,13 +72,14 @@ def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts])
     """The facts of an expression made of `parts`, its value not yet known."""
     coordinates, rates, inputs = NOTHING, NOTHING, NO_INPUTS
     states, state_rates = NOTHING, NOTHING
-    bare, united, known, time, rough = True, False, True, False, ""
+    bare, united, known, time, rough, accelerations = True, False, True, False, "", False
     for part in parts:
         bare &= part.bare
         united |= part.united
         known &= part.known
         time |= part.time
         rough = rough or part.rough
+        accelerations |= part.accelerations
         if part.coordinates:
             coordinates = coordinates | part.coordinates if coordinates else part.coordinates
         if part.rates:
@@ -103,6 +105,7 @@ def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts])
         states,
         state_rates,
         rough,
+        accelerations=accelerations,
     )
 
 

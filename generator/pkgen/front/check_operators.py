@@ -43,20 +43,24 @@ class Operators:
                 f"{text}: {self.mismatch.text(expr.of)} is a number and has no rate", expr.span
             )
             return expr, UNKNOWN
-        if facts.state_rates and not facts.rates:
+        solved = scope.place.accelerations and not facts.accelerations
+        if facts.state_rates and not facts.rates and not solved:
             self.report.error(
                 f"{text}: the rate of '{min(facts.state_rates)}' has no symbol for its own rate",
                 expr.span,
                 "give what stands after 'rate' a name by 'let', and take that one's rate",
             )
             return expr, UNKNOWN
-        if facts.rates:
+        if facts.rates and not solved:
             what = "an acceleration" if isinstance(expr.of, Prime) else "the rate of a rate"
-            self.report.error(
-                f"{text} is {what}: expressions use coordinates and their rates",
-                expr.span,
-                "pkgen derives the accelerations itself; write the energies in q and q'",
+            may = "expressions use coordinates and their rates"
+            help = (
+                "pkgen derives the accelerations itself; write the energies in q and q', and "
+                "accelerations in outputs: observe, conserve, event, record, expect"
             )
+            if facts.accelerations:
+                what, may, help = "the rate of an acceleration", "outputs use accelerations", ""
+            self.report.error(f"{text} is {what}: {may}", expr.span, help)
             return expr, UNKNOWN
         inputs = {name: order + 1 for name, order in facts.inputs.items()}
         if any(order > 2 for order in inputs.values()):
@@ -70,6 +74,7 @@ class Operators:
             rates=facts.coordinates,
             state_rates=facts.states,
             inputs=inputs or NO_INPUTS,
+            accelerations=bool(facts.rates or facts.state_rates),
         )
         return Prime(of, expr.span), derived
 

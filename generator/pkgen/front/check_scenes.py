@@ -141,7 +141,7 @@ class _Scene:
             inner, order = inner.of, order + 1
         if isinstance(inner, Component):
             inner, axis = inner.of, inner.axis
-        if isinstance(inner, Call) and inner.function == "omega" and facts.known and not order:
+        if isinstance(inner, Call) and inner.function == "omega" and facts.known:
             inner = Name(f"omega({min(facts.coordinates)})", None, inner.span)
         if not isinstance(inner, Name):
             self.report.error(

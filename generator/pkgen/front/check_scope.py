@@ -17,6 +17,7 @@ class Place:
     may_use: str
     derivatives: bool = False
     missing: str = ""  # what to do where a name is not there; "": what helps anywhere
+    accelerations: bool = False  # where the equations of motion are solved
 
 
 DECLARED = "declare it: param {name} = 1"
@@ -44,8 +45,10 @@ PLACES: dict[str, Place] = {
     "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
     "constraint": Place("a constraint", _MOTION, "all but outputs", derivatives=True),
     "rate": Place("a rate", _MOTION | {"built-in"}, "all but outputs", derivatives=True),
-    "output": Place("an output", _FOUND, "all but other outputs", derivatives=True),
-    "event": Place("an event", _FOUND | {"output"}, "names of the motion", derivatives=True),
+    "output": Place("an output", _FOUND, "all but other outputs", True, accelerations=True),
+    "event": Place(
+        "an event", _FOUND | {"output"}, "names of the motion", True, accelerations=True
+    ),
     "setting": Place(
         "a scene", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
     ),
@@ -67,8 +70,9 @@ PLACES: dict[str, Place] = {
         _FOUND | {"output"},
         "names of the motion",
         derivatives=True,
+        accelerations=True,
     ),
-    "record": Place("a record", _FOUND | {"output"}, "names of the motion", True, _RECORDED),
+    "record": Place("a record", _FOUND | {"output"}, "names of the motion", True, _RECORDED, True),
 }
 
 

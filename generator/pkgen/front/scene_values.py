@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping
 from fractions import Fraction
@@ -37,6 +38,18 @@ def too_much(rows: float, numbers: int, members: int | None) -> str:
     each = f"{members:,} members of " if members is not None else ""
     gigabytes = total * BYTES * 1e-9
     return f"{each}{rows:,.0f} rows of {numbers:,} numbers are some {gigabytes:,.0f} GB"
+
+
+def within_bounds(model: Model, item: Parameter, index: int | None, value: float) -> bool:
+    """Whether a parameter may have the value, the others having their defaults."""
+    values, bounds = Values(model, {(item.name, index): value}), item.bounds
+    loop = {**values.sizes, **({} if index is None else {item.range.variable: index})}
+    lo, hi = (
+        end if expr is None else values.number(item.name, expr, loop)
+        for end, expr in ((-math.inf, bounds.lo), (math.inf, bounds.hi))
+    )
+    above = value > lo if bounds.lo_open else value >= lo
+    return above and (value < hi if bounds.hi_open else value <= hi)
 
 
 class WrongValue(Exception):

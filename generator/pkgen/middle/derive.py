@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 from .. import limits
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
 from ..model import Model, Parameter
-from ..source import Diagnostic, ModelError
+from ..source import Diagnostic, ModelError, Span
 from .constrain import CannotConstrain
 from .constraint_start import wrong_starts
 from .derive_constraints import cannot_constrain, define_multipliers, rows_of
 from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
-from .graph import VARIABLE, ZERO, Node
+from .graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
 from .impulses import check_rates
 from .lagrange import Derived, derived, guards, naming, switches
 from .masses import Given
@@ -31,7 +31,7 @@ from .quantities import (
     input_quantities,
     quantities,
 )
-from .solve import SingularMass
+from .solve import SingularMass, solve
 from .substitute import substituted
 
 
@@ -118,7 +118,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         guards=ends,
         observed=outputs.observed,
         conserved=outputs.conserved,
-        events=tuple(substituted(x.graph, _events(x), rates)),
+        events=_events(x, found, rates),
         start_q=start_q,
         start_v=start_v,
         states=states,
@@ -251,12 +251,12 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
     raise AssertionError(coordinate)
 
 
-def _events(x: Expander) -> Row:
+def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:
     """May use what outputs may, and so come after them."""
     nodes = []
     for item in x.model.events:
         with x.statement(item.span):
-            node = x.scalar(item.value)
+            node = _solved(x, x.scalar(item.value), found, rates, item.span)
             if not x.graph.depends[node] & VARIABLE:
                 message = f"the event '{item.name}' never happens: its expression is constant"
                 raise error(x.model, message, item.value.span)
@@ -291,19 +291,38 @@ class _Outputs:
 def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> _Outputs:
     define_built_in(x, derived.energies, derived.energy, derived.motion.momenta)
     define_multipliers(x, derived.constraints)
+    x.solved = rates
     found: dict[str, tuple[list[Quantity], list[Node]]] = {}
     for kind in ("observed", "conserved"):
         names, nodes = found[kind] = [], []
         for item in getattr(x.model, kind):
             with x.statement(item.span):
                 for index, loop in x.unrolled(item.index, item.range):
-                    node = x.scalar(item.value, loop)
+                    node = _solved(x, x.scalar(item.value, loop), derived, rates, item.span)
                     x.define(item.name, index, node)
                     names.append(Quantity(indexed(item.name, index), item.unit, item.description))
                     nodes.append(node)
     return _Outputs(
         observed_names=tuple(found["observed"][0]),
         conserved_names=tuple(found["conserved"][0]),
-        observed=tuple(substituted(x.graph, found["observed"][1], rates)),
-        conserved=tuple(substituted(x.graph, found["conserved"][1], rates)),
+        observed=tuple(found["observed"][1]),
+        conserved=tuple(found["conserved"][1]),
     )
+
+
+def _solved(
+    x: Expander, node: Node, found: Derived, rates: Mapping[Node, Node], span: Span
+) -> Node:
+    """An output as a function of t, q and v: with what rates of states and accelerations are."""
+    g, swap = x.graph, rates
+    if not g.depends[node] & (BIT[Kind.ACCELERATION] | BIT[Kind.STATE]):
+        return node
+    if g.depends[node] & BIT[Kind.ACCELERATION]:
+        motion = found.motion
+        known = found.solution or solve(g, motion.mass, motion.force)
+        if known is None:
+            message = "the accelerations of so many coupled coordinates are no outputs"
+            raise error(x.model, message, span, "they are solved for by a loop; see docs/limits.md")
+        swap = {g.symbol(Symbol(Kind.ACCELERATION, i)): a for i, a in enumerate(known[0])}
+        swap |= rates
+    return substituted(g, [node], swap)[0]

@@ -6,7 +6,7 @@ coordinates go over to rates, t to 1, an input to its derivative, a state to its
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from .. import limits
@@ -60,6 +60,7 @@ class Expander:
         }
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
+        self.solved: Mapping[Node, Node] | None = None  # where accelerations may stand: the rates
         self._ends = _ends(model, self.coordinates | self.states)
         self.primes: list[tuple[Node, Span]] = []  # what the rate was taken of, and where
         self._visits = 0
@@ -95,7 +96,7 @@ class Expander:
                 self.model,
                 "an acceleration cannot be used here",
                 span,
-                "only first derivatives of coordinates may occur",
+                "outputs may use accelerations, all else the first derivatives of coordinates",
             ) from None
 
     def unrolled(
@@ -198,6 +199,10 @@ class Expander:
             return rate_of_quaternion(self.graph, attitude, symbol.index)
         if symbol.kind is Kind.STATE and symbol.index < self.state_count:
             return rate_of_state(self.graph, symbol.index, self.state_count)
+        if self.solved is not None and symbol.kind is Kind.RATE:
+            return self.graph.symbol(Symbol(Kind.ACCELERATION, symbol.index))
+        if self.solved is not None and symbol.kind is Kind.STATE:
+            return self.derivative(self.solved[node])
         raise Acceleration
 
     def next_input(self, symbol: Symbol) -> Node:

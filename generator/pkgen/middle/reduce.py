@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from ..equations import Equations, Structure
+from ..indices import parted
+from ..model import Model
 from .analyze import analyze
 from .apart import Part, parts_of
 from .cyclic import cyclic
@@ -137,6 +139,25 @@ def outputs(state: State, needs: Needs) -> State:
         ),
         *lines,
     )
+
+
+def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[Line, ...]]:
+    """The same of a model whose families are loops."""
+    if "outputs" in needs.off:
+        return model, ()
+    columns = {parted(name)[0] for name in needs.columns}
+    kinds = (
+        ("observed", "observed", "not recorded, so not computed"),
+        ("conserved", "conserved", "proved, so not watched"),
+    )
+    lines = []
+    for field, what, why in kinds:
+        items = getattr(model, field)
+        gone = [item.name for item in items if item.name not in columns]
+        if gone:
+            lines.append(Line("outputs", f"{what} {', '.join(gone)}", why))
+            model = replace(model, **{field: tuple(x for x in items if x.name in columns)})
+    return model, tuple(lines)
 
 
 # -- coordinates without influence ---------------------------------------------------------------

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 
+from ..equations import ParameterSlot
 from .smaller import Start
 
 
@@ -22,10 +24,21 @@ class Line:
 @dataclass(frozen=True)
 class Report:
     """`starts` are parameters that starts have become, `unused` coordinates whose starts have no
-    effect; of `operations` and `coordinates` the number before and after."""
+    effect, and parameters that nothing reads; of `operations` and `coordinates` the number before
+    and after."""
 
     lines: tuple[Line, ...] = ()
     starts: dict[Start, str] = field(default_factory=dict)
     unused: frozenset[str] = frozenset()
     operations: tuple[int, int] = (0, 0)  # of the accelerations and the quadratures
     coordinates: tuple[int, int] = (0, 0)
+
+    def unread(self, slots: tuple[ParameterSlot, ...], kept: Collection[int]) -> Report:
+        """With the parameters that are not kept."""
+        gone = [slot for k, slot in enumerate(slots) if k not in kept]
+        if not gone:
+            return self
+        families = ", ".join(dict.fromkeys(slot.family for slot in gone))
+        line = Line("unread", families, "nothing that is left reads it")
+        unused = self.unused | {slot.quantity.name for slot in gone}
+        return replace(self, lines=(*self.lines, line), unused=unused)

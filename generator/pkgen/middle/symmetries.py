@@ -46,11 +46,15 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
     others = [k for k, column in enumerate(columns) if column]
     found: list[Vector] = [{k: {(): 1}} for k in alone]
     rows = _rows(g, [columns[k] for k in others])
-    if sum(map(len, rows)) <= ENTRIES:
-        for vector in null_space(rows, len(others)):
-            found.append({others[k]: entry for k, entry in vector.items()})
-    else:
-        searched = "shifts of time and of single coordinates only: the model is large"
+    why = "the model is large"
+    try:
+        solved = null_space(rows, len(others)) if sum(map(len, rows)) <= ENTRIES else None
+    except ModuleNotFoundError:  # what is found stands in comments: C must not need SymPy
+        solved, why = None, "SymPy, which solves for the others, is not installed"
+    if solved is None:
+        searched = f"shifts of time and of single coordinates only: {why}"
+    for vector in solved or ():
+        found.append({others[k]: entry for k, entry in vector.items()})
     said = _Said(equations, g, unknowns)
     invariants = [said.invariant(vector) for vector in found]
     known = {x.name for x in invariants}

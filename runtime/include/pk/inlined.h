@@ -7,7 +7,8 @@
  * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and so for _ERK_ and _EMBEDDED_, compiles fewer of a family.
  *
  * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
- * number of coordinates is not the constant PK_MODEL(N); and PK_MODEL_STATES if it has states. Steps
+ * number of coordinates is not the constant PK_MODEL(N); PK_MODEL_STATES if it has states; and
+ * PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's steps are used. Steps
  * are written over
  *
  *     PK_STEPPER(x)                   x with a name of its own in this file
@@ -89,7 +90,7 @@ PK_EMBEDDED_METHODS(PK_INLINED_EMBEDDED)
 #include <pk/step/splitting.h>
 PK_SPLITTING_METHODS(PK_INLINED_SPLITTING)
 #endif
-#ifdef PK_INLINE_GAUSS
+#if defined PK_INLINE_GAUSS && !defined PK_MODEL_WITHOUT_LANES
 #include <pk/step/gauss.h>
 PK_GAUSS_METHODS(PK_INLINED_GAUSS)
 #endif
@@ -104,7 +105,7 @@ static const struct pk_stepper PK_STEPPER(steppers)[] = {
 #ifdef PK_INLINE_SPLITTING
     PK_SPLITTING_METHODS(PK_INLINED_ENTRY)
 #endif
-#ifdef PK_INLINE_GAUSS
+#if defined PK_INLINE_GAUSS && !defined PK_MODEL_WITHOUT_LANES
     PK_GAUSS_METHODS(PK_INLINED_GAUSS_ENTRY)
 #endif
     {NULL, NULL}};
@@ -112,7 +113,7 @@ static const struct pk_stepper PK_STEPPER(steppers)[] = {
 #define PK_INLINE_STEPPERS NULL
 #endif
 
-#if defined PK_INLINE_ENSEMBLE
+#if defined PK_INLINE_ENSEMBLE && !defined PK_MODEL_WITHOUT_MEMBERS
 #define PK_INLINE_BLOCK_STEPPERS PK_STEPPER(block_steppers)
 static unsigned long long PK_STEPPER(members)(const pk_real *P, const pk_real *t, const pk_real *q,
                                               const pk_real *v, const pk_real *u, pk_real *a)

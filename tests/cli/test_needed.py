@@ -1,0 +1,211 @@
+"""What is emitted for a scene is what its run calls, and its parameters are what it reads.
+
+The oracle is gcov: of the C of a scene, linked with the driver and run, the functions that were
+executed. Where M is definite nothing may be there that was not; else the mass matrix, which says
+where it is singular when a run ends there.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+import shlex
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, long_but, written
+from pkgen import __main__ as command
+from pkgen import options as parsing
+from pkgen import scene, scene_run, scene_use
+from pkgen.back.kernels import KERNELS
+from pkgen.build import _choice, runtime_library
+from pkgen.compiler import compile_model
+from pkgen.front.read import read
+from pkgen.toolchain import RUNTIME, find_toolchain
+
+MODELS = sorted((ROOT / "models").rglob("*.lag"))
+SCENES = [
+    (path.relative_to(ROOT).as_posix(), name)
+    for path in MODELS
+    for name in re.findall(r"^scene (\w+)", path.read_text(), re.M)
+]
+QUICK = {
+    ("models/chains/fput.lag", "harmonic"),
+    ("models/constrained/pendulum_rod.lag", "right_angle"),
+    ("models/bead_on_hoop.lag", "pendulums"),
+    ("models/coupled_oscillators.lag", "reference"),
+    ("models/heavy_top.lag", "nutation"),
+    ("models/two_pendulums.lag", "both"),
+}
+LANES = {"lanes", "members", "advance"}
+
+
+def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], bool]:
+    """The kernels that there are in C, those that were executed, and whether M is definite."""
+    options = command.parser_of("run").parse_args([str(path), "--scene", name])
+    swarm = scene_run.is_swarm(options)
+    unroll, use = None if swarm else parsing.UNROLL, scene_use.of_run(options)
+    made = compile_model(read(str(path)), unroll=unroll, use=use)
+    chosen = scene.chosen(made.declared, name)
+    count = scene_run.count(made.declared, chosen) if swarm else None
+    settings = parsing.settings(options, made, count, chosen)
+    settings = replace(settings, watched=scene_run.watched(made, chosen, settings, swarm))
+    if settings.accuracy is not None:
+        settings = replace(settings, method="gauss")
+    lines = [f"report {folder}/report.json", "progress 0", ""]
+    if swarm:
+        settings = replace(settings, watch=scene_run.watch(made, chosen, settings))
+        members = scene_run.members(options, made, chosen, settings)
+        lines = [*members.settings(folder / "members", 1), *lines]
+    tools = find_toolchain()
+    library = runtime_library(tools)
+    for file, text in made.files.items():
+        (folder / file).write_text(text)
+    parts = [(part.name, part.coordinates) for part in made.parts]
+    (folder / "choice.c").write_text(_choice(made.model.name, parts))
+    sources = [file for file in made.files if file.endswith(".c")]
+    linked = [str(library / a) for a in ("librun.a", "libpk.a")]
+    linked += [*tools.gsl_libs, "-lm", *shlex.split((library / "link").read_text())]
+    flags = ["-std=c11", "-O0", "--coverage", "-DPK_RUNTIME", f"-I{RUNTIME}/include", "-I."]
+    build = ["gcc", *flags, *sources, "choice.c", "-o", "p", *linked]
+    subprocess.run(build, cwd=folder, check=True)
+    text = "\n".join([*settings.lines(), *lines])
+    subprocess.run(["./p"], input=text, text=True, cwd=folder, check=True, capture_output=True)
+    there: set[str] = set()
+    called: set[str] = set()
+    for file in sources:
+        stem = file.removesuffix(".c")
+        subprocess.run(
+            ["gcov", "-j", f"p-{stem}.gcda"], cwd=folder, check=True, capture_output=True
+        )
+        (report,) = folder.glob("*.gcov.json.gz")
+        for found in json.loads(gzip.decompress(report.read_bytes()))["files"]:
+            for function in found["functions"] if found["file"].endswith(file) else ():
+                kernel = function["name"].removeprefix(f"{stem}_")
+                if kernel in KERNELS.keys() | LANES:
+                    there.add(kernel)
+                    called |= {kernel} if function["execution_count"] else set()
+        report.unlink()
+    return there, called, getattr(made.structure, "definite", True)
+
+
+@pytest.mark.parametrize("of", long_but(QUICK, SCENES), ids="-".join)
+def test_a_run_calls_all_that_is_there(of, tmp_path):
+    path, name = of
+    there, called, definite = executed(ROOT / path, name, tmp_path)
+    # The acceleration, which a system must have, is not called where M and p are solved for.
+    assert there - called <= {"acceleration"} | (set() if definite else {"mass"})
+    assert "acceleration" in there and called
+
+
+def emitted(path: str, name: str, folder: Path) -> set[str]:
+    assert command.main([str(ROOT / path), "--scene", name, "-o", str(folder)]) == 0
+    found: set[str] = set()
+    for header in folder.glob("*.h"):
+        stem = header.stem
+        found |= set(re.findall(rf"^\w[\w ]* {stem}_(\w+)\(", header.read_text(), re.M))
+    return found & (KERNELS.keys() | LANES)
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "lanes"),
+    [
+        ("models/coupled_oscillators.lag", "slowest", set()),
+        ("models/bead_on_hoop.lag", "balanced", set()),
+        ("models/bead_on_hoop.lag", "pendulums", {"members"}),
+        ("models/double_pendulum.lag", "slow", set()),
+        ("models/double_pendulum.lag", "reference", {"lanes"}),
+        ("models/chains/fput.lag", "harmonic", {"advance"}),
+        ("models/chains/peierls_nabarro.lag", "valley", set()),
+    ],
+)
+def test_lanes_are_for_methods_that_call_them(path, name, lanes, tmp_path):
+    found = emitted(path, name, tmp_path)
+    assert found & LANES == lanes
+    assert not found & {"gradient", "momenta", "lagrangian", "kinetic", "potential"}
+
+
+RATTLEBACK = ROOT / "models/constrained/rattleback.lag"
+
+
+def test_a_scene_has_the_parameters_that_it_reads(pkgen, tmp_path):
+    assert pkgen(RATTLEBACK, "--scene", "reverses", "-o", tmp_path).returncode == 0
+    text = (tmp_path / "rattleback_reverses.h").read_text()
+    fields = re.findall(r"    pk_real (\w+);", text[text.index("reverses_params {") :])
+    assert " ".join(fields) == "m a b c h A B C D g n2 nx ny nz rx ry rz"
+    assert "d, rho_x, rho_y, det, half, apart, growth, pitching, steep: nothing" in text
+
+
+STONE = """\
+model stone
+param m = 2 [kg] in (0, inf)
+param h = 1 [cm]
+param d = 3*h in (0, inf)     # read by nothing but an output
+param far = 3 [m] in (0, 5 [m])      # nor is this
+param kept = 2 [m] in (0, 3 [m])
+param weight = m*(9.81 [m/s^2])       # follows m, and is read
+param last = 4 [s]
+size N = 2
+param k[i = 1..N] = i*(1 [N/m])
+coord x [m]
+kinetic   m*x'^2/2
+potential (weight + kept*(1 [N/m]))*x + k[1]*x^2/2
+observe spare = far*x'
+start x = 1
+scene falls
+  until last
+  record x every 1 [s]
+end
+"""
+
+
+def test_what_is_set_and_not_read_is_noted(pkgen, tmp_path):
+    path = written(tmp_path, STONE)
+    run = ("run", path, "--scene", "falls")
+    plain = pkgen(*run)
+    assert plain.returncode == 0, plain.stderr
+    for name, text in (("d", "d = 3 [cm]"), ("far", "far=4"), ("h", "h=-6 [cm]")):
+        done = pkgen(*run, "--set", text)
+        assert f"pkgen: --set {name}: no effect: nothing that scene 'falls'" in done.stderr
+        assert done.stdout == plain.stdout and done.returncode == 0
+    for text in ("m=3", "last=2", "k[1]=3", "kept=1"):
+        done = pkgen(*run, "--set", text)
+        assert done.stdout != plain.stdout and done.returncode == 0 and "--set" not in done.stderr
+    other = pkgen(*run, "--set", "k[2]=3")  # of a family all is there
+    assert other.stdout == plain.stdout and "--set" not in other.stderr
+    for text, said in (
+        ("d=-5", "--set d=-5: outside its bounds: d"),
+        ("far=6", "--set far=6: outside its bounds: far"),
+        ("d=2 [kg]", "2 [kg] is a mass [kg], d is a length [m]"),
+        ("dd=5", "no such parameter"),
+    ):
+        done = pkgen(*run, "--set", text)
+        assert done.returncode == 2 and said in done.stderr, done.stderr
+    outside = pkgen(*run, "--set", "kept=4")
+    whole = pkgen(*run, "--set", "h=-6 [cm]", "--no-reduce")
+    for done in (outside, whole):
+        assert done.returncode != 0 and "outside its bounds" in done.stderr
+
+
+def test_c_is_made_without_sympy(tmp_path, request):
+    program = (
+        "import sys\n"
+        "sys.modules['sympy'] = sys.modules['mpmath'] = None\n"
+        "from pkgen.__main__ import main\n"
+        "folder, *models = sys.argv[1:]\n"
+        "sys.exit(any(main(w) for m in models for w in (['check', m], [m, '-o', folder])))\n"
+    )
+    some = [m for m in MODELS if m.stem in ("kepler", "foucault", "harmonic_ring")]
+    done = subprocess.run(
+        [sys.executable, "-c", program, tmp_path, *some], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    program = program.replace("'check'", "'explain'")
+    done = subprocess.run(
+        [sys.executable, "-c", program, tmp_path, some[0]], capture_output=True, text=True
+    )
+    assert done.returncode == 1 and "explain shows equations by SymPy" in done.stderr
