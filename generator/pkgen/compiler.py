@@ -53,6 +53,10 @@ class Use:
     needs: Callable[[Model], Needs | None]  # None: everything
     kernels: Callable[[Model, tuple | None], frozenset[str] | None] = lambda *_: None  # None: all
     reads: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
+    declared: Callable[[Model], Model] = lambda declared: declared  # with what options say
+
+    def of(self, declared: Model) -> tuple[Model, tuple[Line, ...]]:
+        return self.model(self.declared(declared))
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,7 @@ def stages(
     file = parse.parse_all(source)
     yield file
     declared, warnings = check.check(file, sizes)
+    declared = use.declared(declared) if use else declared
     model, lines = use.model(declared) if use else (declared, ())
     yield declared, model, warnings
     needs = use.needs(model) if use else None
@@ -118,7 +123,7 @@ def stages(
     with _no_collection():
         equations = _equations(model, kernels, called, self_test or canonical, unroll, needs)
         if isinstance(equations, LoopEquations):
-            equations = with_proofs(equations, file, use.model if use else None, symmetric)
+            equations = with_proofs(equations, file, use.of if use else None, symmetric)
     yield equations
     if isinstance(equations, LoopEquations):
         yield equations.facts

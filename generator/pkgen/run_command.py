@@ -26,6 +26,7 @@ from .exits import DONE, NUMERICS_FAILED
 from .expects_judge import Verdict
 from .model import Model, Scene
 from .progress import progress
+from .scene_model import hidden
 from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
 
 # The share of steps that an iteration may hold back before it is worth a word.
@@ -100,8 +101,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _hint(options: argparse.Namespace, model: Model) -> None:
     """Which scenes there are, to who has chosen none."""
-    if options.scene is None and model.scenes and not options.json:
-        names = ", ".join(item.name for item in model.scenes)
+    names = ", ".join(item.name for item in model.scenes if not hidden(item.name))
+    if options.scene is None and names and not options.json:
         print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
 
 

@@ -41,9 +41,12 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
     )
 
 
-def written_out(model: Model, columns: Iterable[str]) -> tuple[str, ...]:
-    """Columns as an option names them: of a vector, each component."""
-    known = {item.name for item in (*model.observed, *model.conserved)}
+def written_out(
+    model: Model, columns: Iterable[str], scene: Scene | None = None
+) -> tuple[str, ...]:
+    """Columns as an option names them: of a vector, each component; the scene's are known too."""
+    recorded = scene.record.columns if scene is not None and scene.record else ()
+    known = {item.name.rstrip("'") for item in (*model.observed, *model.conserved, *recorded)}
     known |= {f"lambda_{item.name}" for item in model.constraints}
     known |= {name for r in model.rotations for name in (*r.rates, *r.momenta)}
     quaternions = {r.name: r.quaternion for r in model.rotations}
@@ -67,8 +70,12 @@ def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
     """The scene with other columns. A name that can be none is left out: it is reported where
     columns are looked up among those of the run."""
     held = _held(model, scene)
+    own = {item.name: item for item in (scene.record.columns if scene.record else ())}
     found: list[Definition] = []
     for text in columns:
+        if text in own:
+            found.append(own[text])
+            continue
         try:
             side = left_side(text, sizes(model))
         except OptionError:

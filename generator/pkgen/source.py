@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 
@@ -25,10 +26,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Source:
-    """A model's text: a byte-order mark dropped, line ends normalised to newline."""
+    """A model's text: a byte-order mark dropped, line ends normalised to newline. Behind its `own`
+    characters stands what the command line says (None: nothing)."""
 
     path: str
     text: str
+    own: int | None = None
     _line_starts: list[int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -39,7 +42,15 @@ class Source:
     @property
     def sha256(self) -> str:
         """The digest of the text, by which generated files name what they come from."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
+        return hashlib.sha256(self.text[: self.own].encode()).hexdigest()
+
+    def with_options(self, scene: str, clauses: Iterable[str]) -> Source:
+        """With clauses from the command line behind the text, as a scene of that name."""
+        more = "\n".join(("", f"scene {scene}", *clauses, "end", ""))
+        return Source(self.path, self.text + more, len(self.text))
+
+    def is_option(self, offset: int) -> bool:
+        return self.own is not None and offset > self.own
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column of an offset, both counted from 1, columns in characters."""
@@ -47,6 +58,8 @@ class Source:
         return line, offset - self._line_starts[line - 1] + 1
 
     def place(self, span: Span) -> str:
+        if self.is_option(span.start):
+            return "command line"
         line, column = self.position(span.start)
         return f"{self.path}:{line}:{column}"
 
@@ -71,9 +84,10 @@ class Diagnostic:
         line, column = source.position(self.span.start)
         shown, caret_at = _clip(_printable(source.line(line)), column - 1)
         length = max(1, min(self.span.end - self.span.start, len(shown) - caret_at))
+        number = "" if source.is_option(self.span.start) else line
         lines = [
-            f"{source.path}:{line}:{column}: {self.severity}: {self.message}",
-            f"{line:5d} | {shown}",
+            f"{source.place(self.span)}: {self.severity}: {self.message}",
+            f"{number:5} | {shown}",
             f"      | {' ' * caret_at}{'^' * length}",
         ]
         if self.help:
