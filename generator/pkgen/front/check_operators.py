@@ -43,7 +43,12 @@ class Operators:
                 f"{text}: {self.mismatch.text(expr.of)} is a number and has no rate", expr.span
             )
             return expr, UNKNOWN
-        solved = scope.place.accelerations and not facts.accelerations
+        if facts.accelerations:
+            self.report.error(
+                f"{text} is the rate of an acceleration: outputs use accelerations", expr.span
+            )
+            return expr, UNKNOWN
+        solved = scope.place.accelerations
         if facts.state_rates and not facts.rates and not solved:
             self.report.error(
                 f"{text}: the rate of '{min(facts.state_rates)}' has no symbol for its own rate",
@@ -53,14 +58,12 @@ class Operators:
             return expr, UNKNOWN
         if facts.rates and not solved:
             what = "an acceleration" if isinstance(expr.of, Prime) else "the rate of a rate"
-            may = "expressions use coordinates and their rates"
-            help = (
-                "pkgen derives the accelerations itself; write the energies in q and q', and "
-                "accelerations in outputs: observe, conserve, event, record, expect"
+            self.report.error(
+                f"{text} is {what}: expressions use coordinates and their rates",
+                expr.span,
+                "pkgen derives the accelerations itself; write the energies in q and q'"
+                " (observe, conserve, event, record and expect may use accelerations)",
             )
-            if facts.accelerations:
-                what, may, help = "the rate of an acceleration", "outputs use accelerations", ""
-            self.report.error(f"{text} is {what}: {may}", expr.span, help)
             return expr, UNKNOWN
         inputs = {name: order + 1 for name, order in facts.inputs.items()}
         if any(order > 2 for order in inputs.values()):
