@@ -34,7 +34,7 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     if equations.switches:
         names |= {"switching"}
     if equations.jolted:
-        names |= {"corner", "energy"}
+        names |= {"corner", "energy", "unbound", "inertia"}
     if "acceleration" in names and equations.acceleration is None:
         names |= {"mass", "force"}
     return frozenset(names)
