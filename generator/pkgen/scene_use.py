@@ -107,12 +107,10 @@ def _of_method(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> 
     steps = asked.steps or scene.step is not None
     at = asked.event or (scene.record.at if scene.record else "")
     several = asked.several or scene.swarm is not None
-    found = called(method) if method else frozenset()
-    if not method and made is None:
-        found = called("gauss") | {"mass", LINEAR_OF_FEW}
-    elif not method:
+    if not method and made is not None:
         exact = rtol is None and not steps and not at and not several and EXACT not in asked.off
-        found = called(default_method(*made, rtol or 0.0, exact))
+        method = default_method(*made, rtol or 0.0, exact)
+    found = called(method) if method else called("gauss") | {"mass", LINEAR_OF_FEW}
     watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
     if several and not watched and (made is None or _side_by_side(*made, method, steps)):
         found |= {"members"}
