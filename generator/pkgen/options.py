@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
-from . import diagnostics, limits, named, rows, scene, scene_model, scene_use
+from . import diagnostics, limits, named, rows, scene, scene_model, scene_options, scene_use
 from .compiler import Compilation
 from .exits import UsageError
 from .front.scene_values import ROUND_OFF
@@ -78,7 +78,7 @@ def settings(
     values = Values(compilation)
     rtol = values.positive("--rtol", options.rtol, "")
     starts, start_parameters = values.starts(options.start)
-    sets = [assignment("--set", text) for text in scene_use.numbers(options)]
+    sets = [assignment("--set", text) for text in scene_options.numbers(options)]
     _once("--set", (values.flat_name("--set", name) for name, _ in sets))
     lefts = (assignment("--start", text)[0] for text in options.start)
     _once("--start", (values.flat_name("--start", left) for left in lefts))
@@ -156,7 +156,7 @@ def settings(
 def unread(options: argparse.Namespace, compilation: Compilation) -> str:
     """What is said of parameters that are set and that the scene does not read."""
     values = Values(compilation)
-    _, names = values.read([assignment("--set", text) for text in scene_use.numbers(options)])
+    _, names = values.read([assignment("--set", text) for text in scene_options.numbers(options)])
     if not names:
         return ""
     scene = options.scene
@@ -177,7 +177,7 @@ def _recorded(
     if chosen is not None and chosen.record is not None:
         at = chosen.record.at or None
     if options.record is not None:
-        columns = scene_use.columns_of(options, compilation.declared)
+        columns = scene_options.columns_of(options, compilation.declared)
         show = [values.shown_as(text) for text in columns]
         _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:

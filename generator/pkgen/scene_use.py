@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -13,7 +12,6 @@ from . import scene as scenes
 from .compiler import Use
 from .equations import Equations, Structure
 from .exits import UsageError
-from .front.check import check_text
 from .front.scene_values import Values, WrongValue
 from .methods import called, carries_quadratures, default_method, in_blocks
 from .middle.motion import LINEAR_OF_FEW
@@ -23,7 +21,7 @@ from .middle.report import Line
 from .middle.specialise import folded, held
 from .model import Model, Scene
 from .option_values import unknown
-from .source import ModelError, Source
+from .scene_options import OPTIONS, is_motion, with_options
 
 FOLD = "fold"
 EXACT = "exact"  # the flow of a linear system, by its exponential
@@ -47,10 +45,6 @@ class Asked:
     rtol: float | None = None
     steps: bool = False  # a step is given
     several: bool = False  # members of a file
-
-
-OPTIONS = "0_options"  # the scene that options make where none is chosen
-_ACCELERATION = re.compile(r".*''|omega\(.*'")
 
 
 def of_run(options: argparse.Namespace) -> Use | None:
@@ -77,7 +71,7 @@ def of_run(options: argparse.Namespace) -> Use | None:
         steps=options.step is not None,
         several=options.ensemble is not None,
     )
-    use = replace(_use(options.scene, asked), declared=_with_options(options, columns or ()))
+    use = replace(_use(options.scene, asked), declared=with_options(options, columns or ()))
 
     def kernels(used: Model, made: tuple | None) -> frozenset[str] | None:
         """Diagnostics, and trials of methods, call others."""
@@ -145,78 +139,17 @@ def whole(options: argparse.Namespace) -> Use | None:
 
 def _of_options(options: argparse.Namespace, columns: tuple[str, ...] | None) -> Use | None:
     """All of a model, or of what a scene makes of it, with columns and motions of inputs."""
-    if options.scene is None and columns is None and not any(map(_motion, options.set)):
+    if options.scene is None and columns is None and not any(map(is_motion, options.set)):
         return None
     asked = Asked(columns, None, _run_time(options), EVERY, False, "", False)
     use = _use(options.scene or OPTIONS, asked, swarm=False)
-    return replace(use, declared=_with_options(options, columns or ()))
-
-
-def _motion(text: str) -> bool:
-    """Whether an assignment of the command line is of a function of t."""
-    _, _, value = text.partition("=")
-    return bool(re.search(r"\bt\b", re.sub(r"\[[^\]]*\]", "", value)))
+    return replace(use, declared=with_options(options, columns or ()))
 
 
 def _run_time(options: argparse.Namespace) -> frozenset[str]:
     """The parameters and inputs that are set to numbers, when a program runs."""
-    numbers = (text for text in options.set if not _motion(text))
+    numbers = (text for text in options.set if not is_motion(text))
     return frozenset(text.partition("=")[0].strip() for text in numbers)
-
-
-def numbers(options: argparse.Namespace) -> list[str]:
-    """`--set`, but what has become part of the model."""
-    return [text for text in options.set if not _motion(text)]
-
-
-def _with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callable[[Model], Model]:
-    """What makes the chosen scene one with the inputs that options drive, and with the columns that
-    are definitions; of neither there is a scene without clauses."""
-
-    def declared(model: Model) -> Model:
-        lets = {item.name for item in (*model.definitions, *model.inputs)}
-        named = [c for c in columns if re.split(r"[\[.']", c)[0] in lets or _ACCELERATION.match(c)]
-        clauses = [f"set {text}" for text in options.set if _motion(text)]
-        clauses += [f"record {', '.join(named)}"] if named else []
-        source = model.source
-        made = Scene(OPTIONS, "", (), (), None, "", None, None, None, model.span)
-        if clauses:
-            made, source = _made(model, clauses)
-        model = replace(model, source=source)
-        if options.scene is None:
-            return replace(model, scenes=(*model.scenes, replace(made, name=OPTIONS)))
-        chosen = scenes.chosen(model, options.scene)
-        record = chosen.record
-        if made.record is not None:
-            record = replace(record or made.record, columns=made.record.columns)
-        both = (*chosen.assignments, *made.assignments)
-        merged = replace(chosen, assignments=both, record=record)
-        kept = (merged if s is chosen else s for s in model.scenes)
-        return replace(model, scenes=tuple(kept))
-
-    return declared
-
-
-def _made(model: Model, clauses: list[str]) -> tuple[Scene, Source]:
-    """The clauses as a scene. Raises UsageError with their place on the command line."""
-    name = "_options"
-    for text in clauses:
-        if set(text) & {"\n", "#"}:
-            raise UsageError(f"--{text[:60]}: one value on one line is needed")
-    source = model.source.with_options(name, clauses)
-    try:
-        found, _ = check_text(source, {size.name: size.value for size in model.sizes})
-    except ModelError as error:
-        said = (d.text(source) for d in error.diagnostics)
-        raise UsageError("\n".join(said)) from None
-    return scenes.chosen(found, name), source
-
-
-def columns_of(options: argparse.Namespace, declared: Model) -> tuple[str, ...]:
-    """`--record`: vectors by their components."""
-    name = options.scene or OPTIONS
-    chosen = next((s for s in declared.scenes if s.name == name), None)
-    return scene_model.written_out(declared, options.record.split(","), chosen)
 
 
 def as_written(name: str) -> Use:

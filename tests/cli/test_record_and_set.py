@@ -9,7 +9,7 @@ import re
 import pytest
 from conftest import table, written
 from pkgen import __main__ as command
-from pkgen import scene_use
+from pkgen import scene_options, scene_use
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 
@@ -135,4 +135,4 @@ def test_charts_and_maps_drive_inputs_too(tmp_path):
         options = command.parser_of(name).parse_args(words)
         made = compile_model(read(str(path)), use=scene_use.whole(options))
         assert not made.equations.inputs and made.structure.autonomous is False
-        assert scene_use.numbers(options) == ["k=2"]
+        assert scene_options.numbers(options) == ["k=2"]
