@@ -203,6 +203,7 @@ enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_
     enum pk_status status = one_step(e, it, limit);
     if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
         status = towards_end(e, it);
+    pk_switches_leave(e, it);
     it->problem.params = given;
     return status;
 }

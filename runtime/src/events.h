@@ -48,6 +48,8 @@ void pk_switches_functions(const struct pk_events *e, const struct pk_integrator
                            const pk_real *q, const pk_real *v, pk_real *g);
 /* The caller's params into the copy, which `it` has during a step. */
 void pk_switches_enter(struct pk_events *e, struct pk_integrator *it);
+/* After a step: where it has ended. */
+void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it);
 /* The sides of the state of `it`, where it has made no step from there. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it);
 /* Whether switches that were zero where the step began went the other way from there: then they are

@@ -90,9 +90,6 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
         return it->status;
     if (e->z)
         pk_integrator_set_quadratures(it, e->z);
-    memcpy(e->trial, it->q, e->n * sizeof *e->trial);
-    memcpy(e->trial + e->n, it->v, e->n * sizeof *e->trial);
-    e->kept = passed > 0;
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
 }

@@ -54,16 +54,28 @@ void pk_switches_functions(const struct pk_events *e, const struct pk_integrator
     pk_switches_values(e, it, t, q, v, g);
     const int begins = e->kept && !(t < e->from) && !(t > e->from);
     for (size_t k = 0; k < e->n_switches; k++)
-        if (pk_abs(g[k]) <= 0 || (begins && impulse(it, k)))
+        if (pk_abs(g[k]) <= 0 || (begins && impulse(it, k) && g[k] * e->sides[k] < 0))
             g[k] = TINY * e->sides[k];
 }
 
-/* Whether the step begins where an impulse has left the motion: a little behind the zero, from where
- * a barrier has turned it back. */
-static int kept(const struct pk_events *e, const struct pk_integrator *it)
+/* Whether the step goes on from where the last one has ended, not from a state of the caller's. Then
+ * switches with an impulse keep their sides: on the zero the impulse is to come, and a little behind
+ * it is what a barrier has turned back. */
+static int goes_on(const struct pk_events *e, const struct pk_integrator *it)
 {
-    return e->kept && it->direction == 0 && !memcmp(e->trial, it->q, e->n * sizeof *e->trial) &&
+    return e->kept && !(it->t < e->left) && !(it->t > e->left) &&
+           !memcmp(e->trial, it->q, e->n * sizeof *e->trial) &&
            !memcmp(e->trial + e->n, it->v, e->n * sizeof *e->trial);
+}
+
+void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
+{
+    e->kept = it->problem.system->impulses != NULL;
+    if (!e->kept)
+        return;
+    e->left = it->t;
+    memcpy(e->trial, it->q, e->n * sizeof *e->trial);
+    memcpy(e->trial + e->n, it->v, e->n * sizeof *e->trial);
 }
 
 /* Arguments may have switches in them, which are settled before. */
@@ -71,7 +83,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
     pk_real *x = pk_events_sample(e, e->samples + 1);
     int changed = 1, reset = 0;
-    e->kept = kept(e, it);
+    e->kept = goes_on(e, it);
     if (e->n_switches == 0 || it->direction != 0)
         return PK_DONE;
     for (size_t round = 0; changed; round++) {

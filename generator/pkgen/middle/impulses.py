@@ -86,6 +86,8 @@ class Across:
     def _side(self, node: Node, argument: Node) -> int:
         """1 or -1 of a call that the argument decides, as its own has that sign or the other."""
         own, sign = self.surfaces.of_call(node)
+        if not sign:
+            return 0
         surface, side = self.surfaces(argument)
         return sign * side * (own == surface)
 

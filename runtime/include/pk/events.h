@@ -90,7 +90,8 @@ struct pk_events {
     int again;       /* and was a wrong one */
     int brief;       /* switchings one upon another */
     int at_switch;   /* the step begins at one */
-    int kept;        /* and the sides of those with an impulse are what that has left */
+    int kept;        /* the step goes on from where the last one ended, at */
+    pk_real left;    /* this time: switches with an impulse keep their sides */
     pk_real *room;   /* for impulses */
 };
 
