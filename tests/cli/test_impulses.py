@@ -34,7 +34,8 @@ RAMPS = {
     "constraint": PIVOT + "constraint c: X = BEND(t - 1)\n",
     "fixed": CHAIN,
     "input": DRIVEN + HELD.format("set u = BEND(t - 1) + BEND(t - 1.5)", "a, a'"),
-    "input that comes back": DRIVEN + HELD.format("set u = 2*BEND(sin(2*t)) - sin(2*t)", "a, a'"),
+    "input that comes back": DRIVEN
+    + HELD.format("set u = 2*BEND(sin(2*t + 0.5)) - sin(2*t + 0.5)", "a, a'"),
     "hold in a jumping M": PLANE
     + "kinetic JUMP(t - 1)*(x' + y)^2/2\n"
     + HELD.format("hold y = 2*BEND(t - 1)", "x, x'"),
@@ -257,3 +258,16 @@ def test_a_bound_ball_bounces_for_ever(pkgen, write) -> None:
     found = json.loads(done.stdout)
     assert found["rows"][-1][1:] == pytest.approx([0, 1, 0.5], abs=1e-12)
     assert sum(s["count"] for s in found["report"]["switches"]) == 20
+
+
+@pytest.mark.parametrize("method", ["verlet", "rk4", "gauss"])
+def test_a_row_at_the_switch_changes_nothing(pkgen, write, method: str) -> None:
+    """A step ends on the zero itself, and the grid of steps begins anew there."""
+    more = ["--method", method] + (["--step", "0.25"] if method != "gauss" else [])
+    for height, last_row in ((0.3, [1 + math.sqrt(0.4), math.sqrt(0.4)]), (0.7, [0, -1])):
+        path = write(STEP.format(height))
+        done = pkgen("run", path, "--until", "2", "--every", "0.5", "--json", *more)
+        rows = json.loads(done.stdout)["rows"]
+        assert rows[2][:2] == pytest.approx([1, 1]) and rows[-1][1:3] == pytest.approx(
+            last_row, abs=1e-14
+        )
