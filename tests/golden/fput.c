@@ -615,14 +615,14 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
                     (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base) + fput_BOND);
+                        flux + (m - base + fput_BOND));
                 for (m = base; m < base + fput_CHUNK; m++)
                     (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base) + fput_BOND);
+                        flux + (m - base + fput_BOND));
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, v, u,
-                        flux + (m - base) + fput_BOND, m, r);
+                        flux + (m - base + fput_BOND), m, r);
                     a[m - 1] = r[0];
                 }
             }
@@ -632,14 +632,14 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
                     (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base) + fput_BOND);
+                        flux + (m - base + fput_BOND));
                 for (m = base; m < base + count; m++)
                     (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base) + fput_BOND);
+                        flux + (m - base + fput_BOND));
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, v, u,
-                        flux + (m - base) + fput_BOND, m, r);
+                        flux + (m - base + fput_BOND), m, r);
                     a[m - 1] = r[0];
                 }
             }
@@ -970,12 +970,12 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
             pk_real flux[1 * (fput_CHUNK + fput_BOND)];
             for (m = base - 1; m < base + fput_CHUNK; m++)
                 (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                    flux + (m - base) + fput_BOND);
+                    flux + (m - base + fput_BOND));
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, q, u,
-                        flux + (m - base) + fput_BOND, m, r);
+                        flux + (m - base + fput_BOND), m, r);
                     v[m - 1] += h * r[0];
                 }
             }
@@ -985,12 +985,12 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
             pk_real flux[1 * (fput_CHUNK + fput_BOND)];
             for (m = base - 1; m < base + count; m++)
                 (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                    flux + (m - base) + fput_BOND);
+                    flux + (m - base + fput_BOND));
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, q, u,
-                        flux + (m - base) + fput_BOND, m, r);
+                        flux + (m - base + fput_BOND), m, r);
                     v[m - 1] += h * r[0];
                 }
             }
@@ -1012,18 +1012,18 @@ static void fput_interior(const struct fput_params *p, pk_real t, pk_real delta,
     (void)u;
     for (m = base - 1; m < base; m++)
         (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-            flux_q + (m - base) + fput_BOND);
+            flux_q + (m - base + fput_BOND));
     for (; from < to; from += fput_CHUNK, base += fput_CHUNK) {
         for (m = base; m < base + fput_CHUNK; m++)
             (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                flux_q + (m - base) + fput_BOND);
+                flux_q + (m - base + fput_BOND));
         for (m = from; m < from + fput_CHUNK; m++)
             q[m - 1] += delta * v[m - 1];
         {
             for (m = base; m < base + fput_CHUNK; m++) {
                 pk_real r[2];
                 (void)fput_acceleration_q_inner(p, t, q, q, u,
-                    flux_q + (m - base) + fput_BOND, m, r);
+                    flux_q + (m - base + fput_BOND), m, r);
                 v[m - 1] += h * r[0];
             }
         }
