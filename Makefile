@@ -12,13 +12,14 @@ endif
 # Compiled runtimes and models are kept here, not in the home directory.
 export PKGEN_CACHE := $(CURDIR)/build/cache
 
-.PHONY: help setup demo test test-long test-licence test-python systems bodies chart stability bench lint format golden install clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python systems bodies chart stability bench lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
 	@echo 'make test       every test, under ten minutes'
 	@echo 'make test-long  what takes longer'
+	@echo 'make fuzz       an hour of mutated models and of libFuzzer (FUZZ_SECONDS=N)'
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
 	@echo 'make bodies     residuals and drifts of rotations, constraints, rolling (STEPS=N; DOCS=1: into docs)'
 	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
@@ -89,7 +90,15 @@ format: $(STAMP)
 	$(PYTHON) -m ruff format $(PYTHON_CODE)
 	$(PYTHON) -m ruff check --fix $(PYTHON_CODE)
 
+# Sanitizers: gcc's and clang's over the runtime, clang's over emitted C.
 asan: $(STAMP) asan-runtime msan-runtime
+	$(PYTHON) -m pytest -q -m '' tests/generator/test_sanitized.py
+
+# An hour in all: the compiler by mutated models, the runtime by libFuzzer. See docs/fuzzing.md.
+FUZZ_SECONDS ?= 3600
+fuzz: $(STAMP)
+	$(PYTHON) tests/fuzz/models.py $$(($(FUZZ_SECONDS) / 2)) $(SEED)
+	@$(MAKE) fuzz-runtime FUZZ_SECONDS=$$(($(FUZZ_SECONDS) / 2))
 
 # PREFIX/bin/pkgen with a Python environment of its own, the runtime's headers and libraries.
 install: runtime

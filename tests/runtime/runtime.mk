@@ -146,6 +146,23 @@ msan-runtime:
 run-msan-runtime: $(RT_TESTS)/runtime
 	$< "" memory "dense output"
 
+# libFuzzer over the runtime; emitted C is linked with the same library (tests/fuzz).
+RT_FUZZ = -w -O1 -g -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all
+FUZZ_SECONDS ?= 3600
+.PHONY: fuzz-library fuzz-runtime run-fuzz-library run-fuzz-runtime
+fuzz-library fuzz-runtime:
+	@echo 'int main(void) { return 0; }' | clang -fsanitize=address -x c - -o /dev/null 2>/dev/null || \
+	    { echo '$@: left out: libclang-rt-dev is missing'; exit 0; } && \
+	    $(MAKE) -f tests/runtime/runtime.mk RT_SUFFIX=-fuzz CC=clang RT_EXTRA="$(RT_FUZZ)" \
+	        BUILD=$(BUILD) FUZZ_SECONDS=$(FUZZ_SECONDS) run-$@
+$(RT_TESTS)/fuzz: tests/fuzz/runtime.c $(RT_SYSTEMS_INLINED) $(RT_DIR)/libpk.a
+	$(CC) $(RT_CFLAGS) -fsanitize=fuzzer -Itests/runtime $^ -lm -o $@
+run-fuzz-library: $(RT_DIR)/libpk.a
+run-fuzz-runtime: $(RT_TESTS)/fuzz
+	@mkdir -p $(BUILD)/fuzz/corpus
+	$< -max_total_time=$(FUZZ_SECONDS) -max_len=256 -timeout=60 -print_final_stats=1 \
+	    -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus tests/fuzz/corpus
+
 # Every symbol that the core exports is pk_*; it neither allocates nor knows GSL, prints or exits.
 check-runtime-symbols: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
 	sh tests/runtime/symbols.sh $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a

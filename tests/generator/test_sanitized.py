@@ -1,0 +1,52 @@
+"""Clang's sanitizers over emitted C: straight lines, loops, members, lanes; see `make asan`."""
+
+from __future__ import annotations
+
+import subprocess
+
+import pytest
+from conftest import ROOT, run_pkgen
+
+MODELS = [
+    "models/double_pendulum.lag",
+    "models/chains/fput.lag",
+    "models/chains/fput_beta.lag",
+    "models/coupled_oscillators.lag",
+    "models/heavy_top.lag",
+    "models/particles/n_body.lag",
+]
+FLAGS = "-O1 -g -std=c99 -fsanitize=address,undefined -fno-sanitize-recover=all"
+pytestmark = pytest.mark.long
+
+
+def has_sanitizers() -> bool:
+    command = ["clang", "-fsanitize=address", "-x", "c", "-", "-o", "/dev/null"]
+    try:
+        return not subprocess.run(command, input=b"int main(void) { return 0; }\n").returncode
+    except FileNotFoundError:
+        return False
+
+
+@pytest.fixture(scope="module")
+def library():
+    if not has_sanitizers():
+        pytest.skip("clang has no sanitizers here (libclang-rt-dev)")
+    subprocess.run(["make", "-s", "fuzz-library"], cwd=ROOT, check=True)
+    return ROOT / "build/runtime-fuzz/libpk.a"
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_no_undefined_behaviour(library, tmp_path, model):
+    done = run_pkgen(ROOT / model, "-o", tmp_path)
+    assert done.returncode == 0, done.stderr
+    (source,) = tmp_path.glob("*.c")
+    includes = [f"-I{ROOT}/runtime/include", f"-I{tmp_path}"]
+    inline = [f"-DPK_INLINE_{x}" for x in ("ERK", "EMBEDDED", "SPLITTING", "GAUSS", "ENSEMBLE")]
+    harness = [ROOT / "tests/fuzz/emitted.c", f"-DMODEL={source.stem}_system"]
+    program = tmp_path / "program"
+    command = ["clang", *FLAGS.split(), "-DPK_RUNTIME", *inline, *includes, *harness, source]
+    subprocess.run([*command, library, "-lm", "-o", program], check=True)
+    env = {"ASAN_OPTIONS": "detect_leaks=0"}
+    done = subprocess.run([program], capture_output=True, text=True, env=env)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout.split(":")[1].split()[0]) > 30
