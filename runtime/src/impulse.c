@@ -346,13 +346,14 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
 int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const char *name = system->switches[it->where].name;
+    const char *name = it->where < system->n_switches ? system->switches[it->where].name : "x";
     const size_t row = (size_t)it->condition;
     char other[128] = "";
     if (it->detail <= (pk_real)ROLLING)
         pk_constraint_name(system, row, other, sizeof other);
     else if (it->detail >= (pk_real)ORDER && it->detail <= (pk_real)ORDER)
-        snprintf(other, sizeof other, "%s", system->switches[row].name);
+        snprintf(other, sizeof other, "%s",
+                 row < system->n_switches ? system->switches[row].name : "x");
     static const char *const why[] = {
         [POSITION] = "the constraint %s jumps where %s vanishes: no motion follows it",
         [ROLLING] = "what multiplies the rates in %s jumps where %s vanishes: what follows depends "
@@ -365,6 +366,6 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
         [NEITHER] = "%.0sno rates are found with which the motion leaves %s = 0",
     };
     const int used = snprintf(text, size, why[(int)it->detail], other, name);
-    const size_t at = used > 0 && (size_t)used < size ? (size_t)used : 0;
-    return used + snprintf(text + at, size - at, "; last valid time %.17g", (double)it->t);
+    const size_t at = used > 0 && (size_t)used < size ? (size_t)used : size;
+    return used + snprintf(at < size ? text + at : NULL, size - at, "; last valid time %.17g", (double)it->t);
 }

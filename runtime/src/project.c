@@ -206,14 +206,14 @@ static void subtract(pk_real *x, const pk_real *d, pk_real *low, size_t count)
 
 static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
 {
-    for (size_t r = 0; r < w->system->n_rotations; r++, Q += 4, low += low ? 4 : 0) {
+    for (size_t r = 0; r < w->system->n_rotations; r++, Q += 4) {
         const pk_real *d = w->d + w->rotation + 3 * r;
         const pk_real theta[3] = {-d[0], -d[1], -d[2]};
         pk_real added[4];
         pk_exponential_added(Q, theta, added);
         for (size_t i = 0; i < 4; i++)
             added[i] = -added[i];
-        subtract(Q, added, low, 4);
+        subtract(Q, added, low ? low + 4 * r : NULL, 4);
     }
 }
 

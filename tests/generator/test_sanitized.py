@@ -15,7 +15,7 @@ MODELS = [
     "models/heavy_top.lag",
     "models/particles/n_body.lag",
 ]
-FLAGS = "-O1 -g -std=c99 -fsanitize=address,undefined -fno-sanitize-recover=all"
+FLAGS = "-O0 -g -std=c11 -fsanitize=address,undefined -fno-sanitize-recover=all"
 pytestmark = pytest.mark.long
 
 
@@ -41,7 +41,7 @@ def test_no_undefined_behaviour(library, tmp_path, model):
     assert done.returncode == 0, done.stderr
     (source,) = tmp_path.glob("*.c")
     includes = [f"-I{ROOT}/runtime/include", f"-I{tmp_path}"]
-    inline = [f"-DPK_INLINE_{x}" for x in ("ERK", "EMBEDDED", "SPLITTING", "GAUSS", "ENSEMBLE")]
+    inline = [f"-DPK_INLINE_{x}" for x in ("SPLITTING", "ENSEMBLE")]
     harness = [ROOT / "tests/fuzz/emitted.c", f"-DMODEL={source.stem}_system"]
     program = tmp_path / "program"
     command = ["clang", *FLAGS.split(), "-DPK_RUNTIME", *inline, *includes, *harness, source]

@@ -155,12 +155,12 @@ fuzz-library fuzz-runtime:
 	    { echo '$@: left out: libclang-rt-dev is missing'; exit 0; } && \
 	    $(MAKE) -f tests/runtime/runtime.mk RT_SUFFIX=-fuzz CC=clang RT_EXTRA="$(RT_FUZZ)" \
 	        BUILD=$(BUILD) FUZZ_SECONDS=$(FUZZ_SECONDS) run-$@
-$(RT_TESTS)/fuzz: tests/fuzz/runtime.c $(RT_SYSTEMS_INLINED) $(RT_DIR)/libpk.a
+$(RT_TESTS)/fuzz: tests/fuzz/runtime.c $(RT_SYSTEMS) $(RT_DIR)/libpk.a
 	$(CC) $(RT_CFLAGS) -fsanitize=fuzzer -Itests/runtime $^ -lm -o $@
 run-fuzz-library: $(RT_DIR)/libpk.a
 run-fuzz-runtime: $(RT_TESTS)/fuzz
 	@mkdir -p $(BUILD)/fuzz/corpus
-	$< -max_total_time=$(FUZZ_SECONDS) -max_len=256 -timeout=60 -print_final_stats=1 \
+	$< -max_total_time=$(FUZZ_SECONDS) -max_len=256 -timeout=300 -print_final_stats=1 \
 	    -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus tests/fuzz/corpus
 
 # Every symbol that the core exports is pk_*; it neither allocates nor knows GSL, prints or exits.
