@@ -91,7 +91,8 @@ static void reversal(struct run *run, struct diagnostics *d)
     const enum pk_status status =
         pk_reversal_find(&r, &it, &run->problem, s->method, &s->options, 0, s->q, s->v, run->it.t,
                          (pk_real)THRESHOLD, block, size);
-    if (status == PK_REFUSED && run_model->n_switches && !(run_model->facts & PK_SMOOTH))
+    if (status == PK_REFUSED && run_model->n_switches && !run_model->impulses &&
+        !(run_model->facts & PK_SMOOTH))
         strcpy(reason, "the way back is not followed through switches: give a method that needs no "
                        "smooth equations, as dop853");
     else if (status < 0 && it.method)
