@@ -176,6 +176,7 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
                 ensemble_number(&run->settings, tally->first_failed), tally->reason);
         code = 4;
     }
+    watched_warn(tally);
     if (tally->astray)
         fprintf(stderr,
                 "run: warning: energy off by more than %g of its scale at the end in %zu of %zu "

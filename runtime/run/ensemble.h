@@ -19,7 +19,8 @@ struct tally {
     pk_real t;
     char reason[512];            /* in words */
     unsigned long *crossings; /* of events and switches, in all, */
-    unsigned long *never;     /* and how many members had none */
+    unsigned long *never;     /* and how many members had none, */
+    unsigned long *doubts;    /* or may have missed some */
     pk_real *first; /* when each event was first in each member, infinite without; or NULL */
 };
 /* Of watched.c: members that run one by one since events are watched or there are switches.
@@ -30,6 +31,7 @@ int watched_by_one(const struct settings *s);
 void watched_begin(struct tally *tally, const struct settings *s);
 void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
                    struct tally *tally);
+void watched_warn(const struct tally *tally);
 void watched_report(const struct tally *tally, const struct settings *s, FILE *file);
 /* All of it, rows at `count` intervals of settings.every; the process's exit code. */
 int ensemble_run(struct run *run, pk_real count);

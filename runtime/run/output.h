@@ -11,6 +11,8 @@ struct crossed {
     unsigned long count;
     pk_real *t;
     unsigned long states; /* of steps, at which its function was looked at: */
+    unsigned long doubts; /* parts of steps in which crossings may be missed, and the first's time */
+    pk_real doubtful_t;
     int leaves;    /* it has been away from zero by more than errors, */
     pk_real parts; /* beside the largest contribution to it so far */
 };

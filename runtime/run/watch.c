@@ -40,6 +40,13 @@ static int found(void *context, const struct pk_events *events)
     return run->write_failed;
 }
 
+static void doubtful(void *context, const struct pk_events *events)
+{
+    struct crossed *crossed = &((struct run *)context)->crossed[events->which];
+    if (crossed->doubts++ == 0)
+        crossed->doubtful_t = events->t;
+}
+
 int watch_begin(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
@@ -66,6 +73,7 @@ int watch_begin(struct run *run)
     }
     run->events.found = found;
     run->events.switched = switched;
+    run->events.doubtful = doubtful;
     run->events.context = run;
     return 0;
 }
@@ -111,8 +119,20 @@ enum pk_status watch_step(struct run *run, pk_real limit)
     return status;
 }
 
+const char *watch_name(size_t k)
+{
+    return k < run_model->n_events ? run_model->events[k].what.name
+                                   : run_model->switches[k - run_model->n_events].name;
+}
+
 void watch_warn(const struct run *run)
 {
+    const struct pk_system *system = run->problem.system;
+    for (size_t k = 0; run->crossed && k < system->n_events + system->n_switches; k++)
+        if (run->crossed[k].doubts)
+            fprintf(stderr, "run: warning: %s %s: from t = %.9g on %s\n",
+                    k < system->n_events ? "event" : "switch", watch_name(k),
+                    (double)run->crossed[k].doubtful_t, WATCH_TOO_OFTEN);
     for (size_t k = 0; run->crossed && k < run->problem.system->n_events; k++)
         if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
             fprintf(stderr,
@@ -123,7 +143,7 @@ void watch_warn(const struct run *run)
 
 static void report_times(FILE *file, const struct crossed *crossed)
 {
-    fprintf(file, ", \"count\": %lu, \"times\": [", crossed->count);
+    fprintf(file, ", \"doubts\": %lu, \"count\": %lu, \"times\": [", crossed->doubts, crossed->count);
     for (unsigned long i = 0; i < crossed->count && i < MOST_TIMES; i++) {
         fputs(i ? ", " : "", file);
         output_real(file, crossed->t[i]);

@@ -8,7 +8,12 @@
 int watch_begin(struct run *run);
 /* One step, with all that is crossed in it. */
 enum pk_status watch_step(struct run *run, pk_real limit);
-/* Says on standard error which events are crossings of errors alone. */
+/* Of an event, or behind these of a switch; why crossings of it may be missed. */
+const char *watch_name(size_t k);
+#define WATCH_TOO_OFTEN                                                                            \
+    "its function turns too often within a step for all its crossings to be found: take shorter "  \
+    "steps (--step, --max-step)"
+/* Says on standard error which events are crossings of errors alone, and which may be missing. */
 void watch_warn(const struct run *run);
 /* The member "events" of the report. */
 void watch_report(struct run *run, FILE *file);

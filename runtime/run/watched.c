@@ -21,7 +21,7 @@ struct done {
     struct run *run;
     char *text;
     size_t size;
-    unsigned long *count;
+    unsigned long *count; /* and behind, of doubts */
     pk_real *first;
     enum pk_status status;
     char reason[512];
@@ -104,11 +104,12 @@ static void member(void *context, size_t i)
         pk_integrator_reason(&run->it, done->reason, sizeof done->reason);
     else
         strcpy(done->reason, pk_status_text(run->it.status));
-    done->count = (unsigned long *)words_allocate(kinds(), sizeof *done->count);
+    done->count = (unsigned long *)words_allocate(2 * kinds(), sizeof *done->count);
     done->first = (pk_real *)words_allocate(kinds(), sizeof *done->first);
     for (size_t k = 0; k < kinds(); k++) {
         done->count[k] = run->crossed ? run->crossed[k].count : 0;
         done->first[k] = done->count[k] ? run->crossed[k].t[0] : PK_INFINITY;
+        done->count[kinds() + k] = run->crossed ? run->crossed[k].doubts : 0;
     }
     if (run->out)
         fclose(run->out);
@@ -143,6 +144,7 @@ static void merge(struct run *run, struct done *done, struct tally *tally)
     for (size_t k = 0; k < kinds(); k++) {
         tally->crossings[k] += done->count[k];
         tally->never[k] += done->count[k] == 0;
+        tally->doubts[k] += done->count[kinds() + k] > 0;
         if (tally->first && k < run_model->n_events)
             tally->first[k * run->settings.members + i] = done->first[k];
     }
@@ -150,8 +152,9 @@ static void merge(struct run *run, struct done *done, struct tally *tally)
 
 void watched_begin(struct tally *tally, const struct settings *s)
 {
-    tally->crossings = (unsigned long *)words_allocate(2 * kinds(), sizeof *tally->crossings);
+    tally->crossings = (unsigned long *)words_allocate(3 * kinds(), sizeof *tally->crossings);
     tally->never = tally->crossings + kinds();
+    tally->doubts = tally->never + kinds();
     if (s->watch > 1)
         tally->first = (pk_real *)words_allocate(run_model->n_events * s->members,
                                                  sizeof *tally->first);
@@ -182,7 +185,16 @@ static void report_kind(FILE *file, const struct tally *tally, size_t k, const c
 {
     fputs("\n    {\"name\": ", file);
     output_text(file, name);
-    fprintf(file, ", \"count\": %lu, \"never\": %lu", tally->crossings[k], tally->never[k]);
+    fprintf(file, ", \"count\": %lu, \"never\": %lu, \"doubts\": %lu", tally->crossings[k],
+            tally->never[k], tally->doubts[k]);
+}
+
+void watched_warn(const struct tally *tally)
+{
+    for (size_t k = 0; tally->crossings && k < kinds(); k++)
+        if (tally->doubts[k])
+            fprintf(stderr, "run: warning: %s: in %lu members %s\n", watch_name(k), tally->doubts[k],
+                    WATCH_TOO_OFTEN);
 }
 
 void watched_report(const struct tally *tally, const struct settings *s, FILE *file)

@@ -1,7 +1,7 @@
 /* Events: crossings of zero within a step, located by the method itself; see pk/events.h.
  *
  * The functions of the events are looked at on an interpolant of the step, which costs no step, or
- * where a step is too long for it at states by shorter ones. It only proposes times: what is
+ * where a step is too long for it at states by shorter ones (events_look.c). It only proposes times: what is
  * believed is g at states that a second integrator, the scout, reaches from where the step began.
  * Between two such times with opposite signs lies a crossing.
  *
@@ -14,26 +14,24 @@
 
 enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
 
-/* Samples are taken in proportion to the stages, for steps are as long as the stages are many. */
-static int samples_of(const struct pk_method *method)
+static size_t shapes(size_t count)
 {
-    const int wanted = 2 * method->stages;
-    return wanted < 2 || wanted > PK_MOST_SAMPLES ? PK_MOST_SAMPLES : wanted;
+    return (count * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real);
 }
 
-static size_t reals(const struct pk_problem *problem, const struct pk_method *method)
+static size_t reals(const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
     const size_t switches = problem->system->n_switches, m = problem->system->n_events + switches;
-    return 4 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + switches +
-           m * (size_t)(samples_of(method) + 2 + PK_EVENT_ENTRY * PK_MOST_NODES) +
+    return 6 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + switches +
+           shapes(m) + m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
            (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
 }
 
 size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const size_t scout = pk_integrator_size(problem, method);
-    return scout ? scout + reals(problem, method) * sizeof(pk_real) : 0;
+    return scout ? scout + reals(problem) * sizeof(pk_real) : 0;
 }
 
 enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it,
@@ -55,18 +53,20 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     if (pk_events_count(events) == 0)
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
-    events->samples = samples_of(it->method);
-    events->dense = (it->method->traits & PK_DENSE) &&
-                    it->method->dense_order >= it->method->order;
-    events->q0 = (pk_real *)block + scout / sizeof(pk_real);
+    events->proposes = (it->method->traits & PK_DENSE) != 0;
+    events->dense = events->proposes && it->method->dense_order >= it->method->order;
+    events->shapes = (struct pk_shape *)(void *)((pk_real *)block + scout / sizeof(pk_real));
+    events->q0 = (pk_real *)(void *)events->shapes + shapes(pk_events_count(events));
     events->v0 = events->q0 + it->n;
-    events->trial = events->v0 + it->n;
+    events->bend = events->v0 + it->n;
+    events->trial = events->bend + 2 * it->n;
     events->u = events->trial + 2 * it->n;
     events->g = events->u + problem->system->n_inputs;
-    events->list = events->g + pk_events_count(events) * (size_t)(events->samples + 2);
+    events->ends = events->g + pk_events_count(events) * (size_t)(PK_MOST_SAMPLES + 2);
+    events->list = events->ends + 2 * pk_events_count(events);
     events->z0 = events->list + pk_events_count(events) * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
     events->fresh = events->z0 + 2 * problem->system->n_quadratures;
-    memset(events->q0, 0, reals(problem, it->method) * sizeof(pk_real));
+    memset(events->shapes, 0, reals(problem) * sizeof(pk_real));
     if (events->n_switches) {
         events->params = events->fresh + events->n_switches;
         events->sides = (pk_real *)(void *)((char *)events->params + problem->system->sides);
@@ -97,10 +97,10 @@ enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
     return it->status = PK_NOT_FINITE;
 }
 
-static enum pk_status at_ends(const struct pk_events *e, struct pk_integrator *it, int j,
-                              const pk_real *q, const pk_real *v)
+static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it, int end,
+                             const pk_real *q, const pk_real *v)
 {
-    pk_real *g = pk_events_sample(e, j);
+    pk_real *g = pk_events_end(e, end);
     pk_events_functions(e, it, it->t, q, v, g);
     for (size_t k = 0; k < pk_events_count(e); k++)
         if (!pk_finite(g[k]))
@@ -142,16 +142,11 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
     if (it->z)
         memcpy(e->z0, it->z, it->problem.system->n_quadratures * sizeof *e->z0);
-    if (at_ends(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
+    if (at_end(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
         return it->status;
-    if (at_ends(e, it, e->samples, it->q, it->v) < 0 || pk_events_look(e, it) < 0)
-        return it->status;
-    for (size_t k = 0; k < pk_events_count(e); k++)
-        if (pk_events_seek(e, it, k) < 0)
-            return it->status;
-    return pk_events_report(e, it);
+    return at_end(e, it, 1, it->q, it->v) < 0 ? it->status : pk_events_look(e, it);
 }
 
 /* With the sides on which it goes. */

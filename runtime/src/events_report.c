@@ -26,7 +26,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
     const size_t k = (size_t)entry[1];
     const pk_real side = entry[2] * (pk_real)it->direction;
     const pk_real width = pk_events_width(e, it);
-    pk_real *g = pk_events_sample(e, e->samples + 1);
+    pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     for (int tries = 0; tries < 4; tries++) {
         e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
         if (pk_events_reach(e, it, e->t) < 0)
@@ -79,10 +79,9 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
         if (stop && !stopped)
             stopped = e->which + 1;
     }
-    if (!stopped && !passed) {
-        e->at_switch = 0;
+    if (!stopped && !passed)
         return it->status = PK_DONE;
-    }
+    e->cut = 1;
     if (passed && pk_switches_pass(e, it, last, attempted) < 0)
         return it->status;
     if ((passed || e->t < it->t || e->t > it->t) &&

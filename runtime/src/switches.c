@@ -81,7 +81,7 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
 /* Arguments may have switches in them, which are settled before. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
-    pk_real *x = pk_events_sample(e, e->samples + 1);
+    pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     int changed = 1, reset = 0;
     e->kept = goes_on(e, it);
     if (e->n_switches == 0 || it->direction != 0)

@@ -75,6 +75,7 @@ void add_guard_cause(void);
 void add_after_failure(void);
 void add_events(void);
 void add_events_within(void);
+void add_events_found(void);
 void add_variation(void);
 void add_chaos(void);
 void add_spectrum(void);

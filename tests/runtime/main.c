@@ -159,6 +159,7 @@ int main(int argc, char **argv)
     add_after_failure();
     add_events();
     add_events_within();
+    add_events_found();
     add_switches();
     add_variation();
     add_chaos();

@@ -8,17 +8,20 @@
  *     events.found = my_function;                                  (if it is to be called)
  *     status = pk_events_to(&events, &it, 10);     PK_STOPPED_EVENT: it.t, it.q, it.v are there
  *
- * How a crossing is located. After each step g is compared at its ends and in between, at as many
- * points of an interpolant as suit the method's stages: its own dense output where that is as
- * accurate as its steps, else the cubic of Hermite through q and v, or, where its second derivative
- * at the ends is not the motion's, states by shorter steps. Where the interpolant crosses
- * zero, or dips towards it, g is computed anew at a state that a second integrator reaches by the
- * same method in one shorter step from where the step began. Only such states decide; so a crossing
- * is as accurate as the method's own step, and the trajectory is what it is without events.
+ * How a crossing is located. After each step g is looked at at its ends and in between, at 9 or 17
+ * points of an interpolant: the method's own dense output, else the quintic of Hermite through q, v and
+ * accelerations, or, where that of q and v alone bends otherwise than the motion, states by shorter
+ * steps. The polynomial through these points either shows that g is far from zero, or has to be g, by
+ * its last coefficients; where it is not, the step is looked at in halves, and these in halves. Where
+ * the polynomial crosses zero, or dips to 1/32 of what it varies by, g is computed anew at a state that
+ * a second integrator reaches by the same method in one shorter step from where the step began. Only
+ * such states decide; so a crossing is as accurate as the method's own step, and the trajectory is what
+ * it is without events.
  *
- * What is found: an odd number of crossings in a step always, at least one of them; two of them
- * that lie nearer to each other than the points in between (2 to 16 a step) may be missed, the more
- * so where g comes close to zero without crossing by much. A touch without a crossing is none,
+ * What is found: an odd number of crossings in a step always, at least one of them; two of them where
+ * the interpolant shows their dip. Where the 4096th part of a step is still too long for g, crossings may
+ * be missed, and doubtful() is called; what is narrower than the points are apart, and looks constant
+ * in all of them, is not seen. A touch without a crossing is none,
  * unless g is exactly zero at the end of a step. The time is that of a state just behind the
  * crossing, where g has its new sign or is zero, within some four units in the last place of t.
  *
@@ -53,6 +56,8 @@
 extern "C" {
 #endif
 
+struct pk_shape;
+
 struct pk_events {
     /* The crossing at hand, to be read in found(). */
     size_t which;  /* of system->events */
@@ -72,6 +77,11 @@ struct pk_events {
      * The integrator is to be left alone, as in found(). */
     void (*switched)(void *context, const struct pk_events *events);
 
+    /* Called where a function turns so often, from t on, that crossings may be missed: `which` is of
+     * events, and behind these of switches. */
+    void (*doubtful)(void *context, const struct pk_events *events);
+
+    unsigned long doubts; /* parts of steps in which that was so */
     unsigned long count; /* of crossings reported */
     unsigned long switchings; /* of switches */
     unsigned long tries; /* states computed to locate them */
@@ -79,10 +89,14 @@ struct pk_events {
     /* For the runtime alone. */
     struct pk_integrator scout;
     size_t n, n_events, n_switches;
-    int samples; /* intervals of a step that are looked at */
-    int dense;   /* by the method's own dense output */
+    int proposes; /* the method's own dense output does, */
+    int dense;    /* and is as accurate as its steps */
+    int by_steps; /* no interpolant of this step is worth anything */
     pk_real from; /* time where the step began */
-    pk_real *q0, *v0, *z0, *trial, *u, *g, *list;
+    pk_real at, width; /* the window that is looked at, from there */
+    pk_real *q0, *v0, *z0, *bend, *trial, *u, *g, *ends, *list;
+    struct pk_shape *shapes;
+    int cut; /* the step ends at an event or a switch in it */
     size_t listed;
     void *params;    /* with sides: */
     pk_real *sides;
