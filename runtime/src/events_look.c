@@ -125,11 +125,13 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         most = pk_max(most, g);
         finite &= pk_finite(g);
     }
+    const int far = pk_max(least, -most) > 4 * (most - least); /* on one side, as it is mostly */
     shape->order = N;
     shape->range = most - least;
-    shape->clear = shape->lost = 0;
-    shape->crosses = 1;
-    if (!finite || !pk_finite(shape->range))
+    shape->clear = far;
+    shape->lost = 0;
+    shape->crosses = !far;
+    if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
         pk_real sum = 0;
