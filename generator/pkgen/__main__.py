@@ -10,7 +10,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from . import __version__, arguments, commands, run_command
 from .chart import command as chart_command
@@ -26,6 +26,7 @@ from .exits import (
     NumericsFailed,
     UsageError,
 )
+from .option_values import near
 from .resources import ResourcesExceeded
 from .source import ModelError
 from .stability import command as stability_command
@@ -106,6 +107,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     add("--atol", metavar="A", help="default: that of --rtol")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
+    add("--units", action="store_true", help="units in the header of the CSV")
     add("--record", metavar="a,b,energy", help="only these columns, behind t")
     add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
     add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
@@ -175,13 +177,28 @@ def main(words: list[str] | None = None) -> int:
         print(f"pkgen: '{words[0]}' is not there yet\n\n{OVERVIEW}", file=sys.stderr)
         return USAGE
     command = words[0] if words[0] in COMMANDS else "compile"
-    options = parser_of(command).parse_args(words[1:] if command == words[0] else words)
+    if command != words[0] and words[0].isalpha() and not os.path.exists(words[0]):
+        said = f"there is no command '{words[0]}'; {_near(words[0], COMMANDS)}"
+        print(f"pkgen: {said}", file=sys.stderr)
+        return USAGE
+    parser = parser_of(command)
+    options, unknown = parser.parse_known_args(words[1:] if command == words[0] else words)
+    if unknown:
+        flag = unknown[0].partition("=")[0]
+        said = f"there is no option {flag}; {_near(flag, parser._option_string_actions)}"
+        said = said if flag.startswith("-") else f"one model at a time: what is {flag}?"
+        print(f"pkgen: {said}", file=sys.stderr)
+        return USAGE
     try:
         return _guarded(COMMANDS[command], options)
     except BrokenPipeError:
         # Whoever read our output has gone; closing it again at exit must not complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
+
+
+def _near(word: str, known: Iterable[str]) -> str:
+    return near(word, [name for name in known if name not in ("-h", "--help")], "option")
 
 
 def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:

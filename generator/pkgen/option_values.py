@@ -29,7 +29,7 @@ class _Start:
 
 
 # What pkgen has, and no model.
-_OF_PKGEN = frozenset(("method", "kernel", "diagnostic"))
+_OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option"))
 _NEXT = re.compile(r",\s*(?=[A-Za-z_]\w*(?:\[[^\]]*\])?'*\s*=)")
 
 

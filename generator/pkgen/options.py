@@ -140,6 +140,7 @@ def settings(
         start_v=tuple((s.index, s.value) for s in starts if s.order),
         show=show,
         at=at,
+        units=options.units,
         diagnose=diagnostics.asked(options.diagnose),
         accuracy=None if _author_chooses(options) else said.accuracy,
         parts=()

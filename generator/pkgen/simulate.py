@@ -9,15 +9,18 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import signal
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
+from csv import reader, writer
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
 
-from . import __version__, named
+from . import __version__, named, not_finite
 from .build import build_program
 from .compiler import Compilation
 from .ensemble import Ensemble
@@ -93,6 +96,7 @@ class Settings:
     accuracy: float | None = None  # promised, by a method that is yet to be chosen
     compiled_for: tuple[str, ...] = ()  # methods that are fastest in the program; none: its own
     parts: tuple[PartSettings, ...] = ()  # none: all as the whole
+    units: bool = False  # in the header
 
     def lines(self) -> list[str]:
         """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
@@ -201,12 +205,16 @@ def simulate(
         report_path = Path(scratch) / "report.json"
         lines = [*settings.lines(), f"report {report_path}"]
         lines.append(f"progress {1 if on_progress else 0}")
+        if settings.units:
+            lines.append("header 0")
+            _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), output)
         if ensemble:
             lines += ensemble.settings(Path(scratch) / "members", threads)
         child = subprocess.Popen(
             [program], stdin=subprocess.PIPE, stdout=output, stderr=subprocess.PIPE, text=True
         )
         messages = with_options(_converse(child, "\n".join(lines) + "\n", on_progress))
+        messages = not_finite.named(messages, compilation, settings.parameters)
         report = json.loads(report_path.read_text()) if report_path.exists() else {}
     if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
         return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")
@@ -214,6 +222,14 @@ def simulate(
         messages += f"run: ended by signal {-child.returncode}\n"
         return Outcome(NUMERICS_FAILED, report, messages)
     return Outcome(child.returncode, report, ensemble.placed(messages) if ensemble else messages)
+
+
+def _write_header(columns: list[Quantity], output: IO[bytes] | int) -> None:
+    """In place of the driver's, which knows no units of time and energy."""
+    fd = output if isinstance(output, int) else output.fileno()
+    with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
+        names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
+        writer(file, lineterminator="\n").writerow(names)
 
 
 def _converse(
@@ -270,8 +286,10 @@ def sidecar(
 
 
 def csv_to_npy(csv: Path, npy: Path) -> None:
-    """The rows of a CSV as a 2-D float64 array, a column a quantity."""
+    """The rows of a CSV as an array of float64 with named columns: numpy.load(npy)["theta1"]."""
     import numpy
 
-    rows = numpy.loadtxt(csv, delimiter=",", skiprows=1, ndmin=2)
-    numpy.save(npy, rows)
+    with open(csv, newline="", encoding="utf-8") as file:
+        names = [re.sub(r" \[[^\]]*\]$", "", name) for name in next(reader(file))]
+        rows = numpy.loadtxt(file, delimiter=",", ndmin=2).reshape(-1, len(names))
+    numpy.save(npy, rows.view([(name, float) for name in names])[:, 0])

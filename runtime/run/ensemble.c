@@ -233,10 +233,8 @@ int ensemble_run(struct run *run, pk_real count)
     if (watched)
         watched_begin(&tally, s);
     code = code ? code : area_begin(run, b.t, rows);
-    if (code == 0) {
-        fprintf(run->out, "%s,", s->member_name ? s->member_name : "member");
+    if (code == 0)
         output_header(run, run->out);
-    }
     for (size_t first = 0; code == 0 && first < s->members && !run_interrupted();
          first += b.size) {
         const size_t left = s->members - first;

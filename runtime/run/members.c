@@ -40,11 +40,9 @@ static int set_member(struct batch *b, size_t i, size_t member, const double *ro
     b->system->derive(params, b->given);
     const int outside = b->system->prepare(params);
     if (outside) {
-        const int one = (size_t)outside <= b->system->n_parameters;
-        fprintf(stderr, "run: member %ld: %s%s\n", ensemble_number(s, member),
-                one ? b->system->parameters[outside - 1].what.name
-                    : "what is computed from its parameters is not finite",
-                one ? " is outside its bounds" : "");
+        fprintf(stderr, "run: member %ld: ", ensemble_number(s, member));
+        parameters_refused(stderr, b->system, params, outside);
+        fputc('\n', stderr);
         return 2;
     }
     b->system->start(params, q, v);

@@ -2,6 +2,7 @@
 #include "apart.h"
 #include "diagnose.h"
 #include "expect.h"
+#include "numbers.h"
 #include "trust.h"
 #include "watch.h"
 
@@ -31,7 +32,7 @@ void output_text(FILE *file, const char *text)
 void output_real(FILE *file, pk_real x)
 {
     if (x - x == PK_C(0.0))
-        fprintf(file, "%.17g", (double)x);
+        numbers_write(file, (double)x);
     else
         fputs("null", file);
 }

@@ -1,6 +1,7 @@
 /* Sizes and parameters of a run: sizes first, since they say how many numbers there are, then
  * defaults, then what was given, then the defaults that follow.
  */
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,8 @@
 #include "numbers.h"
 #include "output.h"
 #include "words.h"
+
+enum { MOST_TOLD = 12 }; /* parameters */
 
 /* A member of a family of parameters, to be set again once defaults have followed. */
 struct member {
@@ -97,6 +100,63 @@ void settings_follow(struct settings *s, const struct pk_system *system)
             set_member(s, system, &s->set[k]);
     }
     system->derive(s->params, s->given);
+}
+
+static void tell(FILE *file, pk_real x)
+{
+    if (isinf((double)x))
+        fputs(x > 0 ? "inf" : "-inf", file);
+    else
+        numbers_write(file, (double)x);
+}
+
+void parameters_refused(FILE *file, const struct pk_system *system, const void *params, int outside)
+{
+    const size_t n = system->n_parameters, index = (size_t)outside - 1;
+    if (index > n) {
+        fputs("a size is too small", file);
+        return;
+    }
+    if (index == n)
+        fputs("what is computed from the parameters is not finite", file);
+    pk_real *lo = (pk_real *)words_allocate(2 * n, sizeof *lo), *hi = lo + n;
+    system->bounds(params, lo, hi);
+    for (size_t i = index < n ? index : 0, told = 0; i < n && told < MOST_TOLD; i++) {
+        const struct pk_parameter *p = &system->parameters[i];
+        struct pk_range range = {0, 1, 0};
+        char unit[80] = "";
+        pk_real x = 0;
+        if (system->range)
+            system->range(params, 1, i, &range);
+        if (!range.is_family)
+            memcpy(&x, (const char *)params + p->offset, sizeof x);
+        if (*p->what.unit)
+            snprintf(unit, sizeof unit, " [%s]", p->what.unit);
+        if (index == n && range.is_family)
+            continue;
+        fprintf(file, index < n ? "%s" : told++ ? ", %s = " : ": %s = ", p->what.name);
+        if (index == n) {
+            tell(file, x);
+            fputs(unit, file);
+            continue;
+        }
+        if (!(x - x == 0)) {
+            fputs(" is not finite", file);
+            break;
+        }
+        fputs(" is outside its bounds: ", file);
+        if (range.is_family)
+            fputs("a member", file);
+        else
+            tell(file, x);
+        fprintf(file, "%s is not in %c", unit, p->lo_open ? '(' : '[');
+        tell(file, lo[i]);
+        fputs(", ", file);
+        tell(file, hi[i]);
+        fputc(p->hi_open ? ')' : ']', file);
+        break;
+    }
+    free(lo);
 }
 
 void settings_tell(const struct settings *s, FILE *file)

@@ -4,6 +4,7 @@
 #include "diagnose_area.h"
 #include "ensemble.h"
 #include "expect.h"
+#include "numbers.h"
 
 #include <errno.h>
 #include <math.h>
@@ -36,6 +37,10 @@ void output_header(struct run *run, FILE *file)
     const struct pk_system *system = run->problem.system;
     const struct pk_quantity *const tables[] = {system->coordinates, system->rates};
     char name[128];
+    if (run->settings.headless)
+        return;
+    if (run->settings.ensemble)
+        fprintf(file, "%s,", run->settings.member_name ? run->settings.member_name : "member");
     fputc('t', file);
     for (size_t i = 0; i < run->settings.n_show; i++) {
         const struct shown *show = &run->settings.show[i];
@@ -69,10 +74,11 @@ static int is_finite(pk_real x) { return x - x == PK_C(0.0); }
 /* A number that is none has no sign. */
 static void cell(FILE *file, pk_real x)
 {
+    fputc(',', file);
     if (isnan((double)x))
-        fputs(",nan", file);
+        fputs("nan", file);
     else
-        fprintf(file, ",%.17g", (double)x);
+        numbers_write(file, (double)x);
 }
 
 pk_real output_value(const struct run *run, const struct shown *column, pk_real t,
@@ -151,7 +157,7 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
     }
     if (run->settings.ensemble)
         fprintf(file, "%ld,", ensemble_number(&run->settings, run->member));
-    fprintf(file, "%.17g", (double)t);
+    numbers_write(file, (double)t);
     const char *bad = (run->settings.n_show ? shown_row : whole_row)(run, file, t, q, v, z, out);
     fputc('\n', file);
     run->rows++;

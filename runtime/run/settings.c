@@ -178,6 +178,10 @@ static int set(struct settings *s, const struct pk_system *system, size_t line,
         s->diagnose |= diagnose_flag(word[1]);
         return diagnose_flag(word[1]) ? 0 : words_usage(line, "no such diagnostic", word[1]);
     }
+    if (strcmp(word[0], "header") == 0) {
+        s->headless = word[1][0] == '0';
+        return 0;
+    }
     if (strcmp(word[0], "progress") == 0) {
         s->progress = word[1][0] == '1';
         return 0;
@@ -218,13 +222,9 @@ static int finish(struct settings *s, const struct pk_system *system)
     settings_follow(s, system);
     const int outside = system->prepare(s->params);
     if (outside) {
-        if ((size_t)outside > system->n_parameters + 1)
-            fprintf(stderr, "run: a size is too small\n");
-        else if ((size_t)outside > system->n_parameters)
-            fprintf(stderr, "run: what is computed from the parameters is not finite\n");
-        else
-            fprintf(stderr, "run: parameter %s is outside its bounds\n",
-                    system->parameters[outside - 1].what.name);
+        fputs((size_t)outside > system->n_parameters ? "run: " : "run: parameter ", stderr);
+        parameters_refused(stderr, system, s->params, outside);
+        fputc('\n', stderr);
         free(q);
         return EXIT_USAGE;
     }

@@ -82,6 +82,7 @@ struct settings {
     struct pk_options options;
     int has_rtol, has_atol, has_every, has_step;
     int progress;
+    int headless; /* rows without names above them */
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */
     char *report;
     unsigned diagnose; /* flags of diagnose.h */
@@ -133,6 +134,8 @@ int settings_size(struct settings *settings, const struct pk_system *system, siz
 int settings_param(struct settings *settings, const struct pk_system *system, size_t line,
                    char *const word[]);
 void settings_follow(struct settings *settings, const struct pk_system *system);
+/* Which parameter prepare() refused, its value and bounds; of what follows from all, their values. */
+void parameters_refused(FILE *file, const struct pk_system *system, const void *params, int outside);
 /* Parameters and start as they are in memory, one JSON object, so that the same model in another
  * precision can have the same ones. */
 void settings_tell(const struct settings *settings, FILE *file);

@@ -116,8 +116,55 @@ def test_run_writes_npy(pkgen, tmp_path: Path) -> None:
     out = tmp_path / "rows.npy"
     assert pkgen("run", HOOP, "--until", "1", "--every", "0.25", "-o", out).returncode == 0
     table = numpy.load(out)
-    assert table.shape == (5, 4) and table[-1, 0] == 1
+    assert table.shape == (5,) and table["t"][-1] == 1
+    assert table.dtype.names == ("t", "theta", "theta'", "energy")
+    assert 0 < abs(table["theta'"][-1]) < 10
     assert Path(f"{out}.json").exists()
+
+
+def test_units_in_the_header(pkgen, tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    done = pkgen("run", HOOP, "--until", "1", "--every", "0.25", "--units", "-o", out)
+    assert done.returncode == 0, done.stderr
+    lines = out.read_text().splitlines()
+    assert lines[0] == "t [s],theta [rad],theta' [rad/s],energy [J]" and len(lines) == 6
+    done = pkgen("run", HOOP, "--until", "1", "--every", "0.25", "--units", "-o", f"{out}.npy")
+    assert done.returncode == 0, done.stderr
+    assert numpy.load(f"{out}.npy").dtype.names[1] == "theta"
+
+
+def test_units_are_shown_as_they_are_declared(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "motor.lag"
+    path.write_text(
+        "model motor\nparam k = 2 [N*m]\nparam c = 3 [ V*s/rad ]\nparam l = 5 [cm]\n"
+        "param R = 4 [ohm]\ncoord x [rad]\nstate Q [C]\nkinetic (1 [kg])*l^2*x'^2/2\n"
+        "potential k*x^2/2\nrate Q = c*x'/R\nobserve torque = k*x [N*m]\n"
+        "observe u = c*x'\nobserve B = c*x'*(1 [s/m^2])\nstart x = 1\n"
+    )
+    done = pkgen("run", path, "--until", "1", "--every", "1", "--units")
+    assert done.returncode == 0, done.stderr
+    header = "t [s],x [rad],x' [rad/s],Q [C],torque [N*m],u [V],B [T],energy [J]"
+    assert done.stdout.splitlines()[0] == header
+    done = pkgen("explain", path)
+    assert "N*m" in done.stdout and "V*s/rad" in done.stdout and "[m]" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["runn", HOOP], "there is no command 'runn'; did you mean 'run'?"),
+        (["run", HOOP, "--methd", "rk4"], "there is no option --methd; did you mean '--method'"),
+        (["run", HOOP, "--method", "gaus"], "did you mean 'gauss'"),
+        (["run", HOOP, "--set", "omga=1"], "did you mean 'Omega'"),
+        (["run", HOOP, "--start", "thta=1"], "did you mean 'theta'"),
+        (["run", HOOP, "--start", "theta=90deg"], "in square brackets: 90 [deg]"),
+        (["run", HOOP, "--scene", "slidng"], "scene"),
+        (["run", str(HOOP).replace("hoop", "hop")], "hoop.lag"),
+    ],
+)
+def test_the_nearest_word_is_named(pkgen, words: list, said: str) -> None:
+    done = pkgen(*words)
+    assert done.returncode == 2 and said in done.stderr, done.stderr
 
 
 def test_run_as_json_has_the_rows(pkgen) -> None:

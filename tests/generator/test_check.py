@@ -87,7 +87,7 @@ def test_units_for_display():
     assert (x.unit, x.rate_unit, x.momentum_unit) == ("m", "m/s", "kg*m/s")
     assert (theta.unit, theta.rate_unit, theta.momentum_unit) == ("rad", "rad/s", "kg*m^2/s")
     assert [o.unit for o in model.observed] == ["J", "1/s"]
-    assert model.inputs[0].units == ("kg*m/s^2",)
+    assert model.inputs[0].units == ("N",)
 
 
 @pytest.mark.parametrize("text", ["coord x\n", "coord x [rad]\n", "coord x [deg]\n"])

@@ -471,8 +471,8 @@ const char coupled_oscillators_source_hash[65] =
 
 const struct coupled_oscillators_parameter coupled_oscillators_parameters[3] = {
     {{"m", "kg", "each mass"}, offsetof(struct coupled_oscillators_params, m), 0, 1, 1},
-    {{"k", "kg/s^2", "the two wall springs"}, offsetof(struct coupled_oscillators_params, k), 0,
-        0, 1},
+    {{"k", "N/m", "the two wall springs"}, offsetof(struct coupled_oscillators_params, k), 0, 0,
+        1},
     {{"kc", "kg/s^2", "the springs between masses; follows k unless set"},
         offsetof(struct coupled_oscillators_params, kc), 1, 0, 1},
 };

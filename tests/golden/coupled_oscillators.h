@@ -187,13 +187,13 @@ enum {
 /* Indices into the table of parameters */
 enum {
     coupled_oscillators_p_m = 0, /* each mass [kg] */
-    coupled_oscillators_p_k = 1, /* the two wall springs [kg/s^2] */
+    coupled_oscillators_p_k = 1, /* the two wall springs [N/m] */
     coupled_oscillators_p_kc = 2 /* the springs between masses; follows k unless set [kg/s^2] */
 };
 
 struct coupled_oscillators_params {
     pk_real m; /* each mass [kg] in (0, inf) */
-    pk_real k; /* the two wall springs [kg/s^2] in [0, inf) */
+    pk_real k; /* the two wall springs [N/m] in [0, inf) */
     pk_real kc; /* the springs between masses; follows k unless set [kg/s^2] in [0, inf) */
     pk_real c_[8]; /* computed by coupled_oscillators_prepare(); do not set */
 };

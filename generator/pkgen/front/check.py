@@ -197,7 +197,7 @@ class _Checker:
         order = self.shared.inputs.get(item.name, 0)
         dimension, texts = unit.dimension, []
         for _ in range(order + 1):
-            texts.append(si_text(dimension, unit.angle))
+            texts.append(si_text(dimension, unit.angle) if texts else unit.shown)
             dimension = over(dimension, self.expressions.time_dimension)
         return m.Input(item.name, order, tuple(texts), description, item.span)
 

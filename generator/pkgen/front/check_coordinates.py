@@ -58,7 +58,7 @@ class Coordinates:
             m.Coordinate(
                 item.name,
                 found.family,
-                si_text(found.dimension, found.angle),
+                unit.shown if unit else si_text(found.dimension, found.angle),
                 si_text(units.over(found.dimension, time), found.angle),
                 si_text(momentum),
                 description,

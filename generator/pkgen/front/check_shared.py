@@ -185,11 +185,11 @@ class Shared:
     def shown_unit(self, written: Expr, facts: Facts) -> str:
         """The SI unit for display, in radians where the author said so."""
         dimension = facts.dimension or NONE
-        angle = 0
         if isinstance(written, Quantity):
             unit = self.expressions.parsed(written.unit)
-            angle = unit.angle if unit is not None and unit.dimension == dimension else 0
-        return si_text(dimension, angle)
+            if unit is not None and unit.dimension == dimension:
+                return unit.shown
+        return si_text(dimension)
 
     def poison(self, left: st.Left) -> None:
         self.names.declare(Entry(left.name, "poisoned", UNKNOWN, name_span(left)))

@@ -28,7 +28,8 @@ class States:
         if not found.new:
             self.wrong.add(item.name)
         per_time = units.over(found.dimension, self.expressions.time_dimension)
-        shown = si_text(found.dimension, found.angle), si_text(per_time, found.angle)
+        own = unit.shown if unit else si_text(found.dimension, found.angle)
+        shown = own, si_text(per_time, found.angle)
         self.shared.parts["state"].append(
             m.State(item.name, found.family, *shown, description, item.span)
         )

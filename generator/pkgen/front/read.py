@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
+from contextlib import suppress
+from difflib import get_close_matches
 
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
@@ -69,7 +71,14 @@ def _bytes(path: str) -> bytes:
 
 
 def _similar(path: str) -> str:
-    return f"did you mean {path}.lag?" if os.path.isfile(path + ".lag") else ""
+    if os.path.isfile(path + ".lag"):
+        return f"did you mean {path}.lag?"
+    folder, name = os.path.split(path)
+    with suppress(OSError):
+        models = [x for x in os.listdir(folder or ".")[:1000] if x.endswith(".lag")]
+        near = get_close_matches(name, models, 1)
+        return f"did you mean {os.path.join(folder, near[0])}?" if near else ""
+    return ""
 
 
 def _unreadable(path: str, message: str, help: str = "") -> UnreadableModel:

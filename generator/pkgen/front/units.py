@@ -9,7 +9,7 @@ them; pint is imported only then, because that takes half a second.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import cache
@@ -101,7 +101,7 @@ KINDS = {
     dimension(1, 0, -2, -1): "a magnetic field",
     dimension(K=1): "a temperature",
 }
-_SHORT = {ENERGY: "J", POWER: "W"}
+_SHORT = {_SIMPLE[n][1]: n for n in ("J", "W", "C", "V", "F", "H", "T", "Wb", "ohm")}
 
 
 _BARE = re.compile(r"[A-Za-z]\w*(\^-?[0-9]+)?([*/][A-Za-z]\w*(\^-?[0-9]+)?)*")
@@ -137,6 +137,12 @@ class Unit:
     pi: int
     dimension: Dimension
     angle: int
+    text: str = ""  # as its author wrote it, where values are in it
+
+    @property
+    def shown(self) -> str:
+        """For display: a torque's N*m is no J, though it is one in SI."""
+        return self.text or si_text(self.dimension, self.angle)
 
     @property
     def is_si(self) -> bool:
@@ -226,7 +232,8 @@ def parse_unit(text: str) -> Unit:
             unit = unit.times(_named(item.group(1), item.start(1)).to_power(exponent))
         at = item.end()
         if at == len(text):
-            return unit
+            named = unit.is_si and (unit.angle or unit.dimension != NONE)
+            return replace(unit, text=re.sub(r"\s", "", text)) if named else unit
         if text[at] not in "*/" or text.startswith("**", at):
             raise _malformed(text, at)
         sign = 1 if text[at] == "*" else -1
