@@ -32,15 +32,15 @@ class Rows:
                 raise SystemExit(f"pictures: {model}: {done.stderr}")
             self.data = np.load(path)
             told = json.loads(Path(f"{path}.json").read_text(encoding="utf-8"))
-        self.names = [column["name"] for column in told["columns"]]
         self.report = told["report"]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self.data[:, self.names.index(name)]
+        return self.data[name]
 
     def family(self, name: str) -> np.ndarray:
         """A column a member."""
-        return self.data[:, [i for i, x in enumerate(self.names) if x.startswith(f"{name}[")]]
+        members = [x for x in self.data.dtype.names if x.startswith(f"{name}[")]
+        return np.stack([self.data[x] for x in members], axis=1)
 
 
 def panels(count: int, width: float = 4.0, height: float = 4.0):
