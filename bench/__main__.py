@@ -1,5 +1,6 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
 `python -m bench accuracy [--quick] [--only TEXT] [--docs]` judges what scenes promise: accuracy.py
+`python -m bench answers` judges what charts answer: answers.py
 `python -m bench reductions [--quick] [--docs]` measures what scenes save: reductions.py
 `python -m bench systems [--docs]` runs every scene of every model: systems.py
 `python -m bench side_by_side [--docs]` beside physicskit at its published settings: side_by_side.py
@@ -21,6 +22,8 @@ import importlib
 import os
 import sys
 import time
+import traceback
+from collections.abc import Callable
 
 from . import (
     chains,
@@ -36,12 +39,12 @@ from . import (
     tables,
     targets,
 )
-from .builds import OUTPUT, Unavailable
+from .builds import OUTPUT, Broken, Refused
 from .peers import cvode, gsl, mechanicsdsl, own, python, taylor
 from .report import write_docs
 
 # Each a command of its own; those that import pkgen are not for the peers' Python.
-ALONE = ("accuracy", "reductions", "systems", "side_by_side", "rotations", "bodies")
+ALONE = ("accuracy", "answers", "reductions", "systems", "side_by_side", "rotations", "bodies")
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 
@@ -59,83 +62,105 @@ def main() -> int:
     # Titles in the order in which they are shown; each part is text, rows are figures to reach.
     parts: dict[str, str] = {"Figures to reach": ""}
     rows: list[targets.Row] = []
-    timings = {} if arguments.own else _kernels(effort, parts, rows)
-    comparisons = _methods(arguments.own, names, effort, parts, rows)
+    timings: dict[str, kernels.Timing] = {}
+    comparisons: list[measure.Comparison] = []
+    steps: dict[str, Callable[[], Refused]] = {
+        "Methods": lambda: _methods(arguments.own, names, effort, parts, rows, comparisons)
+    }
     if not arguments.own:
-        _ensembles(effort, parts, rows)
-        _chains(effort, parts, rows)
-        _long_run(effort, parts, rows)
-        _derivation(parts, rows)
+        steps = {
+            "Kernels": lambda: _kernels(effort, parts, rows, timings),
+            **steps,
+            "Ensembles": lambda: _ensembles(effort, parts, rows),
+            "Chains": lambda: _chains(effort, parts, rows),
+            "Long run": lambda: _long_run(effort, parts, rows),
+            "Derivation": lambda: _derivation(parts, rows),
+        }
+    failed = _measured(steps)
     parts["Figures to reach"] = tables.targets(rows, names)
     spent = time.monotonic() - begin
     _say(f"measured in {spent:.0f} s; load average at the end {os.getloadavg()[0]:.2f}")
     for title, text in parts.items():
         print(f"\n## {title}\n\n{text}")
     _save(comparisons, timings, rows, here)
-    if arguments.docs:
+    if arguments.docs and not failed:
         write_docs(parts, here, effort)
-    return 0
+    for why in failed:
+        _say(f"bench: failed: {why}")
+    return 1 if failed else 0
 
 
-def _kernels(effort, parts, rows) -> dict[str, kernels.Timing]:
-    timings, refused = kernels.measure(effort, _say)
+def _measured(steps: dict[str, Callable[[], Refused]]) -> list[str]:
+    """Which parts failed, and why; the others are measured all the same."""
+    failed = []
+    for title, step in steps.items():
+        try:
+            refused = step()
+        except (Exception, SystemExit) as error:
+            traceback.print_exc()
+            refused = {type(error).__name__: Broken(str(error))}
+        broken = [(name, why) for name, why in refused.items() if isinstance(why, Broken)]
+        failed += [f"{title}: {name}: {why}" for name, why in broken]
+    return failed
+
+
+def _kernels(effort, parts, rows, timings) -> Refused:
+    found, refused = kernels.measure(effort, _say)
+    timings.update(found)
     parts["Kernels"] = _with(tables.kernels(timings), refused)
     rows += targets.kernel_rows(timings)
-    return timings
+    return refused
 
 
-def _methods(alone: bool, names, effort, parts, rows) -> list[measure.Comparison]:
+def _methods(alone: bool, names, effort, parts, rows, comparisons) -> Refused:
     sources = PEERS[:1] if alone else PEERS
     contenders = [c for source in sources for c in source.contenders()]
-    comparisons = []
+    refused = {}
     for name in names:
         model = models.model(name)
         exact = reference.finals(model, model.starts(effort.starts))
         found = measure.compare(model, contenders, exact, effort, _say)
         parts[name.replace("_", " ").capitalize()] = _with(tables.methods(found), found.refused)
         comparisons.append(found)
+        refused |= {f"{name}, {who}": why for who, why in found.refused.items()}
     rows += targets.method_rows(comparisons)
-    return comparisons
+    return refused
 
 
-def _ensembles(effort, parts, rows) -> None:
+def _ensembles(effort, parts, rows) -> Refused:
     timings, batch, refused = ensembles.measure(effort, _say)
     text = tables.turns("RK4 step of a double pendulum in an ensemble", timings)
     parts["Ensembles"] = _with(text, refused)
     rows += targets.ensemble_rows(timings, batch)
+    return refused
 
 
-def _chains(effort, parts, rows) -> None:
+def _chains(effort, parts, rows) -> Refused:
     found, refused = chains.measure(effort, _say)
     parts["Chains"] = _with(tables.chains(found), refused)
     rows += targets.chain_rows(found)
+    return refused
 
 
-def _long_run(effort, parts, rows) -> None:
-    try:
-        found = longrun.measure(effort, _say)
-    except Unavailable as reason:
-        parts["Long run"] = _with("", {"pkgen gauss8": str(reason)})
-        return
+def _long_run(effort, parts, rows) -> Refused:
+    found = longrun.measure(effort, _say)
     parts["Long run"] = (
         f"gauss8, {longrun.STEPS_A_PERIOD} steps a period, {found.starts} starts of"
         f" {found.periods:,} periods, {found.flags}: rms relative energy error {found.rms:.2g},"
         f" growth exponent {found.exponent:.2f}"
     )
     rows += targets.long_rows(found)
+    return {}
 
 
-def _derivation(parts, rows) -> None:
-    try:
-        found = derivation.measure()
-    except Unavailable as reason:
-        parts["Derivation"] = _with("", {"bench/derivation.py": str(reason)})
-        return
+def _derivation(parts, rows) -> Refused:
+    found = derivation.measure()
     parts["Derivation"] = tables.derivation(found)
     rows += targets.derivation_rows(found)
+    return {}
 
 
-def _with(text: str, refused: dict[str, str]) -> str:
+def _with(text: str, refused: Refused) -> str:
     """A table, and below it who could not take part."""
     missing = "\n".join(f"- {name}: {why}" for name, why in refused.items())
     return "\n\n".join(filter(None, (text, missing)))

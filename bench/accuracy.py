@@ -166,13 +166,14 @@ def main(words: list[str]) -> int:
     began = time.monotonic()
     folder = accuracy_reference.FOLDER
     folder.mkdir(parents=True, exist_ok=True)
-    found = []
+    found, failed = [], []
     cases = [case for case in CASES if case.quick or not arguments.quick]
     for case in chosen(cases, arguments.only, lambda case: case.name):
         try:
             found.append(judge(case, folder))
         except RuntimeError as error:
-            print(f"{case.name}: {error}", file=sys.stderr)
+            failed.append(f"{case.name}: {error}")
+            print(f"bench: failed: {failed[-1]}", file=sys.stderr)
             continue
         print(" | ".join(_cells(found[-1])), file=sys.stderr, flush=True)
     said = f"{verdict(found)}; judged in {time.monotonic() - began:.0f} s"
@@ -180,7 +181,9 @@ def main(words: list[str]) -> int:
     if arguments.docs:
         here = "; ".join(machine.describe().lines())
         _into(ROOT / "docs" / "accuracy.md", f"{said}.\n\n{here}\n\n{table(found)}\n")
-    return 0
+    for why in failed:
+        print(f"bench: failed: {why}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 def _into(path: Path, text: str) -> None:

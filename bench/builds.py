@@ -28,7 +28,14 @@ WIDE = ("-O3", *NATIVE)
 
 
 class Unavailable(Exception):
-    """What cannot take part: it is not installed, does not compile, or has no such model."""
+    """What cannot take part: it is not installed, or has no such model."""
+
+
+class Broken(Unavailable):
+    """What should take part, and fails: the bench goes on, says so and fails in the end."""
+
+
+Refused = dict[str, Exception]  # who cannot take part, and why
 
 
 @dataclass(frozen=True)
@@ -103,7 +110,7 @@ def run(command: list[str]) -> None:
         first = next((line for line in said if "error" in line), "".join(said[:1]))
         with (OUTPUT / "failures.log").open("a") as log:
             log.write(f"{shlex.join(command)}\n{done.stderr}\n")
-        raise Unavailable(f"{command[0]} failed (see failures.log): {first[:200]}")
+        raise Broken(f"{command[0]} failed (see failures.log): {first[:200]}")
 
 
 def _headers() -> list[Path]:

@@ -11,7 +11,16 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from .builds import OUTPUT, RUNTIME, SOURCES, Build, Unavailable, compile_program, each_build
+from .builds import (
+    OUTPUT,
+    RUNTIME,
+    SOURCES,
+    Build,
+    Refused,
+    Unavailable,
+    compile_program,
+    each_build,
+)
 from .measure import Effort
 from .peers.own import emit
 from .turns import Runner, Timing, take_turns
@@ -27,7 +36,7 @@ H = 0.05
 AGREE = 1e-9
 
 
-def measure(effort: Effort, say) -> tuple[dict[int, dict[str, Timing]], dict[str, str]]:
+def measure(effort: Effort, say) -> tuple[dict[int, dict[str, Timing]], Refused]:
     """Timings by size and title; and why who is missing."""
     quick = effort.starts < 5
     found, refused = {}, {}
@@ -39,7 +48,7 @@ def measure(effort: Effort, say) -> tuple[dict[int, dict[str, Timing]], dict[str
             try:
                 runners += make(title, effort.builds, n, steps)
             except Unavailable as reason:
-                refused[title] = str(reason)
+                refused[title] = reason
         found[n] = take_turns(runners, 3 if quick or n == BEYOND else 7, _Agreement())
     say(f"chains: {len(runners)} builds at {len(found)} sizes")
     return found, refused

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from .builds import Build, Unavailable, each_build
+from .builds import Broken, Build, each_build
 from .models import Model
 
 # Relative tolerance, the absolute one the same, from loose to what double precision allows.
@@ -66,7 +66,7 @@ class Program:
         answer = self._child.stdout.readline().strip()
         if answer != "ready":
             self.close()
-            raise Unavailable(answer.removeprefix("failed ") or "the program does not start")
+            raise Broken(answer.removeprefix("failed ") or "the program does not start")
 
     def integrate(self, setting, y0, t_end, seconds):
         numbers = (setting, t_end, seconds, *y0)

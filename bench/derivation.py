@@ -21,7 +21,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from .builds import Unavailable
+from .builds import Broken
 from .models import ROOT
 from .peers.own import pkgen_python
 
@@ -48,7 +48,7 @@ def measure() -> dict[int, dict[str, float]]:
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     said = done.stdout.strip().splitlines()
     if done.returncode or not said or not said[-1].startswith("{"):
-        raise Unavailable((done.stderr.strip().splitlines() or ["no JSON at the end"])[-1])
+        raise Broken((done.stderr.strip().splitlines() or ["no JSON at the end"])[-1])
     return {row["n"]: row for row in json.loads(said[-1])["rows"]}
 
 
@@ -63,7 +63,7 @@ def main() -> None:
     rows = []
     for n in sizes:
         runs = [compiled(n, kernels) for _ in range(5 if n <= 20 else 1)]
-        program, files = runs[-1][1][-2:]
+        (program, _), files = runs[-1][1][-2:]
         row = {
             "n": n,
             "derive_seconds": statistics.median(ends[derived] for ends, _ in runs),

@@ -15,7 +15,16 @@ from functools import cache, partial
 from pathlib import Path
 
 from . import codegen, matching, reference
-from .builds import RUNTIME, SOURCES, Build, Unavailable, compile_program, each_build, written
+from .builds import (
+    RUNTIME,
+    SOURCES,
+    Build,
+    Refused,
+    Unavailable,
+    compile_program,
+    each_build,
+    written,
+)
 from .measure import Effort
 from .models import error, model
 from .peers.own import generated, kernel_header
@@ -29,7 +38,7 @@ SHOWN = 8  # members whose final state a program prints
 MOST_ERROR = {"double": 2e-6, "float": 1e-4}
 
 
-def measure(effort: Effort, say) -> tuple[dict[str, Timing], list[Timing], dict[str, str]]:
+def measure(effort: Effort, say) -> tuple[dict[str, Timing], list[Timing], Refused]:
     """Times by title, heyoka's batch mode by tolerance (nanoseconds a member), and refusals."""
     quick = effort.starts < 5
     members, rounds = (10240, 3) if quick else (102400, 7)
@@ -38,14 +47,14 @@ def measure(effort: Effort, say) -> tuple[dict[str, Timing], list[Timing], dict[
         try:
             runners += make(title, effort.builds, members)
         except Unavailable as reason:
-            refused[title] = str(reason)
+            refused[title] = reason
     exact = _exact(STEPS * H)
     best = take_turns(runners, rounds, partial(_must_agree, exact))
     batch = []
     try:
         batch = _batch(members, exact, rounds)
     except Unavailable as reason:
-        refused["heyoka, batch mode"] = str(reason)
+        refused["heyoka, batch mode"] = reason
     say(f"ensembles: {len(best)} ways, {len(runners)} builds, {members} members")
     return best, batch, refused
 

@@ -11,7 +11,17 @@ from functools import partial
 from pathlib import Path
 
 from . import codegen
-from .builds import RUNTIME, SOURCES, Build, Unavailable, compile_program, each_build, run, written
+from .builds import (
+    RUNTIME,
+    SOURCES,
+    Build,
+    Refused,
+    Unavailable,
+    compile_program,
+    each_build,
+    run,
+    written,
+)
 from .measure import Effort
 from .models import Model, equations, model
 from .peers.own import kernel_header
@@ -38,7 +48,7 @@ class Timing:
     builds: dict[str, float]
 
 
-def measure(effort: Effort, say) -> tuple[dict[str, Timing], dict[str, str]]:
+def measure(effort: Effort, say) -> tuple[dict[str, Timing], Refused]:
     """Of the kernels that can be had; and why not the others."""
     kernels, refused = [], {}
     pendulum = model("double_pendulum")
@@ -47,7 +57,7 @@ def measure(effort: Effort, say) -> tuple[dict[str, Timing], dict[str, str]]:
             kernel.header()
             kernels.append(kernel)
         except Unavailable as reason:
-            refused[kernel.title] = str(reason)
+            refused[kernel.title] = reason
     programs = each_build(effort.builds, partial(_program, kernels))
     rounds, turns = (20, 3) if effort.starts > 2 else (5, 3)
     found: dict[str, dict[str, list[float]]] = {k.name: {} for k in kernels}

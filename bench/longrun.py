@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from .builds import AS_RUN, OUTPUT, RUNTIME, SOURCES, Unavailable, compile_program
+from .builds import AS_RUN, OUTPUT, RUNTIME, SOURCES, Broken, Unavailable, compile_program
 from .measure import Effort
 from .peers.own import emit
 
@@ -60,7 +60,7 @@ def _run(program: Path, periods: int, angle: float) -> list[tuple[float, float]]
     if done.returncode == 3:
         raise Unavailable("this pkgen has no gauss8")
     if done.returncode:
-        raise Unavailable(f"the long run failed ({done.returncode})")
+        raise Broken(f"the long run failed ({done.returncode})")
     return [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
 
 

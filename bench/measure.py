@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass, field
 
 from . import matching
-from .builds import BUILDS, QUICK_BUILDS, Build, Unavailable
+from .builds import BUILDS, QUICK_BUILDS, Broken, Build, Refused, Unavailable
 from .contender import Contender, Failed, Session
 from .models import Model, error
 
@@ -90,7 +90,7 @@ class Comparison:
 
     model: Model
     tracks: list[Track]
-    refused: dict[str, str]
+    refused: Refused
 
 
 def compare(model: Model, contenders: list[Contender], exact, effort: Effort, say) -> Comparison:
@@ -100,7 +100,8 @@ def compare(model: Model, contenders: list[Contender], exact, effort: Effort, sa
         try:
             tracks.append(_enter(contender, model, exact[0], effort))
         except (Unavailable, Failed) as reason:
-            refused[contender.name] = str(reason)
+            own = contender.group == "pkgen" and isinstance(reason, Failed)
+            refused[contender.name] = Broken(str(reason)) if own else reason
     say(f"{model.name}: {len(tracks)} contenders ready, {len(refused)} refused")
     order = random.Random(2385)
     begin = time.monotonic()

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import tables
 from .attitudes import angles_to_quaternion
-from .builds import Unavailable
+from .builds import Broken, Unavailable
 from .peers import forms, quaternion
 from .peers.own import pkgen_python
 from .rotation_cases import INERTIA, ROOT, TOP, Case, Form
@@ -123,10 +123,10 @@ def pkgen(case: Case, method: str, options: tuple, setting: str, until: float, e
     command = [pkgen_python(), "-m", "pkgen", *map(str, words), "--json"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 4):
-        raise Unavailable(f"{method}: {done.stdout[:300]}{done.stderr[:300]}")
+        raise Broken(f"{method}: {done.stdout[:300]}{done.stderr[:300]}")
     told = json.loads(done.stdout)
     if told["report"]["status"] != "PK_DONE":
-        raise Unavailable(f"{method}: {told['report']['reason']}")
+        raise Broken(f"{method}: {told['report']['reason']}")
     states = np.array(told["rows"])[:, 1:]
     return Run(f"rotation: {method}", setting, told["report"]["steps"], each, until, states)
 
@@ -140,8 +140,8 @@ def of_peers(case: Case, steps: int) -> Iterator[Run]:
         print("drift: heyoka is not installed", file=sys.stderr)
     try:
         yield scipy(case, start, min(steps, FEWER))
-    except (ImportError, Unavailable):
-        print("drift: SciPy or numba is not installed", file=sys.stderr)
+    except (ImportError, Unavailable) as reason:
+        print(f"drift: SciPy: {reason}", file=sys.stderr)
 
 
 def heyoka(case: Case, start, tolerance: float, steps: int) -> Run:

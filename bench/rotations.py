@@ -30,7 +30,7 @@ from . import (
     tables,
 )
 from .attitudes import of_quaternion
-from .builds import BUILDS, OUTPUT
+from .builds import BUILDS, OUTPUT, Broken
 from .chosen import chosen
 from .measure import Comparison, Effort, Track
 from .peers import forms, quaternion
@@ -65,16 +65,19 @@ def main(words: list[str]) -> int:
     OUTPUT.mkdir(parents=True, exist_ok=True)
     here = machine.describe()
     effort = QUICK if arguments.quick else FULL
-    parts = {}
+    parts, failed = {}, []
     for case in chosen([made() for made in CASES], arguments.only, lambda case: case.name):
-        parts[case.name.capitalize()] = part(case, effort)
+        parts[case.name.capitalize()], broken = part(case, effort)
+        failed += broken
     sections = "\n\n".join(f"### {title}\n\n{text}" for title, text in parts.items())
     print(sections)
     if arguments.docs:
         how = HOW.format(rounds=effort.rounds, starts=effort.starts)
         said = "\n".join(here.lines())
         report.write_block(f"## Rotations and constraints\n\n{how}\n\n{said}\n\n{sections}\n")
-    return 0
+    for why in failed:
+        _say(f"bench: failed: {why}")
+    return 1 if failed else 0
 
 
 def with_peers(words: list[str]) -> int:
@@ -85,12 +88,15 @@ def with_peers(words: list[str]) -> int:
     return subprocess.run(command, cwd=ROOT, check=False).returncode
 
 
-def part(case: Case, effort: Effort) -> str:
+def part(case: Case, effort: Effort) -> tuple[str, list[str]]:
+    """Its text, and what should have taken part and failed."""
     found = compared(case, effort)
     missing = "\n".join(f"- {name}: {why}" for name, why in found.refused.items())
     steps = rotation_drift.QUICK if effort is QUICK else rotation_drift.STEPS
     drifts = rotation_drift.drifts(case, steps) if case.by_quaternion else ""
-    return "\n\n".join(filter(None, (costs(found), ratios(found), missing, drifts)))
+    text = "\n\n".join(filter(None, (costs(found), ratios(found), missing, drifts)))
+    refused = found.refused.items()
+    return text, [f"{case.name}: {n}: {why}" for n, why in refused if isinstance(why, Broken)]
 
 
 def compared(case: Case, effort: Effort) -> Comparison:

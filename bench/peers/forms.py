@@ -12,8 +12,8 @@ from ..builds import (
     ROOT,
     RUNTIME,
     SOURCES,
+    Broken,
     Build,
-    Unavailable,
     compile_program,
     runtime_library,
 )
@@ -51,7 +51,7 @@ def generated(form: Form) -> tuple[Path, str]:
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
         said = done.stderr.strip().splitlines() or ["?"]
-        raise Unavailable(f"pkgen refused {form.path}: {said[-1][:200]}")
+        raise Broken(f"pkgen refused {form.path}: {said[-1][:200]}")
     return folder, stem
 
 

@@ -15,6 +15,7 @@ from ..builds import (
     ROOT,
     RUNTIME,
     SOURCES,
+    Broken,
     Build,
     Unavailable,
     compile_program,
@@ -73,7 +74,7 @@ def emit(model: Path, folder: Path, *options: str) -> None:
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
         said = done.stderr.strip().splitlines() or ["?"]
-        raise Unavailable(f"pkgen refused {model.name}: {said[-1][:200]}")
+        raise Broken(f"pkgen refused {model.name}: {said[-1][:200]}")
 
 
 def kernel_header(model: Model, *options: str, lanes: bool = False, scalar: str = "double") -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from conftest import run_pkgen
-from pkgen.chart import answer, chart, draw, labels, points, spectrum, sweep, table
+from pkgen.chart import chart, draw, labels, points, spectrum, sweep, table
 from pkgen.chart.panel import Curve
 from pkgen.chart.points import Method, Point, Track
 from pkgen.methods import inline_flags
@@ -113,6 +113,34 @@ def test_a_worse_method_loses(made) -> None:
     assert "euler" not in named and "gauss" in named
     steps = {a["accuracy"]: a for a in found["answers"] if a["cheapest_in"] == "work"}
     assert steps[1e-12]["work"] > steps[1e-3]["work"] > 0
+
+
+def test_no_point_of_the_table_refutes_an_answer(made) -> None:
+    """What keeps an accuracy and costs less than the answer is marked as lucky, and a run a little
+    finer shows it; a "none" has nothing but luck beside it."""
+    found, directory = made
+    rows = [r for r in rows_of(directory) if r["outcome"] == "done"]
+    cheaper = 0
+    for a in found["answers"]:
+        axis = a["cheapest_in"]
+        cost = float(a[axis]) if a["method"] else math.inf
+        able = [r for r in rows if float(r["error"]) <= a["accuracy"] and float(r[axis]) < cost]
+        cheaper += len(able)
+        for row in able:
+            assert row["lucky"] == "true", (a, row)
+            setting = "step" if row["step"] else "rtol"
+            least = (0.86 if row["step"] else 0.29) * float(row[setting])
+            assert any(
+                r["method"] == row["method"]
+                and r[setting]
+                and least <= float(r[setting]) < float(row[setting])
+                and float(r["error"]) > a["accuracy"]
+                for r in rows
+            ), (a, row)
+        dearer = [r for r in rows if float(r["error"]) <= a["accuracy"] and float(r[axis]) > cost]
+        assert dearer or not a["method"]
+    lucky = [p for p in found["points"] if p["lucky"]]
+    assert all(p["outcome"] == "done" for p in lucky) and (cheaper > 0) == bool(lucky)
 
 
 def test_points_past_the_limit_are_marked(made) -> None:
@@ -222,15 +250,6 @@ def test_a_row_of_csv_is_a_point_in_order() -> None:
     ]
 
 
-def test_luck_counts_for_nothing() -> None:
-    lucky = Track(RK4, (point(0.4, 1e-9, 1), point(0.2, 1e-4, 2), point(0.1, 1e-6, 4)))
-    assert [e for e, _ in lucky.without_luck()] == [1e-4, 1e-4, 1e-6]
-    assert lucky.setting_for(1e-4) == 0.4
-    assert lucky.setting_for(1e-5) == pytest.approx(0.2 / math.sqrt(2))
-    assert lucky.cost_at(1e-5, "work") == pytest.approx(2 * math.sqrt(2))
-    assert lucky.setting_for(1e-7) is None
-
-
 def test_limits_are_of_the_nearest_end() -> None:
     found = spectrum.Spectrum(omega=10.0, rho=0.0, until=1.0)
     assert found.limit(RK4) == pytest.approx(0.28284)
@@ -256,12 +275,6 @@ def test_steps_go_from_past_the_limit_by_the_measured_slope() -> None:
     flat = sweep.Steps(RK4, found, count=14).after([point(0.4, 1e-1), point(0.2, 0.5e-1)])
     assert first / steep == pytest.approx(10**0.25, rel=0.05)
     assert steep > 2 * flat
-
-
-def test_tolerances_of_an_answer_have_two_digits() -> None:
-    assert answer._two_digits(6.039e-6) == 6.0e-6
-    assert answer._two_digits(9.99e-6) == 9.9e-6
-    assert answer._two_digits(1e-9) == 1e-9
 
 
 def test_families_follow_from_what_a_method_says_of_itself() -> None:

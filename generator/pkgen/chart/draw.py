@@ -10,10 +10,9 @@ import re
 from pathlib import Path
 
 from . import table, text
-from .answer import AXES
 from .chart import Chart
 from .panel import FAILED, UNITS, Curve, Style, draw
-from .points import FAMILIES, Point, Track
+from .points import AXES, FAMILIES, Point, Track
 
 # Of a family: colour and marker.
 STYLES = dict(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 LOST = 1.0  # an error as large as the motion itself
+AXES = ("seconds", "work")  # of cost
 
 EXPLICIT = "explicit Runge–Kutta, fixed step"
 EMBEDDED = "explicit Runge–Kutta, adaptive"
@@ -83,6 +83,7 @@ class Point:
     work: int  # evaluations, each Jacobian as many as differences of its columns would take
     took: float  # to measure, in seconds of the processor
     drifts: dict[str, float] = field(default_factory=dict)
+    lucky: bool = False  # keeps an accuracy that an answer is for, as runs a little finer do not
 
     @property
     def arrived(self) -> bool:
@@ -112,7 +113,7 @@ class Point:
         return "done" if self.good else "lost"
 
     def cost(self, axis: str) -> float | None:
-        """`axis` is seconds or work."""
+        """`axis` is one of AXES."""
         return self.seconds if axis == "seconds" else float(self.work)
 
 
@@ -127,41 +128,7 @@ class Track:
     def good(self) -> list[Point]:
         return [p for p in self.points if p.good]
 
-    def without_luck(self) -> list[tuple[float, Point]]:
-        """Each good point with its error, counted as no smaller than those of all tighter
-        settings: a loose one may be lucky."""
-        worst, found = 0.0, []
-        for point in reversed(self.good):
-            worst = max(worst, point.error or 0.0)
-            found.append((worst, point))
-        return found[::-1]
-
-    def setting_for(self, error: float) -> float | None:
-        """The loosest setting that promises the error, log setting linear in log error between
-        points; None where none reaches it. A setting looser than any tried is not promised."""
-        curve = [(e, p.setting) for e, p in self.without_luck()]
-        reached = next((i for i, (e, _) in enumerate(curve) if e <= error), None)
-        if reached is None:
-            return None
-        tight_error, tight = curve[reached]
-        if reached == 0 or not tight_error > 0:
-            return tight
-        loose_error, loose = curve[reached - 1]
-        share = math.log(loose_error / error) / math.log(loose_error / tight_error)
-        return loose * (tight / loose) ** share
-
     def cost_at(self, error: float, axis: str) -> float | None:
-        """The cost that goes with setting_for()."""
-        setting = self.setting_for(error)
-        if setting is None:
-            return None
-        curve = self.good
-        below = next((p for p in curve if p.setting <= setting), curve[-1])
-        above = next((p for p in reversed(curve) if p.setting >= setting), curve[0])
-        low, high = below.cost(axis), above.cost(axis)
-        if not low or not high:
-            return low or high
-        if not above.setting > below.setting:
-            return low
-        share = math.log(above.setting / setting) / math.log(above.setting / below.setting)
-        return high * (low / high) ** share
+        """The least that it took for the error."""
+        costs = [p.cost(axis) for p in self.good if p.error is not None and p.error <= error]
+        return min((c for c in costs if c is not None), default=None)

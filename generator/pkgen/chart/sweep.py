@@ -11,6 +11,7 @@ from .measure import Exact, Program
 from .points import Method, Point, Track
 from .spectrum import Spectrum
 
+SWEPT = 2 / 3  # of the time to measure; what is left is the answers' (search.py)
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # tolerances
 DECADES = 14.0  # of error that the steps of a method are to go through
 FINER = (1.12, 4.0)  # a step over the next one, at least and at most
@@ -100,7 +101,7 @@ def measure(
     on_progress: Show,
 ) -> list[Track]:
     """All points of all methods that the system admits, refused ones with one point each."""
-    left, tracks = bench.effort.seconds, []
+    left, tracks = SWEPT * bench.effort.seconds, []
     for k, method in enumerate(methods):
         share = max(left, 0.0) / (len(methods) - k)
         on_progress(k / len(methods), method.name)

@@ -16,6 +16,7 @@ COLUMNS = (
     "outcome",
     "status",
     "error",
+    "lucky",
     "seconds",
     "evaluations",
     "jacobians",
@@ -37,6 +38,7 @@ def record(method: Method, point: Point) -> dict[str, object]:
         "outcome": point.outcome,
         "status": point.status,
         "error": point.error,
+        "lucky": point.lucky,
         "seconds": point.seconds,
         "evaluations": point.evaluations,
         "jacobians": point.jacobians,
@@ -72,4 +74,6 @@ def as_csv(tracks: list[Track]) -> str:
 def _cell(value: object) -> object:
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return str(value).lower()
     return repr(value) if isinstance(value, float) else value

@@ -1,0 +1,213 @@
+"""The loosest settings that keep an accuracy, between the points of a sweep.
+
+A point keeps an accuracy by luck where a run a little finer does not: its error passes through zero
+there, or is round-off that happens to be small. So each that may be an answer is measured again at
+FINER of its setting, and whatever else was measured so near beside it counts too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+from .points import AXES, Method, Point, Track
+from .sweep import Bench
+
+FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # of a step; of a tolerance
+TRIALS = 12  # between two points
+NEAR = 1.03  # one cost over another that is not worth a trial
+AIM = 0.8  # of the accuracy
+INNER = (0.25, 0.75)  # of the way between two points, where the next one lies
+COARSER, FALLING = 1.2, 0.7  # errors fall if one is so much smaller than that of such a step
+FOREMOST = 3  # so many methods are taken further
+ROUNDS, TIMED = 3, 1.5  # so often is timed again what may be so many times the fastest
+ROUNDING = 1e-12  # of a quotient that is meant to be whole
+
+
+class Search:
+    """The points of every method, those measured on the way among them."""
+
+    def __init__(self, bench: Bench, tracks: list[Track]):
+        self.bench = bench
+        self.methods = {track.method.name: track.method for track in tracks}
+        self.points = {t.method.name: sorted(t.points, key=_loose_first) for t in tracks}
+        self.left = bench.effort.seconds - sum(p.took for t in tracks for p in t.points)
+        self.measured = 0
+
+    def good(self) -> list[Point]:
+        return [p for points in self.points.values() for p in points if p.good]
+
+    def tracks(self, accuracies: list[float]) -> list[Track]:
+        """A point that is cheaper than an answer and keeps its accuracy is marked as lucky."""
+        best = {(a, x): self.cheapest(a, x) for a in accuracies for x in AXES}
+
+        def lucky(p: Point) -> bool:
+            return any(
+                _met(p, a) and (b is None or _cost(p, x) < _cost(b, x))
+                for (a, x), b in best.items()
+            )
+
+        return [
+            Track(m, tuple(replace(p, lucky=lucky(p)) for p in self.points[m.name]))
+            for m in self.methods.values()
+        ]
+
+    def cheapest(self, accuracy: float, axis: str) -> Point | None:
+        able = sorted((p for p in self.good() if _met(p, accuracy)), key=lambda p: _cost(p, axis))
+        return next((p for p in able if self.keeps(p, accuracy)), None)
+
+    def keeps(self, point: Point, accuracy: float) -> bool:
+        """Not by luck alone."""
+        if not _met(point, accuracy):
+            return False
+        method = self.methods[point.method]
+        bounds = [point.setting, *self._finer(method, point.setting)]
+        between = [self._within(method, low, high) for high, low in pairwise(bounds)]
+        if any(not _met(p, accuracy) for near in between for p in near):
+            return False
+        for near, setting in zip(between, bounds[1:], strict=True):
+            if not near and (p := self._measure(method, setting)) and not _met(p, accuracy):
+                return False
+        if any(self._within(method, bounds[-1], point.setting)):
+            return True
+        tighter = self._within(method, 0.0, point.setting)  # nothing left to measure with
+        return not tighter or _met(tighter[0], accuracy)
+
+    def refine(self, accuracy: float) -> None:
+        """Each method that may be the cheapest, at the loosest setting that keeps the accuracy."""
+        for axis in AXES:
+            foreseen = ((self._bracket(m, accuracy, False), m) for m in self.methods.values())
+            able = [(_least(m, b, axis) * _cost(b[1], axis), m) for b, m in foreseen if b]
+            for _, method in sorted(able, key=lambda pair: pair[0]):
+                self._close_in(method, accuracy, axis)
+        if self.cheapest(accuracy, "work") is None:
+            self._go_on(accuracy)
+
+    def time_again(self, accuracy: float) -> None:
+        """In turns, where that may be the fastest: each method's loosest and soonest."""
+        least = _cost(self.cheapest(accuracy, "seconds"), "seconds")
+        able = []
+        for points in self.points.values():
+            soon = [p for p in points if _met(p, accuracy) and self._soonest(p) <= TIMED * least]
+            kept = [p for p in soon if self.keeps(p, accuracy)]
+            able += kept[:1]
+            able += sorted(kept[1:], key=self._soonest)[:1]
+        for _ in range(ROUNDS):
+            for p in able:
+                self._measure(self.methods[p.method], p.setting, again=True)
+
+    def _soonest(self, point: Point) -> float:
+        """Seconds, where the method's evaluations take as long as in its fastest run: what else
+        the machine did may have been in the way of this one."""
+        paces = [p.seconds / p.work for p in self.points[point.method] if p.seconds and p.work]
+        return min(_cost(point, "seconds"), point.work * min(paces, default=math.inf))
+
+    def _close_in(self, method: Method, accuracy: float, axis: str) -> None:
+        for _ in range(TRIALS):
+            found = self._bracket(method, accuracy, True)
+            best = self.cheapest(accuracy, axis)
+            if not found or found[0] is found[1]:
+                return
+            loose, tight = found
+            if _least(method, found, axis) * NEAR > min(_cost(tight, axis), _cost(best, axis)):
+                return
+            if self._measure(method, self._between(method, loose, tight, accuracy)) is None:
+                return
+
+    def _go_on(self, accuracy: float) -> None:
+        """To finer steps than the sweep had the time for, where errors were still falling."""
+        falling = []
+        for name, method in self.methods.items():
+            good = [p for p in self.points[name] if p.good]
+            before = [p for p in good if p.setting > COARSER * good[-1].setting]
+            if method.fixed and before and good[-1].error < FALLING * before[-1].error:
+                last = good[-1]
+                finer = (AIM * accuracy / last.error) ** (1 / max(1, method.order))
+                falling.append((_cost(last, "work") / finer, method, last.setting * finer))
+        for _, method, setting in sorted(falling, key=lambda x: x[0])[:FOREMOST]:
+            self._measure(method, self._whole(setting))
+
+    def _bracket(self, method: Method, accuracy: float, judged: bool) -> tuple[Point, Point] | None:
+        """The loosest point that keeps the accuracy, and before it the one that does not: itself,
+        where there is none."""
+        points = [p for p in self.points[method.name] if not p.slow]
+        for k, p in enumerate(points):
+            if self.keeps(p, accuracy) if judged else _met(p, accuracy):
+                return points[max(k - 1, 0)], p
+        return None
+
+    def _between(self, method: Method, loose: Point, tight: Point, accuracy: float) -> float:
+        share = 0.5
+        if loose.good and loose.error and tight.error and loose.error > accuracy > tight.error:
+            aim = max(AIM * accuracy, math.sqrt(accuracy * tight.error))
+            share = math.log(loose.error / aim) / math.log(loose.error / tight.error)
+        share = min(max(share, INNER[0]), INNER[1])
+        setting = loose.setting * (tight.setting / loose.setting) ** share
+        return self._whole(setting) if method.fixed else _two_digits(setting)
+
+    def _finer(self, method: Method, setting: float) -> Iterator[float]:
+        until = self.bench.until
+        for k, part in enumerate(FINER[method.fixed], 1):
+            if not method.fixed:
+                yield _two_digits(setting * part)
+            else:
+                whole = round(until / setting)
+                yield until / max(whole + k, round(whole / part))
+
+    def _whole(self, step: float) -> float:
+        """A step of which a whole number makes the time to go."""
+        return self.bench.until / math.ceil(self.bench.until / step * (1 - ROUNDING))
+
+    def _within(self, method: Method, low: float, high: float) -> list[Point]:
+        """What tells of them, from loose to tight: low <= setting < high."""
+        return [
+            p
+            for p in self.points[method.name]
+            if low * (1 - ROUNDING) <= p.setting < high * (1 - ROUNDING)
+            and not (p.slow or p.refused)
+        ]
+
+    def _measure(self, method: Method, setting: float, again: bool = False) -> Point | None:
+        """None if there is nothing to measure: it is known, or the time is up."""
+        known = self.points[method.name]
+        old = next((p for p in known if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
+        if self.left <= 0 or (old is not None and not again):
+            return None
+        point = self.bench.point(method, setting, cap=self.bench.effort.seconds / 4)
+        self.left -= point.took
+        if old is not None:
+            if old.seconds and point.seconds and point.seconds < old.seconds:
+                known[known.index(old)] = replace(old, seconds=point.seconds)
+            return None
+        self.measured += 1
+        known.append(point)
+        known.sort(key=_loose_first)
+        return None if point.slow or point.refused else point
+
+
+def _loose_first(point: Point) -> float:
+    return -point.setting
+
+
+def _met(point: Point, accuracy: float) -> bool:
+    return point.good and point.error is not None and point.error <= accuracy
+
+
+def _cost(point: Point | None, axis: str) -> float:
+    cost = point.cost(axis) if point else None
+    return math.inf if cost is None else cost
+
+
+def _least(method: Method, bracket: tuple[Point, Point], axis: str) -> float:
+    """What a setting between the two costs at least."""
+    loose, tight = bracket
+    foreseen = _cost(tight, axis) * tight.setting / loose.setting if method.fixed else 0.0
+    return _cost(loose, axis) if loose.arrived else foreseen
+
+
+def _two_digits(tolerance: float) -> float:
+    """No more digits than a person would give, and no looser."""
+    size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
+    return float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}")
