@@ -109,7 +109,7 @@ PREDICTIONS = [
         "K1a", "Kepler, e = .6, verlet, h = 2 pi/2000",
         "apsidal turn an orbit, -(pi/8) h^2 (4 + e^2)/(1 - e^2)^3",
         apsidal_predicted(0.6, H), CLOSED, lambda: apsidal_turn("verlet", 0.6, 2000),
-        "1900 steps", lambda: apsidal_turn("verlet", 0.6, 1900),
+        "gauss1", lambda: apsidal_turn("gauss1", 0.6, 2000),
     ),
     Prediction(
         "K1b", "Kepler, e = .6, gauss1, h = 2 pi/2000", "apsidal turn an orbit, -2 times Verlet's",

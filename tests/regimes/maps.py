@@ -87,14 +87,14 @@ PREDICTIONS = [
         "spun at 2 pi/h + d it swings about that rate as if at rest, for d < 2/sqrt(1 + h^2/6)",
         2 / sqrt(1 + 0.2**2 / 6), BOUNDARY,
         lambda: trapped_beyond("verlet", 0.2, 2 / sqrt(1 + 0.2**2 / 6)),
-        "h = .5", lambda: trapped_beyond("verlet", 0.5, 2 / sqrt(1 + 0.2**2 / 6)), own=True,
+        "gauss2", lambda: trapped_beyond("gauss2", 0.2, 2 / sqrt(1 + 0.2**2 / 6)), own=True,
     ),
     *(
         Prediction(
             id, f"pendulum, verlet, h = {h}",
             "its separatrix splits: Lazutkin's invariant, ~ exp(-pi^2/h)", splitting_closed(h),
             CLOSED, lambda h=h: splitting("verlet", h),
-            f"h = {1.02 * h:g}", lambda h=h: splitting("verlet", 1.02 * h), own=True,
+            "yoshida4", lambda h=h: splitting("yoshida4", h), own=True,
         )
         for id, h in (("A4a", 1.0), ("A4b", 0.7))
     ),
@@ -102,6 +102,6 @@ PREDICTIONS = [
         "A5", "V = q^2/2 + q^3/3, verlet, h = 1.7",
         "1:3 resonance of the step at sqrt 3: starts at rest stay up to the 3-cycle's corner",
         corner(1.7), CLOSED, lambda: stays("verlet", 1.7, corner(1.7)),
-        "h = 1.69", lambda: stays("verlet", 1.69, corner(1.7)), own=True,
+        "suzuki4", lambda: stays("suzuki4", 1.7, corner(1.7)), own=True,
     ),
 ]  # fmt: skip

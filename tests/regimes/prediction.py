@@ -30,6 +30,7 @@ class Prediction:
     long: bool = False
     missed: str = ""  # why it is not met, where it is not
     own: bool = False  # not in the list of regimes
+    no_method: str = ""  # why what is worse is no other method, where it is not
 
     def met(self, value: float) -> bool:
         if isinstance(self.predicted, tuple):

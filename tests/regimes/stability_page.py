@@ -25,11 +25,12 @@ Each prediction was made before it was run: a closed form, evaluated beside the 
 converged by other means. The models are in `tests/regimes/models/` (some in `models/`), the
 predictions and how each is measured in `tests/regimes/*.py`; steps are the runtime's own, taken
 one by one. A prediction is met if the measured value lies within the tolerance of it, or in the
-band that it is, and the worse method or step beside it, measured in the same way, does not. A
-limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make test`
-measures the short ones, `make test-long` those marked *long* with the day on which they were; with
-`PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be met within 1% or closer,
-boundaries within .1%, fitted powers within 5%, what was only ever measured within its band or 20%.
+band that it is, and the worse method beside it, measured in the same way, does not; where no
+method can be worse, something else is changed, and why stands at the end. A limit that is met says
+more: the motion is stable at .999 of it and grows at 1.001. `make test` measures the short ones,
+`make test-long` those marked *long* with the day on which they were; with `PKGEN_UPDATE=1` either
+writes its rows here. Closed forms are to be met within 1% or closer, boundaries within .1%, fitted
+powers within 5%, what was only ever measured within its band or 20%.
 y = h omega; frequencies are in units of omega where no unit is given.
 
 """
@@ -37,6 +38,16 @@ COLUMNS = (
     "id", "system and method", "prediction", "predicted", "tolerance", "measured", "difference",
     "worse", "its value", "result",
 )  # fmt: skip
+
+
+WITHOUT = """\
+What is worse beside these is no other method but another motion, step or approximation.
+
+"""
+
+
+def without_method() -> list[Prediction]:
+    return [e for e in PREDICTIONS if e.no_method]
 
 
 def number(x: float) -> str:
@@ -99,6 +110,8 @@ def text(known: dict[str, list[str]]) -> str:
     said += [table(own, known), "\n## Misses\n\n"]
     missed = [e for e in PREDICTIONS if e.missed]
     said += [f"- **{e.id}**: {e.missed}\n" for e in missed] or ["None.\n"]
+    said += ["\n## Without a worse method\n\n", WITHOUT, "| id | changed | why |\n", "| --- " * 3]
+    said += ["|\n", *(f"| {e.id} | {e.worse} | {e.no_method} |\n" for e in without_method())]
     if MISSING:
         said.append("\n## Not written yet\n\n")
         said += [f"- **{m.id}**, {m.system}: {m.lacks}\n" for m in MISSING]

@@ -6,10 +6,12 @@ import math
 import re
 
 import pytest
+from pkgen.build import driver_methods
 
 from .catalogue import MISSING, PREDICTIONS
+from .chains import kink_frequency
 from .prediction import Prediction
-from .stability_page import HEAD, PAGE, predicted, rows, write
+from .stability_page import HEAD, PAGE, predicted, rows, text, without_method, write
 
 
 def parameters() -> list:
@@ -44,6 +46,30 @@ def test_the_catalogue_is_large_enough() -> None:
     assert len(own) >= 10 and sum("limit" in p.says for p in own) <= 3
 
 
+# Methods that are none of the runtime's.
+OTHERS = ("without compensated sums", "the same of each step's start", "RK4 without guards")
+
+
+def test_what_is_worse_is_a_method_or_says_why_not() -> None:
+    names = {m["name"] for m in driver_methods()}
+    for entry in PREDICTIONS:
+        first = re.split(r"[,:]| which", entry.worse)[0]
+        assert (first in names or entry.worse.startswith(OTHERS)) != bool(entry.no_method), entry.id
+    assert 0 < len(without_method()) < len(PREDICTIONS) / 10
+
+
+@pytest.mark.parametrize("d, n, w", [(1.0, 40, 0.24583955), (1.1, 40, None)])
+def test_a_frequency_is_found_without_being_told(d: float, n: int, w: float | None) -> None:
+    """The window of the scan is the samples' own, for any lattice: it is never the edge of it."""
+    found = kink_frequency(d, n, 100.0)
+    other = kink_frequency(d, n, 131.0)
+    assert found == pytest.approx(other, rel=5e-3)
+    if w:
+        assert found == pytest.approx(w, rel=1e-2)
+    else:  # the old window ended at 1.2 times the frequency of d = 1
+        assert abs(found - 1.2 * 0.24583955) > 5e-3
+
+
 def same(said: str, computed: str) -> bool:
     try:
         return math.isclose(float(said), float(computed), rel_tol=1e-9)
@@ -65,4 +91,4 @@ def test_the_page_is_the_catalogues() -> None:
         measured, worse = (math.inf if c == "none" else float(c) for c in (cells[5], cells[8]))
         assert cells[9] == ("met" if entry.met(measured) else "**MISSED**")
         assert entry.met(measured) == (not entry.missed) and not entry.met(worse)
-    assert all(f"**{m.id}**" in PAGE.read_text() for m in MISSING)
+    assert PAGE.read_text() == text(known)
