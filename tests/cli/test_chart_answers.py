@@ -30,7 +30,7 @@ class Invented:
     asked: int = 0
     random: random.Random = field(default_factory=lambda: random.Random(1))
 
-    def point(self, method: Method, setting: float, cap: float) -> Point:
+    def point(self, method: Method, setting: float, cap: float, lap: float = 0.0) -> Point:
         self.asked += 1
         error = self.errors[method.name](setting)
         steps = UNTIL / setting if method.fixed else 30 * setting ** (-1 / method.order)

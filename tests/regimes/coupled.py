@@ -101,8 +101,8 @@ def lyapunov(angles: tuple[float, float], until: float = 1e5) -> float:
 
 
 OF_THE_FLOW = (
-    "a mean over 1e5 s, over which a method that does not keep the energy has left the motion, "
-    "and one that does has the exponent"
+    "a mean over 1e5 s of the growth that belongs to the start; no worse method has been run for so "
+    "long"
 )
 
 PREDICTIONS = [

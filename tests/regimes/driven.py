@@ -62,7 +62,7 @@ PREDICTIONS = [
         "A13", "pendulum upside down on a pivot shaken at w = 10, gauss",
         "stands from the amplitude where Mathieu's a_0(2 A) = -4/w^2",
         mathieu_amplitude(10), BOUNDARY, lambda: stands_from("gauss", 10, mathieu_amplitude(10)),
-        "by averaging, A w = sqrt 2", lambda: sqrt(2) / 10, own=True,
+        "euler, h = .02", lambda: stands_from("euler", 10, mathieu_amplitude(10), 0.02), own=True,
     ),
     *(
         Prediction(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import acos, cos, degrees, pi, sin, sqrt
+from math import acos, cos, degrees, inf, pi, sin, sqrt
 
 import mpmath as mp
 import numpy as np
 
 from .prediction import BOUNDARY, CLOSED, Prediction, boundary
-from .probe import Probe
+from .probe import Failed, Probe
 
 # --- elastic pendulum, m = g = l = 1, k = 4: stretch 2, swing 1 ------------------------------
 
@@ -121,10 +121,14 @@ def sleeping_boundary(method: str = "gauss", h: float = 0.0) -> float:
     def wakes(spin: float) -> bool:
         start = {"alpha": 1e-7, "psi'": 2 * spin}
         probe = Probe("sleeping_top", method, h, start=start)
-        rows = probe.at(np.linspace(1, 400, 400))
+        try:
+            rows = probe.at(np.linspace(1, 400, 400))
+        except Failed:
+            return True
         return np.hypot(rows[:, 1], rows[:, 2]).max() > 1e-5
 
-    return 1 / boundary(0.5, lambda inverse: wakes(1 / inverse), bits=9)
+    found = boundary(0.5, lambda inverse: wakes(1 / inverse), bits=9)
+    return 1 / found if found else inf
 
 
 # --- free top ------------------------------------------------------------------------------------
@@ -301,6 +305,6 @@ PREDICTIONS = [
         "T3d", "sleeping top by its attitude, p_psi = 1.8, gauss",
         "cos of the largest tilt is p_psi^2/2 - 1",
         degrees(acos(1.8**2 / 2 - 1)), 1e-4, lambda: fallen("gauss", 1.8),
-        "rkmk4, h = .5", lambda: fallen("rkmk4", 1.8, 0.5),
+        "lie_midpoint, h = .05", lambda: fallen("lie_midpoint", 1.8, 0.05),
     ),
 ]  # fmt: skip

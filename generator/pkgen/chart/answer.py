@@ -58,7 +58,8 @@ def _answer(
         if best is None:
             reason = "none arrives"
         elif (best.error or 0.0) > accuracy:
-            reason = f"none; the most accurate is {best.method}, with {best.error:.1e}"
+            late = " in the time (--seconds)" if search.left <= 0 else ""
+            reason = f"none{late}; the most accurate is {best.method}, with {best.error:.1e}"
         else:
             reason = f"none but by luck, such as {best.method}, with {best.error:.1e}"
     return Answer(accuracy, axis, None, None, reason)

@@ -13,9 +13,10 @@ from dataclasses import replace
 from itertools import pairwise
 
 from .points import AXES, Method, Point, Track
-from .sweep import Bench
+from .sweep import TIGHTEST, Bench
 
 FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # of a step; of a tolerance
+LOOSER = {True: (1.06, 1.12, 1.18, 1.25), False: (1.8, 3.2, 6.0, 10.0)}
 TRIALS = 12  # between two points
 NEAR = 1.03  # one cost over another that is not worth a trial
 AIM = 0.8  # of the accuracy
@@ -82,8 +83,9 @@ class Search:
             able = [(_least(m, b, axis) * _cost(b[1], axis), m) for b, m in foreseen if b]
             for _, method in sorted(able, key=lambda pair: pair[0]):
                 self._close_in(method, accuracy, axis)
-        if self.cheapest(accuracy, "work") is None:
-            self._go_on(accuracy)
+        for _ in range(TRIALS):
+            if self.cheapest(accuracy, "work") or not self._go_on(accuracy):
+                break
 
     def time_again(self, accuracy: float) -> None:
         """In turns, where that may be the fastest: each method's loosest and soonest."""
@@ -112,22 +114,41 @@ class Search:
                 return
             loose, tight = found
             if _least(method, found, axis) * NEAR > min(_cost(tight, axis), _cost(best, axis)):
-                return
-            if self._measure(method, self._between(method, loose, tight, accuracy)) is None:
+                if not self._looser(method, tight, accuracy, _cost(best, axis), axis):
+                    return
+            elif self._measure(method, self._between(method, loose, tight, accuracy)) is None:
                 return
 
-    def _go_on(self, accuracy: float) -> None:
-        """To finer steps than the sweep had the time for, where errors were still falling."""
+    def _looser(
+        self, method: Method, tight: Point, accuracy: float, best: float, axis: str
+    ) -> bool:
+        """Whether one that is looser still keeps the accuracy, past some that do not: errors of
+        long steps need not grow with the step."""
+        found = False
+        for part in LOOSER[method.fixed] if _cost(tight, axis) < LOOSER[True][-1] * best else ():
+            setting = tight.setting * part
+            setting = self._whole(setting) if method.fixed else _two_digits(setting)
+            point = self._measure(method, setting)
+            found |= point is not None and self.keeps(point, accuracy)
+        return found
+
+    def _go_on(self, accuracy: float) -> bool:
+        """To finer settings than the sweep had the time for, where errors were still falling."""
         falling = []
         for name, method in self.methods.items():
             good = [p for p in self.points[name] if p.good]
             before = [p for p in good if p.setting > COARSER * good[-1].setting]
-            if method.fixed and before and good[-1].error < FALLING * before[-1].error:
-                last = good[-1]
-                finer = (AIM * accuracy / last.error) ** (1 / max(1, method.order))
-                falling.append((_cost(last, "work") / finer, method, last.setting * finer))
-        for _, method, setting in sorted(falling, key=lambda x: x[0])[:FOREMOST]:
-            self._measure(method, self._whole(setting))
+            if before and (good[-1].error or 0.0) < FALLING * (before[-1].error or 0.0):
+                last, order = good[-1], max(1, method.order)
+                share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER)
+                finer = share ** (1 / order)  # a step, of the last
+                setting = self._whole(last.setting * finer)
+                if not method.fixed:
+                    setting = max(_two_digits(last.setting * share), TIGHTEST)
+                if setting < last.setting:
+                    falling.append((_cost(last, "work") / finer, method, setting))
+        able = sorted(falling, key=lambda x: x[0])[:FOREMOST]
+        return any([self._measure(method, setting) for _, method, setting in able])
 
     def _bracket(self, method: Method, accuracy: float, judged: bool) -> tuple[Point, Point] | None:
         """The loosest point that keeps the accuracy, and before it the one that does not: itself,

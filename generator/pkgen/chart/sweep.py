@@ -50,8 +50,8 @@ class Bench:
     until: float
     effort: Effort
 
-    def point(self, method: Method, setting: float, cap: float) -> Point:
-        lap = self.effort.lap_seconds
+    def point(self, method: Method, setting: float, cap: float, lap: float = math.inf) -> Point:
+        lap = min(lap, self.effort.lap_seconds)
         return self.program.point(method, setting, lap, cap, self.exact, self.scales)
 
 
@@ -116,12 +116,13 @@ def _sweep(bench: Bench, method: Method, spectrum: Spectrum, share: float) -> li
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
     left, points = share, []
+    lap = share / (3 * count)  # so that the laps of loose points leave time for tight ones
     while len(points) < count:
         # A point is integrated twice at least, and a tighter one takes longer.
         if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break
         setting = plan.after(points) if points else plan.first
-        point = bench.point(method, setting, cap=max(left / 2, bench.effort.lap_seconds))
+        point = bench.point(method, setting, cap=max(left / 2, bench.effort.lap_seconds), lap=lap)
         points.append(point)
         left -= point.took
         if point.refused or point.slow or _at_round_off(points, bench.floor):
