@@ -41,7 +41,7 @@ NEXT = {True: 1 / 1.03, False: 1 / 1.2}  # of a step, of a tolerance, to the nex
 FINER = {True: 0.87, False: 0.3}
 LOOSEST = {True: 0.1, False: 1e-2}  # of the time to go
 ROUNDS, LAP = 9, 0.01
-TIGHTEST = 1e-14
+TIGHTEST = 3e-15
 CAP = 0.2  # seconds of a point: slower ones are no rivals
 
 
@@ -133,7 +133,10 @@ def keeps(point: Point, accuracy: float) -> bool:
 
 def robust(points: list[Point], accuracy: float, share: float) -> list[Point]:
     found = []
+    last = points[-1].setting if points else 0.0
     for k, p in enumerate(points):
+        if last > share * p.setting:
+            break  # nothing finer to tell luck by
         near = [x for x in points[k:] if x.setting >= share * p.setting] + points[k + 1 : k + 3]
         if all(keeps(x, accuracy) for x in near):
             found.append(p)

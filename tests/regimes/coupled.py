@@ -101,8 +101,8 @@ def lyapunov(angles: tuple[float, float], until: float = 1e5) -> float:
 
 
 OF_THE_FLOW = (
-    "a mean over 1e5 s of the growth that belongs to the start; no worse method has been run for so "
-    "long"
+    "a mean over 1e5 s of the growth that belongs to the start; no worse method has been run for "
+    "so long"
 )
 
 PREDICTIONS = [

@@ -196,7 +196,9 @@ class Search:
         old = next((p for p in known if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
         if self.left <= 0 or (old is not None and not again):
             return None
-        point = self.bench.point(method, setting, cap=self.bench.effort.seconds / 4)
+        # Laps are for those that may be the fastest.
+        lap = self.bench.effort.lap_seconds if again else 0.0
+        point = self.bench.point(method, setting, cap=self.bench.effort.seconds / 4, lap=lap)
         self.left -= point.took
         if old is not None:
             if old.seconds and point.seconds and point.seconds < old.seconds:
