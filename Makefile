@@ -9,8 +9,6 @@ PREFIX ?= /usr/local
 ifeq ($(origin CC),default)
 CC := gcc
 endif
-# Compiled runtimes and models are kept here, not in the home directory.
-export PKGEN_CACHE := $(CURDIR)/build/cache
 
 .PHONY: help setup demo fuzz asan test test-long test-licence test-python systems bodies chart stability bench lint format golden install clean
 .DEFAULT_GOAL := help

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import sys
 import traceback
@@ -17,7 +18,7 @@ from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 
-LONGEST = 120  # s; then the process is killed
+LONGEST = 120  # s of the processor, which a loaded machine does not use up; then it is killed
 
 
 def serve() -> None:
@@ -32,7 +33,8 @@ def serve() -> None:
 
 
 def run(request: dict) -> int:
-    signal.alarm(LONGEST)
+    resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
+    signal.alarm(20 * LONGEST)
     os.chdir(request["cwd"])
     os.environ.clear()
     os.environ.update(request["env"])

@@ -8,10 +8,13 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
 import pytest
+from pkgen import build, toolchain
+from pkgen.exits import BuildError
 
 ROOT = Path(__file__).resolve().parent.parent
 MODELS = sorted((ROOT / "models").glob("*.lag"))
@@ -24,6 +27,13 @@ STRICT = [
     "-Wdouble-promotion",
     "-Werror",
 ]  # for C that is generated
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """What a first run says of the runtime, no test is told: it is compiled before."""
+    if not hasattr(config, "workerinput"):
+        with suppress(BuildError):
+            build.runtime_library(toolchain.find_toolchain())
 
 
 def long_but(kept: Iterable[object], values: Iterable[object]) -> list:
@@ -46,7 +56,7 @@ def run_pkgen(
     if env is not None:
         command = [sys.executable, "-m", "pkgen", *words]
         return subprocess.run(
-            command, capture_output=True, text=True, timeout=120, cwd=cwd, env=env
+            command, capture_output=True, text=True, timeout=2400, cwd=cwd, env=env
         )
     server = _command_server()
     with tempfile.TemporaryDirectory() as directory:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+import os
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
+import pytest
 from conftest import ROOT
 
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")  # Python 3.10 has no tomllib
@@ -41,3 +46,70 @@ def test_every_other_file_goes_with_its_package() -> None:
             ):
                 missing.append(str(path))
     assert not missing
+
+
+# Of the standard library, since Python 3.11 or later.
+TOO_NEW = {
+    "typing": {"Self", "Never", "LiteralString", "assert_never", "reveal_type", "Unpack"}
+    | {"Required", "NotRequired", "TypeVarTuple", "dataclass_transform", "override"},
+    "enum": {"StrEnum", "verify", "member", "nonmember", "property"},
+    "datetime": {"UTC"},
+    "contextlib": {"chdir"},
+    "hashlib": {"file_digest"},
+    "math": {"cbrt", "exp2", "sumprod"},
+    "operator": {"call"},
+    "itertools": {"batched"},
+    "tomllib": set(),
+    "wsgiref.types": set(),
+}
+
+
+def _since_3_11(text: str) -> set[str]:
+    """What a text takes of the standard library that Python 3.10 has not. Its syntax is checked."""
+    tree = ast.parse(text, feature_version=(3, 10))
+    modules = {
+        a.asname or a.name: a.name
+        for n in ast.walk(tree)
+        if isinstance(n, ast.Import)
+        for a in n.names
+    }
+    found = {name for name in modules.values() if name in TOO_NEW and not TOO_NEW[name]}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module in TOO_NEW:
+            new = TOO_NEW[node.module]
+            found |= {a.name for a in node.names if a.name in new or not new}
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            known = TOO_NEW.get(modules.get(node.value.id, ""), set())
+            found |= {node.attr} & known
+        if isinstance(node, ast.Name):
+            found |= {node.id} & {"ExceptionGroup", "BaseExceptionGroup"}
+        found |= {"except*"} if type(node).__name__ == "TryStar" else set()
+    return found
+
+
+def test_python_3_10_has_all_that_is_used() -> None:
+    assert 'requires-python = ">=3.10"' in PROJECT
+    for path in ROOTS["pkgen"].rglob("*.py"):
+        assert not _since_3_11(path.read_text(encoding="utf-8")), path
+    for worse in ("from typing import Self", "import math\nmath.cbrt(8)", "import tomllib"):
+        assert _since_3_11(worse)
+
+
+@pytest.mark.long
+def test_python_3_10_compiles_and_runs(tmp_path: Path) -> None:
+    python = os.environ.get("PKGEN_PYTHON_3_10") or shutil.which("python3.10")
+    if not python:
+        pytest.skip("no python3.10 here; name one by PKGEN_PYTHON_3_10")
+    folder = tmp_path / "venv"
+    subprocess.run([python, "-m", "venv", folder], check=True)
+    made = subprocess.run(
+        [folder / "bin/pip", "install", "-q", ROOT], capture_output=True, text=True
+    )
+    if made.returncode:
+        pytest.skip(f"what pkgen needs cannot be had: {made.stderr[-200:]}")
+    out = tmp_path / "rows.csv"
+    for words in (["check"], ["explain"], ["run", "--until", "1", "-o", out]):
+        command = [folder / "bin/pkgen", words[0], ROOT / "models/double_pendulum.lag", *words[1:]]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    assert out.read_text().count("\n") == 1002

@@ -11,8 +11,9 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 
-from . import __version__, arguments, commands, run_command
+from . import __version__, arguments, children, commands, run_command
 from .chart import command as chart_command
 from .compiler import STAGES
 from .diagnostics import NAMES
@@ -44,9 +45,7 @@ def parser_of(command: str) -> argparse.ArgumentParser:
         parser.add_argument(
             "--size", action="append", default=[], metavar="N=64", help="length of a family"
         )
-        parser.add_argument(
-            "--max-seconds", type=float, metavar="S", help="CPU time that compiling may take"
-        )
+        parser.add_argument("--max-seconds", metavar="S", help="CPU time that compiling may take")
     parser.add_argument("--json", action="store_true", help="machine-readable results")
     ARGUMENTS.get(command, lambda _: None)(parser)
     return parser
@@ -57,7 +56,7 @@ def _compile_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
     _no_reduce_argument(parser)
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
-    _libm_argument(parser)
+    _sincos_arguments(parser)
     _canonical_argument(parser)
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
     parser.add_argument(
@@ -77,9 +76,11 @@ def _canonical_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--canonical", action="store_true", help=help_)
 
 
-def _libm_argument(parser: argparse.ArgumentParser) -> None:
+def _sincos_arguments(parser: argparse.ArgumentParser) -> None:
     help_ = "sine and cosine of the C library, not the inline pair"
     parser.add_argument("--libm", action="store_true", help=help_)
+    help_ = "no fused multiply-add: the same bits on processors with it and without"
+    parser.add_argument("--portable", action="store_true", help=help_)
 
 
 def _no_reduce_argument(parser: argparse.ArgumentParser) -> None:
@@ -114,10 +115,15 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     arguments.of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
-    _libm_argument(parser)
+    _sincos_arguments(parser)
     _no_reduce_argument(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
-    add("-o", dest="output", metavar="FILE", help="FILE.csv or FILE.npy; default: standard output")
+    add(
+        "-o",
+        dest="output",
+        metavar="FILE",
+        help="FILE.csv or FILE.npy; default: standard output",
+    )
 
 
 def _as_of_a_run(
@@ -166,6 +172,27 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
 
 def main(words: list[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    _open_streams()
+    try:
+        with children.ended_by_signals():
+            try:
+                return _main(words)
+            finally:
+                sys.stdout.flush()
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        code = DONE  # whoever read our output has gone
+    except OSError as error:
+        code = USAGE
+        with suppress(OSError):
+            print(f"pkgen: standard output: {error.strerror}", file=sys.stderr)
+    # What is left of it must not fail again at exit.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    return code
+
+
+def _main(words: list[str] | None) -> int:
     words = sys.argv[1:] if words is None else words
     if not words or words[0] in ("-h", "--help"):
         print(OVERVIEW, file=sys.stdout if words else sys.stderr)
@@ -189,12 +216,21 @@ def main(words: list[str] | None = None) -> int:
         said = said if flag.startswith("-") else f"one model at a time: what is {flag}?"
         print(f"pkgen: {said}", file=sys.stderr)
         return USAGE
-    try:
-        return _guarded(COMMANDS[command], options)
-    except BrokenPipeError:
-        # Whoever read our output has gone; closing it again at exit must not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
+    return _guarded(COMMANDS[command], options)
+
+
+def _open_streams() -> None:
+    """Where a standard stream is closed, no other file gets its number; what is written to standard
+    output then fails, as it is to."""
+    for fd, how in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
+        try:
+            os.fstat(fd)
+        except OSError:
+            os.open(os.devnull, how)  # the lowest number that is free
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
 
 
 def _near(word: str, known: Iterable[str]) -> str:
@@ -221,10 +257,10 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
         return _fail(options, str(error), NUMERICS_FAILED)
     except KeyboardInterrupt:
         return _fail(options, "interrupted", INTERRUPTED)
-    except BrokenPipeError:
-        raise
     except OSError as error:
-        return _fail(options, f"{error.filename or 'output'}: {error.strerror}", USAGE)
+        if error.filename is None:  # a stream's
+            raise
+        return _fail(options, f"{error.filename}: {error.strerror}", USAGE)
     except Exception as error:
         return _fail(
             options,

@@ -10,33 +10,33 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shlex
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Sequence
-from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
-from .cache import cache_directory
+from . import children
+from .back.render import is_portable
+from .cache import cached
 from .methods import inline_flags
+from .progress import say
 from .toolchain import RUNTIME, STANDARD, BuildError, Toolchain, compile_c, find_toolchain, run
 
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
-KEPT_PROGRAMS = 100
 
 
 def runtime_library(tools: Toolchain) -> Path:
     """The directory with libpk.a and librun.a for this compiler, made if missing."""
-    sources = sorted(path for path in RUNTIME.rglob("*.[ch]"))
+    return cached("runtime", _runtime_name(tools), lambda new: _build_runtime(tools, new))
+
+
+def _runtime_name(tools: Toolchain) -> str:
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
-    for path in sources:
+    for path in sorted(RUNTIME.rglob("*.[ch]")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    directory = cache_directory() / "runtime" / digest.hexdigest()[:24]
-    if not (directory / "libpk.a").exists():
-        _build_runtime(tools, directory)
-    return directory
+    return digest.hexdigest()[:24]
 
 
 def _build_runtime(tools: Toolchain, directory: Path) -> None:
@@ -47,17 +47,18 @@ def _build_runtime(tools: Toolchain, directory: Path) -> None:
     ar = shutil.which("ar")
     if ar is None:
         raise BuildError("'ar' is missing; install binutils")
-    with _staging(directory.parent) as staging:
-        threads = _threads(tools, staging)
-        (staging / LINK_WITH).write_text(shlex.join(threads), encoding="utf-8")
-        for library, parts in libraries.items():
-            objects = []
-            for path in (p for part in parts for p in sorted((RUNTIME / part).glob("*.c"))):
-                objects.append(f"{path.parent.name}_{path.stem}.o")
-                more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
-                compile_c(tools, ["-c", *more, str(path), "-o", objects[-1]], staging)
-            run([ar, "rcs", library, *objects], staging)
-        _publish(staging, directory)
+    say("compiling the runtime (once, 20 s)")
+    threads = _threads(tools, directory)
+    (directory / LINK_WITH).write_text(shlex.join(threads), encoding="utf-8")
+    for library, parts in libraries.items():
+        objects = []
+        for path in (p for part in parts for p in sorted((RUNTIME / part).glob("*.c"))):
+            objects.append(f"{path.parent.name}_{path.stem}.o")
+            more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
+            compile_c(tools, ["-c", *more, str(path), "-o", objects[-1]], directory)
+        run([ar, "rcs", library, *objects], directory)
+        for name in objects:
+            (directory / name).unlink()
 
 
 def _threads(tools: Toolchain, directory: Path) -> list[str]:
@@ -123,33 +124,29 @@ def build_program(
     Raises BuildError with what the compiler said.
     """
     tools = tools or find_toolchain()
-    library = runtime_library(tools)
+    if is_portable(files):  # the runtime is then to be so as well
+        tools = replace(tools, flags=(*tools.flags, "-DPK_PORTABLE"))
     inlined = inline_flags(methods)
     inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
     choice = _choice(name, parts)
-    made_of = (library.name, inlined, choice, sorted(files.items()))
+    made_of = (_runtime_name(tools), inlined, choice, sorted(files.items()))
     digest = hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]
-    directory = cache_directory() / "programs" / f"{name[:40]}-{digest}"
-    program = directory / "program"
-    if not program.exists():
-        with _staging(directory.parent) as staging:
-            for file_name, text in files.items():
-                (staging / file_name).write_text(text, encoding="utf-8")
-            (staging / CHOICE_FILE).write_text(choice, encoding="utf-8")
-            libraries = [str(library / archive) for archive in ("librun.a", "libpk.a")]
-            libraries += [*tools.gsl_libs, "-lm"]
-            libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
-            integrated = [f"{part}.c" for part, _ in parts] or [f"{name}.c"]
-            sources = [CHOICE_FILE, *integrated]
-            if parts:
-                compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], staging)
-                sources.append(f"{name}.o")
-            linked = [*sources, "-o", "program", *libraries]
-            compile_c(tools, ["-DPK_RUNTIME", *inlined, *linked], staging)
-            _publish(staging, directory)
-        _prune(directory.parent)
-    os.utime(directory)
-    return program
+
+    def make(new: Path) -> None:
+        library = runtime_library(tools)
+        for file_name, text in {**files, CHOICE_FILE: choice}.items():
+            (new / file_name).write_text(text, encoding="utf-8")
+        libraries = [str(library / archive) for archive in ("librun.a", "libpk.a")]
+        libraries += [*tools.gsl_libs, "-lm"]
+        libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
+        sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
+        if parts:
+            compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], new)
+            sources.append(f"{name}.o")
+        linked = [*sources, "-o", "program", *libraries]
+        compile_c(tools, ["-DPK_RUNTIME", *inlined, *linked], new)
+
+    return cached("programs", f"{name[:40]}-{digest}", make) / "program"
 
 
 # The driver lists its methods without a model; it links with this one.
@@ -162,51 +159,12 @@ const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
 def driver_methods() -> list[dict[str, object]]:
     """The methods of the runtime, GSL's included where GSL is installed, as it describes them."""
     program = build_program({"no_model.c": NO_MODEL}, "no_model")
-    listed = program.parent / "methods"  # kept: to find their limits takes seconds
-    if not listed.exists():
-        done = subprocess.run([program, "--methods"], capture_output=True, text=True, check=True)
-        with _staging(program.parent) as staging:
-            (staging / "methods").write_text(done.stdout, encoding="utf-8")
-            os.replace(staging / "methods", listed)
+
+    def make(new: Path) -> None:  # to find their limits takes seconds
+        done = subprocess.run(
+            [program, "--methods"], capture_output=True, text=True, check=True, **children.group()
+        )
+        (new / "methods").write_text(done.stdout, encoding="utf-8")
+
+    listed = cached("methods", program.parent.name, make) / "methods"
     return [json.loads(line) for line in listed.read_text(encoding="utf-8").splitlines()]
-
-
-class _staging:
-    """A scratch directory beside its final place, so that publishing it is one rename."""
-
-    def __init__(self, parent: Path):
-        self.parent = parent
-
-    def __enter__(self) -> Path:
-        try:
-            self.parent.mkdir(parents=True, exist_ok=True)
-            self.path = Path(tempfile.mkdtemp(prefix=".new-", dir=self.parent))
-        except OSError as error:
-            raise BuildError(
-                f"cannot write to the cache {self.parent}: {error.strerror}; "
-                "name another directory with the environment variable PKGEN_CACHE"
-            ) from None
-        return self.path
-
-    def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
-
-
-def _publish(staging: Path, directory: Path) -> None:
-    """Put a finished directory in its place; another process may have been faster."""
-    try:
-        os.rename(staging, directory)
-    except OSError:
-        if not directory.exists():
-            raise BuildError(f"cannot write to the cache {directory.parent}") from None
-
-
-def _prune(parent: Path) -> None:
-    """Keep the newest programs; the rest can be built again."""
-    found = []
-    for path in parent.iterdir():
-        with suppress(FileNotFoundError):  # another process prunes as well
-            found.append((path.stat().st_mtime, path))
-    entries = sorted(entry for entry in found if not entry[1].name.startswith("."))
-    for _, old in entries[:-KEPT_PROGRAMS]:
-        shutil.rmtree(old, ignore_errors=True)

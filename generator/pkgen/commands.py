@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
+import math
 import sys
+from contextlib import AbstractContextManager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -21,19 +22,36 @@ from .exits import DONE, UsageError
 from .explain_html import html
 from .explain_loops import explain_loops, record_loops
 from .explain_scenes import scenes_shown
+from .files import replace
 from .front.read import read
 from .methods_table import methods_text
 from .resources import bounded
 from .source import Diagnostic, ModelError, Source
+
+SECONDS = (1e-3, 1_000_000)  # of --max-seconds
+
+
+def within_limits(options: argparse.Namespace) -> AbstractContextManager[None]:
+    seconds = limits.CPU_SECONDS
+    if options.max_seconds is not None:
+        try:
+            seconds = float(options.max_seconds)
+        except ValueError:
+            seconds = math.nan
+        if not SECONDS[0] <= seconds <= SECONDS[1]:
+            raise UsageError(
+                f"--max-seconds {options.max_seconds}: give seconds, "
+                f"from {SECONDS[0]:g} to {SECONDS[1]:,}"
+            )
+    return bounded(seconds, limits.MEMORY_BYTES)
 
 
 def compile_within_limits(
     options: argparse.Namespace, source: Source | None = None, **more: object
 ) -> Compilation:
     """Compile the model of the command line; warnings go to standard error."""
-    seconds = options.max_seconds or limits.CPU_SECONDS
     source = source or read(options.model)
-    with bounded(seconds, limits.MEMORY_BYTES):
+    with within_limits(options):
         compilation = compile_model(source, sizes=parsing.sizes(options.size), **more)
     if not options.json:
         _warn(source, compilation.warnings)
@@ -50,7 +68,7 @@ def compile_to_c(options: argparse.Namespace) -> int:
     source = read(options.model)
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
-        with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
+        with within_limits(options):
             text = dump(options.dump, source, parsing.sizes(options.size), kernels, options.libm)
         print(text)
         return DONE
@@ -61,16 +79,16 @@ def compile_to_c(options: argparse.Namespace) -> int:
         self_test=options.self_test,
         canonical=options.canonical or bool(kernels and kernels & CANONICAL),
         libm=options.libm,
+        portable=options.portable,
         use=scene_use.of_compile(options),
         symmetric=True,
     )
     if options.scene:
         chosen = scene.chosen(compilation.declared, options.scene)
         scene_check.refuse_method(compilation, chosen)
-    directory = Path(options.directory)
+    directory = parsing.directory(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
-    for name, text in compilation.files.items():
-        _replace(directory / name, text)
+    replace({directory / name: text for name, text in compilation.files.items()})
     if options.json:
         files = [str(directory / name) for name in compilation.files]
         warnings = [w.record(source) for w in compilation.warnings]
@@ -78,21 +96,11 @@ def compile_to_c(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _replace(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    scratch = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        scratch.write_text(text, encoding="utf-8")
-        os.replace(scratch, path)
-    finally:
-        scratch.unlink(missing_ok=True)
-
-
 def check(options: argparse.Namespace) -> int:
     """Report the errors and warnings of a model, and write nothing."""
     source = read(options.model)
     sizes = parsing.sizes(options.size)
-    with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
+    with within_limits(options):
         model, warnings = check_model(source, sizes=sizes)
         # What other sizes than the file's make wrong of a scene, who chooses it hears.
         scenes = [item for item in model.scenes if not item.misfits]
@@ -113,7 +121,7 @@ def explain(options: argparse.Namespace) -> int:
     compilation = compile_within_limits(
         options, symmetric=True, canonical=options.canonical, use=scene_use.of_compile(options)
     )
-    with bounded(options.max_seconds or limits.CPU_SECONDS, limits.MEMORY_BYTES):
+    with within_limits(options):
         if compilation.looped:
             shown, record = explain_loops, record_loops
         else:
@@ -128,7 +136,7 @@ def explain(options: argparse.Namespace) -> int:
             text = shown(compilation).rstrip("\n")
             text += f"\n\n{explain_scenes.text(scenes)}" if scenes else ""
     if options.html:
-        _replace(Path(options.html), written)
+        replace({Path(options.html): written})
     if text:
         print(text)
     return DONE

@@ -271,6 +271,7 @@ def compile_model(
     use: Use | None = None,
     symmetric: bool = False,
     canonical: bool = False,
+    portable: bool = False,
 ) -> Compilation:
     """Compile a model to C.
 
@@ -280,13 +281,15 @@ def compile_model(
     families are unrolled though they could be loops; so they are for some kernels or a self-test.
     With `use` no more is compiled than a scene needs. With `symmetric` the model's symmetries are
     solved for, which nothing but `explain` and comments in the C show. `canonical` adds H(q, p)
-    and its gradients.
+    and its gradients. `portable` C uses no fused multiply-add: the same bits with and without.
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
     warnings += partly_proved(model, facts)
+    if portable:
+        files = render.portable(files)
     return Compilation(
         declared, model, warnings, equations, structure, report, program, files, parts
     )

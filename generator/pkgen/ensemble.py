@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from . import limits
 from .compiler import Compilation
 from .equations import Quantity
 from .exits import UsageError
@@ -138,7 +139,7 @@ class _Reader:
             if columns.count(column) > 1:
                 raise UsageError(f"{self.path}:{line}: column {column.name} stands there twice")
         values = array.array("d")
-        lines = []
+        lines = array.array("q")
         for line, row in rows:
             if len(row) != len(columns):
                 raise UsageError(
@@ -147,13 +148,28 @@ class _Reader:
                 )
             values.extend(self._value(line, c, cell) for c, cell in zip(columns, row, strict=True))
             lines.append(line)
+            if len(lines) > limits.SWARM or len(values) > limits.SWARM_VALUES:
+                raise UsageError(
+                    f"{self.path}:{line}: the limit is {limits.SWARM:,} members, and "
+                    f"{limits.SWARM_VALUES:,} values in all"
+                )
         if not lines:
             raise UsageError(f"{self.path}: no rows below the header; give one a trajectory")
-        return Ensemble(self.path, columns, tuple(lines), values)
+        return Ensemble(self.path, columns, lines, values)
+
+    def _lines(self, file: TextIO) -> Iterator[str]:
+        """What never ends, /dev/zero say, is not read to its end."""
+        number = 0
+        while text := file.readline(limits.ENSEMBLE_LINE):
+            number += 1
+            if len(text) == limits.ENSEMBLE_LINE:
+                most = f"{limits.ENSEMBLE_LINE:,}"
+                raise UsageError(f"{self.path}:{number}: a line of more than {most} characters")
+            yield text
 
     def _rows(self, file: TextIO) -> Iterator[tuple[int, list[str]]]:
         """Rows that are not blank, with their lines."""
-        reader = csv.reader(file, strict=True)
+        reader = csv.reader(self._lines(file), strict=True)
         for row in reader:
             if any(cell.strip() for cell in row):
                 yield reader.line_num, [cell.strip() for cell in row]

@@ -14,3 +14,7 @@ class UsageError(Exception):
 
 class NumericsFailed(Exception):
     """The C driver, or what was to be found with it, failed; the text is its reason."""
+
+
+class BuildError(Exception):
+    """No C compiler, or it refused; the text is what it said. Or no cache for what it makes."""

@@ -60,10 +60,16 @@ def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
 
 
 def output(path: str | None) -> Path | None:
-    if path is None:
+    if path is None or path == "-":
         return None
     if not path.endswith((".csv", ".npy")):
         raise UsageError(f"-o {path}: the file's name must end in .csv or .npy")
+    return Path(path)
+
+
+def directory(path: str) -> Path:
+    if path == "-":
+        raise UsageError("-o -: give a directory; several files are written")
     return Path(path)
 
 

@@ -1,4 +1,4 @@
-"""A progress bar on standard error."""
+"""What is said on standard error while something takes long: lines, a progress bar."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ class Show(Protocol):
 
 def unseen(part: float, text: str = "") -> None:
     """Progress where nobody looks."""
+
+
+def say(text: str) -> None:
+    print(f"pkgen: {text}", file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -10,7 +10,6 @@ import argparse
 import csv
 import json
 import sys
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
@@ -22,12 +21,13 @@ from .choose import Choice
 from .commands import compile_within_limits
 from .compiler import Compilation
 from .ensemble import Ensemble
-from .exits import DONE, NUMERICS_FAILED
+from .exits import DONE, INTERRUPTED, NUMERICS_FAILED
 from .expects_judge import Verdict
+from .files import PARTIAL, Result, cut, scratch
 from .model import Model, Scene
 from .progress import progress
 from .scene_model import hidden
-from .simulate import Outcome, Settings, csv_to_npy, sidecar, simulate
+from .simulate import Outcome, Settings, build, csv_to_npy, sidecar, simulate
 
 # The share of steps that an iteration may hold back before it is worth a word.
 HELD = 0.75
@@ -42,6 +42,7 @@ class _Run:
     ensemble: Ensemble | None
     threads: int | None
     scene: Scene | None
+    program: Path | None = None
     choices: tuple[Choice, ...] = ()  # where the scene promises an accuracy, one of each part
 
 
@@ -55,7 +56,12 @@ def run(options: argparse.Namespace) -> int:
     asked = diagnostics.asked(options.diagnose, options.ensemble)
     kernels = diagnostics.kernels(asked)
     compilation = compile_within_limits(
-        options, libm=options.libm, unroll=unroll, kernels=kernels, use=scene_use.of_run(options)
+        options,
+        libm=options.libm,
+        portable=options.portable,
+        unroll=unroll,
+        kernels=kernels,
+        use=scene_use.of_run(options),
     )
     diagnostics.refuse(asked, compilation, several)
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
@@ -80,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"pkgen: {choose.NOT_PROMISED}", file=sys.stderr)
     choices = choose.chosen(compilation, settings, ensemble)
     settings = choose.with_choices(settings, choices)
-    what = _Run(compilation, settings, ensemble, threads, chosen, choices)
+    what = _Run(compilation, settings, ensemble, threads, chosen, choices=choices)
     time = "" if compilation.model.dimensionless else "s"
     for choice in choices:
         for line in choose.lines(choice, time, options.json):
@@ -88,12 +94,17 @@ def run(options: argparse.Namespace) -> int:
     for note in (rows.note(options, settings, compilation), parsing.unread(options, compilation)):
         if note:
             print(f"pkgen: {note}", file=sys.stderr)
+    what = replace(what, program=build(compilation, settings, ensemble))
     if output is None and not options.json:
         sys.stdout.flush()
-        outcome = _simulate(what, sys.stdout.fileno())
+        outcome, left = _simulate(what, sys.stdout.fileno()), None
     else:
-        outcome = _to_file(options, what, output)
+        outcome, left = _to_file(options, what, output)
+    if outcome.code == DONE and not outcome.whole:  # who read the rows has gone
+        return DONE
     _tell(options, outcome, time)
+    if left is not None and not options.json:
+        print(f"pkgen: rows as far as they came: {left}", file=sys.stderr)
     if outcome.code == DONE and not options.diagnose:
         _hint(options, compilation.declared)
     return _judge(options, what, outcome)
@@ -106,30 +117,48 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
         print(f"scenes of this model, by --scene: {names}", file=sys.stderr)
 
 
-def _to_file(options: argparse.Namespace, asked: _Run, output: Path | None) -> Outcome:
-    """Run with the rows in a file: the one asked for, or a scratch file to read them from."""
-    with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
-        as_is = output is not None and output.suffix == ".csv"
-        table = output if as_is else Path(scratch) / "rows.csv"
-        with open(table, "wb") as file:
-            outcome = _simulate(asked, file)
-        if output is None:
-            print(json.dumps(_result(asked, outcome, table), indent=1))
-            return outcome
-        if not as_is:
-            csv_to_npy(table, output)
-    description = _describe(asked, outcome, output.name)
-    beside = output.with_name(output.name + ".json")
-    beside.write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")
+def _to_file(
+    options: argparse.Namespace, asked: _Run, output: Path | None
+) -> tuple[Outcome, Path | None]:
+    """Run with the rows in a file: the one asked for, or a scratch file to read them from; where
+    they are if they are not all."""
+    left = None
+    if output is None:
+        with scratch() as folder:
+            with open(folder / "rows.csv", "wb") as file:
+                outcome = _simulate(asked, file)
+            print(json.dumps(_result(asked, outcome, folder / "rows.csv"), indent=1))
+        return outcome, None
+    unfinished = Outcome(INTERRUPTED, {}, "")  # should nobody be there to say more
+    with Result(output, _text(_describe(asked, unfinished, output.name))) as result:
+        if output.suffix == ".csv":
+            outcome = _simulate(asked, result.file)
+        else:
+            with scratch() as folder:
+                with open(folder / "rows.csv", "wb") as file:
+                    outcome = _simulate(asked, file)
+                if cut(folder / "rows.csv"):
+                    csv_to_npy(folder / "rows.csv", result.file)
+        description = _describe(asked, outcome, output.name)
+        if outcome.whole:
+            result.finish(_text(description))
+        else:
+            left = result.leave(_text(description))
     if options.json:
         print(json.dumps(description, indent=1))
-    return outcome
+    return outcome, left
+
+
+def _text(description: dict[str, object]) -> str:
+    return json.dumps(description, indent=1) + "\n"
 
 
 def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
+    data += "" if outcome.whole or data == "rows" else PARTIAL
     found = sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
     if asked.scene is not None:
         found["scene"] = asked.scene.name
+    if asked.scene is not None and outcome.report:
         found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
     if asked.choices:
         made = [choose.record(choice) for choice in asked.choices]
@@ -172,6 +201,7 @@ def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
     with progress(asked.compilation.model.name) as on_progress:
         outcome = simulate(
             asked.compilation,
+            asked.program,
             asked.settings,
             output,
             on_progress,

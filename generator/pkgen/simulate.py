@@ -13,20 +13,21 @@ import re
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from csv import reader, writer
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
 
-from . import __version__, named, not_finite
+from . import __version__, children, named, not_finite
+from .back.render import is_portable
 from .build import build_program
 from .compiler import Compilation
 from .ensemble import Ensemble
 from .equations import Quantity
 from .exits import INTERRUPTED, NUMERICS_FAILED
 from .expects import NOTHING, Watched
+from .files import scratch
 from .reasons import with_options
 from .scene_model import hidden
 
@@ -141,6 +142,11 @@ class Outcome:
     report: dict[str, object]
     messages: str
 
+    @property
+    def whole(self) -> bool:
+        """Whether all rows are written; a diagnostic, made after them, may fail."""
+        return bool(self.report.get("whole"))
+
 
 def columns(
     compilation: Compilation,
@@ -185,37 +191,49 @@ def _column(
     return energy
 
 
-def simulate(
-    compilation: Compilation,
-    settings: Settings,
-    output: IO[bytes] | int,
-    on_progress: Callable[[float], None] | None = None,
-    ensemble: Ensemble | None = None,
-    threads: int | None = None,
-) -> Outcome:
-    """Run the model, its CSV going to `output`. Raises BuildError if C cannot be compiled."""
-    program = build_program(
+def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Path:
+    """The program that runs the model. Raises BuildError if C cannot be compiled."""
+    return build_program(
         compilation.files,
         compilation.model.name,
         *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
         ensemble=ensemble is not None,
         parts=[(part.name, part.coordinates) for part in compilation.parts],
     )
-    with tempfile.TemporaryDirectory(prefix="pkgen-") as scratch:
-        report_path = Path(scratch) / "report.json"
+
+
+def simulate(
+    compilation: Compilation,
+    program: Path,
+    settings: Settings,
+    output: IO[bytes] | int,
+    on_progress: Callable[[float], None] | None = None,
+    ensemble: Ensemble | None = None,
+    threads: int | None = None,
+) -> Outcome:
+    """Run the model, its CSV going to `output`."""
+    with scratch() as folder:
+        report_path = folder / "report.json"
         lines = [*settings.lines(), f"report {report_path}"]
         lines.append(f"progress {1 if on_progress else 0}")
         if settings.units:
             lines.append("header 0")
             _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), output)
         if ensemble:
-            lines += ensemble.settings(Path(scratch) / "members", threads)
+            lines += ensemble.settings(folder / "members", threads)
         child = subprocess.Popen(
-            [program], stdin=subprocess.PIPE, stdout=output, stderr=subprocess.PIPE, text=True
+            [program],
+            stdin=subprocess.PIPE,
+            stdout=output,
+            stderr=subprocess.PIPE,
+            text=True,
+            **children.group(),
         )
         messages = with_options(_converse(child, "\n".join(lines) + "\n", on_progress))
         messages = not_finite.named(messages, compilation, settings.parameters)
-        report = json.loads(report_path.read_text()) if report_path.exists() else {}
+        report = {}
+        with contextlib.suppress(FileNotFoundError, ValueError):  # where the driver was killed
+            report = json.loads(report_path.read_text())
     if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
         return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")
     if child.returncode < 0:
@@ -235,14 +253,10 @@ def _write_header(columns: list[Quantity], output: IO[bytes] | int) -> None:
 def _converse(
     child: subprocess.Popen[str], settings: str, on_progress: Callable[[float], None] | None
 ) -> str:
-    """Give the driver its settings, follow its progress, return what else it said.
-
-    An interrupt reaches the driver as well (same terminal): it writes out what it has and ends.
-    """
+    """Give the driver its settings, follow its progress, return what else it said."""
     assert child.stdin is not None and child.stderr is not None
     messages = []
-    old = signal.signal(signal.SIGINT, lambda *_: _forward(child))
-    try:
+    with children.forwarding(child):
         # A driver that has ended already says why by its exit code and its messages.
         with contextlib.suppress(BrokenPipeError):
             child.stdin.write(settings)
@@ -254,14 +268,7 @@ def _converse(
             else:
                 messages.append(line)
         child.wait()
-    finally:
-        signal.signal(signal.SIGINT, old)
     return "".join(messages)
-
-
-def _forward(child: subprocess.Popen[str]) -> None:
-    if child.poll() is None:
-        child.send_signal(signal.SIGINT)
 
 
 def sidecar(
@@ -279,13 +286,15 @@ def sidecar(
         "source": os.path.basename(compilation.model.source.path),
         "source_sha256": compilation.model.source.sha256,
         "data": data,
+        "partial": not outcome.whole,
         "columns": [asdict(c) for c in columns(compilation, ensemble, settings.show)],
+        "portable": is_portable(compilation.files),
         "settings": {**asdict(settings), **of},
         "report": outcome.report,
     }
 
 
-def csv_to_npy(csv: Path, npy: Path) -> None:
+def csv_to_npy(csv: Path, npy: IO[bytes]) -> None:
     """The rows of a CSV as an array of float64 with named columns: numpy.load(npy)["theta1"]."""
     import numpy
 

@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pkgen_runtime
 
+from . import children
+from .exits import BuildError
+
 RUNTIME = Path(pkgen_runtime.__file__).parent
 # No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
 # clang differ in their defaults; it is off, since lanes and scalars then agree to the bit and
@@ -33,10 +36,6 @@ STANDARD = "-std=c11"
 TIMEOUT_SECONDS = 300
 
 
-class BuildError(Exception):
-    """No C compiler, or it refused; the text is what it said."""
-
-
 @dataclass(frozen=True)
 class Toolchain:
     """A C compiler with its flags, and GSL's where it is installed."""
@@ -56,12 +55,12 @@ class Toolchain:
 def find_toolchain() -> Toolchain:
     """`$CC` if set, else gcc, clang or cc, whichever comes first."""
     wanted = os.environ.get("CC")
-    candidates = [shlex.split(wanted)] if wanted else [["gcc"], ["clang"], ["cc"]]
+    candidates = [_words("CC", wanted)] if wanted else [["gcc"], ["clang"], ["cc"]]
     for candidate in candidates:
         if candidate and shutil.which(candidate[0]):
             version = _output([*candidate, "--version"]) or ""
             native, macros = _native(candidate)
-            flags = FLAGS + native + tuple(shlex.split(os.environ.get("CFLAGS", "")))
+            flags = FLAGS + native + tuple(_words("CFLAGS", os.environ.get("CFLAGS", "")))
             cflags, libs = _find_gsl()
             return Toolchain(
                 tuple(candidate),
@@ -75,6 +74,16 @@ def find_toolchain() -> Toolchain:
         f"no C compiler found (looked for {', '.join(c[0] for c in candidates if c)}); "
         "install gcc, or name one with the environment variable CC"
     )
+
+
+def _words(name: str, text: str) -> list[str]:
+    """An environment variable as a shell would take it apart."""
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise BuildError(
+            f"the environment variable {name} is {text}: {str(error).lower()}"
+        ) from None
 
 
 def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
@@ -98,7 +107,9 @@ def _find_gsl() -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
 
 def _output(command: list[str]) -> str | None:
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=30, check=True, **children.group()
+        )
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout
@@ -112,7 +123,13 @@ def compile_c(tools: Toolchain, arguments: list[str], directory: Path) -> None:
 def run(command: list[str], directory: Path) -> None:
     try:
         done = subprocess.run(
-            command, cwd=directory, capture_output=True, text=True, timeout=TIMEOUT_SECONDS
+            command,
+            cwd=directory,
+            env={**os.environ, "TMPDIR": str(directory)},  # what gcc leaves where it is killed
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT_SECONDS,
+            **children.group(),
         )
     except OSError as error:
         raise BuildError(f"cannot run {command[0]}: {error.strerror}") from None

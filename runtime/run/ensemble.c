@@ -108,11 +108,9 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
 static int report(const struct run *run, const struct batch *b, const struct tally *tally)
 {
     const struct settings *s = &run->settings;
-    FILE *file = fopen(s->report, "w");
-    if (!file) {
-        fprintf(stderr, "run: cannot write %s: %s\n", s->report, strerror(errno));
+    FILE *file = output_begin(s->report);
+    if (!file)
         return 1;
-    }
     fputs("{\n  \"model\": ", file);
     output_text(file, b->system->name);
     fputs(",\n  \"source_hash\": ", file);
@@ -144,13 +142,13 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     watched_report(tally, s, file);
     expect_report(run, file);
     fprintf(file,
-            "  \"interrupted\": %s,\n  \"rows\": %lu,\n  \"threads\": %zu,\n"
-            "  \"seconds\": %.6g",
-            run->interrupted ? "true" : "false", run->rows, b->threads, run->seconds);
+            "  \"interrupted\": %s,\n  \"whole\": %s,\n  \"rows\": %lu,\n"
+            "  \"threads\": %zu,\n  \"seconds\": %.6g",
+            run->interrupted ? "true" : "false", output_whole(run) ? "true" : "false", run->rows,
+            b->threads, run->seconds);
     diagnose_report(run, file);
     fputs("\n}\n", file);
-    const int failed = ferror(file);
-    return fclose(file) || failed;
+    return output_end(file, s->report);
 }
 
 /* What may have ended members before the end. */
@@ -166,10 +164,9 @@ static const char *ended(const struct settings *s, const struct tally *tally)
 /* What is said at the end, and the exit code. */
 static int finish(struct run *run, const struct batch *b, const struct tally *tally)
 {
-    int code = 0;
-    errno = 0;
-    if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
-        run->write_failed = errno ? errno : EIO;
+    int code = output_rows_end(run, 0);
+    if (run->write_failed == EPIPE)
+        return code;
     if (tally->failed) {
         fprintf(stderr, "run: %s: %zu of %zu members failed, first member %ld: %s\n",
                 run->settings.method->name, tally->failed, run->settings.members,
@@ -188,10 +185,7 @@ static int finish(struct run *run, const struct batch *b, const struct tally *ta
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);
         code = 4;
     }
-    if (run->write_failed) {
-        fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
-        code = 2;
-    }
+    code = run->write_failed ? 2 : code;
     if (!run_interrupted())
         code = area_find(run, code, ended(&run->settings, tally));
     run->interrupted = run_interrupted();

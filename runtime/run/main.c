@@ -152,9 +152,9 @@ void run_free(struct run *run)
 static int finish(struct run *run, int code)
 {
     char reason[640];
-    errno = 0;
-    if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
-        run->write_failed = errno ? errno : EIO;
+    code = output_rows_end(run, code);
+    if (run->write_failed == EPIPE)
+        return 0;
     trust_judge(run);
     watch_warn(run);
     if (run->it.status < 0 || run->beyond) {
@@ -176,10 +176,7 @@ static int finish(struct run *run, int code)
                 run->not_finite, run->bad_rows, run->rows, run->bad_t);
         code = code ? code : 4;
     }
-    if (run->write_failed) {
-        fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
-        code = 2;
-    }
+    code = run->write_failed ? 2 : code;
     if (run->interrupted) {
         fprintf(stderr, "run: interrupted at t = %.17g\n", (double)run->it.t);
         code = 130;
@@ -214,7 +211,9 @@ int main(int argc, char **argv)
         return code;
     }
     setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is a write that fails, and is reported */
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is a write that fails, and is reported, */
+    signal(SIGXFSZ, SIG_IGN); /* so is a file that is as large as may be; */
+    signal(SIGTTOU, SIG_IGN); /* a terminal is written to from the background */
     signal(SIGINT, on_interrupt);
     const double began = run_now();
     run.out = stdout;

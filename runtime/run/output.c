@@ -125,7 +125,9 @@ static void json_run(struct run *run, FILE *file)
     trust_warning(run, reason, sizeof reason);
     fputs(",\n  \"warning\": ", file);
     output_text(file, reason);
-    fprintf(file, ",\n  \"interrupted\": %s,\n  \"t\": ", run->interrupted ? "true" : "false");
+    fprintf(file, ",\n  \"interrupted\": %s,\n  \"whole\": %s,\n  \"t\": ",
+            run->interrupted ? "true" : "false",
+            it->status >= 0 && !run->beyond && output_whole(run) ? "true" : "false");
     output_real(file, it->t);
     fputs(",\n  \"last_valid\": ", file);
     output_real(file, trust_last_valid(run));
@@ -170,18 +172,44 @@ static void json_run(struct run *run, FILE *file)
     json_drifts(run, file);
 }
 
-int output_report(struct run *run, const char *path)
+int output_whole(const struct run *run) { return !run->interrupted && !run->write_failed; }
+
+FILE *output_begin(const char *path)
 {
     FILE *file = fopen(path, "w");
-    if (!file) {
+    if (!file)
         fprintf(stderr, "run: cannot write %s: %s\n", path, strerror(errno));
-        return 1;
-    }
-    json_run(run, file);
+    return file;
+}
+
+int output_end(FILE *file, const char *path)
+{
+    errno = 0;
     const int failed = ferror(file);
-    if (fclose(file) || failed) {
-        fprintf(stderr, "run: cannot write %s\n", path);
+    if (!fclose(file) && !failed)
+        return 0;
+    fprintf(stderr, "run: cannot write %s: %s\n", path, strerror(errno ? errno : EIO));
+    remove(path);
+    return 1;
+}
+
+int output_rows_end(struct run *run, int code)
+{
+    errno = 0;
+    if (!run->write_failed && (fflush(stdout) || ferror(stdout)))
+        run->write_failed = errno ? errno : EIO;
+    if (!run->write_failed)
+        return code;
+    if (run->write_failed != EPIPE)
+        fprintf(stderr, "run: cannot write rows: %s\n", strerror(run->write_failed));
+    return run->write_failed == EPIPE ? code : 2;
+}
+
+int output_report(struct run *run, const char *path)
+{
+    FILE *file = output_begin(path);
+    if (!file)
         return 1;
-    }
-    return 0;
+    json_run(run, file);
+    return output_end(file, path);
 }

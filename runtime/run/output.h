@@ -69,6 +69,13 @@ pk_real output_value(const struct run *run, const struct shown *column, pk_real 
                      const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out);
 /* 0, or a message on standard error. */
 int output_report(struct run *run, const char *path);
+/* Whether all rows are written. */
+int output_whole(const struct run *run);
+/* A file to be written, and its end: 0, or a message and no file. */
+FILE *output_begin(const char *path);
+int output_end(FILE *file, const char *path);
+/* After the rows; the exit code. Who has read enough of them is told nothing. */
+int output_rows_end(struct run *run, int code);
 /* Pieces of JSON. */
 void output_text(FILE *file, const char *text);
 void output_real(FILE *file, pk_real x);

@@ -71,8 +71,8 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
         return h;
     const pk_real order = (pk_real)table_of(it->method)->error_order;
     const pk_real h1 = most > PK_C(1e-15) * PK_F(sqrt)((pk_real)w->m)
-                           ? PK_F(pow)(PK_C(0.01) * PK_F(sqrt)((pk_real)w->m) / most,
-                                       PK_C(1.0) / order)
+                           ? PK_SAME(PK_F(pow)(PK_C(0.01) * PK_F(sqrt)((pk_real)w->m) / most,
+                                               PK_C(1.0) / order))
                            : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
     return pk_min(pk_min(PK_C(100.0) * h, h1), span);
 }

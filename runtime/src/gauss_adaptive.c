@@ -50,7 +50,7 @@ static pk_real stage_error(const struct pk_integrator *it, pk_real size, const p
 {
     const pk_real six = pk_abs(sums[0]) / (size + PK_TINY), seven = pk_abs(sums[1]) / (size + PK_TINY);
     const pk_real theta =
-        pk_max(PK_F(pow)(six, PK_C(1.0) / 6), PK_F(pow)(seven, PK_C(1.0) / 7));
+        PK_SAME(pk_max(PK_F(pow)(six, PK_C(1.0) / 6), PK_F(pow)(seven, PK_C(1.0) / 7)));
     const pk_real theta2 = theta * theta, theta4 = theta2 * theta2, theta8 = theta4 * theta4;
     (void)it;
     return size * theta8 * theta8 / (PK_GAUSS_SHARE * PK_F(exp)(PK_GAUSS_ACCEPT_LOG));

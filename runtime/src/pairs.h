@@ -23,7 +23,7 @@ static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
 }
 
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
-    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128
+    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
 #define PK_PAIR_REST(a, b, p) PK_F(fma)(a, b, -(p))
 #else
 /* 2^k + 1, where half the digits, rounded up, are k. */

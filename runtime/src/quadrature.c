@@ -108,7 +108,7 @@ int pk_quadrature_rejects(struct pk_integrator *it)
         return 0;
     const pk_real error = error_of(it), h = it->next_t - it->t;
     const pk_real factor =
-        SAFETY * PK_F(pow)(error + PK_TINY, PK_C(-1.0) / (pk_real)it->method->order);
+        SAFETY * PK_SAME(PK_F(pow)(error + PK_TINY, PK_C(-1.0) / (pk_real)it->method->order));
     if (error <= 1) {
         if (pk_abs(h) * factor < pk_abs(it->h))
             it->h = h * factor;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -33,7 +32,7 @@ def test_memory_is_bounded() -> None:
 @pytest.mark.parametrize("arguments", ["--dump=render", "--dump=derive"])
 def test_a_reader_of_python_s_own_output_goes_away(arguments: str) -> None:
     command = f"{sys.executable} -m pkgen {DOUBLE} {arguments} | true"
-    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=300)
     assert done.stderr == ""
 
 
@@ -51,29 +50,9 @@ def test_stages_are_told_apart(pkgen) -> None:
         assert pkgen(DOUBLE, f"--dump={stage}").stdout.startswith(begins)
 
 
-def test_the_cache_keeps_the_newest(tmp_path: Path) -> None:
-    for age in range(build.KEPT_PROGRAMS + 3):
-        entry = tmp_path / f"model-{age}"
-        entry.mkdir()
-        os.utime(entry, (1e9 - age, 1e9 - age))
-    build._prune(tmp_path)
-    left = {p.name for p in tmp_path.iterdir()}
-    assert left == {f"model-{age}" for age in range(build.KEPT_PROGRAMS)}
-
-
-def test_another_process_may_empty_the_cache_meanwhile(monkeypatch, tmp_path: Path) -> None:
-    (tmp_path / "kept").mkdir()
-    listed = [tmp_path / "gone", tmp_path / "kept"]
-    monkeypatch.setattr(Path, "iterdir", lambda _: iter(listed))
-    monkeypatch.setattr(build, "KEPT_PROGRAMS", 1)
-    build._prune(tmp_path)
-    assert (tmp_path / "kept").exists()
-
-
 def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
-    monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: directory.mkdir())
-    (tmp_path / "runtime").mkdir()
+    monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: None)
     tools = toolchain.find_toolchain()
     assert len(tools.target) == 24 and ("-march=native" in tools.flags or not toolchain.NATIVE)
     elsewhere = replace(tools, target="another processor")

@@ -20,8 +20,8 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         parse.parser.cache_clear()
         found = parse.parse(MODEL)
         assert len(found.statements) == 4
-        (file,) = (tmp_path / "cache").iterdir()
-        return file
+        (folder,) = (tmp_path / "cache/parser").iterdir()
+        return folder / "tables"
 
     yield read
     parse.parser.cache_clear()

@@ -12,8 +12,10 @@
  *
  * -O3 and -march=native (AVX2, AVX-512, fused multiply-add) make vector code of the lane kernels;
  * for the others -O2 is as good. -ffp-contract=off gives the same bits with every compiler, and in
- * every lane; =fast is 6 % faster at best. -fno-math-errno lets square roots be vector code. Never
- * -ffast-math: it makes tests for what is not a number false.
+ * every lane; =fast is 6 % faster at best. Sine and cosine have other bits where there is fused
+ * multiply-add than where there is none; not with -DPK_PORTABLE. Other functions are those of the C
+ * library. -fno-math-errno lets square roots be vector code. Never -ffast-math: it makes tests for
+ * what is not a number false.
  *
  * Use:
  *

@@ -38,7 +38,9 @@
 #include <string.h>
 
 /* fma() in hardware; elsewhere it is a library call. (clang does not define FP_FAST_FMA.) */
-#if defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA
+#if (defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || \
+     defined __ARM_FEATURE_FMA) && \
+    !defined PK_PORTABLE
 #define PK_SINCOS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #define PK_SINCOS_HAS_FMA
 #else

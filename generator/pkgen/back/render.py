@@ -102,6 +102,21 @@ def render(
     }
 
 
+PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with and without */\n"
+
+
+def portable(files: dict[str, str]) -> dict[str, str]:
+    """C that uses no fused multiply-add, as with -DPK_PORTABLE."""
+    return {
+        name: text.replace("#include ", f"{PORTABLE}#include ", name.endswith(".c"))
+        for name, text in files.items()
+    }
+
+
+def is_portable(files: dict[str, str]) -> bool:
+    return any(PORTABLE in text for text in files.values())
+
+
 def _refuse_parts(program: Program) -> None:
     """A self-test compares all kernels with each other."""
     e = program.equations

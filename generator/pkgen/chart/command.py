@@ -14,6 +14,7 @@ from .. import scene
 from ..build import driver_methods
 from ..commands import compile_within_limits
 from ..exits import DONE, NumericsFailed, UsageError
+from ..files import moved, scratch
 from ..progress import progress, unseen
 from ..scene_use import whole
 from . import chart as charts
@@ -38,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
     chosen = _methods(options.methods)
     effort = _effort(options)
+    directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
@@ -49,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
         chart = charts.measure(compilation, settings, chosen, effort, show or unseen)
     if not any(track.good for track in chart.tracks):
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
-    files = _write(Path(options.directory), chart, options)
+    files = _write(directory, chart, options)
     if options.json:
         print(json.dumps(_record(chart, files), indent=1))
     else:
@@ -90,17 +92,17 @@ def _given(options: argparse.Namespace) -> list[str]:
 def _write(directory: Path, chart: Chart, options: argparse.Namespace) -> list[Path]:
     from . import draw, page
 
-    directory.mkdir(parents=True, exist_ok=True)
     text = report(chart, options.model, _given(options))
-    stem = directory / f"{chart.model}_chart"
-    files = draw.pictures(chart, stem)
-    for suffix, content in (
-        (".csv", table.as_csv(chart.tracks)),
-        (".html", page.html(chart, text, [f for f in files if f.suffix == ".svg"])),
-    ):
-        stem.with_suffix(suffix).write_text(content, encoding="utf-8")
-        files.append(stem.with_suffix(suffix))
-    return files
+    with scratch() as folder:
+        stem = folder / f"{chart.model}_chart"
+        files = draw.pictures(chart, stem)
+        for suffix, content in (
+            (".csv", table.as_csv(chart.tracks)),
+            (".html", page.html(chart, text, [f for f in files if f.suffix == ".svg"])),
+        ):
+            stem.with_suffix(suffix).write_text(content, encoding="utf-8")
+            files.append(stem.with_suffix(suffix))
+        return moved(files, directory)
 
 
 def _record(chart: Chart, files: list[Path]) -> dict[str, object]:

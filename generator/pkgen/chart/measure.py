@@ -7,13 +7,14 @@ import contextlib
 import json
 import math
 import subprocess
-import tempfile
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
 
+from .. import children
 from ..exits import USAGE, NumericsFailed, UsageError
+from ..files import scratch
 from ..simulate import Settings
 from .points import Method, Point
 
@@ -49,8 +50,8 @@ class Program:
         self.settings = settings
 
     def __enter__(self) -> Program:
-        self._scratch = tempfile.TemporaryDirectory(prefix="pkgen-")
-        lines = Path(self._scratch.name) / "settings"
+        self._scratch = scratch()
+        lines = self._scratch.__enter__() / "settings"
         lines.write_text("\n".join(self.settings.lines()) + "\n", encoding="utf-8")
         self._child = subprocess.Popen(
             [self.path, self.mode, lines],
@@ -58,6 +59,7 @@ class Program:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            **children.group(),
         )
         return self
 
@@ -71,7 +73,7 @@ class Program:
             self._child.kill()
         with contextlib.suppress(BrokenPipeError):
             self._child.communicate()
-        self._scratch.cleanup()
+        self._scratch.__exit__(None, None, None)
 
     def ask(self, *words: object) -> dict:
         assert self._child.stdin is not None and self._child.stdout is not None

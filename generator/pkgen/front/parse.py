@@ -7,7 +7,6 @@ statement leaves its place, and the names that it would have declared, to `check
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
 from functools import cache
 from pathlib import Path
@@ -18,7 +17,8 @@ from lark.exceptions import UnexpectedToken
 from lark.lexer import Lexer
 
 from .. import limits
-from ..cache import cache_directory
+from ..cache import cached
+from ..exits import BuildError
 from ..source import Diagnostic, ModelError, Source, Span
 from ..tree import Expr, children
 from . import statements as st
@@ -47,24 +47,16 @@ def parser() -> tuple[Lark, Build]:
     """The parser of one statement, made once, and its callbacks."""
     build = Build()
     grammar = GRAMMAR.read_text(encoding="utf-8")
-    tables = _tables(grammar)
-    return Lark(grammar, parser="lalr", lexer=_Tokens, transformer=build, cache=tables), build
-
-
-def _tables(grammar: str) -> str | bool:
-    """Where lark keeps the tables that it makes of the grammar, half the time of a short command:
-    a file for each grammar, lark and Python. False where the cache cannot be written.
-
-    Lark reads none that it cannot, or that is of another grammar, and makes them again."""
     made_by = (grammar, lark_version, sys.version_info[:2])
     digest = hashlib.sha256(repr(made_by).encode()).hexdigest()[:24]
-    directory = cache_directory()
+
+    # A folder that nobody else can write. Lark itself reads no tables that are broken or of another
+    # grammar; they are half the time of a short command.
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    file = directory / f"parser-{digest}"
-    return str(file) if os.access(file if file.exists() else directory, os.W_OK) else False
+        tables = str(cached("parser", digest, lambda _: None) / "tables")
+    except BuildError:
+        tables = False
+    return Lark(grammar, parser="lalr", lexer=_Tokens, transformer=build, cache=tables), build
 
 
 def parse(source: Source) -> st.File:

@@ -37,7 +37,8 @@ def too_much(rows: float, numbers: int, members: int | None) -> str:
         return ""
     each = f"{members:,} members of " if members is not None else ""
     gigabytes = total * BYTES * 1e-9
-    return f"{each}{rows:,.0f} rows of {numbers:,} numbers are some {gigabytes:,.0f} GB"
+    count, size = (f"{x:,.0f}" if x < 1e15 else f"{x:.3g}" for x in (rows, gigabytes))
+    return f"{each}{count} rows of {numbers:,} numbers are some {size} GB"
 
 
 def within_bounds(model: Model, item: Parameter, index: int | None, value: float) -> bool:

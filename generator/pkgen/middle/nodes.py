@@ -8,7 +8,7 @@ from __future__ import annotations
 from copy import copy
 from fractions import Fraction
 from sys import maxsize
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 from .monomials import Factors, Node
 
@@ -101,7 +101,7 @@ class Nodes:
     def __len__(self) -> int:
         return len(self.op)
 
-    def copy(self) -> Self:
+    def copy(self) -> Nodes:
         """The same nodes under the same numbers, to be added to without a trace here."""
         result = copy(self)
         for name, value in vars(self).items():

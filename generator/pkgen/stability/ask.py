@@ -6,12 +6,13 @@ from __future__ import annotations
 import json
 import math
 import subprocess
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from .. import children
 from ..exits import USAGE, NumericsFailed, UsageError
+from ..files import scratch
 from ..simulate import Settings
 
 ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
@@ -140,14 +141,14 @@ class Asker:
     def ask(self, questions: Iterable[str]) -> list[dict]:
         """An answer a question, in their order."""
         asked = list(questions)
-        with tempfile.NamedTemporaryFile("w", prefix="pkgen-", suffix=".txt") as file:
-            file.write("\n".join(asked) + "\n")
-            file.flush()
+        with scratch() as folder:
+            (folder / "questions").write_text("\n".join(asked) + "\n", encoding="utf-8")
             done = subprocess.run(
-                [self.program, "--stability", file.name],
+                [self.program, "--stability", folder / "questions"],
                 input="\n".join(self.settings.lines()) + "\n",
                 capture_output=True,
                 text=True,
+                **children.group(),
             )
         if done.returncode == USAGE:
             raise UsageError(done.stderr.strip().removeprefix("run: "))

@@ -12,6 +12,7 @@ from .. import options as parsing
 from ..commands import compile_within_limits
 from ..compiler import Compilation
 from ..exits import DONE, UsageError
+from ..files import moved, scratch
 from ..progress import progress
 from ..scene_use import whole
 from ..toolchain import BuildError, find_toolchain
@@ -40,12 +41,13 @@ def run(options: argparse.Namespace) -> int:
         raise BuildError(
             "pkgen stability finds equilibria and modes by GSL, which is not installed"
         )
+    directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     _refuse_states(compilation)
     asked = _asked(options, compilation)
     with progress(compilation.model.name) as show:
         made = maps.make(compilation, asked, show)
-    files = _write(Path(options.directory), made)
+    files = _write(directory, made)
     if options.json:
         print(json.dumps(record(made, files), indent=1))
     else:
@@ -119,13 +121,13 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
 def _write(directory: Path, made: StabilityMap) -> list[Path]:
     from . import draw, page
 
-    directory.mkdir(parents=True, exist_ok=True)
-    stem = directory / f"{made.compilation.model.name}_stability"
-    files = draw.pictures(made, stem)
-    for suffix, content in ((".csv", text.as_csv(made)), (".html", page.html(made, files[0]))):
-        files.append(stem.with_suffix(suffix))
-        files[-1].write_text(content, encoding="utf-8")
-    return files
+    with scratch() as folder:
+        stem = folder / f"{made.compilation.model.name}_stability"
+        files = draw.pictures(made, stem)
+        for suffix, content in ((".csv", text.as_csv(made)), (".html", page.html(made, files[0]))):
+            files.append(stem.with_suffix(suffix))
+            files[-1].write_text(content, encoding="utf-8")
+        return moved(files, directory)
 
 
 def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:

@@ -11,6 +11,14 @@
 #include <pk/status.h>
 #include <pk/system.h>
 
+/* By what a step's length is made from pow, exp and log of the C library, whose last bits differ from
+ * one processor to another: with PK_PORTABLE to 24 digits, which do not. */
+#ifdef PK_PORTABLE
+#define PK_SAME(x) ((pk_real)(float)(x))
+#else
+#define PK_SAME(x) (x)
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif

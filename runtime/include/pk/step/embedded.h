@@ -155,9 +155,9 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
             pk_trouble(it, status, it->next_t);
             planned = h * PK_C(0.2);
         } else {
-            const pk_real raw = PK_F(pow)(it->error, alpha) / safety;
+            const pk_real raw = PK_SAME(PK_F(pow)(it->error, alpha)) / safety;
             if (it->error <= PK_C(1.0)) {
-                const pk_real fac = raw / PK_F(pow)(*w.err_old, table->beta);
+                const pk_real fac = raw / PK_SAME(PK_F(pow)(*w.err_old, table->beta));
                 const int at_most = fac <= PK_C(1.0) / table->grow;
                 pk_real next = h / pk_min(PK_C(1.0) / table->shrink,
                                           pk_max(PK_C(1.0) / table->grow, fac));

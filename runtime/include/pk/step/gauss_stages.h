@@ -20,7 +20,7 @@
 /* a b + c, rounded once where the processor does that: half the instructions of matrix times
  * vector. Written out, since compilers may not contract by themselves; see build.py. */
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
-    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128
+    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
 #define PK_GAUSS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #else
 #define PK_GAUSS_FMA(a, b, c) ((a) * (b) + (c))
@@ -139,7 +139,7 @@ static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_rea
                                                              : PK_F(log)(seven) / 14;
     y->theta_log = theta;
     y->error_log = a / 2 + 16 * theta;
-    y->growth = PK_F(exp)(-y->error_log / 17);
+    y->growth = PK_SAME(PK_F(exp)(-y->error_log / 17));
 }
 
 #endif

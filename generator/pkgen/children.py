@@ -1,0 +1,118 @@
+"""The processes that pkgen starts: none outlives it.
+
+All are of one process group, led by a shell that waits at a pipe which pkgen alone holds open.
+However pkgen ends, by SIGKILL too, the system closes the pipe, and the shell kills the group: what
+gcc has started as well, which a signal to the child alone (PR_SET_PDEATHSIG) would not reach.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from .exits import NumericsFailed
+
+# A terminal's signals go to the group in its foreground, which is pkgen's.
+KEEPER = "read nothing; kill -KILL 0"
+ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+GRACE = 5.0  # seconds for the driver to write out what it has, once it is to end
+
+_keeper: subprocess.Popen[bytes] | None = None
+_ended = False  # threads may go on for a while; they start no more
+_starting = threading.Lock()
+
+
+def _joined(group: int) -> dict[str, object]:
+    if sys.version_info >= (3, 11):
+        return {"process_group": group}
+    return {"preexec_fn": lambda: os.setpgid(0, group)}
+
+
+def group() -> dict[str, object]:
+    """What subprocess is told, so that a process is of the group."""
+    global _keeper
+    with _starting:
+        if _ended:
+            raise NumericsFailed("interrupted")
+        if _keeper is None or _keeper.poll() is not None:
+            none = subprocess.DEVNULL
+            _keeper = subprocess.Popen(
+                ["/bin/sh", "-c", KEEPER],
+                stdin=subprocess.PIPE,
+                stdout=none,
+                stderr=none,
+                **_joined(0),
+            )
+        return _joined(_keeper.pid)
+
+
+def kill() -> None:
+    """End all of them, at once."""
+    global _ended
+    _ended = True
+    if _keeper is not None and _keeper.poll() is None:
+        with suppress(ProcessLookupError):
+            os.killpg(_keeper.pid, signal.SIGKILL)
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """SIGINT, SIGTERM and SIGHUP end pkgen and what it has started, as KeyboardInterrupt; what is
+    ignored, as by nohup, stays so. SIGTSTP (Ctrl-Z) stops all of them."""
+    global _ended
+    _ended = False
+
+    def end(_signal: int, _frame: object) -> None:
+        kill()
+        raise KeyboardInterrupt
+
+    with _handled({**dict.fromkeys(ENDS, end), signal.SIGTSTP: _stop}):
+        yield
+
+
+@contextmanager
+def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[None]:
+    before = {number: signal.getsignal(number) for number in handlers}
+    for number, handler in handlers.items():
+        if before[number] != signal.SIG_IGN:
+            signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _stop(_signal: int, _frame: object) -> None:
+    for number, own in ((signal.SIGSTOP, True), (signal.SIGCONT, False)):
+        if _keeper is not None and _keeper.poll() is None:
+            os.killpg(_keeper.pid, number)
+        if own:
+            os.kill(os.getpid(), number)  # here it waits for SIGCONT
+
+
+@contextmanager
+def forwarding(child: subprocess.Popen[str]) -> Iterator[None]:
+    """What is to end pkgen lets the child end first, which writes out what it has; a second signal,
+    or a child that does not end, ends it at once."""
+    said = []
+
+    def forward(_signal: int, _frame: object) -> None:
+        if said or child.poll() is not None:
+            return kill()
+        child.send_signal(signal.SIGINT)
+        said.append(threading.Timer(GRACE, kill))
+        said[0].daemon = True
+        said[0].start()
+
+    try:
+        with _handled(dict.fromkeys(ENDS, forward)):
+            yield
+    finally:
+        for timer in said:
+            timer.cancel()

@@ -1,0 +1,252 @@
+"""Files that a command leaves, whole or not at all; and scratch folders, which none leaves.
+
+A file is written beside its place and renamed at the end. What is not finished has `.partial`
+behind its name, and so has what describes it. What is no regular file (a pipe, a device) is written
+as it stands. A symbolic link is followed.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+import signal
+import stat
+import tempfile
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import IO
+
+from .exits import UsageError
+
+PARTIAL = ".partial"
+SCRATCH = "pkgen."
+
+
+def partial(path: Path) -> Path:
+    return path.with_name(path.name + PARTIAL)
+
+
+def beside(path: Path) -> Path:
+    """The file that describes another one."""
+    return path.with_name(path.name + ".json")
+
+
+def place(path: Path) -> Path | None:
+    """Where a file is to be, links followed; None: it is a stream. Raises OSError or UsageError
+    where none can be written."""
+    for _ in range(40):  # as many links as Linux follows
+        if not path.is_symlink():
+            break
+        to = os.readlink(path)
+        if to.startswith(("/dev/fd/", "/dev/std", "/proc/")):  # of a process: its standard output
+            return None
+        path = path.parent / to
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return path
+    if stat.S_ISDIR(mode):
+        raise UsageError(f"{path}: this is a directory; give the name of a file")
+    if stat.S_ISREG(mode) and not os.access(path, os.W_OK):
+        raise PermissionError(13, "Permission denied", str(path))
+    return path if stat.S_ISREG(mode) else None
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """No signal that ends pkgen comes between; it comes behind."""
+    ends = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ends)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """An error of writing says of what."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or str(path)
+        raise
+
+
+def replace(
+    contents: Mapping[Path, str | bytes], renamed: Mapping[Path, Path] | None = None
+) -> None:
+    """Write files, all of them or none; after `renamed`, files that are written already."""
+    made: dict[Path, Path] = {}
+    try:
+        for path, content in contents.items():
+            data = content.encode() if isinstance(content, str) else content
+            end = place(path)
+            if end is None:
+                with _named(path):
+                    path.write_bytes(data)
+                continue
+            # Two commands may write the same file at the same time.
+            scratch = end.with_name(f"{end.name}.{os.getpid()}{PARTIAL}")
+            scratch.unlink(missing_ok=True)
+            made[scratch] = end
+            with _named(path), _opened(scratch, end, os.O_EXCL) as file:
+                file.write(data)
+        with uninterrupted():
+            if renamed:  # never what describes the one beside the other
+                for end in made.values():
+                    end.unlink(missing_ok=True)
+            for scratch, end in ((renamed or {}) | made).items():
+                os.replace(scratch, end)
+    finally:
+        for scratch in made:
+            scratch.unlink(missing_ok=True)
+
+
+def moved(files: Iterable[Path], directory: Path) -> list[Path]:
+    """Files of a scratch folder, written to their place."""
+    written = {directory / file.name: file.read_bytes() for file in files}
+    directory.mkdir(parents=True, exist_ok=True)
+    replace(written)
+    return list(written)
+
+
+def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
+    """A file to be written, with the rights of what it is to replace."""
+    fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | how, 0o666)
+    with suppress(FileNotFoundError):
+        os.fchmod(fd, stat.S_IMODE(end.stat().st_mode))
+    return os.fdopen(fd, "r+b")
+
+
+class Result:
+    """A file that grows for long, and FILE.json, which describes it. Until both are finished they
+    are FILE.partial and FILE.partial.json, and what was there before is as it was."""
+
+    def __init__(self, path: Path, description: str):
+        self.path, self.end = path, place(path)
+        if self.end is None:
+            self.file = open(path, "wb")  # noqa: SIM115
+            return
+        self.growing = partial(self.end)
+        self.file = _locked(self.growing, self.end)
+        replace({beside(self.growing): description})
+        self.file.truncate(0)
+
+    def __enter__(self) -> Result:
+        return self
+
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
+        """Neither finished nor left: what there is stays, described as it was at first."""
+        if kind is not None and self.end is not None:
+            with suppress(OSError, ValueError):
+                self._rows()
+
+    def finish(self, description: str) -> None:
+        """It is whole: put it where it is to be."""
+        with _named(self.path):
+            self.file.close()  # where a full disk may be told of
+        done = {} if self.end is None else {self.growing: self.end}
+        replace({beside(self.path): description}, done)
+        if self.end is not None:
+            beside(self.growing).unlink(missing_ok=True)
+
+    def leave(self, description: str) -> Path | None:
+        """It is not, and stays where it is, cut behind its last line; returns where. What has no
+        row is not kept."""
+        if self.end is None:
+            self.file.close()
+            replace({beside(self.path): description})
+            return self.path
+        kept = self._rows()
+        if kept:
+            with suppress(OSError):  # a full disk has told of itself, and the first one stands
+                replace({beside(self.growing): description})
+        with suppress(OSError):
+            self.file.close()
+        return self.growing if kept else None
+
+    def _rows(self) -> bool:
+        """Whether there are any: else nothing is kept."""
+        self.file.flush()
+        kept = cut(self.growing)
+        if not kept:
+            self.growing.unlink()
+            beside(self.growing).unlink()
+        return kept
+
+
+def _locked(path: Path, end: Path) -> IO[bytes]:
+    """The file, open to be written and locked: of two commands one writes it."""
+    while True:
+        file = _opened(path, end)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.close()
+            raise UsageError(f"{path}: another run is writing it") from None
+        except OSError:  # a file system without locks
+            return file
+        with suppress(FileNotFoundError):  # it may have been renamed before it was locked
+            if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                return file
+        file.close()
+
+
+def cut(path: Path) -> bool:
+    """Cut a table behind its last whole line; whether it has rows below its head."""
+    with open(path, "r+b") as file:
+        if file.read(6) == b"\x93NUMPY":
+            return True
+        size = file.seek(0, os.SEEK_END)
+        start = file.seek(max(0, size - (1 << 20)))
+        tail = file.read()
+        last = tail.rfind(b"\n")
+        if 0 <= last < len(tail) - 1:
+            file.truncate(start + last + 1)
+        return start > 0 or tail.find(b"\n") < last
+
+
+@contextmanager
+def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
+    """A folder of one's own, gone behind it. What a process left that was killed goes as well: it
+    holds no lock any more."""
+    if parent is None:
+        parent = Path(tempfile.gettempdir())
+        sweep(parent, prefix)
+    while True:
+        path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
+        lock = os.open(path, os.O_RDONLY)
+        with suppress(OSError):
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        if path.exists():  # not swept before it was locked
+            break
+        os.close(lock)
+    try:
+        yield path
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+        os.close(lock)
+
+
+@cache
+def sweep(parent: Path, prefix: str, age: float = 0.0) -> None:
+    """Remove scratch folders whose processes have ended, once a process."""
+    with suppress(OSError), os.scandir(parent) as entries:
+        for entry in entries:
+            if not entry.name.startswith(prefix):
+                continue
+            with suppress(OSError):
+                known = entry.stat(follow_symlinks=False)
+                if known.st_uid != os.geteuid() or time.time() - known.st_mtime < age:
+                    continue
+                lock = os.open(entry.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    shutil.rmtree(entry.path, ignore_errors=True)
+                finally:
+                    os.close(lock)
