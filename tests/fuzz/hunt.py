@@ -42,7 +42,7 @@ def judge(place: Place, seed: int) -> tuple[str, str]:
     if code in (1, 2):
         return "refused", err.strip().splitlines()[0]
     if code == 4:
-        return "ends", err.strip().splitlines()[0]
+        return "ends", next((x for x in err.splitlines() if x.startswith("run:")), err)
     if code:
         return "BROKEN", err
     code5, rows5, err5 = run(sharp, "--method", "dop853", "--rtol", "1e-10")
