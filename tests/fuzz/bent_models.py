@@ -66,14 +66,30 @@ PLACES = (
     Place("gauge", OF_TIME + OF_PLACE + OF_BOTH, ("lagrangian 0.5*K*y'",)),
     Place("force", OF_TIME + OF_PLACE + OF_BOTH + OF_RATE, ("force y = 0.7*K",)),
     Place("dissipation", OF_TIME + OF_PLACE + OF_BOTH, ("dissipation 0.3*(0.5 + K^2)*y'^2",)),
-    Place("constraint", OF_TIME + OF_PLACE + OF_BOTH, ("constraint c: z = 0.5*K + 0.2*sin(y)",), (), "xyz"),
-    Place("rolling", OF_TIME + OF_PLACE + OF_BOTH, ("rolling r: z' = 0.5*K + 0.3*cos(x)*y'",), (), "xyz"),
+    Place(
+        "constraint",
+        OF_TIME + OF_PLACE + OF_BOTH,
+        ("constraint c: z = 0.5*K + 0.2*sin(y)",),
+        (),
+        "xyz",
+    ),
+    Place(
+        "rolling",
+        OF_TIME + OF_PLACE + OF_BOTH,
+        ("rolling r: z' = 0.5*K + 0.3*cos(x)*y'",),
+        (),
+        "xyz",
+    ),
     Place("rolling_slope", OF_TIME + OF_PLACE, ("rolling r: z' = 0.5*K*y'",), (), "xyz"),
     Place("hold", OF_TIME, (), ("hold z = 0.4*K",), "xyz"),
     Place("input", OF_TIME, ("input u", "force x = u"), ("set u = 0.6*K",)),
     Place("input_energy", OF_TIME, ("input u", "potential u*y"), ("set u = 0.6*K",)),
     Place("input_rate", OF_TIME, ("input u", "kinetic 0.5*u'*(x' + 0.3*y')"), ("set u = 0.6*K",)),
-    Place("rate", OF_TIME + OF_PLACE + OF_BOTH + OF_RATE, ("state s", "rate s = K - 0.5*s", "force x = -0.4*s")),
+    Place(
+        "rate",
+        OF_TIME + OF_PLACE + OF_BOTH + OF_RATE,
+        ("state s", "rate s = K - 0.5*s", "force x = -0.4*s"),
+    ),
     Place("fixed", OF_TIME, CHAIN),
     Place("torque", OF_TIME + OF_PLACE + OF_ATTITUDE, (*BODY, "force R = [0, 0.3*K, 0]")),
     Place("turned", OF_ATTITUDE + OF_TIME, (*BODY, "potential 0.2*K")),
@@ -82,8 +98,8 @@ PLACES = (
 
 
 CLAIMS = (
-    "x'", "y'", "x' + y'", "z'", "z' - 0.5*x'", "p_x", "p_y", "p_z", "p_x + p_z", "energy", "x - t*x'",
-    "x*y' - y*x'", "x'^2 + y'^2", "T", "x'^2 + y'^2 + z'^2",
+    "x'", "y'", "x' + y'", "z'", "z' - 0.5*x'", "p_x", "p_y", "p_z", "p_x + p_z", "energy",
+    "x - t*x'", "x*y' - y*x'", "x'^2 + y'^2", "T", "x'^2 + y'^2 + z'^2",
 )  # fmt: skip
 
 
