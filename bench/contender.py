@@ -26,6 +26,10 @@ class Failed(Exception):
     """An integration that did not reach its end."""
 
 
+class Inapplicable(Failed):
+    """One that the method says it is not for."""
+
+
 class Session(Protocol):
     """A contender that is ready: compiled, warm, with one model."""
 
@@ -75,6 +79,8 @@ class Program:
         answer = self._child.stdout.readline().split()
         if not answer:
             raise Failed("the program ended")
+        if answer[:2] == ["failed", "refused:"]:
+            raise Inapplicable(" ".join(answer[2:]))
         if answer[0] == "failed":
             raise Failed(" ".join(answer[1:]))
         return float(answer[0]), [float(x) for x in answer[1:]]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from . import matching
 from .builds import BUILDS, QUICK_BUILDS, Broken, Build, Refused, Unavailable
-from .contender import Contender, Failed, Session
+from .contender import Contender, Failed, Inapplicable, Session
 from .models import Model, error
 
 CLOSE = 0.04  # quartile distance over median, the median of it over a contender's times
@@ -100,8 +100,12 @@ def compare(model: Model, contenders: list[Contender], exact, effort: Effort, sa
         try:
             tracks.append(_enter(contender, model, exact[0], effort))
         except (Unavailable, Failed) as reason:
-            own = contender.group == "pkgen" and isinstance(reason, Failed)
-            refused[contender.name] = Broken(str(reason)) if own else reason
+            broken = (
+                contender.group == "pkgen"
+                and isinstance(reason, Failed)
+                and not isinstance(reason, Inapplicable)
+            )
+            refused[contender.name] = Broken(str(reason)) if broken else reason
     say(f"{model.name}: {len(tracks)} contenders ready, {len(refused)} refused")
     order = random.Random(2385)
     begin = time.monotonic()
@@ -124,13 +128,13 @@ def _enter(contender: Contender, model: Model, exact, effort: Effort) -> Track:
     """Leave out settings that fail or take too long, then choose the fastest of the builds."""
     sessions = contender.open(model, effort.builds)
     settings = contender.settings(model)
-    usable, trouble = [], ""
+    usable, trouble = [], Failed("every setting takes too long")
     for setting in settings:  # also what compiles at its first call does so now
         try:
             sessions[0].integrate(setting, model.start, model.t_end, 0.0)
             took, _ = sessions[0].integrate(setting, model.start, model.t_end, 0.0)
         except Failed as reason:
-            trouble = str(reason)
+            trouble = reason
             continue
         if took > LONGEST[contender.group]:
             break
@@ -138,7 +142,7 @@ def _enter(contender: Contender, model: Model, exact, effort: Effort) -> Track:
     if not usable:
         for session in sessions:
             session.close()
-        raise Failed(trouble or "every setting takes too long")
+        raise trouble
     trials = _trials(sessions, usable, model, effort)
     best = min(sessions, key=lambda s: trials[s.flags])
     for session in sessions:

@@ -70,6 +70,8 @@ def test_who_is_not_installed_fails_nothing(alone, capsys) -> None:
 
 def test_own_methods_that_fail_are_broken_and_peers_that_fail_are_not(monkeypatch) -> None:
     def enter(contender, *_):
+        if contender.name == "c":
+            raise measure.Inapplicable("verlet needs a system that is separable")
         raise measure.Failed("it diverges")
 
     class Named:
@@ -83,11 +85,17 @@ def test_own_methods_that_fail_are_broken_and_peers_that_fail_are_not(monkeypatc
     monkeypatch.setattr(measure, "_enter", enter)
     effort = measure.Effort(1, 0, 0, 0, ())
     found = measure.compare(
-        Named, [Who("a", "pkgen"), Who("b", "C")], [None], effort, lambda text: None
+        Named,
+        [Who("a", "pkgen"), Who("b", "C"), Who("c", "pkgen")],
+        [None],
+        effort,
+        lambda text: None,
     )
     assert isinstance(found.refused["a"], builds.Broken)
     assert str(found.refused["b"]) == "it diverges"
     assert not isinstance(found.refused["b"], builds.Broken)
+    assert not isinstance(found.refused["c"], builds.Broken)
+    assert "separable" in str(found.refused["c"])
 
 
 def test_a_scene_that_cannot_be_judged_fails_the_judgement(monkeypatch, capsys) -> None:
