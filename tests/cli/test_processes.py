@@ -17,13 +17,12 @@ HOOP = ROOT / "models/bead_on_hoop.lag"
 LATE = 300
 RUN = ["run", HOOP, "--method", "gauss4", "--step", "1e-4", "--until", "1e6", "--every", "1"]
 ENSEMBLE = ["run", HOOP, "--until", "1e7", "--ensemble", "members.csv", "--threads", "2"]
-SCENE = ["run", ROOT / "models/double_pendulum.lag", "--scene", "slow"]
 # A phase: the command, and a word of a process that is then there.
 PHASES = {
     "compiling": (["run", HOOP, "--until", "1"], "sleeping_cc"),
     "running": (RUN, "program"),
     "an ensemble": (ENSEMBLE, "program"),
-    "a diagnostic": ([*RUN[:6], "1e-3", "--until", "2000", "--diagnose", "lyapunov"], "program"),
+    "a diagnostic": ([*RUN[:5], "1e-3", "--until", "2000", "--diagnose", "lyapunov"], "program"),
     "a chart": (["chart", HOOP, "--seconds", "600"], "--chart"),
     "a map": (["stability", HOOP, "--points", "400x300"], "--stability"),
 }
