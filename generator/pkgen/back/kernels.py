@@ -34,7 +34,8 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     if equations.switches:
         names |= {"switching"}
     if equations.jolted:
-        names |= {"corner", "energy", "unbound", "inertia"}
+        corner = ("corner", "energy", "unbound", "inertia")
+        names |= {name for name in corner if KERNELS[name].exists(equations)}
     if "acceleration" in names and equations.acceleration is None:
         names |= {"mass", "force"}
     return frozenset(names)
