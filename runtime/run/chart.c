@@ -92,11 +92,12 @@ static int advance(struct chart *c, pk_real t, struct pk_monitor *monitor)
     return 1;
 }
 
-/* The fastest lap's seconds for one run; 0 if a run fails, as the first one did not. */
-static double laps(struct chart *c, double once, double seconds)
+/* The fastest lap's seconds for one run; 0 if a run fails, as the first one did not. Laps are longer
+ * until the clock shows them: under a limit of CPU time it goes by ticks of milliseconds. */
+static double laps(struct chart *c, double seconds)
 {
     struct pk_integrator *it = &c->it;
-    const unsigned long block = once < LAP_SECONDS ? (unsigned long)(LAP_SECONDS / once) + 1 : 1;
+    unsigned long block = 1;
     double best = 0, total = 0;
     do {
         const double began = processor_now();
@@ -107,10 +108,12 @@ static double laps(struct chart *c, double once, double seconds)
                 return 0;
         const double took = processor_now() - began;
         total += took;
-        if (!(best > 0) || took < best)
-            best = took;
-    } while (total < seconds);
-    return best / (double)block;
+        if (took < LAP_SECONDS)
+            block *= 2;
+        else if (!(best > 0) || took < best * (double)block)
+            best = took / (double)block;
+    } while (!(best > 0) || total < seconds);
+    return best;
 }
 
 static void print_end(const struct chart *c)
@@ -175,7 +178,7 @@ static void point(struct chart *c, const struct pk_method *method, pk_real setti
         numbers_pairs(stdout, "v", c->it.v, c->s.n);
     }
     if (arrived)
-        fastest = laps(c, processor_now() - c->began + 1e-9, seconds);
+        fastest = laps(c, seconds);
     fputs(", \"seconds\": ", stdout);
     output_real(stdout, fastest > 0 ? (pk_real)fastest : PK_INFINITY); /* or null */
     printf(", \"took\": %.6g}\n", processor_now() - c->began);

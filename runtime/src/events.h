@@ -19,6 +19,7 @@ struct pk_shape {
     /* The polynomial is the function, but for 1/40 of the range, or does not show it; it may be zero; the
      * function jumps. */
     int clear, lost, crosses, jumps;
+    int in_a_row; /* windows of the least width in which it was lost */
 };
 
 /* Functions of a step: the events', then the switches'. */

@@ -12,6 +12,7 @@
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
 enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* windows of a step; where g has no value */
+enum { NOISE = 8 }; /* that many of the narrowest windows in a row do not show g: none will */
 
 /* cos(pi j / 16). */
 static const pk_real cosines[SAMPLES + 1] = {
@@ -171,7 +172,9 @@ static int look(struct pk_events *e, struct pk_integrator *it, unsigned long par
         for (size_t k = 0; k < pk_events_count(e); k++) {
             e->shapes[k].jumps = 0;
             fit(e, k, stride, parts >= MOST_PARTS);
-            clear &= e->shapes[k].clear ||
+            if (e->shapes[k].clear && e->shapes[k].in_a_row < NOISE)
+                e->shapes[k].in_a_row = 0;
+            clear &= e->shapes[k].clear || e->shapes[k].in_a_row >= NOISE ||
                      (!pk_finite(e->shapes[k].range) && parts >= MOST_BEYOND);
         }
     }
@@ -181,8 +184,10 @@ static int look(struct pk_events *e, struct pk_integrator *it, unsigned long par
 static void doubt(struct pk_events *e, const struct pk_integrator *it)
 {
     for (size_t k = 0; k < pk_events_count(e); k++) {
-        if (!e->shapes[k].lost || e->shapes[k].jumps || !pk_finite(e->shapes[k].range))
+        struct pk_shape *shape = &e->shapes[k];
+        if (!shape->lost || shape->jumps || !pk_finite(shape->range))
             continue;
+        shape->in_a_row++;
         e->which = k;
         e->t = pk_events_time(e, it, e->at);
         e->doubts++;
@@ -198,6 +203,7 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
     e->by_steps = !e->proposes && is_worthless(e, it);
     e->cut = 0;
     for (size_t k = 0; k < pk_events_count(e); k++) {
+        e->shapes[k].in_a_row = 0;
         e->shapes[k].last_x = 0;
         e->shapes[k].last_g = pk_events_end(e, 0)[k];
     }

@@ -216,16 +216,6 @@ def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
     assert report["diagnostics"]["reversal"]["status"] == "PK_TOO_MANY_STEPS"
 
 
-def test_a_run_too_short_for_blocks_is_refused(pkgen, tmp_path: Path) -> None:
-    # A thousandth part of so short a time is zero: pk_lyapunov_init() refuses it.
-    path = tmp_path / "swing.lag"
-    path.write_text(SWING)
-    times = ["--step", "1e-321", "--until", "2e-321", "--every", "2e-321"]
-    done = pkgen("run", path, "--method", "rk4", *times, "--diagnose", "all")
-    assert done.returncode == 4, done.stderr
-    assert "diagnose lyapunov: " in done.stderr and "ended by signal" not in done.stderr
-
-
 def test_a_driver_that_a_signal_ends_has_failed(tmp_path: Path, monkeypatch) -> None:
     path, program = tmp_path / "swing.lag", tmp_path / "driver"
     path.write_text(SWING)

@@ -12,7 +12,7 @@ import json
 import os
 import re
 import tempfile
-from contextlib import redirect_stderr
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -74,17 +74,23 @@ class Outcome:
 def outcome(name: str) -> Outcome:
     """The command line in this process, since there are many cases."""
     case = CASES[name]
-    with tempfile.TemporaryDirectory() as scratch, redirect_stderr(io.StringIO()) as stderr:
+    stdout, stderr = io.StringIO(), io.StringIO()
+    with (
+        tempfile.TemporaryDirectory() as scratch,
+        redirect_stdout(stdout),
+        redirect_stderr(stderr),
+    ):
         folder = Path(scratch)
         model, out = folder / f"{model_name(case)}.lag", folder / "rows.csv"
         model.write_text(case.model, encoding="utf-8")
-        arguments = [*case.arguments.split(), "-o", str(out)]
+        arguments = [*case.arguments.split(), "--json", "-o", str(out)]
         if case.members:
             (folder / "members.csv").write_text(case.members, encoding="utf-8")
             arguments += ["--ensemble", str(folder / "members.csv"), "--every", "0.5"]
         code = main(["run", str(model), *arguments])
-        report = json.loads(Path(f"{out}.json").read_text())["report"]
-        rows = list(csv.reader(out.read_text().splitlines()))[1:]
+        kept = out if out.exists() else Path(f"{out}.partial")  # neither without a row
+        rows = list(csv.reader(kept.read_text().splitlines()))[1:] if kept.exists() else []
+    report = json.loads(stdout.getvalue())["report"]
     said = [x for x in stderr.getvalue().splitlines() if x.startswith("run: ")]
     assert len(said) == 1, stderr.getvalue()
     return Outcome(report, rows, said[0].removeprefix("run: "), code)
