@@ -1,5 +1,5 @@
 # make demo    generate, compile and run the models; print the drift table
-# make test    every test, under ten minutes (both set the machine up first)
+# make test    every test, under eight minutes (both set the machine up first)
 # make chart   accuracy against cost, all methods on all models
 # make bench   accuracy against cost, beside the peers
 
@@ -15,7 +15,7 @@ endif
 
 help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
-	@echo 'make test       every test, under ten minutes'
+	@echo 'make test       every test, under eight minutes'
 	@echo 'make test-long  what takes longer'
 	@echo 'make fuzz       an hour of mutated models and of libFuzzer (FUZZ_SECONDS=N)'
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
@@ -37,8 +37,8 @@ demo: $(STAMP)
 	$(PYTHON) tools/demo.py
 
 test: $(STAMP)
-	@$(MAKE) -j 2 -O test-runtime
-	@$(MAKE) test-licence test-python
+	@$(MAKE) -s -j 2 -O test-runtime
+	@$(MAKE) -s test-licence test-python
 
 test-licence: runtime
 	@sh tools/check_licence.sh
@@ -47,6 +47,7 @@ test-python: $(STAMP)
 	$(PYTHON) -m pytest -q -n 2 -m 'not long' tests
 
 test-long: $(STAMP)
+	@$(MAKE) -s check-runtime-quad-inlined
 	$(PYTHON) -m pytest -q -m long tests
 
 systems: $(STAMP)

@@ -32,8 +32,21 @@ STRICT = [
 def pytest_configure(config: pytest.Config) -> None:
     """What a first run says of the runtime, no test is told: it is compiled before."""
     if not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Names(config))
         with suppress(BuildError):
             build.runtime_library(toolchain.find_toolchain())
+
+
+class Names:
+    """Says the name of each test that fails as it fails, since -q prints letters alone."""
+
+    def __init__(self, config: pytest.Config):
+        self.config = config
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            terminal = self.config.pluginmanager.getplugin("terminalreporter")
+            terminal.write(f"\nFAILED {report.nodeid} ({report.when})\n")
 
 
 def long_but(kept: Iterable[object], values: Iterable[object]) -> list:

@@ -177,7 +177,7 @@ int main(int argc, char **argv)
     add_constraint_told();
     add_variational();
     add_variational_end();
-    CU_basic_set_mode(CU_BRM_VERBOSE);
+    CU_basic_set_mode(CU_BRM_NORMAL);
     if (argc > 2) /* runtime INSTANCE SUITE... */
         for (int i = 2; i < argc; i++)
             CU_basic_run_suite(CU_get_suite(argv[i]));

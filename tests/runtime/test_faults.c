@@ -7,7 +7,7 @@
 #include <pk/step/state.h>
 
 #ifndef DEEP /* calls up to which one fails; make asan: more, of more systems */
-#define DEEP 2
+#define DEEP 1
 #endif
 
 enum { SIZE = 1 << 15, MOST = 16 };
@@ -262,7 +262,7 @@ static void each_kernel(void)
     of_system(&double_pendulum_system, 0.01, DEEP);
     of_system(&radial_system, 0.01, DEEP);
     of_system(&rod_system, 0.01, DEEP);
-    for (size_t k = 0; DEEP > 2 && k < 3; k++) {
+    for (size_t k = 0; DEEP > 1 && k < 3; k++) {
         const struct pk_system *more[] = {&pendulum_system, &carriage_system, &maxwell_system};
         of_system(more[k], 0.01, DEEP);
     }
