@@ -1,0 +1,175 @@
+/* The impulse where the motion meets a switch across which L or a constraint jumps: the corner
+ * condition of Weierstrass and Erdmann. Before it are p-, h-; behind it, with alpha along the
+ * gradient of the switch s(q, t) and Lambda along the rows J v + j0 = 0 of that side,
+ *
+ *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,   E = h(v+) - h- + alpha s_t + Lambda.j0 = 0.
+ *
+ * Along v(alpha) dE/dalpha = s', the rate of s, and s' grows with alpha, M being definite: E is
+ * convex, and of its two zeros one goes on and one goes back. Where there is none the surface is a
+ * barrier: the same equations of the side before, whose other zero goes back. A surface s(t) has
+ * alpha = 0 and keeps no energy; so has one across which a rolling's j0 jumps, for its force works
+ * along its row alone.
+ *
+ * References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
+ * Nonsmooth Mechanics, 3rd ed., chapters 1 and 3.
+ */
+#include <string.h>
+
+#include <pk/constraint.h>
+
+#include "corner.h"
+
+enum { MOST = 60 }; /* corrections */
+
+struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it)
+{
+    struct corner x = {.e = e, .it = it, .q = e->trial, .start = e->trial + e->n};
+    const size_t n = e->n, c = it->problem.system->n_constraints, k = e->n_switches;
+    pk_real *at = e->room;
+    x.w = pk_project_layout(&it->problem, n, at), at += pk_project_room(it->problem.system, n);
+    x.w.t = e->t;
+    x.p0 = at, at += n;
+    x.p = at, at += 2 * n; /* and pdot */
+    x.v = at, at += n;
+    x.along = at, at += n;
+    x.first = at, at += 2 * n;
+    x.lambda = at, at += c;
+    x.by = at, at += c;
+    x.phi = at, at += c;
+    x.J = at, at += c * n;
+    x.before = at, at += 2 * k;
+    x.sides = at, at += 2 * k;
+    x.slopes = at;
+    return x;
+}
+
+void pk_corner_momenta(struct corner *x, const pk_real *v)
+{
+    x->w.system->unbound(x->w.params, x->w.t, x->q, v, x->w.u, x->p, x->p + x->w.n);
+}
+
+pk_real pk_corner_energy(const struct corner *x, const pk_real *v)
+{
+    return x->w.system->energy(x->w.params, x->w.t, x->q, v, x->w.u);
+}
+
+void pk_corner_rows(struct corner *x, const pk_real *v)
+{
+    if (x->w.c)
+        pk_project_rows(&x->w, x->q, v);
+}
+
+/* d, which is a force, becomes M^-1 (d + J^T mu) with J d = -rate. M and J are those at v. */
+static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
+{
+    struct pk_projection *w = &x->w;
+    if (pk_project_inertia(w, x->q, v) || pk_project_factor(w, w->c))
+        return -1;
+    pk_ldl_solve(w->M, w->m, d);
+    for (size_t j = 0; j < w->c; j++)
+        mu[j] = -(rate ? rate[j] : 0) - pk_corner_dot(w->J + j * w->n, d, w->m);
+    pk_ldl_solve(w->A, w->c, mu);
+    for (size_t j = 0; j < w->c; j++)
+        for (size_t i = 0; i < w->m; i++)
+            d[i] += w->W[j * w->m + i] * mu[j];
+    return 0;
+}
+
+/* v(alpha) on the side at hand by Newton's method, from what v and lambda are; and its derivative. */
+static int rates(struct corner *x, pk_real alpha)
+{
+    struct pk_projection *w = &x->w;
+    pk_real before = 0, part = 1, *d = x->along;
+    for (int count = 0; count < MOST; count++) {
+        pk_real change = 0, size = 0;
+        pk_corner_momenta(x, x->v);
+        if (count && !pk_all_finite(x->p, w->m)) { /* beyond what L has: half of the way back */
+            part /= 2;
+            for (size_t i = 0; i < w->m; i++)
+                x->v[i] -= part * d[i];
+            for (size_t j = 0; j < w->c; j++)
+                x->lambda[j] -= part * x->by[j];
+            continue;
+        }
+        part = 1;
+        pk_corner_rows(x, x->v);
+        for (size_t i = 0; i < w->m; i++) {
+            d[i] = x->p0[i] - x->p[i] + alpha * x->slope[i];
+            for (size_t j = 0; j < w->c; j++)
+                d[i] += w->J[j * w->n + i] * x->lambda[j];
+        }
+        if (solve(x, x->v, d, w->rate, x->by) < 0)
+            return -1;
+        for (size_t j = 0; j < w->c; j++)
+            x->lambda[j] += x->by[j];
+        for (size_t i = 0; i < w->m; i++) {
+            x->v[i] += d[i];
+            change = pk_max(change, pk_abs(d[i]));
+            size = pk_max(size, pk_abs(x->v[i]));
+        }
+        if (!pk_all_finite(x->v, w->m))
+            return -1;
+        if (change <= PK_EPS * size ||
+            (count > 1 && change >= before / 2 && change <= PK_CORNER_WHOLE * size)) {
+            pk_corner_rows(x, x->v);
+            memcpy(d, x->slope, w->m * sizeof *d);
+            return solve(x, x->v, d, NULL, x->by);
+        }
+        before = change;
+    }
+    return -1;
+}
+
+static pk_real excess(const struct corner *x, pk_real alpha)
+{
+    const struct pk_projection *w = &x->w;
+    pk_real sum = pk_corner_energy(x, x->v) - x->h0 + alpha * x->slope_t;
+    for (size_t j = 0; j < w->c; j++)
+        sum += x->lambda[j] * (w->rate[j] - pk_corner_dot(w->J + j * w->n, x->v, w->m));
+    return sum;
+}
+
+pk_real pk_corner_speed(const struct corner *x)
+{
+    return pk_corner_dot(x->slope, x->v, x->w.m) + x->slope_t;
+}
+
+int pk_corner_leave(struct corner *x, pk_real direction, int free)
+{
+    struct pk_projection *w = &x->w;
+    pk_real alpha = 0, before = 0, first = 0;
+    int lowest = 0;
+    memcpy(x->v, x->start, w->n * sizeof *x->v);
+    memset(x->lambda, 0, w->c * sizeof *x->lambda);
+    for (int count = 0; count < MOST; count++) {
+        if (rates(x, alpha) < 0)
+            return -1;
+        const pk_real s = pk_corner_speed(x), bend = pk_corner_dot(x->slope, x->along, w->m);
+        if (!free)
+            return 1;
+        if (count == 0) { /* what rows leave of s_q */
+            memcpy(w->d, x->slope, w->m * sizeof *w->d);
+            pk_ldl_solve(w->M, w->m, w->d);
+            first = pk_abs(s);
+            if (!(bend > PK_CORNER_ALONG * pk_corner_dot(x->slope, w->d, w->m)))
+                return 1;
+        }
+        const pk_real E = excess(x, alpha), root = s * s - 2 * bend * E;
+        if (lowest && root < 0 && pk_abs(s) <= PK_CORNER_WHOLE * first)
+            return 0;
+        lowest = root < 0;
+        const pk_real by = lowest ? 0 : direction * PK_F(sqrt)(root);
+        const pk_real step = !lowest && by * s > 0 ? -2 * E / (s + by) : (by - s) / bend;
+        if (!pk_finite(step))
+            return -1;
+        if (!lowest && count && by * s > 0 &&
+            (pk_abs(step) <= PK_EPS * pk_abs(alpha) ||
+             (count > 1 && pk_abs(step) >= before / 2 && pk_abs(step) <= PK_CORNER_WHOLE * pk_abs(alpha))))
+            return 1;
+        if (!lowest && !(pk_abs(step) > 0))
+            return 1;
+        alpha += step;
+        before = pk_abs(step);
+    }
+    return -1;
+}
