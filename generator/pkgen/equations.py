@@ -187,6 +187,7 @@ class Equations:
     quadrature_start: Row = ()
     hamiltonian: Hamiltonian | None = None  # None: not asked for
     switches: tuple[Switch, ...] = ()
+    marks: tuple[Switch, ...] = ()  # arguments of exp, tanh, ...: no switches, see middle/marks.py
     # First-order variables x' = state_rates, which are no coordinates: states.py makes them so.
     states: tuple[Quantity, ...] = ()
     state_rates: Row = ()

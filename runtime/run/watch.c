@@ -125,9 +125,31 @@ const char *watch_name(size_t k)
                                    : run_model->switches[k - run_model->n_events].name;
 }
 
+/* The integrator of the run, or those of its parts; NULL behind the last. */
+static const struct pk_integrator *integrator(const struct run *run, size_t k)
+{
+    if (run_parts)
+        return k < run->apart.count && run->apart.parts ? &run->apart.parts[k].it : NULL;
+    return k == 0 ? &run->it : NULL;
+}
+
+static void warn_of_short_forces(const struct run *run)
+{
+    const struct pk_integrator *it;
+    for (size_t k = 0; (it = integrator(run, k)) != NULL; k++)
+        if (it->passed_over.count)
+            fprintf(stderr,
+                    "run: warning: %s: from t = %.9g on steps are too long for what it does within "
+                    "them (%lu of them), it may be missed: take shorter ones (--step), or an "
+                    "adaptive method\n",
+                    it->problem.system->marks[it->passed_over.which].name,
+                    (double)it->passed_over.t, it->passed_over.count);
+}
+
 void watch_warn(const struct run *run)
 {
     const struct pk_system *system = run->problem.system;
+    warn_of_short_forces(run);
     for (size_t k = 0; run->crossed && k < system->n_events + system->n_switches; k++)
         if (run->crossed[k].doubts)
             fprintf(stderr, "run: warning: %s %s: from t = %.9g on %s\n",
@@ -167,7 +189,19 @@ void watch_report(struct run *run, FILE *file)
         output_text(file, system->switches[k].name);
         report_times(file, &run->crossed[system->n_events + k]);
     }
-    fprintf(file, "],\n  \"event_tries\": %lu,\n", run->events.tries);
+    fprintf(file, "],\n  \"event_tries\": %lu,\n  \"passed_over\": [", run->events.tries);
+    const struct pk_integrator *it;
+    unsigned long listed = 0;
+    for (size_t k = 0; (it = integrator(run, k)) != NULL; k++) {
+        if (!it->passed_over.count)
+            continue;
+        fputs(listed++ ? ", {\"name\": " : "{\"name\": ", file);
+        output_text(file, it->problem.system->marks[it->passed_over.which].name);
+        fprintf(file, ", \"steps\": %lu, \"t\": ", it->passed_over.count);
+        output_real(file, it->passed_over.t);
+        fputs("}", file);
+    }
+    fputs("],\n", file);
 }
 
 void watch_free(struct run *run)

@@ -43,15 +43,13 @@ pk_real pk_events_node(const struct pk_events *e, int j)
 static void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
 {
     const pk_real h = it->t - e->from, y = 1 - x;
-    const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
-    const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
     const pk_real *bend0 = e->bend, *bend1 = bend0 + e->n;
+    pk_hermite(e->n, h, e->q0, e->v0, it->q, it->v, x, e->trial, e->trial + e->n);
     for (size_t i = 0; i < e->n; i++) {
-        const pk_real rise = it->q[i] - e->q0[i], bend = (bend0[i] * y + bend1[i] * x) / 2;
-        e->trial[i] = e->q0[i] + h01 * rise + h10 * e->v0[i] + h11 * it->v[i] + x * x * y * y * bend;
-        e->trial[e->n + i] = slope * rise + d10 * e->v0[i] + d11 * it->v[i] +
-                             (2 * x * y * (y - x) * bend +
-                              x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
+        const pk_real bend = (bend0[i] * y + bend1[i] * x) / 2;
+        e->trial[i] += x * x * y * y * bend;
+        e->trial[e->n + i] += (2 * x * y * (y - x) * bend +
+                               x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
     }
 }
 

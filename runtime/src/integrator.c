@@ -27,7 +27,7 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t inputs = system->n_inputs * (1 + PK_LANES);
     const size_t guards = pk_guard_size(pk_system_guard_count(system, problem->params), n);
     const size_t work = inputs + lane + method->size(method, n) + guards +
-                        pk_project_size(system, n);
+                        pk_project_size(system, n) + pk_marks_size(system, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
     return (pk_quadrature_size(system, n) + PK_PARTS * n + (rest > params ? rest : params)) *
            sizeof(pk_real);
@@ -91,6 +91,9 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->guards = it->n_guards ? it->work + method->size(method, it->n) : NULL;
     if (pk_project_size(system, it->n))
         it->project = it->work + method->size(method, it->n) + pk_guard_size(it->n_guards, it->n);
+    if (system->n_marks)
+        it->marks = it->work + method->size(method, it->n) + pk_guard_size(it->n_guards, it->n) +
+                    pk_project_size(system, it->n);
     it->q = pk_part(it->state, it->n, PK_Q);
     it->v = pk_part(it->state, it->n, PK_V);
     enum pk_status status = pk_integrator_reset(it, t0, q0, v0);
@@ -131,6 +134,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->direction = 0;
     it->trouble = PK_DONE;
     it->event = 0;
+    it->marked = 0;
+    it->reach = 0;
     it->flags = 0;
     it->h = 0;
     it->status = pk_project_start(it);
@@ -278,7 +283,12 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     size_t where = 0;
     pk_real detail = 0;
     for (int cuts = 0;; cuts++) {
-        enum pk_status status = try_step(it, limit);
+        enum pk_status status = try_step(it, pk_marks_limit(it, limit));
+        if (status >= 0 && pk_marks_reject(it)) {
+            cuts--;
+            it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+            continue;
+        }
         if (status >= 0)
             status = pk_project_step(it);
         if (status >= 0 && it->project && !pk_all_finite(it->next, PK_LOW_Q * it->n))
@@ -321,6 +331,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (status < 0)
         return stop(it, status);
 
+    pk_marks_accept(it);
     pk_real *left_behind = it->state;
     it->state = it->next;
     it->next = left_behind;

@@ -63,6 +63,17 @@ enum pk_status pk_guard_here(struct pk_integrator *it);
 enum pk_status pk_guard_step(struct pk_integrator *it);
 enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
+/* Forces that may be shorter than a step (marks.c): numbers needed; the limit of a trial step; whether
+ * it passes over too much, and is to be made again up to a nearer one; that it becomes the state. */
+size_t pk_marks_size(const struct pk_system *system, size_t n);
+pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit);
+int pk_marks_reject(struct pk_integrator *it);
+void pk_marks_accept(struct pk_integrator *it);
+/* The cubic of Hermite through q and v at the ends of a step of length h, and its derivative, at x of
+ * 0 .. 1. */
+void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
+                const pk_real *v1, pk_real x, pk_real *q, pk_real *v);
+
 /* Quadratures, which the block begins with: numbers needed; their start; those of a trial step,
  * still it->next; that it becomes the state. */
 size_t pk_quadrature_size(const struct pk_system *system, size_t n);

@@ -93,7 +93,7 @@ def test_system_table_names_every_kernel(files):
     members = set(re.findall(r"\(\*(\w+)\)\(", body))
     assert loops < members  # of families kept as loops alone
     scenes = {"quadrature", "quadrature_start", "corner"}  # of a reduced scene, of impulses
-    kinks = {"switching"}  # of equations with step, abs, min or max
+    kinks = {"switching", "marking"}  # of equations with step, abs, min or max; with exp, tanh
     asked = {"particles"}  # of what a command asks for
     bound = BOUND  # of models with rotations or constraints
     assert scenes | kinks | asked | bound < members

@@ -70,6 +70,7 @@ _OUT = {
     "conserve": lambda e: e.conserved_names,
     "event": lambda e: e.event_names,
     "switching": lambda e: tuple(switch.quantity for switch in e.switches),
+    "marking": lambda e: tuple(mark.quantity for mark in e.marks),
     "guard": lambda e: tuple(guard.quantity for guard in e.guards),
 }
 _VECTORS = {

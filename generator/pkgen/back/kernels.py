@@ -31,8 +31,8 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
         )
     if equations.quadratures:
         names |= {"quadrature"}
-    if equations.switches:
-        names |= {"switching"}
+    for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
+        names |= {name} if needed else set()
     if equations.jolted:
         corner = ("corner", "energy", "unbound", "inertia")
         names |= {name for name in corner if KERNELS[name].exists(equations)}
@@ -203,6 +203,13 @@ def _specs() -> Iterator[KernelSpec]:
         "the arguments of step, abs, min and max at whose zeros the equations change",
         *vector("out", lambda e: tuple(switch.node for switch in e.switches)),
         exists=lambda e: bool(e.switches),
+    )
+    yield KernelSpec(
+        "marking",
+        "void",
+        "u of exp(u) and the like, which end beyond +-36: where forces may be short",
+        *vector("out", lambda e: tuple(mark.node for mark in e.marks)),
+        exists=lambda e: bool(e.marks),
     )
     yield KernelSpec(
         "corner",

@@ -61,12 +61,14 @@ SYSTEM_KERNELS = [
     "event",
     "quadrature",
     "switching",
+    "marking",
     "corner",
     "particles",
 ]
 _SELDOM = {
     "quadrature",
     "switching",
+    "marking",
     "corner",
     "particles",
 } | BOUND  # named in the table where they are alone
@@ -181,6 +183,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
         "events": tables.events(program),
+        "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
         "impulses": [x.impulse for x in equations.switches] if equations.jolted else [],
         "n_hoisted": program.hoisted,

@@ -7,7 +7,7 @@ of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyon
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from .. import limits
 from ..equations import Equations, Guard, ParameterSlot, Quantity, Row
@@ -20,7 +20,7 @@ from .derive_states import define_built_in, rates_of_states, solvable
 from .expand import Expander, NeedsDerivative
 from .graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
 from .impulses import check_rates
-from .lagrange import Derived, derived, guards, naming, switches
+from .lagrange import Derived, derived, guards, located, naming
 from .masses import Given
 from .motion import PARTICLES, Energies, Motion, Wanted
 from .particles import particles_of
@@ -127,7 +127,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         attitudes=x.attitudes,
         **found.fields(),
     )
-    return replace(equations, switches=switches(equations))
+    return located(equations)
 
 
 # -- the statements ------------------------------------------------------------------------------

@@ -17,7 +17,6 @@ from ..equations import (
     ParameterSlot,
     Quantity,
     Row,
-    Switch,
 )
 from .collect import THOROUGH, fewest, settled
 from .constrain import Rows, constrain
@@ -25,6 +24,7 @@ from .differentiate import reachable
 from .graph import ZERO, Graph, Kind, Node, Symbol
 from .guards import guards_of
 from .impulses import NoRate, with_impulses
+from .marks import marks_of
 from .motion import (
     Energies,
     Motion,
@@ -147,13 +147,16 @@ def guards(
     return guards_of(g, parameters, motion.mass, outputs, pivots, name)
 
 
-def switches(equations: Equations) -> tuple[Switch, ...]:
-    """Of the motion and of the quadratures, and where rates jump."""
+def located(equations: Equations) -> Equations:
+    """With the switches of the motion and of the quadratures, those where rates jump, and marks."""
     e = equations
     outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
     outputs += e.state_rates
     name = naming(e.parameters, e.coordinates, e.inputs, e.states)
-    return with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
+    switches = with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
+    if e.constraints is not None:
+        outputs += [*e.constraints.positions, *e.constraints.residual]
+    return replace(e, switches=switches, marks=marks_of(e.graph, outputs, name))
 
 
 def naming(
@@ -193,8 +196,7 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     ends: tuple[Guard, ...] = ()
     if wanted("guard"):
         ends = guards(g, found, e.parameters, e.coordinates, e.inputs, e.states)
-    again = replace(equations, **found.fields(), guards=ends)
-    return replace(again, switches=switches(again))
+    return located(replace(equations, **found.fields(), guards=ends))
 
 
 def _rate_of(equations: Equations) -> Callable[[Node], Node]:

@@ -137,6 +137,7 @@ def as_rates(
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
         guards=tuple(replace(x, node=there([x.node])[0]) for x in e.guards),
         switches=tuple(_switch(x, there, count) for x in e.switches),
+        marks=tuple(_switch(x, there, count) for x in e.marks),
         observed=there(e.observed),
         conserved=there(e.conserved),
         events=there(e.events),

@@ -68,6 +68,14 @@ struct pk_counters {
     unsigned long held; /* steps of `gauss` that its iteration, not its error, kept short */
 };
 
+/* Steps so long that a short force may be missed in them: fixed ones, or adaptive ones where t has no
+ * digits for shorter ones. How many, the first one's mark (of system->marks) and when. */
+struct pk_passed_over {
+    unsigned long count;
+    size_t which;
+    pk_real t;
+};
+
 struct pk_integrator {
     /* To be read by the caller. p is NULL unless the method carries momenta, z unless the system
      * has quadratures. */
@@ -75,6 +83,7 @@ struct pk_integrator {
     const pk_real *q, *v, *p, *z;
     struct pk_counters count;
     enum pk_status status; /* of the last call */
+    struct pk_passed_over passed_over;
 
     /* For methods and the runtime alone. */
     struct pk_problem problem;
@@ -105,6 +114,10 @@ struct pk_integrator {
     pk_real detail;           /* a number that belongs to the reason */
     pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
     pk_real *project; /* rotations and constraints: src/project.c; NULL: there are none */
+    pk_real *marks;           /* values at the begin, ...: src/marks.c; NULL: there are none */
+    int marked;               /* whether those at the begin are known */
+    pk_real reach, rise;      /* how long the next step may be for them, 0: as it will; the one behind */
+    pk_real varied;           /* by how much they vary in the trial step */
     size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
     enum pk_status trouble;   /* what the last trial step that broke down met, when, and its */
     pk_real trouble_t;        /* where and condition: the cause to name if steps then shrink to */

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 8u
+#define PK_ABI 9u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -251,6 +251,13 @@ struct pk_system {
     const unsigned char *impulses;
     void (*corner)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, pk_real *slope, pk_real *slope_t);
+
+    /* Marks: u of exp(u) and the like in the equations, which are constant, zero or huge where u is
+     * beyond +-36. `marking` writes them; the integrator looks at them along each step (src/marks.c). */
+    size_t n_marks;
+    const struct pk_quantity *marks; /* names: the calls as text, "exp(-x^2/w^2)" */
+    void (*marking)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                    const pk_real *u, pk_real *out);
 
     /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last
      * n_states degrees of freedom, whose names are those of the rates there. Their q is the

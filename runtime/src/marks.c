@@ -1,0 +1,178 @@
+/* Forces shorter than a step: system->marks, arguments u of exp(u), tanh(u) and the like, which change
+ * where u is within +-ALIVE alone. No stage of a step may lie there; but u itself is smooth along the
+ * step, a polynomial often, and is followed down to where it gets there. A step in which u, cut off at
+ * +-ALIVE, varies by more than MOST passes over what its stages may not see: it is made again up to
+ * where it does not, and the next ones are kept that short until their errors keep them so. What
+ * is fixed is not made shorter, but counted. In between the motion is taken to be the cubic through the ends; where
+ * that is off, the shorter step shows it.
+ */
+#include <string.h>
+
+#include "internal.h"
+
+#define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 */
+#define MOST PK_C(8.0)   /* a Gaussian's exponent rises by that in half of its width, far out */
+#define WARP PK_C(0.11)  /* a period of u that divides the step is not to look constant */
+#define GROW PK_C(4.0)
+enum { FEW = 4, MOST_WINDOWS = 4096 };
+
+size_t pk_marks_size(const struct pk_system *system, size_t n)
+{
+    return system->n_marks ? 4 * system->n_marks + 2 * n + system->n_inputs : 0;
+}
+
+void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
+                const pk_real *v1, pk_real x, pk_real *q, pk_real *v)
+{
+    const pk_real y = 1 - x;
+    const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
+    const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real rise = q1[i] - q0[i];
+        q[i] = q0[i] + h01 * rise + h10 * v0[i] + h11 * v1[i];
+        v[i] = slope * rise + d10 * v0[i] + d11 * v1[i];
+    }
+}
+
+/* All u at x of the trial step, 0 .. 1. */
+static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t n = it->n;
+    const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->next, *v1 = pk_part(it->next, n, PK_V);
+    const pk_real h = it->next_t - it->t, t = x < 1 ? it->t + x * h : it->next_t;
+    pk_real *q = it->marks + 4 * system->n_marks, *v = q + n, *input = v + n;
+    if (x > 0 && x < 1)
+        pk_hermite(n, h, q0, v0, q1, v1, x, q, v);
+    else
+        memcpy(q, x > 0 ? q1 : q0, n * sizeof *q), memcpy(v, x > 0 ? v1 : v0, n * sizeof *v);
+    if (system->n_inputs && it->problem.input)
+        it->problem.input(it->problem.context, t, input);
+    else
+        memset(input, 0, system->n_inputs * sizeof *input);
+    system->marking(it->problem.params, t, q, v, input, u);
+}
+
+static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
+{
+    pk_real *u = it->marks + 3 * it->problem.system->n_marks;
+    values(it, x, u);
+    return u[k];
+}
+
+static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
+
+/* u at the ends and in the middle of a window: by how much it varies and the parabola bends; whether
+ * it stays beyond +-ALIVE, with a margin. */
+struct window {
+    pk_real varies, range, bend;
+    int dead;
+};
+
+static struct window window(pk_real a, pk_real m, pk_real b)
+{
+    const pk_real lo = pk_min(a, pk_min(m, b)), hi = pk_max(a, pk_max(m, b));
+    struct window w = {pk_abs(alive(m) - alive(a)) + pk_abs(alive(b) - alive(m)), hi - lo,
+                       pk_abs(a - 2 * m + b), 0};
+    const pk_real margin = w.bend + w.range / 4;
+    w.dead = !pk_finite(margin) || lo - margin > ALIVE || hi + margin < -ALIVE;
+    return w;
+}
+
+static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
+
+/* How much of the trial step may be made for mark k, 1: all; of that, how much where it varies. */
+static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
+{
+    const pk_real h = pk_abs(it->next_t - it->t), round = 8 * PK_EPS * pk_abs(it->next_t) / h;
+    pk_real total = 0, begins = -1, width = PK_C(1.0) / FEW, from = 0, u = it->marks[k];
+    for (int count = 0; from < 1; count++) {
+        const pk_real to = pk_min(from + width, 1), a = warped(from), b = warped(to);
+        const pk_real middle = at(it, k, warped((from + to) / 2)), end = at(it, k, b);
+        const struct window w = window(u, middle, end);
+        const int fine = w.range + w.bend <= MOST / 2;
+        if (!w.dead && !fine && b - a > round && count < MOST_WINDOWS) {
+            width /= 2;
+            continue;
+        }
+        if (!w.dead && w.varies > 0) {
+            begins = begins < 0 ? a : begins;
+            if (total + w.varies > MOST || (!fine && count >= MOST_WINDOWS)) {
+                *rise = a - begins;
+                return a;
+            }
+            total += w.varies;
+        }
+        it->varied = pk_max(it->varied, total);
+        u = end;
+        from = to;
+        /* Windows are those of halvings, so that twice as long a one may follow an even one. */
+        if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
+            width *= 2;
+    }
+    return 1;
+}
+
+pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit)
+{
+    const int restrained = it->reach > 0 && it->reach < pk_abs(limit - it->t);
+    return restrained ? it->t + (pk_real)it->direction * it->reach : limit;
+}
+
+int pk_marks_reject(struct pk_integrator *it)
+{
+    if (!it->marks)
+        return 0;
+    const size_t m = it->problem.system->n_marks;
+    const pk_real h = pk_abs(it->next_t - it->t);
+    pk_real *begin = it->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
+    size_t which = 0;
+    if (!it->marked)
+        values(it, 0, begin);
+    it->marked = 1;
+    values(it, 1, end);
+    values(it, warped(PK_C(0.5)), middle);
+    it->varied = 0;
+    for (size_t k = 0; k < m; k++) {
+        const struct window w = window(begin[k], middle[k], end[k]);
+        if (w.range <= MOST / 2) { /* nearly all are, nearly always */
+            it->varied = pk_max(it->varied, w.varies);
+            continue;
+        }
+        pk_real active = 0;
+        const pk_real part = follow(it, k, &active);
+        if (part < first)
+            first = part, which = k, rise = active;
+    }
+    if (!(first < 1))
+        return 0;
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    if (!fixed && first * h > 64 * PK_EPS * pk_abs(it->t)) {
+        it->reach = first * h;
+        it->rise = rise * h;
+        it->count.rejections++;
+        return 1;
+    }
+    it->varied = MOST;
+    if (it->passed_over.count++ == 0) {
+        it->passed_over.which = which;
+        it->passed_over.t = it->t + (pk_real)it->direction * first * h;
+    }
+    return 0;
+}
+
+void pk_marks_accept(struct pk_integrator *it)
+{
+    if (!it->marks)
+        return;
+    const size_t m = it->problem.system->n_marks;
+    const pk_real h = pk_abs(it->next_t - it->t);
+    memcpy(it->marks, it->marks + m, m * sizeof *it->marks);
+    if (!(it->reach > 0))
+        return;
+    if (h < it->reach * (1 - PK_C(1e-6)) || it->varied < MOST / 8)
+        it->reach = 0; /* by its error, or there is nothing more */
+    else
+        it->reach = it->rise > 0 ? it->rise : h * pk_min(GROW, PK_C(0.9) * MOST / it->varied);
+    it->rise = 0;
+}
