@@ -134,8 +134,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->direction = 0;
     it->trouble = PK_DONE;
     it->event = 0;
-    it->marked = 0;
-    it->reach = 0;
+    it->marked = it->unlooked = 0;
+    it->reach = it->calm = 0;
     it->flags = 0;
     it->h = 0;
     it->status = pk_project_start(it);

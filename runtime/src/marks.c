@@ -11,10 +11,11 @@
 #include "internal.h"
 
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 */
-#define MOST PK_C(8.0)   /* a Gaussian's exponent rises by that in half of its width, far out */
+#define MOST PK_C(12.0)  /* a Gaussian's exponent rises by that in its width, far out */
 #define WARP PK_C(0.11)  /* a period of u that divides the step is not to look constant */
 #define GROW PK_C(4.0)
-enum { FEW = 4, MOST_WINDOWS = 4096 };
+#define SLOW (MOST / 128) /* by that in a fixed step: the next few are not looked at */
+enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
 size_t pk_marks_size(const struct pk_system *system, size_t n)
 {
@@ -123,6 +124,9 @@ int pk_marks_reject(struct pk_integrator *it)
 {
     if (!it->marks)
         return 0;
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    if (fixed && it->unlooked > 0)
+        return 0;
     const size_t m = it->problem.system->n_marks;
     const pk_real h = pk_abs(it->next_t - it->t);
     pk_real *begin = it->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
@@ -131,11 +135,16 @@ int pk_marks_reject(struct pk_integrator *it)
         values(it, 0, begin);
     it->marked = 1;
     values(it, 1, end);
+    it->range = it->varied = 0;
+    for (size_t k = 0; k < m; k++)
+        it->range = pk_max(it->range, pk_abs(end[k] - begin[k]));
+    if (it->range <= MOST / 4 && h <= 3 * it->calm) /* nearly always, but for short forces */
+        return 0;
     values(it, warped(PK_C(0.5)), middle);
-    it->varied = 0;
     for (size_t k = 0; k < m; k++) {
         const struct window w = window(begin[k], middle[k], end[k]);
-        if (w.range <= MOST / 2) { /* nearly all are, nearly always */
+        it->range = pk_max(it->range, w.range);
+        if (w.range <= MOST / 2) {
             it->varied = pk_max(it->varied, w.varies);
             continue;
         }
@@ -146,7 +155,6 @@ int pk_marks_reject(struct pk_integrator *it)
     }
     if (!(first < 1))
         return 0;
-    const int fixed = !(it->method->traits & PK_ADAPTIVE);
     if (!fixed && first * h > 64 * PK_EPS * pk_abs(it->t)) {
         it->reach = first * h;
         it->rise = rise * h;
@@ -167,6 +175,13 @@ void pk_marks_accept(struct pk_integrator *it)
         return;
     const size_t m = it->problem.system->n_marks;
     const pk_real h = pk_abs(it->next_t - it->t);
+    if (it->unlooked > 0) {
+        it->unlooked--;
+        it->marked = 0;
+        return;
+    }
+    it->unlooked = it->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
+    it->calm = it->range <= MOST / 4 ? h : 0; /* a step that long had nothing short in it */
     memcpy(it->marks, it->marks + m, m * sizeof *it->marks);
     if (!(it->reach > 0))
         return;

@@ -115,9 +115,10 @@ struct pk_integrator {
     pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
     pk_real *project; /* rotations and constraints: src/project.c; NULL: there are none */
     pk_real *marks;           /* values at the begin, ...: src/marks.c; NULL: there are none */
-    int marked;               /* whether those at the begin are known */
+    int marked, unlooked;     /* whether those at the begin are known; steps that are not looked at */
     pk_real reach, rise;      /* how long the next step may be for them, 0: as it will; the one behind */
-    pk_real varied;           /* by how much they vary in the trial step */
+    pk_real calm;             /* so long a step was made in which they hardly vary */
+    pk_real range, varied;    /* by how much they vary in the trial step, and where they matter */
     size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
     enum pk_status trouble;   /* what the last trial step that broke down met, when, and its */
     pk_real trouble_t;        /* where and condition: the cause to name if steps then shrink to */
