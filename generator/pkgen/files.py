@@ -220,7 +220,10 @@ def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]
         sweep(parent, prefix)
     while True:
         path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
-        lock = os.open(path, os.O_RDONLY)
+        try:
+            lock = os.open(path, os.O_RDONLY)
+        except FileNotFoundError:  # swept before it was open
+            continue
         with suppress(OSError):
             fcntl.flock(lock, fcntl.LOCK_EX)
         if path.exists():  # not swept before it was locked

@@ -136,3 +136,18 @@ def test_what_nohup_ignores_is_ignored(tmp_path: Path) -> None:
     assert child.poll() is None
     child.send_signal(signal.SIGTERM)
     assert child.wait(timeout=LATE) == 130
+
+
+def test_a_folder_that_is_swept_before_it_is_locked_is_made_anew(monkeypatch, tmp_path):
+    make, made = files.tempfile.mkdtemp, []
+
+    def swept(**options):
+        made.append(make(**options))
+        if len(made) == 1:
+            os.rmdir(made[0])
+        return made[-1]
+
+    monkeypatch.setattr(files.tempfile, "mkdtemp", swept)
+    with files.scratch(tmp_path) as path:
+        assert path.is_dir()
+        assert str(path) == made[1]

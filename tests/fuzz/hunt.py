@@ -7,6 +7,7 @@ a motion is wrong, methods differ, a proof is false or a run breaks.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from bent_models import CLAIMS, PLACES, Place, model
 
 COMMAND = [sys.executable, "-m", "pkgen"]
+HERE = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2] / "generator")}
 TIGHT = ("--method", "dop853", "--rtol", "1e-10")
 BAD = ("WRONG", "METHODS", "FALSE", "BROKEN", "HANGS", "no twin")
 Rows = list[list[float]]
@@ -27,7 +29,9 @@ def pkgen(command: str, text: str, *options: str) -> tuple[int, Rows, str]:
         path = Path(folder, "bent.lag")
         path.write_text(text)
         words = [*COMMAND, command, str(path), *options]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=300)
+        done = subprocess.run(words, capture_output=True, text=True, timeout=300, env=HERE)
+    if done.returncode and "No module named" in done.stderr:
+        raise RuntimeError(done.stderr)  # else all would count as refused
     rows = [[float(x) for x in line.split(",")[1:]] for line in done.stdout.splitlines()[1:]]
     return done.returncode, rows, done.stderr
 

@@ -1,0 +1,38 @@
+"""A few random models with a bend or a jump beside their smooth twins: tests/fuzz/hunt.py."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from conftest import ROOT, long_but
+
+sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
+import hunt
+from bent_models import PLACES
+
+PLACE = {place.name: place for place in PLACES}
+SEEN = ("force", "potential", "mass", "gauge", "dissipation", "constraint", "rolling", "hold")
+
+
+@pytest.mark.parametrize("name", long_but({"force"}, SEEN))
+def test_a_bend_is_the_limit_of_its_ramps(name):
+    verdict, seen = hunt.judge(PLACE[name], 900)
+    assert verdict == "agrees", seen
+
+
+@pytest.mark.long
+def test_another_motion_is_found_to_be_wrong(monkeypatch):
+    def other(seed, place, sharp):
+        text = model(seed, place, sharp)
+        return text.replace("force y = 0.7*", "force y = 0.71*") if sharp else text
+
+    model = hunt.model
+    monkeypatch.setattr(hunt, "model", other)
+    assert hunt.judge(PLACE["force"], 900)[0] == "WRONG"
+
+
+def test_a_run_that_cannot_start_is_no_refusal(monkeypatch):
+    monkeypatch.setattr(hunt, "COMMAND", [sys.executable, "-m", "no_such_pkgen"])
+    with pytest.raises(RuntimeError, match="No module named"):
+        hunt.judge(PLACE["force"], 900)
