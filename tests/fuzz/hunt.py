@@ -81,8 +81,8 @@ def claims(place: Place, seed: int) -> tuple[str, str]:
     for claim in CLAIMS:
         if "z" in claim and (len(place.free) < 3 or place.name == "hold"):
             continue
-        if place.name == "hold" and claim == "energy":
-            continue  # it is the model's, and the scene holds a coordinate
+        if place.name == "hold" and claim in ("energy", "T"):
+            continue  # they are the model's, and the scene holds a coordinate
         code, _, err = pkgen("check", model(seed, place, True, claim))
         if "Traceback" in err or "internal error" in err:
             return "BROKEN", err
