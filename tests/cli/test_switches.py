@@ -213,3 +213,11 @@ def test_what_has_no_value_beyond_the_zero_is_taken_as_it_stands(pkgen, tmp_path
     assert last[1:3] == pytest.approx([0.40022, -1.39917], abs=2e-5)  # by SciPy
     refused = pkgen("run", path, "--until", "5", "--method", "gauss")
     assert refused.returncode == 4 and "needs a system that is smooth" in refused.stderr
+
+
+def test_what_bends_in_time_alone_and_moves_nothing_is_smooth(pkgen, write) -> None:
+    path = write("model told\ncoord x\nkinetic x'^2/2\npotential x^2/2 + abs(t - 1)\nstart x = 1\n")
+    done = pkgen("run", path, "--until", "3", "--every", "3", "--method", "gauss")
+    assert done.returncode == 0, done.stderr
+    last = [float(x) for x in done.stdout.splitlines()[-1].split(",")]
+    assert last[1:3] == pytest.approx([math.cos(3), -math.sin(3)], abs=1e-9)

@@ -157,7 +157,7 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
 def _smooth(equations: Equations) -> bool:
     """No abs, min, max or step anywhere in the motion, nor what they turn into."""
     g = equations.graph
-    outputs = [equations.lagrangian, *equations.pdot, *equations.force, *equations.state_rates]
+    outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
     return all(
         FUNCTIONS[g.data[node]].smooth
