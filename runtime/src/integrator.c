@@ -7,13 +7,14 @@
 #include "project.h"
 
 enum { FIRST_LOOK = 1 << 16 }; /* at progress: steps */
+#define FROM_REST PK_C(1e-3) /* of a span: how far ahead what pushes a body at rest is looked for */
 #define MOST_AHEAD PK_C(1e9) /* steps, where nobody says how many */
 
 struct pk_options pk_options_default(void)
 {
     struct pk_options options = {0};
     options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* about 1e-9 in double */
-    options.atol = options.rtol;
+    options.atol = PK_ATOL_OF_MOTION;
     return options;
 }
 
@@ -29,7 +30,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t work = inputs + lane + method->size(method, n) + guards +
                         pk_project_size(system, n) + pk_marks_size(system, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
-    return (pk_quadrature_size(system, n) + PK_PARTS * n + (rest > params ? rest : params)) *
+    return (pk_quadrature_size(system, n) + pk_scale_size(method, n) + PK_PARTS * n +
+            (rest > params ? rest : params)) *
            sizeof(pk_real);
 }
 
@@ -83,6 +85,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->step = stepper(system, method);
     it->quadratures = (pk_real *)block;
     it->state = it->quadratures + pk_quadrature_size(system, it->n);
+    if (pk_scale_size(method, it->n)) {
+        it->atol = it->state; /* it outlives a reset, as the quadratures do */
+        it->state += pk_scale_size(method, it->n);
+    }
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;
     it->lane = it->u + system->n_inputs * (1 + PK_LANES);
@@ -139,6 +145,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->flags = 0;
     it->h = 0;
     it->status = pk_project_start(it);
+    if (it->status >= 0)
+        pk_scale_start(it);
     if (it->status >= 0)
         it->status = it->method->init(it);
     pk_guard_start(it);
@@ -282,10 +290,16 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     enum { CUTS = 12 };
     size_t where = 0;
     pk_real detail = 0;
+    const pk_real while_at_rest = (limit - it->t) * FROM_REST;
+    int raised = 0;
     for (int cuts = 0;; cuts++) {
         enum pk_status status = try_step(it, pk_marks_limit(it, limit));
-        if (status >= 0 && pk_marks_reject(it)) {
+        const int pushed =
+            status == PK_STEP_UNDERFLOW && !raised && pk_scale_raise(it, while_at_rest);
+        if (pushed || (status >= 0 && pk_marks_reject(it))) {
             cuts--;
+            raised |= pushed;
+            it->h = pushed ? while_at_rest : it->h;
             it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
             continue;
         }
@@ -342,6 +356,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (it->z)
         pk_quadrature_accept(it);
     pk_step_made(it, fixed);
+    pk_scale_step(it);
     return it->status = status;
 }
 
