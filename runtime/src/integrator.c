@@ -88,6 +88,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     if (pk_scale_size(method, it->n)) {
         it->atol = it->state; /* it outlives a reset, as the quadratures do */
         it->state += pk_scale_size(method, it->n);
+        memset(it->atol, 0, pk_scale_size(method, it->n) * sizeof *it->atol);
     }
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;

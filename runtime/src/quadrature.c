@@ -38,6 +38,7 @@ enum pk_status pk_quadrature_start(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     pk_real *z = part(it, NOW);
     it->z = z;
+    memset(part(it, TRAVEL), 0, system->n_quadratures * sizeof *z);
     memset(z, 0, 2 * system->n_quadratures * sizeof *z); /* the low parts too */
     if (system->quadrature_start)
         system->quadrature_start(it->problem.params, z);
