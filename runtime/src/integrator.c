@@ -406,6 +406,8 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
     if (!(t >= lo && t <= hi))
         return fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
+    if (it->atol && side->atol)
+        memcpy(side->atol, it->atol, pk_scale_size(it->method, n) * sizeof *it->atol);
     pk_integrator_reset(side, it->last_t, it->next, pk_part(it->next, n, PK_V));
     if (side->status >= 0) { /* what a start lacks of a state amid the motion */
         memcpy(pk_part(side->state, n, PK_P), pk_part(it->next, n, PK_P),

@@ -13,15 +13,17 @@
 
 #define SHARE PK_C(1e-6)
 #define ROUNDING (8 * PK_EPS)
+#define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 enum { OFTEN = 64 }; /* steps between two looks at rounding */
 
 /* 2 n each: tolerances, largest values, whose unit is shared, a state; n each: what rounding does to
- * accelerations, and an acceleration. */
-enum { ATOL = 0, MOST = 2, GROUP = 4, MOVED = 6, NOISE = 8, A = 9, PARTS = 10 };
+ * accelerations, an acceleration, what rounding of momenta does to rates; and a mass matrix. */
+enum { ATOL = 0, MOST = 2, GROUP = 4, MOVED = 6, NOISE = 8, A = 9, BY_P = 10, PARTS = 11 };
 
 size_t pk_scale_size(const struct pk_method *method, size_t n)
 {
-    return method->traits & PK_ADAPTIVE ? PARTS * n : 0;
+    const size_t matrix = method->traits & PK_JACOBIANS ? n * n : 0;
+    return method->traits & PK_ADAPTIVE ? PARTS * n + matrix : 0;
 }
 
 static pk_real *part(const struct pk_integrator *it, int which)
@@ -65,17 +67,19 @@ static void note(const struct pk_integrator *it)
         most[i] = pk_max(most[i], pk_abs(it->state[i]));
 }
 
-static void set(const struct pk_integrator *it)
+/* h: of the step whose rounding counts. */
+static void set(const struct pk_integrator *it, pk_real h)
 {
     const size_t n = it->n;
     const pk_real *most = part(it, MOST), *of = part(it, GROUP), *noise = part(it, NOISE);
-    pk_real *all = part(it, MOVED), h = pk_abs(it->h);
+    const pk_real *by_p = part(it, BY_P);
+    pk_real *all = part(it, MOVED);
     memset(all, 0, 2 * n * sizeof *all);
     for (size_t i = 0; i < 2 * n; i++)
         all[(size_t)of[i]] = pk_max(all[(size_t)of[i]], most[i]);
     for (size_t i = 0; i < 2 * n; i++)
         it->atol[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) +
-                      (i < n ? h * h * noise[i] : h * noise[i - n]) + PK_F(sqrt)(PK_TINY);
+                      (i < n ? h * (h * noise[i] + by_p[i]) : h * noise[i - n] + by_p[i - n]) + PK_F(sqrt)(PK_TINY);
 }
 
 static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a)
@@ -85,6 +89,27 @@ static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, p
     it->count.evaluations++;
     return !system->acceleration(it->problem.params, t, q, q + it->n, u, a) &&
            pk_all_finite(a, it->n);
+}
+
+/* A method in momenta finds a rate as p_i less the other terms, over M_ii: their rounding is in it. What
+ * constraints hold has no motion of its own, and steps err in it as in the terms. */
+static void look_at_momenta(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t n = it->n;
+    const pk_real share = system->n_constraints ? it->options.rtol : ROUNDING;
+    pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
+    if (!(it->method->traits & PK_JACOBIANS) || !(system->inertia ? system->inertia : system->mass))
+        return;
+    memset(M, 0, n * n * sizeof *M);
+    (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
+                                                       pk_eval_input(it, it->t), M);
+    for (size_t i = 0; i < n; i++) {
+        pk_real sum = 0;
+        for (size_t j = 0; j < n; j++)
+            sum += pk_abs(M[i * n + j] * it->v[j]);
+        by_p[i] = M[i * n + i] > 0 && pk_finite(sum) ? share * sum / M[i * n + i] : 0;
+    }
 }
 
 static void look_at_rounding(struct pk_integrator *it)
@@ -100,9 +125,25 @@ static void look_at_rounding(struct pk_integrator *it)
             noise[i] = pk_abs(noise[i] - a[i]);
     else
         memset(noise, 0, it->n * sizeof *noise);
+    look_at_momenta(it);
 }
 
-/* From rest the rates have no scale yet: for a first step, that of a fall through the coordinate's. */
+/* How long the shortest of what moves takes for its own scale; 0: unknown. */
+static pk_real while_it_falls(const struct pk_integrator *it)
+{
+    const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
+    pk_real h = 0;
+    for (size_t i = 0; i < it->n; i++) {
+        const pk_real v = most[it->n + i], size = pk_abs(a[i]);
+        const pk_real x = v > 0 ? v / size : PK_F(sqrt)(most[i] / size);
+        if (size > noise[i] && x > 0 && pk_finite(x) && !(h > 0 && h < x))
+            h = x;
+    }
+    return h;
+}
+
+/* A first step from zero has to move time: what it passes meanwhile is the scale. From rest the rates
+ * have none: there it is that of a fall through the coordinate's. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n = it->n;
@@ -119,12 +160,21 @@ void pk_scale_start(struct pk_integrator *it)
     }
     note(it);
     look_at_rounding(it);
-    set(it);
-    const pk_real *a = part(it, A);
+    set(it, while_it_falls(it));
+    const pk_real *a = part(it, A), ahead = LEAST * pk_abs(it->t);
+    for (size_t i = 0; i < n; i++)
+        it->atol[i] = pk_max(it->atol[i], it->options.rtol * ahead * pk_abs(it->v[i]));
+    pk_real *fall = part(it, MOVED) + n;
+    const pk_real *of = part(it, GROUP + 1);
+    for (size_t i = 0; i < n && it->count.steps == 0; i++) {
+        const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->atol[i]);
+        pk_real *shared = fall + ((size_t)of[i] - n);
+        if (pk_finite(x))
+            it->atol[n + i] = pk_max(it->atol[n + i], x);
+        *shared = i == (size_t)of[i] - n ? it->atol[n + i] : pk_max(*shared, it->atol[n + i]);
+    }
     for (size_t i = 0; i < n && it->count.steps == 0; i++)
-        if (pk_finite(a[i]))
-            it->atol[n + i] = pk_max(it->atol[n + i], PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) *
-                                                                  it->atol[i]));
+        it->atol[n + i] = pk_max(it->atol[n + i], SHARE * fall[(size_t)of[i] - n]);
 }
 
 /* The length of a push from rest that hardly changes what pushes: a fraction of an oscillation. */
@@ -165,7 +215,7 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
         most[n + i] = pk_abs(a[i]) * d;
         raised = 1;
     }
-    set(it);
+    set(it, pk_abs(it->h));
     return raised;
 }
 
@@ -174,8 +224,8 @@ void pk_scale_step(struct pk_integrator *it)
     if (!it->atol || it->options.atol >= 0)
         return;
     note(it);
-    if (it->count.rejections != it->rounded || it->count.steps % OFTEN == 0)
+    if (it->count.rejections - it->rounded > 1 || it->count.steps % OFTEN == 0)
         look_at_rounding(it);
     it->rounded = it->count.rejections;
-    set(it);
+    set(it, pk_abs(it->h));
 }

@@ -111,10 +111,11 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
         assert done.returncode == 4, method
         valid = re.search(r"last valid time ([0-9.]+)", done.stderr)
         assert 0.9 < float(valid[1]) <= 1.001, done.stderr
-        if method in ("gauss", "rk4"):
-            assert (
-                "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
-            )
+        depends = "the constraints cannot be fulfilled here: plane depends on sphere" in done.stderr
+        if method == "gauss":  # which may come so near that steps of time end first
+            assert depends or (1 - float(valid[1]) < 1e-13 and "round-off of time" in done.stderr)
+        if method == "rk4":
+            assert depends
 
 
 CHAIN = """\
