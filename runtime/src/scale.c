@@ -120,7 +120,8 @@ static void look_at_rounding(struct pk_integrator *it)
         random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
         moved[i] = it->state[i] * (1 + (random & 0x40000000ul ? ROUNDING : -ROUNDING));
     }
-    if (acceleration(it, it->t, it->state, a) && acceleration(it, it->t, moved, noise))
+    if (acceleration(it, it->t, it->state, a) &&
+        acceleration(it, it->t * (1 + ROUNDING), moved, noise))
         for (size_t i = 0; i < it->n; i++)
             noise[i] = pk_abs(noise[i] - a[i]);
     else
