@@ -91,7 +91,8 @@ def outcome(name: str) -> Outcome:
         kept = out if out.exists() else Path(f"{out}.partial")  # neither without a row
         rows = list(csv.reader(kept.read_text().splitlines()))[1:] if kept.exists() else []
     report = json.loads(stdout.getvalue())["report"]
-    said = [x for x in stderr.getvalue().splitlines() if x.startswith("run: ")]
+    lines = stderr.getvalue().splitlines()
+    said = [x for x in lines if x.startswith("run: ") and not x.startswith("run: warning: ")]
     assert len(said) == 1, stderr.getvalue()
     return Outcome(report, rows, said[0].removeprefix("run: "), code)
 
