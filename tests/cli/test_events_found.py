@@ -54,3 +54,18 @@ def test_what_turns_too_often_is_said_to(pkgen, write) -> None:
     found = json.loads(done.stdout)["report"]["events"][0]
     assert found["doubts"] > 0
     assert "warning: event e: from t = 0 on its function turns too often" in done.stderr
+
+
+def test_what_is_rounding_alone_is_told_and_not_followed_far(pkgen, write) -> None:
+    """On a rod x^2 + y^2 - 1 is noise: no window of a step shows it, and eight of the narrowest
+    are enough to know."""
+    path = write(
+        "model rod\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential 9.81*y\n"
+        "constraint rod: x^2 + y^2 = 1\nstart x = 1, y = 0\nevent e: x^2 + y^2 - 1 rising\n"
+    )
+    steps = ["--until", "1", "--method", "rk4", "--step", "0.1"]
+    done = pkgen("run", path, *steps, "--every", "1", "--json")
+    assert done.returncode == 0, done.stderr
+    assert "turns too often" in done.stderr
+    (event,) = json.loads(done.stdout)["report"]["events"]
+    assert 0 < event["doubts"] <= 20 * 10
