@@ -106,7 +106,7 @@ def _run_arguments(parser: argparse.ArgumentParser) -> None:
     add("--step", metavar="H", help="of a method with fixed steps; else the first step")
     add("--max-step", metavar="H", help="of an adaptive method")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
-    add("--atol", metavar="A", help="default: that of --rtol")
+    add("--atol", metavar="A", help="default: R times the scale that the motion shows")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
     add("--units", action="store_true", help="units in the header of the CSV")
     add("--record", metavar="a,b,energy", help="only these columns, behind t")

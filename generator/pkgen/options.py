@@ -135,7 +135,7 @@ def settings(
         every=every,
         step=step,
         rtol=rtol,
-        atol=values.positive("--atol", options.atol, "") or rtol,
+        atol=values.positive("--atol", options.atol, ""),
         iteration=options.iteration,
         max_steps=_count("--max-steps", options.max_steps),
         max_step=values.positive("--max-step", options.max_step, values.time),

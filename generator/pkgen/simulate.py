@@ -79,7 +79,7 @@ class Settings:
     every: float | None  # None: rows at an event, or an ensemble's final states, alone
     step: float | None
     rtol: float
-    atol: float
+    atol: float | None  # None: of the motion
     iteration: str
     max_steps: int
     max_step: float | None
@@ -105,10 +105,11 @@ class Settings:
             f"method {self.method}",
             f"until {self.until.hex()}",
             f"rtol {self.rtol.hex()}",
-            f"atol {self.atol.hex()}",
             f"iteration {self.iteration}",
             f"max_steps {self.max_steps}",
         ]
+        if self.atol is not None:
+            said.append(f"atol {self.atol.hex()}")
         if self.every is not None:
             said.append(f"every {self.every.hex()}")
         if self.step is not None:

@@ -25,6 +25,7 @@ struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
     enum pk_status status; /* of the right-hand side, which GSL sees only as "failed" */
+    double *scale;         /* 2 n: the absolute tolerances that the driver was told last */
     double h;              /* the step that GSL proposes; 0: to be guessed */
     double *linear;        /* work for the Jacobian; NULL where it is not asked for */
 };
@@ -87,6 +88,7 @@ static void release(struct pk_integrator *it)
     if (f) {
         if (f->driver)
             gsl_odeiv2_driver_free(f->driver);
+        free(f->scale);
         free(f->linear);
         free(f);
     }
@@ -114,10 +116,30 @@ static enum pk_status init(struct pk_integrator *it)
     f->system.params = it;
     f->h = it->options.h;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
-    f->driver = gsl_odeiv2_driver_alloc_y_new(&f->system, *type, 1e-6, it->options.atol,
-                                              it->options.rtol);
+    f->driver = gsl_odeiv2_driver_alloc_y_new(&f->system, *type, 1e-6, 1, it->options.rtol);
     gsl_set_error_handler(handler);
-    return f->driver ? PK_DONE : PK_NO_MEMORY;
+    f->scale = (double *)calloc(2 * it->n, sizeof *f->scale);
+    return f->driver && f->scale ? PK_DONE : PK_NO_MEMORY;
+}
+
+/* GSL's control copies its tolerances when it is made: another one where they have grown. */
+static enum pk_status control(struct pk_integrator *it, struct foreign *f)
+{
+    int same = 1;
+    for (size_t i = 0; i < 2 * it->n; i++)
+        same &= it->atol[i] <= 1.1 * f->scale[i] && it->atol[i] >= 0.1 * f->scale[i];
+    if (same)
+        return PK_DONE;
+    memcpy(f->scale, it->atol, 2 * it->n * sizeof *f->scale);
+    gsl_odeiv2_control *next = gsl_odeiv2_control_scaled_new(1, it->options.rtol, 1, 0, f->scale,
+                                                             2 * it->n);
+    if (!next)
+        return PK_NO_MEMORY;
+    gsl_odeiv2_control_free(f->driver->c);
+    f->driver->c = next;
+    gsl_odeiv2_step_set_driver(f->driver->s, f->driver);
+    gsl_odeiv2_control_set_driver(f->driver->c, f->driver);
+    return PK_DONE;
 }
 
 static enum pk_status fall_back(struct foreign *f, enum pk_status status)
@@ -149,7 +171,11 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const unsigned long rejected = f->driver->e->failed_steps;
     memcpy(it->next, it->state, 2 * it->n * sizeof *it->next);
     f->status = PK_DONE;
-    enum pk_status status = PK_DONE;
+    enum pk_status status = control(it, f);
+    if (status < 0) {
+        gsl_set_error_handler(handler);
+        return status;
+    }
     const double planned = h;
     for (;;) {
         const int failed = gsl_odeiv2_evolve_apply(f->driver->e, f->driver->c, f->driver->s,

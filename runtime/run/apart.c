@@ -46,7 +46,7 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
     if (given->h > 0)
         c.options.h = given->h;
     if (given->rtol > 0)
-        c.options.rtol = c.options.atol = given->rtol;
+        c.options.rtol = given->rtol, c.options.atol = PK_ATOL_OF_MOTION;
     if (given->atol > 0)
         c.options.atol = given->atol;
     if (given->h_max > 0)

@@ -159,7 +159,10 @@ static void json_run(struct run *run, FILE *file)
     fputs(",\n  \"rtol\": ", file);
     output_real(file, run->settings.options.rtol);
     fputs(",\n  \"atol\": ", file);
-    output_real(file, run->settings.options.atol);
+    if (run->settings.options.atol < 0) /* of the motion */
+        fputs("null", file);
+    else
+        output_real(file, run->settings.options.atol);
     fprintf(file,
             ",\n  \"rows\": %lu,\n  \"steps\": %lu,\n  \"rejections\": %lu,\n"
             "  \"evaluations\": %lu,\n  \"jacobians\": %lu,\n  \"factorisations\": %lu,\n"

@@ -114,7 +114,6 @@ static int set_number(struct settings *s, const struct pk_system *system, size_t
         if (*table[i].x < 0 || (!table[i].zero_too && !(*table[i].x > 0)))
             return words_usage(line, "must be positive", word[0]);
         s->has_rtol |= table[i].x == &s->options.rtol;
-        s->has_atol |= table[i].x == &s->options.atol;
         return 0;
     }
     return words_usage(line, "unknown setting", word[0]);
@@ -236,8 +235,6 @@ static int finish(struct settings *s, const struct pk_system *system)
             s->v[i] = v[i];
     }
     free(q);
-    if (s->has_rtol && !s->has_atol)
-        s->options.atol = s->options.rtol;
     if (!s->method)
         return words_usage(0, "no method", NULL);
     if (!(s->until > 0))

@@ -80,7 +80,7 @@ struct settings {
     const struct pk_method *method;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
-    int has_rtol, has_atol, has_every, has_step;
+    int has_rtol, has_every, has_step;
     int progress;
     int headless; /* rows without names above them */
     int land; /* rows: 1 by a step that ends there, 0 by dense output, -1 as the method is best */

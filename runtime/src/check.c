@@ -82,8 +82,10 @@ enum pk_status pk_check_options(struct pk_integrator *it)
     if (!(o->h_min >= 0) || !(o->h_max >= 0) || (o->h_max > 0 && !(o->h_min <= o->h_max)))
         return PK_BAD_ARGUMENT;
     it->where = BAD_TOLERANCE;
-    if (adaptive && (!(o->rtol >= 0) || !(o->atol >= 0) || !(o->rtol + o->atol > 0) ||
-                     !pk_finite(o->rtol + o->atol)))
+    const int relative = o->atol >= PK_ATOL_OF_MOTION && o->atol <= PK_ATOL_OF_MOTION;
+    const pk_real atol = relative ? 0 : o->atol;
+    if (adaptive && (!(o->rtol >= 0) || !(atol >= 0) || !(o->rtol + atol > 0) ||
+                     !pk_finite(o->rtol + atol)))
         return PK_BAD_ARGUMENT;
     it->where = BAD_ITERATION; /* a correction of 1 is no convergence at all */
     if (!(o->newton_tol >= 0 && o->newton_tol < 1) || o->max_iterations < 0 ||

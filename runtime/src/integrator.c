@@ -6,11 +6,13 @@
 
 #include "project.h"
 
+#define FROM_REST PK_C(1e-3) /* of a span: how far ahead what pushes a body at rest is looked for */
+
 struct pk_options pk_options_default(void)
 {
     struct pk_options options = {0};
     options.rtol = PK_F(sqrt)(PK_EPS) * PK_C(0.0625); /* about 1e-9 in double */
-    options.atol = options.rtol;
+    options.atol = PK_ATOL_OF_MOTION;
     return options;
 }
 
@@ -26,7 +28,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     const size_t work = inputs + lane + method->size(method, n) + guards +
                         pk_project_size(system, n) + pk_marks_size(system, n);
     const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
-    return (pk_quadrature_size(system, n) + PK_PARTS * n + (rest > params ? rest : params)) *
+    return (pk_quadrature_size(system, n) + pk_scale_size(method, n) + PK_PARTS * n +
+            (rest > params ? rest : params)) *
            sizeof(pk_real);
 }
 
@@ -80,6 +83,11 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->step = stepper(system, method);
     it->quadratures = (pk_real *)block;
     it->state = it->quadratures + pk_quadrature_size(system, it->n);
+    if (pk_scale_size(method, it->n)) {
+        it->atol = it->state; /* it outlives a reset, as the quadratures do */
+        it->state += pk_scale_size(method, it->n);
+        memset(it->atol, 0, pk_scale_size(method, it->n) * sizeof *it->atol);
+    }
     it->next = it->state + PK_PARTS * it->n;
     it->u = it->next + PK_PARTS * it->n;
     it->lane = it->u + system->n_inputs * (1 + PK_LANES);
@@ -137,6 +145,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->h = 0;
     it->status = pk_project_start(it);
     if (it->status >= 0)
+        pk_scale_start(it);
+    if (it->status >= 0)
         it->status = it->method->init(it);
     pk_guard_start(it);
     it->ready = it->status >= 0;
@@ -186,10 +196,16 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     enum { CUTS = 12 };
     size_t where = 0;
     pk_real detail = 0;
+    const pk_real while_at_rest = (limit - it->t) * FROM_REST;
+    int raised = 0;
     for (int cuts = 0;; cuts++) {
         enum pk_status status = try_step(it, pk_marks_limit(it, limit));
-        if (status >= 0 && pk_marks_reject(it)) {
+        const int pushed =
+            status == PK_STEP_UNDERFLOW && !raised && pk_scale_raise(it, while_at_rest);
+        if (pushed || (status >= 0 && pk_marks_reject(it))) {
             cuts--;
+            raised |= pushed;
+            it->h = pushed ? while_at_rest : it->h;
             it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
             continue;
         }
@@ -202,6 +218,8 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
             it->detail = detail;
             return PK_NO_PROJECTION;
         }
+        if (status == PK_STEP_UNDERFLOW && it->project && pk_project_dependent(it))
+            return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)
             return status;
         where = it->where;
@@ -246,6 +264,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (it->z)
         pk_quadrature_accept(it);
     pk_step_made(it, fixed);
+    pk_scale_step(it);
     return it->status = status;
 }
 
@@ -279,6 +298,8 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
     if (!(t >= lo && t <= hi))
         return fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
+    if (it->atol && side->atol)
+        memcpy(side->atol, it->atol, pk_scale_size(it->method, n) * sizeof *it->atol);
     pk_integrator_reset(side, it->last_t, it->next, pk_part(it->next, n, PK_V));
     if (side->status >= 0) { /* what a start lacks of a state amid the motion */
         memcpy(pk_part(side->state, n, PK_P), pk_part(it->next, n, PK_P),

@@ -54,6 +54,15 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
+/* Absolute tolerances, it->atol: numbers needed; at a start; after a step. */
+size_t pk_scale_size(const struct pk_method *method, size_t n);
+void pk_scale_start(struct pk_integrator *it);
+void pk_scale_step(struct pk_integrator *it);
+/* After an underflow: what has never moved, and is pushed within h, has what h makes of that for its
+ * scale. 1: there is such a coordinate. Else a push that sets in with a jump is never followed, for
+ * errors are all of the motion there. */
+int pk_scale_raise(struct pk_integrator *it, pk_real h);
+
 /* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at
  * a start; whether a guard is zero there; after a trial step, which is still it->next; and after
  * one that failed, whether a guard is its cause. */

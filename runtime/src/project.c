@@ -19,6 +19,7 @@
 
 #define ROUND (PK_EPS / 2)              /* of its terms: as good as zero. More, left each step, drifts */
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
+#define DEPENDENT PK_C(1e-12)           /* at 1e-6 rad from another row no step is left */
 enum { MOST = 20 };                     /* corrections */
 
 size_t pk_project_size(const struct pk_system *system, size_t n)
@@ -149,6 +150,27 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
             explain(&w, w.c, it->where);
     }
     return PK_NO_PROJECTION;
+}
+
+int pk_project_dependent(struct pk_integrator *it)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    if (!w.c)
+        return 0;
+    w.t = it->t;
+    w.u = pk_eval_input(it, it->t);
+    if (pk_project_inertia(&w, it->q, it->v))
+        return 0;
+    pk_project_rows(&w, it->q, it->v);
+    if (pk_project_factor(&w, w.c))
+        return 0; /* steps say so themselves */
+    for (size_t row = 0; row < w.c; row++) /* a pivot beside its diagonal: the square of a sine */
+        if (w.A[row * w.c + row] < DEPENDENT * w.mu[row]) {
+            it->where = row;
+            explain(&w, w.c, row);
+            return 1;
+        }
+    return 0;
 }
 
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which)

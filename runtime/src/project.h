@@ -57,6 +57,8 @@ enum pk_status pk_project_step(struct pk_integrator *it);
 /* The status of an acceleration that found the constraints dependent, it->where its row, at the time
  * it->detail. */
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
+/* After an underflow: whether constraints all but depend on each other here, it->where on which row. */
+int pk_project_dependent(struct pk_integrator *it);
 /* The state where the integrator starts: refused where it breaks constraints, or they depend on each
  * other; else moved onto them by what rounding left. */
 enum pk_status pk_project_start(struct pk_integrator *it);

@@ -11,7 +11,7 @@
 
 #include "gauss_dense.h"
 
-enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, PARTS, TERMS = 2 * PK_LANES };
+enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, TRAVEL, PARTS, TERMS = 2 * PK_LANES };
 
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
@@ -38,6 +38,7 @@ enum pk_status pk_quadrature_start(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     pk_real *z = part(it, NOW);
     it->z = z;
+    memset(part(it, TRAVEL), 0, system->n_quadratures * sizeof *z);
     memset(z, 0, 2 * system->n_quadratures * sizeof *z); /* the low parts too */
     if (system->quadrature_start)
         system->quadrature_start(it->problem.params, z);
@@ -81,7 +82,7 @@ enum pk_status pk_quadrature_step(struct pk_integrator *it)
     pk_real *z = part(it, next);
     struct pk_stage stage = {0};
     memcpy(z, part(it, now), bytes); /* with the low parts behind it */
-    memset(part(it, SIZE), 0, (PARTS - SIZE) * bytes / 2);
+    memset(part(it, SIZE), 0, (TRAVEL - SIZE) * bytes / 2);
     for (int k = 0; it->method->stage(it, k, &stage, part(it, PARTS)); k++)
         add(it, &stage, z, part(it, next + 1));
     return pk_all_finite(z, it->problem.system->n_quadratures) ? PK_DONE : PK_NOT_FINITE;
@@ -97,7 +98,10 @@ static pk_real error_of(struct pk_integrator *it)
         const pk_real larger = pk_max(pk_abs(before[i]), pk_abs(z[i]));
         const pk_real rtol = pk_max(it->options.rtol, 2 * PK_EPS);
         const pk_real error = it->method->stage_error(it, part(it, SIZE)[i], sums);
-        worst = pk_max(worst, error / (it->options.atol + rtol * larger + PK_TINY));
+        const pk_real atol = it->options.atol < 0
+                                 ? rtol * (part(it, TRAVEL)[i] + part(it, SIZE)[i])
+                                 : it->options.atol;
+        worst = pk_max(worst, error / (atol + rtol * larger + PK_TINY));
     }
     return worst;
 }
@@ -124,6 +128,8 @@ int pk_quadrature_rejects(struct pk_integrator *it)
 void pk_quadrature_accept(struct pk_integrator *it)
 {
     it->z = part(it, NEXT - half(it));
+    for (size_t i = 0; i < it->problem.system->n_quadratures; i++)
+        part(it, TRAVEL)[i] += part(it, SIZE)[i];
     it->flags &= ~PK_HAVE_SERIES;
 }
 

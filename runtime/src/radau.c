@@ -124,7 +124,9 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     enum pk_status status;
     if (it->h > *w->h || it->h < *w->h)
         pk_gauss_set_step(it, w, it->h);
-    pk_radau_tolerances(it, r, it->q, it->v);
+    for (size_t k = 0; k < it->n; k++) /* from zero, what the step will pass is the scale */
+        r->dq[k] = it->q[k] + it->h * it->v[k];
+    pk_radau_tolerances(it, r, r->dq, it->v);
     do {
         *w->fresh = *w->noisy = 0;
         pk_gauss_predict(it, w);
@@ -154,7 +156,8 @@ static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau
             return status;
         pk_radau_tolerances(it, r, it->q, it->v);
         for (size_t k = 0; k < it->n; k++) {
-            const pk_real q = it->q[k], v = it->v[k], of_q = r->of_q[k], of_v = r->of_v[k];
+            const pk_real q = it->q[k], of_q = pk_scale_shown(r->of_q[k]);
+            const pk_real v = it->v[k], of_v = pk_scale_shown(r->of_v[k]);
             d0 += q / of_q * (q / of_q) + v / of_v * (v / of_v);
             d1 += v / of_q * (v / of_q) + r->x[k] / of_v * (r->x[k] / of_v);
         }

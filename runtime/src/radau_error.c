@@ -40,8 +40,9 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
                              : PK_C(1e-3);
     const size_t seen = it->n - it->problem.system->n_states;
     for (size_t k = 0; k < it->n; k++) {
-        r->of_q[k] = factor * (o->atol + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
-        r->of_v[k] = factor * (o->atol + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
+        r->of_q[k] = factor * (it->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
+        r->of_v[k] =
+            factor * (it->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
         if (k >= seen) /* the integral of a state may be as wrong as it likes */
             r->of_q[k] = PK_INFINITY;
     }

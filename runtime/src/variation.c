@@ -166,6 +166,7 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
                                            .source_hash = system->source_hash,
                                            .facts = system->facts & kept,
                                            .n = variation->n * (1 + columns),
+                                           .n_coordinates = variation->n,
                                            .n_inputs = system->n_inputs,
                                            .inputs = system->inputs,
                                            .coordinates = system->coordinates,

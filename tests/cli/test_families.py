@@ -202,7 +202,8 @@ def test_rows_of_gauss_lie_between_its_steps_on_a_long_chain(pkgen) -> None:
     common = (FPUT, "--size", "N=1000", "--until", "100", "--every", "5")
     exact = ran(pkgen, *common, "--method", "dop853", "--rtol", "1e-13")[1]
     for rtol in ("1e-6", "1e-10"):
-        done = pkgen("run", *common, "--method", "gauss", "--rtol", rtol, "--json")
+        asked = ("--method", "gauss", "--rtol", rtol, "--atol", rtol)
+        done = pkgen("run", *common, *asked, "--json")
         assert done.returncode == 0, done.stderr
         said = json.loads(done.stdout)
         assert len(said["rows"]) == 21 and 2 * said["report"]["step_max"] > 20

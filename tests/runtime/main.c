@@ -143,6 +143,7 @@ int main(int argc, char **argv)
     add_status();
     add_silence();
     add_control();
+    add_scale();
     add_limits();
     add_equilibria();
     add_elliptic();

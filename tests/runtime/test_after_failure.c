@@ -36,11 +36,13 @@ static void going_on(void)
         fixture_set(&f, &broken_system);
         f.params.limit = 1.25;
         f.options.h = adaptive ? 0 : 0.2;
+        f.options.atol = f.options.rtol;
         CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 2) < 0 && f.it.t > 0.5);
         fixture_set(&fresh, &broken_system);
         fresh.params.limit = 1.25;
         fresh.options.h = 0.01;
+        fresh.options.atol = f.options.atol;
         fresh.q0[0] = f.it.q[0];
         fresh.v0[0] = f.it.v[0];
         const struct pk_method *m = fresh.it.method = f.it.method;

@@ -39,6 +39,9 @@ struct pk_problem {
     void *context;
 };
 
+/* The default: no number of one unit or another. */
+#define PK_ATOL_OF_MOTION PK_C(-1.0)
+
 enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
 
 struct pk_options {
@@ -47,7 +50,8 @@ struct pk_options {
     pk_real rtol; /* adaptive: |error of y| <= atol + rtol |y| a step, root mean square over
                      q and v; finite, not both 0. Below some 10 PK_EPSILON it buys nothing,
                      and gauss takes 2 PK_EPSILON at least. */
-    pk_real atol;
+    pk_real atol; /* PK_ATOL_OF_MOTION: rtol times the largest value that the coordinate or rate has
+                     had, at least 1e-6 of the largest of one of the same unit */
     pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
     pk_real h_max; /* adaptive; 0: none. A last step may be 1% longer. */
     unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run before it where time all
@@ -94,6 +98,8 @@ struct pk_integrator {
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
     pk_real *quadratures; /* see src/quadrature.c */
     pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
+    pk_real *atol;           /* absolute tolerances of q and v; NULL: fixed steps; src/scale.c */
+    unsigned long rounded;   /* rejections when rounding was last looked at */
     pk_real *guards; /* NULL: the system has none; see src/guard.c */
     size_t n_guards; /* their values: of families one a member */
     int slopes;      /* of the guards: what is known of them at this state */

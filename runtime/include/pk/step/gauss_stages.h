@@ -203,14 +203,17 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_trial *y)
 {
     const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_STATES(it);
-    const pk_real h = pk_abs(y->h), atol = PK_GAUSS_SHARE * it->options.atol;
+    const pk_real h = pk_abs(y->h);
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
-        const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(w->q[last]));
-        const pk_real v = pk_max(pk_abs(it->v[i]), h * pk_abs(w->next_a[last]));
-        const pk_real of_v = h / (atol + rtol * v + PK_TINY);
-        w->weight[i] = i < seen ? pk_max(of_v, h * h / (atol + rtol * q + PK_TINY)) : of_v;
+        /* As the step ends: from rest the iteration has not moved q yet. */
+        const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
+        const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(it->q[i] + y->h * (v0 + moved / 2)));
+        const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
+        const pk_real of_v = h / (PK_GAUSS_SHARE * it->atol[n + i] + rtol * v + PK_TINY);
+        const pk_real of_q = h * h / (PK_GAUSS_SHARE * it->atol[i] + rtol * q + PK_TINY);
+        w->weight[i] = i < seen ? pk_max(of_v, of_q) : of_v;
     }
 }
 

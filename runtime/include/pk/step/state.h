@@ -34,6 +34,12 @@ enum {
     PK_HAVE_SERIES = 32
 };
 
+/* For a guess of the first step, which is no longer for it: what is zero and has shown no scale. */
+static inline pk_real pk_scale_shown(pk_real tolerance)
+{
+    return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
+}
+
 static inline pk_real *pk_part(pk_real *state, size_t n, int part)
 {
     return state + (size_t)part * n;

@@ -1,0 +1,232 @@
+/* The absolute tolerance of each coordinate and rate. Given, it is one for all. Else it is rtol times
+ * the scale that the motion has shown: the largest value so far, since a motion of picometres is as
+ * much of one as that of metres. Of those of one unit none counts as smaller than a millionth of the
+ * largest, so that what has hardly begun to move, as the far end of a chain, does not hold up the rest.
+ *
+ * What is nothing but rounding has no scale: its digits are noise, and steps that followed them would
+ * shrink for nothing. What rounding of the state does to the accelerations is measured, by a change
+ * of each number by some units in its last place; errors as large as that in a step are none.
+ */
+#include <string.h>
+
+#include "internal.h"
+
+#define SHARE PK_C(1e-6)
+#define ROUNDING (8 * PK_EPS)
+#define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
+enum { OFTEN = 64 }; /* steps between two looks at rounding */
+
+/* 2 n each: tolerances, largest values, whose unit is shared, a state; n each: what rounding does to
+ * accelerations, an acceleration, what rounding of momenta does to rates; and a mass matrix. */
+enum { ATOL = 0, MOST = 2, GROUP = 4, MOVED = 6, NOISE = 8, A = 9, BY_P = 10, PARTS = 11 };
+
+size_t pk_scale_size(const struct pk_method *method, size_t n)
+{
+    const size_t matrix = method->traits & PK_JACOBIANS ? n * n : 0;
+    return method->traits & PK_ADAPTIVE ? PARTS * n + matrix : 0;
+}
+
+static pk_real *part(const struct pk_integrator *it, int which)
+{
+    return it->atol + (size_t)which * it->n;
+}
+
+/* The first of the same unit, of a table with an entry a declared name; what stands behind these
+ * names, the columns of variational equations, is for itself. */
+static void group(const struct pk_integrator *it, const struct pk_quantity *table, size_t base,
+                  pk_real *to)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t declared = system->n_coordinates ? system->n_coordinates : system->n;
+    for (size_t k = 0; !table && k < it->n; k++)
+        to[k] = (pk_real)base;
+    size_t first = 0, i = 0;
+    for (size_t k = 0; table && k < declared && i < it->n; k++) {
+        struct pk_range range = {0, 1, 0};
+        size_t j = 0;
+        if (system->range)
+            system->range(it->problem.params, 0, k, &range);
+        for (first = 0; j < k && strcmp(table[j].unit, table[k].unit) != 0; j++) {
+            struct pk_range before = {0, 1, 0};
+            if (system->range)
+                system->range(it->problem.params, 0, j, &before);
+            first += before.count;
+        }
+        for (size_t m = 0; m < range.count && i < it->n; m++)
+            to[i++] = (pk_real)(base + first);
+    }
+    const size_t names = i;
+    for (; table && i < it->n; i++)
+        to[i] = to[i - names] + (pk_real)names;
+}
+
+static void note(const struct pk_integrator *it)
+{
+    pk_real *most = part(it, MOST);
+    for (size_t i = 0; i < 2 * it->n; i++)
+        most[i] = pk_max(most[i], pk_abs(it->state[i]));
+}
+
+/* h: of the step whose rounding counts. */
+static void set(const struct pk_integrator *it, pk_real h)
+{
+    const size_t n = it->n;
+    const pk_real *most = part(it, MOST), *of = part(it, GROUP), *noise = part(it, NOISE);
+    const pk_real *by_p = part(it, BY_P);
+    pk_real *all = part(it, MOVED);
+    memset(all, 0, 2 * n * sizeof *all);
+    for (size_t i = 0; i < 2 * n; i++)
+        all[(size_t)of[i]] = pk_max(all[(size_t)of[i]], most[i]);
+    for (size_t i = 0; i < 2 * n; i++)
+        it->atol[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) +
+                      (i < n ? h * (h * noise[i] + by_p[i]) : h * noise[i - n] + by_p[i - n]) + PK_F(sqrt)(PK_TINY);
+}
+
+static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a)
+{
+    const struct pk_system *system = it->problem.system;
+    const pk_real *u = pk_eval_input(it, t);
+    it->count.evaluations++;
+    return !system->acceleration(it->problem.params, t, q, q + it->n, u, a) &&
+           pk_all_finite(a, it->n);
+}
+
+/* A method in momenta finds a rate as p_i less the other terms, over M_ii: their rounding is in it. What
+ * constraints hold has no motion of its own, and steps err in it as in the terms. */
+static void look_at_momenta(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t n = it->n;
+    const pk_real share = system->n_constraints ? it->options.rtol : ROUNDING;
+    pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
+    if (!(it->method->traits & PK_JACOBIANS) || !(system->inertia ? system->inertia : system->mass))
+        return;
+    memset(M, 0, n * n * sizeof *M);
+    (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
+                                                       pk_eval_input(it, it->t), M);
+    for (size_t i = 0; i < n; i++) {
+        pk_real sum = 0;
+        for (size_t j = 0; j < n; j++)
+            sum += pk_abs(M[i * n + j] * it->v[j]);
+        by_p[i] = M[i * n + i] > 0 && pk_finite(sum) ? share * sum / M[i * n + i] : 0;
+    }
+}
+
+static void look_at_rounding(struct pk_integrator *it)
+{
+    pk_real *moved = part(it, MOVED), *noise = part(it, NOISE), *a = part(it, A);
+    unsigned long random = 12345;
+    for (size_t i = 0; i < 2 * it->n; i++) {
+        random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
+        moved[i] = it->state[i] * (1 + (random & 0x40000000ul ? ROUNDING : -ROUNDING));
+    }
+    if (acceleration(it, it->t, it->state, a) &&
+        acceleration(it, it->t * (1 + ROUNDING), moved, noise))
+        for (size_t i = 0; i < it->n; i++)
+            noise[i] = pk_abs(noise[i] - a[i]);
+    else
+        memset(noise, 0, it->n * sizeof *noise);
+    look_at_momenta(it);
+}
+
+/* How long the shortest of what moves takes for its own scale; 0: unknown. */
+static pk_real while_it_falls(const struct pk_integrator *it)
+{
+    const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
+    pk_real h = 0;
+    for (size_t i = 0; i < it->n; i++) {
+        const pk_real v = most[it->n + i], size = pk_abs(a[i]);
+        const pk_real x = v > 0 ? v / size : PK_F(sqrt)(most[i] / size);
+        if (size > noise[i] && x > 0 && pk_finite(x) && !(h > 0 && h < x))
+            h = x;
+    }
+    return h;
+}
+
+/* A first step from zero has to move time: what it passes meanwhile is the scale. From rest the rates
+ * have none: there it is that of a fall through the coordinate's. */
+void pk_scale_start(struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    if (!it->atol)
+        return;
+    if (it->options.atol >= 0) {
+        for (size_t i = 0; i < 2 * n; i++)
+            it->atol[i] = it->options.atol;
+        return;
+    }
+    if (!(*part(it, GROUP + 1) > 0)) {
+        group(it, it->problem.system->coordinates, 0, part(it, GROUP));
+        group(it, it->problem.system->rates, n, part(it, GROUP + 1));
+    }
+    note(it);
+    look_at_rounding(it);
+    set(it, while_it_falls(it));
+    const pk_real *a = part(it, A), ahead = LEAST * pk_abs(it->t);
+    for (size_t i = 0; i < n; i++)
+        it->atol[i] = pk_max(it->atol[i], it->options.rtol * ahead * pk_abs(it->v[i]));
+    pk_real *fall = part(it, MOVED) + n;
+    const pk_real *of = part(it, GROUP + 1);
+    for (size_t i = 0; i < n && it->count.steps == 0; i++) {
+        const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->atol[i]);
+        pk_real *shared = fall + ((size_t)of[i] - n);
+        if (pk_finite(x))
+            it->atol[n + i] = pk_max(it->atol[n + i], x);
+        *shared = i == (size_t)of[i] - n ? it->atol[n + i] : pk_max(*shared, it->atol[n + i]);
+    }
+    for (size_t i = 0; i < n && it->count.steps == 0; i++)
+        it->atol[n + i] = pk_max(it->atol[n + i], SHARE * fall[(size_t)of[i] - n]);
+}
+
+/* The length of a push from rest that hardly changes what pushes: a fraction of an oscillation. */
+static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
+{
+    const size_t n = it->n;
+    pk_real *moved = part(it, MOVED), *a = part(it, A), *other = part(it, NOISE);
+    pk_real most = 0, change = 1;
+    for (size_t i = 0; i < n; i++)
+        most = pk_max(most, pk_abs(a[i]));
+    for (int count = 0; count < 500 && !(change <= most); count++, d /= 2) {
+        for (size_t i = 0; i < n; i++) {
+            moved[i] = it->q[i] + a[i] * d * d / 2;
+            moved[n + i] = it->v[i] + a[i] * d;
+        }
+        change = acceleration(it, t, moved, other) ? 0 : PK_INFINITY;
+        for (size_t i = 0; i < n; i++)
+            change = pk_max(change, pk_abs(other[i] - a[i]));
+    }
+    memset(other, 0, n * sizeof *other);
+    return d;
+}
+
+int pk_scale_raise(struct pk_integrator *it, pk_real h)
+{
+    const size_t n = it->n;
+    const pk_real *a = part(it, A);
+    pk_real *most = part(it, MOST);
+    int raised = 0;
+    if (!it->atol || it->options.atol >= 0 ||
+        !acceleration(it, it->t + h, it->state, part(it, A)))
+        return 0;
+    const pk_real d = push(it, it->t + h, pk_abs(h));
+    for (size_t i = 0; i < n; i++) {
+        if (most[i] > 0 || most[n + i] > 0 || !(pk_abs(a[i]) * d * d > 0))
+            continue;
+        most[i] = pk_abs(a[i]) * d * d;
+        most[n + i] = pk_abs(a[i]) * d;
+        raised = 1;
+    }
+    set(it, pk_abs(it->h));
+    return raised;
+}
+
+void pk_scale_step(struct pk_integrator *it)
+{
+    if (!it->atol || it->options.atol >= 0)
+        return;
+    note(it);
+    if (it->count.rejections - it->rounded > 1 || it->count.steps % OFTEN == 0)
+        look_at_rounding(it);
+    it->rounded = it->count.rejections;
+    set(it, pk_abs(it->h));
+}
