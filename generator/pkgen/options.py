@@ -153,7 +153,7 @@ def settings(
         if method
         else tuple(
             PartSettings(
-                default_method(compilation.equations, part.structure, rtol, exact), step, rtol, rtol
+                default_method(compilation.equations, part.structure, rtol, exact), step, rtol
             )
             for part in compilation.parts
         ),

@@ -39,14 +39,13 @@ class PartSettings:
     method: str
     step: float | None
     rtol: float
-    atol: float
     max_step: float | None = None
 
     def lines(self, k: int) -> list[str]:
         said = [f"part {k} method {self.method}"]
         if self.step is not None:
             return [*said, f"part {k} step {self.step.hex()}"]
-        said += [f"part {k} rtol {self.rtol.hex()}", f"part {k} atol {self.atol.hex()}"]
+        said.append(f"part {k} rtol {self.rtol.hex()}")
         if self.max_step is not None:
             said.append(f"part {k} h_max {self.max_step.hex()}")
         return said

@@ -24,8 +24,7 @@ int apart_setting(struct settings *s, size_t line, char *const word[])
     const struct {
         const char *name;
         pk_real *x;
-    } table[] = {{"step", &part->h}, {"rtol", &part->rtol}, {"atol", &part->atol},
-                 {"h_max", &part->h_max}};
+    } table[] = {{"step", &part->h}, {"rtol", &part->rtol}, {"h_max", &part->h_max}};
     if (word[2] && word[3] && strcmp(word[2], "method") == 0) {
         part->method = run_method_find(word[3]);
         return part->method ? 0 : words_usage(line, "unknown method", word[3]);
@@ -35,7 +34,7 @@ int apart_setting(struct settings *s, size_t line, char *const word[])
             return words_real(word[3], table[i].x) && *table[i].x > 0
                        ? 0
                        : words_usage(line, "not a positive number", word[3]);
-    return words_usage(line, "a part has a method, step, rtol, atol or h_max", word[2]);
+    return words_usage(line, "a part has a method, step, rtol or h_max", word[2]);
 }
 
 /* What was given of part k, and the rest as for the whole. */
@@ -46,9 +45,7 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
     if (given->h > 0)
         c.options.h = given->h;
     if (given->rtol > 0)
-        c.options.rtol = given->rtol, c.options.atol = PK_ATOL_OF_MOTION;
-    if (given->atol > 0)
-        c.options.atol = given->atol;
+        c.options.rtol = given->rtol;
     if (given->h_max > 0)
         c.options.h_max = given->h_max;
     return c;

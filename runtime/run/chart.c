@@ -10,7 +10,7 @@
  *                                         same model in another precision can have the same ones
  *
  * SETTING is a step, shortened so that a whole number of them makes the time to go, or for an
- * adaptive method rtol = atol. The first integration of a point is the one whose counts and drifts
+ * adaptive method rtol. The first integration of a point is the one whose counts and drifts
  * are told; it is watched at each step, and so not timed. A time is that of the fastest lap. All
  * times are by the processor's clock: what one on the wall shows where nothing else runs. Numbers
  * of more digits than a double's are told as a sum of two.
@@ -55,7 +55,7 @@ static enum pk_status begin(struct chart *c, const struct pk_method *method, pk_
 {
     struct pk_options options = c->s.options;
     if (method->traits & PK_ADAPTIVE)
-        options.h = 0, options.rtol = options.atol = setting;
+        options.h = 0, options.rtol = setting, options.atol = PK_ATOL_OF_MOTION;
     else
         options.h = span / run_intervals(span, setting);
     pk_integrator_free(&c->it);

@@ -10,7 +10,6 @@
  *               holds ACCURACY
  *     exact     the rows of the last run are exact from now on; whether they are the start and the
  *               end, for want of crossings to have rows at
- *     absolute X    atol is rtol times X from now on
  *     ignore N  column N of the rows does not count
  *     save PATH, load PATH    exact rows to and from a file, of another precision too
  *     given     parameters and start as they are in memory
@@ -41,7 +40,6 @@ struct choice {
     struct rows exact, tried;
     unsigned char *ignored;
     pk_real *columns; /* work: an error for each */
-    pk_real absolute; /* atol / rtol */
     double seconds;
 };
 
@@ -92,8 +90,7 @@ static int once(struct choice *c, const struct trial *trial)
     s->progress = 0;
     s->diagnose = 0;
     if (s->method->traits & PK_ADAPTIVE)
-        s->options.rtol = trial->setting, s->options.atol = c->absolute * trial->setting,
-        s->options.h = 0;
+        s->options.rtol = trial->setting, s->options.atol = PK_ATOL_OF_MOTION, s->options.h = 0;
     else
         s->options.h = trial->setting;
     if (trial->max_step > 0 && !(s->options.h_max > 0 && s->options.h_max <= trial->max_step))
@@ -214,10 +211,6 @@ static int answer(struct choice *c, size_t line, char *text)
         make_exact(c);
     } else if (count == 1 && strcmp(word[0], "given") == 0) {
         settings_tell(&c->s, stdout);
-    } else if (count == 2 && strcmp(word[0], "absolute") == 0) {
-        if (!words_real(word[1], &c->absolute) || c->absolute < 0)
-            return words_usage(line, "not a share", word[1]);
-        fputs("{}\n", stdout);
     } else if (count == 2 && strcmp(word[0], "ignore") == 0) {
         if (!words_index(word[1], rows_columns(&c->s), &index))
             return words_usage(line, "no such column", word[1]);
@@ -240,7 +233,6 @@ int choose_run(const char *settings)
     static struct choice c;
     char text[4096];
     int code = settings_file(&c.s, run_model, settings);
-    c.absolute = 1;
     if (code == 0) {
         c.ignored = (unsigned char *)words_allocate(rows_columns(&c.s), 1);
         c.columns = (pk_real *)words_allocate(rows_columns(&c.s), sizeof *c.columns);

@@ -7,7 +7,7 @@
  *     show q|v|z|observed INDEX | show energy | at INDEX | hidden INDEX | watch events|times
  *     expect =|<|> A B WITHIN|- rows | expect ... t X | expect ... event INDEX
  *     drift INDEX | drift energy
- *     part INDEX method NAME | part INDEX step|rtol|atol|h_max X
+ *     part INDEX method NAME | part INDEX step|rtol|h_max X
  *     diagnose NAME (of diagnose.c)
  *     ensemble PATH | members N | count NAME FIRST | column param|input|q|v|z INDEX | threads N
  *
@@ -73,7 +73,7 @@ struct drifting {
 /* What was said of one of the parts; 0: as for the whole. */
 struct part_given {
     const struct pk_method *method;
-    pk_real h, rtol, atol, h_max;
+    pk_real h, rtol, h_max;
 };
 
 struct settings {

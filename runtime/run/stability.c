@@ -44,7 +44,7 @@ void stability_end(struct pk_integrator *it)
     if (!it)
         return;
     pk_integrator_free(it);
-    free(it->state < it->next ? it->state : it->next); /* the block begins with the two */
+    free(it->quadratures); /* what the block begins with */
     free(it);
 }
 

@@ -129,7 +129,8 @@ static void print_parameters(const struct stability *s)
 static void begin(struct stability *s)
 {
     struct pk_options options = s->settings.options;
-    options.rtol = options.atol = 1e-10;
+    options.rtol = 1e-10;
+    options.atol = PK_ATOL_OF_MOTION;
     options.h = 0;
     stability_end(s->exact);
     s->exact = stability_begin(&s->problem, pk_method_find("dop853"), &options, s->settings.q,

@@ -54,7 +54,7 @@ static void judge(struct run *run, pk_real t, FILE *file)
     struct pk_options options = pk_options_default();
     struct pk_integrator it;
     void *block = words_allocate(size, 1);
-    options.rtol = options.atol = JUDGE_TOL;
+    options.rtol = JUDGE_TOL;
     options.max_steps = MOST_VALUES / (12 * s->n) + 1;
     enum pk_status status = pk_integrator_init(&it, &run->problem, method, &options, 0, s->q, s->v,
                                                block, size);

@@ -47,7 +47,7 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     for (size_t i = 0; i < w->m; i++) {
         if (i >= w->seen && i < w->n)
             continue;
-        const pk_real scale = pk_scale_shown(pk_embedded_tolerance(it, i, y0[i], y0[i]));
+        const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
         d0 += (y0[i] / scale) * (y0[i] / scale);
         d1 += (w->k[i] / scale) * (w->k[i] / scale);
     }
@@ -63,7 +63,7 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     for (size_t i = 0; i < w->m; i++) {
         if (i >= w->seen && i < w->n)
             continue;
-        const pk_real scale = pk_scale_shown(pk_embedded_tolerance(it, i, y0[i], y0[i]));
+        const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
         const pk_real x = (w->last[i] - w->k[i]) / scale;
         d2 += x * x;
     }

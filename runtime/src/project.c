@@ -9,6 +9,9 @@
  * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps
  * from its last step are left: they err by as much as the step did, and count h times that.
  *
+ * A way back that is no longer short says that the step missed something, a steep ramp of phi(t) say,
+ * and is refused: of MOST_OFF tolerances, where the step can be made again, else one as long as the step.
+ *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
  */
@@ -19,6 +22,8 @@
 
 #define ROUND (PK_EPS / 2)              /* of its terms: as good as zero. More, left each step, drifts */
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
+#define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
+#define MOST_OFF PK_C(100.0)            /* the models shipped: 47, and 470 in one run at 1e-3 */
 #define DEPENDENT PK_C(1e-12)           /* at 1e-6 rad from another row no step is left */
 enum { MOST = 20 };                     /* corrections */
 
@@ -239,6 +244,48 @@ static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
     }
 }
 
+/* d / y's tolerances, over MOST_OFF. */
+static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *d, const pk_real *y,
+                                 size_t first, size_t count)
+{
+    pk_real most = 0;
+    for (size_t k = 0; k < count; k++)
+        most = pk_max(most, pk_abs(d[k]) / pk_tolerance(it, first + k, y[k], y[k]));
+    return most / MOST_OFF;
+}
+
+/* |d| / |h v|, of v at the step's two ends the larger, both in the metric of M = L D L^T. */
+static pk_real beside_way(const struct pk_integrator *it, const struct pk_projection *w)
+{
+    const pk_real h = it->next_t - it->t;
+    const pk_real *ends[2] = {it->v, pk_part(it->next, it->n, PK_V)};
+    pk_real longest = PK_TINY, back = 0;
+    for (size_t i = 0; i < w->h; i++)
+        back += w->mu[i] * w->phi[i];
+    for (int end = 0; end < 2; end++) {
+        pk_real way = 0;
+        for (size_t j = 0; j < w->m; j++) {
+            pk_real x = ends[end][j];
+            for (size_t i = j + 1; i < w->m; i++)
+                x += w->M[i * w->m + j] * ends[end][i];
+            way += w->M[j * w->m + j] * (h * x) * (h * x);
+        }
+        longest = pk_max(longest, way);
+    }
+    return PK_F(sqrt)(pk_abs(back) / longest);
+}
+
+/* Of a first correction: whether it is too long for the error of a step. */
+static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
+               const pk_real *y, size_t first, size_t count)
+{
+    if (!(ratio > NOTICED) || !(it->next_t > it->t || it->next_t < it->t))
+        return 0;
+    if (it->atol && it->method->stage_error) /* of those that advance() tries again */
+        return beside_tolerances(it, w->d, y, first, count) > 1;
+    return first == 0 && beside_way(it, w) > 1;
+}
+
 static enum pk_status positions(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                                 pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
 {
@@ -254,6 +301,8 @@ static enum pk_status positions(struct pk_integrator *it, struct pk_projection *
         const size_t singular = correction(w, w->phi, w->h);
         if (singular)
             return failed(it, singular - 1, w->phi[singular - 1]);
+        if (!count && off(it, w, ratio, q, 0, w->rotation))
+            return failed(it, which, w->phi[which]);
         subtract(q, w->d, low_q, w->rotation);
         turn_back(w, v + w->m, low_v ? low_v + w->m : NULL);
         *moved = 1;
@@ -278,6 +327,8 @@ static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, c
         const size_t singular = correction(w, w->rate, w->c);
         if (singular)
             return failed(it, w->c + singular - 1, w->rate[singular - 1]);
+        if (!count && off(it, w, ratio, v, it->n, w->m))
+            return failed(it, w->c + which, w->rate[which]);
         subtract(v, w->d, low_v, w->m);
         *moved = 1;
         before = ratio;

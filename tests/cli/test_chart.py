@@ -192,7 +192,7 @@ def test_a_reference_that_does_not_hold_cuts_the_chart(tmp_path: Path) -> None:
     model = tmp_path / "pendulum.lag"
     model.write_text(PENDULUM.replace("1.1", "3.141592653589793"))
     done = run_pkgen(
-        "chart", model, "-o", tmp_path, "--points", 4, "--until", 60, "--methods", "gauss", "--json"
+        "chart", model, "-o", tmp_path, "--points", 8, "--until", 60, "--methods", "gauss", "--json"
     )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)

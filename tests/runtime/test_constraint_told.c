@@ -112,7 +112,7 @@ static void refusals(void)
         CU_ASSERT(bound_go(&f, &system, ends[i], i == 1 ? 1e-3 : 0.01, 3) == PK_NO_PROJECTION);
         CU_ASSERT(bound_says(&f, "the constraints cannot be fulfilled here: "));
         CU_ASSERT(bound_says(&f, "rod"));
-        CU_ASSERT(f.it.t > 0.9 && f.it.t < 1.01);
+        CU_ASSERT(f.it.t < 1.01); /* its equations know nothing of it: fixed steps end at once */
         CU_ASSERT(i != 1 || (f.it.t > 0.9999 && f.it.count.rejections > 3));
     }
     CU_ASSERT(bound_go(&f, &system, "rattle", 0.01, 3) < 0 && f.it.t > 0.9 && f.it.t < 1.01);

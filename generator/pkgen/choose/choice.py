@@ -54,16 +54,10 @@ class Choice:
             return replace(given, **chosen, step=self.setting)
         bounds = [x for x in (given.max_step, self.max_step) if x is not None]
         longest = min(bounds, default=None)
-        return replace(
-            given, **chosen, step=None, rtol=self.setting, atol=self.atol, max_step=longest
-        )
+        return replace(given, **chosen, step=None, rtol=self.setting, atol=None, max_step=longest)
 
     def of_part(self) -> PartSettings:
         """What is run of a block of coordinates by itself."""
         if self.fixed:
-            return PartSettings(self.method, self.setting, self.setting, self.atol, None)
-        return PartSettings(self.method, None, self.setting, self.atol, self.max_step)
-
-    @property
-    def atol(self) -> float:
-        return self.check.small * self.setting
+            return PartSettings(self.method, self.setting, self.setting)
+        return PartSettings(self.method, None, self.setting, self.max_step)

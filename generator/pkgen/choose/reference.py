@@ -20,7 +20,6 @@ USUAL = (1e-15, 1e-14)
 NOISE = 0.1  # a column is nothing but errors where two references differ by that much of it,
 TINY = 1e-10  # and it is that small beside others
 FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it
-SMALL_UNITS = 1e-3  # where what is recorded is no larger, absolute tolerances are cut likewise
 ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
 OTHER = 0.7  # of the longest step, that of a run beside
 WRONG = 1e3  # times that two runs of one method differ, another method must not differ by,
@@ -41,7 +40,6 @@ class Check:
     ignored: tuple[int, ...] = ()  # columns that are zero but for errors
     unsure: tuple[int, ...] = ()  # of what is expected, not of what is recorded: errors are too
     # large beside them
-    small: float = 1.0  # absolute tolerances over relative ones
     ends: str = ""  # why no method arrives
 
     @property
@@ -112,16 +110,6 @@ class _Finder:
             self.span, self.interval = part(first.t, self.asked.every)
         return self.tight(first.method) if slow and self.span > 0 else first
 
-    def scaled(self, exact: Trial) -> tuple[Trial, tuple[float, ...], float]:
-        """With absolute tolerances that are small beside what is recorded, made exact."""
-        scales = self.trials.keep_as_exact()
-        small = min((x for x in scales if x > TINY * max(scales)), default=1.0)
-        if small >= SMALL_UNITS:
-            return exact, scales, 1.0
-        self.trials.absolute(small)
-        exact = self.attempt(exact.method, exact.setting, max_step=exact.max_step)
-        return exact, self.trials.keep_as_exact(), small
-
     def beside(self, name: str, cap: float) -> Trial:
         """Another method: that which goes to the tightest tolerances of those that arrive."""
         others = [other for other in reversed(self.asked.exact) if other != name]
@@ -138,7 +126,7 @@ def find(asked: Asked, cap: float) -> Check:
     exact = finder.farthest(cap)
     if not exact.arrived:
         return Check(exact, exact.t, 0.0, float("inf"), 0.0, "", ends=exact.reason)
-    exact, scales, small = finder.scaled(exact)
+    scales = asked.trials.keep_as_exact()
     again = finder.loose(exact.method)
     beside = finder.beside(exact.method, max(5 * exact.seconds, cap))
     recorded = len(scales) - len(asked.trials.settings.watched.columns())
@@ -161,7 +149,6 @@ def find(asked: Asked, cap: float) -> Check:
         against=judge.method,
         ignored=ignored,
         unsure=unsure,
-        small=small,
     )
 
 

@@ -97,10 +97,6 @@ class Trials(Program):
         self.without = found["without"]
         return _numbers(found["scales"])
 
-    def absolute(self, share: float) -> None:
-        """Absolute tolerances from now on are so much of the relative ones."""
-        self.ask("absolute", share)
-
     def ignore(self, column: int) -> None:
         self.ask("ignore", column)
 

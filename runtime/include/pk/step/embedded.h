@@ -43,12 +43,6 @@ pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size
     return w;
 }
 
-static inline pk_real pk_embedded_tolerance(const struct pk_integrator *it, size_t i, pk_real a,
-                                            pk_real b)
-{
-    return it->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
-}
-
 /* Makes the derivative at the step's start, where the last step left none, and guesses the first
  * step: what begins a run, or goes on after a failure. */
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
@@ -63,7 +57,7 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
     for (size_t i = 0; i < w->m; i++) {
         if (i >= w->seen && i < w->n)
             continue;
-        const pk_real scale = pk_embedded_tolerance(it, i, y0[i], y1[i]);
+        const pk_real scale = pk_tolerance(it, i, y0[i], y1[i]);
         const pk_real x = pk_row_sum(table->e, count, w->k, w->m, i) / scale;
         e += x * x;
         if (table->e3) {

@@ -46,8 +46,8 @@ static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real 
         return pk_min(it->options.h, span);
     for (size_t i = 0; i < n; i++) {
         const pk_real q = pk_abs(it->q[i]), v = pk_abs(it->v[i]);
-        const pk_real of_q = pk_scale_shown(it->atol[i] + it->options.rtol * q);
-        const pk_real of_v = pk_scale_shown(it->atol[n + i] + it->options.rtol * v);
+        const pk_real of_q = pk_scale_shown(pk_tolerance(it, i, q, q));
+        const pk_real of_v = pk_scale_shown(pk_tolerance(it, n + i, v, v));
         d0 += (v / of_v) * (v / of_v);
         d1 += (a[i] / of_v) * (a[i] / of_v);
         if (i < seen) {

@@ -34,12 +34,6 @@ enum {
     PK_HAVE_SERIES = 32
 };
 
-/* For a guess of the first step, which is no longer for it: what is zero and has shown no scale. */
-static inline pk_real pk_scale_shown(pk_real tolerance)
-{
-    return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
-}
-
 static inline pk_real *pk_part(pk_real *state, size_t n, int part)
 {
     return state + (size_t)part * n;
@@ -48,6 +42,18 @@ static inline pk_real *pk_part(pk_real *state, size_t n, int part)
 static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
 static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
 static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
+
+/* What number i of q and v, which goes from a to b, may err by. */
+static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
+{
+    return it->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
+}
+
+/* For a guess of the first step, which is no longer for it: what is zero and has shown no scale. */
+static inline pk_real pk_scale_shown(pk_real tolerance)
+{
+    return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
+}
 
 /* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
 static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
