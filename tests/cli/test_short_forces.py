@@ -126,6 +126,40 @@ def test_fixed_steps_warn(pkgen, write, name: str, method: str) -> None:
     assert done.returncode == 0
 
 
+QUOTIENTS = ("(1+s^2)", "(1+s^2)^3", "(1+s^2)^6", "(1+s^4)", "(1+s^8)", "sqrt(1+s^8)")
+
+
+@pytest.mark.parametrize("method", long_but(["gauss"], ADAPTIVE))
+@pytest.mark.parametrize("quotient", long_but(QUOTIENTS[1:5:2], QUOTIENTS))
+def test_walls_that_fade_by_powers(pkgen, write, tmp_path, quotient: str, method: str) -> None:
+    """A bead of energy .5 turns back at .8/(...), where it would pass unless a step ends there."""
+    wall = quotient.replace("s", "((x - 3.3)/w)").replace("((x - 3.3)/w)qrt", "sqrt")
+    text = f"model wall\nparam w = 1\ncoord x\nkinetic x'^2/2\npotential 0.8/{wall}\nstart x' = 1\n"
+    sets = tmp_path / "widths.csv"
+    sets.write_text("w\n" + "".join(f"{w}\n" for w in WIDTHS))
+    done = pkgen("run", write(text + "scene s\n  until 10\n  record x'\nend\n"), "--scene", "s",
+                 "--method", method, "--json", "--ensemble", sets)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for w, row in zip(WIDTHS, json.loads(done.stdout)["rows"], strict=True):
+        assert row[2] == pytest.approx(-1, rel=1e-6 if w < 0.01 else 1e-3), w
+
+
+def test_a_way_back_as_long_as_a_step_ends_it(pkgen, write) -> None:
+    """X goes from 0 to 1 at t = 3.14 in .01, by nothing that is followed; the rows see it."""
+    text = MODELS["bound"].split("constraint")[0].replace("start X = -0.5\n", "")
+    text += "let S = (2*sin(t/4)^2)^300\nlet C = (2*cos(t/4)^2)^300\nconstraint c: X = S/(S + C)\n"
+    run = ("run", write(text), "--until", "4", "--every", "4", "--json", "--method")
+    ends = []
+    for method in (("gauss",), ("gauss", "--max-step", "0.001"), ("dop853",)):
+        ends.append(json.loads(pkgen(*run, *method).stdout)["rows"][-1][1:3])
+    assert ends[0] == pytest.approx(ends[1], rel=1e-7) and ends[2] == pytest.approx(
+        ends[1], rel=1e-7
+    )
+    done = pkgen(*run, "rk4", "--step", "0.2")
+    assert done.returncode == 4
+    assert "the constraints cannot be fulfilled here: c is left broken by" in done.stderr
+
+
 def test_rows_turn_back_where_steps_do(pkgen, write) -> None:
     """Width .03: no row is behind the barrier, and the energy is kept in each."""
     done = pkgen("run", write(MODELS["wall"]), "--scene", "s", "--set", "w=0.03", "--every", "0.01",
@@ -151,7 +185,16 @@ PLACES = {
     "input": "force y = u/w\nHELD set u = A*F(t - S)",
 }
 # Beyond u = 236 cosh(u)^3, which second derivatives have, is no number.
-FUNCTIONS = ("exp(-(({0})/w)^2)", "tanh(({0})/w)", "1/cosh(({0})/w)", "1/(1 + exp(({0})/w))")
+FUNCTIONS = (
+    "exp(-(({0})/w)^2)",
+    "tanh(({0})/w)",
+    "1/cosh(({0})/w)",
+    "1/(1 + exp(({0})/w))",
+    "1/(1 + (({0})/w)^2)",
+    "1/(1 + (({0})/w)^2)^3",
+    "1/sqrt(1 + (({0})/w)^8)",
+    "(({0})/w)/(1 + (({0})/w)^4)^(1/4)",
+)
 
 
 def model_of(place: str, function: str, start: float) -> str:
@@ -177,7 +220,9 @@ def test_wherever_it_stands(pkgen, write, seed: int) -> None:
     """Random places and functions, by default settings and by steps of a third of the width."""
     draw = random.Random(seed)
     for place in draw.sample(sorted(PLACES), 2):
-        function = draw.choice(FUNCTIONS[: 2 if place == "pillar" else 4])
+        # Those that fade by powers have a rate where constraints are to start.
+        flat = 4 if place in ("constraint", "constraint in t", "rolling") else 8
+        function = draw.choice(FUNCTIONS[: 2 if place == "pillar" else flat])
         path = write(model_of(place, function, draw.uniform(0.9, 1.3)))
         every = ("run", path, "--scene", "s", "--every", "1.6", "--json")
         ends = []

@@ -49,6 +49,13 @@ static void shrinking(const void *params, double t, const double *q, const doubl
     (void)params, (void)v, (void)u;
     phi[0] = q[0] * q[0] + q[1] * q[1] - 1 + shrinking_phi * t;
 }
+/* A rod that is longer from t = 1 on, which its equations know nothing of. */
+static void lengthened(const void *params, double t, const double *q, const double *v,
+                       const double *u, double *phi)
+{
+    (void)params, (void)v, (void)u;
+    phi[0] = q[0] * q[0] + q[1] * q[1] - 1 - 0.25 * (1 + tanh((t - 1) / 1e-3));
+}
 static void crossing(const void *params, double t, const double *q, const double *v,
                      const double *u, double *phi)
 {
@@ -116,6 +123,12 @@ static void refusals(void)
         CU_ASSERT(i != 1 || (f.it.t > 0.9999 && f.it.count.rejections > 3));
     }
     CU_ASSERT(bound_go(&f, &system, "rattle", 0.01, 3) < 0 && f.it.t > 0.9 && f.it.t < 1.01);
+
+    /* A projection longer than a step's error: steps of 100 tolerances of it, or the end. */
+    system.constraint = lengthened;
+    CU_ASSERT(bound_go(&f, &system, "dopri5", 1e-5, 2) == PK_DONE);
+    CU_ASSERT(f.it.count.steps > 200 && f.it.count.rejections > 5);
+    CU_ASSERT(bound_go(&f, &system, "rk4", 0.2, 2) == PK_NO_PROJECTION && f.it.t < 1.01);
 
     /* Where two branches cross, x y = 0, J vanishes; the acceleration sees it. */
     system = rod_system;
