@@ -260,14 +260,14 @@ printf '%s\n' 'try gauss 1e-14 land 10 0 0 1 0 0' exact 'try gauss 1e-14 land 10
     'try rk4 0.01 land 10 0 0 1e-12 0 0' 'try rk4 0.005 land 10 0.001 0 1e-12 0 0' \
     'try rk4 1e-7 land 10 0 0.02 1 0 0' 'try rk4 0.5 land 10 0 0 1 5 0' "save $tmp/rows" \
     "load $tmp/rows" 'try verlet 0.1 land 5 0 0 1 0 0' 'ignore 0' 'try rk4 0.01 land 10 0 0 1 0 0' \
-    'absolute 0' 'try dop853 1e-6 dense 10 0 0 1 0 0' 'try dop853 1e-6 land 10 0 0 1 0 0.01' >"$tmp/asked"
+    'try dop853 1e-6 dense 10 0 0 1 0 0' 'try dop853 1e-6 land 10 0 0 1 0 0.01' >"$tmp/asked"
 for system in pendulum pair; do
     "$dir/run_$system" --choose "$tmp/settings" <"$tmp/asked" >"$tmp/answers"
     check "trials: exit 0" [ $? -eq 0 ]
     check "trials of $system: errors, orders, caps, missing rows" python3 -c "
 import json
 a = [json.loads(line) for line in open('$tmp/answers')]
-first, exact, same, rk4, half, slow, few, saved, loaded, verlet, ignored, one, absolute, dense, short = a
+first, exact, same, rk4, half, slow, few, saved, loaded, verlet, ignored, one, dense, short = a
 assert 'error' not in first and exact['rows'] == 11 and min(exact['scales']) > 0
 assert same['error'] == 0 and same['holds'] == 10 and same['compared'] == 11
 assert 1e-12 < rk4['error'] and 8 < rk4['error'] / half['error'] < 32 and rk4['holds'] < 10
@@ -281,7 +281,7 @@ assert dense['able'] is ('$system' == 'pendulum') and dense['arrived'] is dense[
 assert 1000 <= short['steps'] <= 2100, short['steps']"
 done
 for bad in "try rk4 0.1 land 10 0 0 1" "try what 0.1 land 10 0 0 1 0 0" "try rk4 0 land 10 0 0 1 0 0" \
-    "ignore 99" "load nowhere" "absolute -1" "what"; do
+    "ignore 99" "load nowhere" "absolute 1" "what"; do
     echo "$bad" | "$dir/run_pendulum" --choose "$tmp/settings" >/dev/null 2>"$tmp/err"
     check "no trial: $bad" [ $? -eq 2 ]
     check "which is said too" [ -s "$tmp/err" ]
