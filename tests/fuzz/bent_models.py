@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import random
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 SHARP = {
     "step": "step({0})",
@@ -18,6 +18,7 @@ SHARP = {
     "max": "max({0}, 0.1)",
     "min": "min({0}, 0.2)",
 }
+ZERO = {"max": 0.1, "min": 0.2}  # where each bends; the others at 0
 # tanh is 1 to the last bit beyond 19 w, so both models start alike.
 SMOOTH = {
     "step": "(1 + tanh(({0})/w))/2",
@@ -103,27 +104,48 @@ CLAIMS = (
 )  # fmt: skip
 
 
-def model(seed: int, place: Place, sharp: bool, claim: str = "") -> str:
-    """A model of two or three coordinates with the function in this place, and a scene.
+@dataclass(frozen=True)
+class Bend:
+    """The function of a place: its kind, and what it is of."""
+
+    place: Place
+    kind: str
+    form: str  # of the place's forms
+    inner: str
+
+    def text(self, sharp: bool) -> str:
+        return f"({(SHARP if sharp else SMOOTH)[self.kind].format(self.inner)})"
+
+
+def together(a: Place, b: Place) -> bool:
+    """Whether a model can have both: each name is declared once, and one row holds z."""
+    bound = [p.name.startswith(("constraint", "rolling", "hold")) for p in (a, b)]
+    return not all(bound) and not _declared(a) & _declared(b)
+
+
+def _declared(place: Place) -> set[str]:
+    lines = (*place.model, *place.scene)
+    return {x.split("=")[0] for x in lines if "=" in x or x.startswith(("input", "rotation"))}
+
+
+def model(seed: int, places: Place | tuple[Place, ...], sharp: bool, claim: str = "") -> str:
+    """A model of two or three coordinates with a function in each place, and a scene.
 
     With a `claim` it is a free motion but for that function, so that much is constant; what is
     claimed is so for the sharp model and observed of its smooth twin.
     """
-    r = random.Random(f"{place.name} {seed}")
-    names = place.free
-    statements = [re.sub(r" \+ 0\.[23]\*(sin|cos).*", "", x) if claim else x for x in place.model]
-    kind = r.choice(list(SHARP))
+    places = places if isinstance(places, tuple) else (places,)
+    r = random.Random(f"{' '.join(place.name for place in places)} {seed}")
+    names = max((place.free for place in places), key=len)
     while True:
-        inner = r.choice(place.of).format(
-            c=f"{r.uniform(0.3, 1.5):.3f}", d=f"{r.uniform(-0.3, 0.4):.3f}"
-        )
-        x, y, x_dot, y_dot = (round(r.uniform(-0.8, 0.8), 3) for _ in range(4))
-        bends = {"max": 0.1, "min": 0.2}.get(kind, 0.0)
-        if abs(_number(inner, 0.0, x, y, x_dot, y_dot) - bends) > 0.05:
+        bends = [_bend(r, place) for place in places]
+        if len(bends) == 2 and bends[0].form in places[1].of and r.random() < 0.3:
+            bends[1] = replace(bends[0], place=places[1], kind=bends[1].kind)  # both at once
+        start = [round(r.uniform(-0.8, 0.8), 3) for _ in range(4)]
+        if all(abs(_number(b.inner, 0.0, *start) - ZERO.get(b.kind, 0.0)) > 0.05 for b in bends):
             break
-    k = (SHARP if sharp else SMOOTH)[kind].format(inner)
-    width = [] if sharp else ["param w = 0.001 in (0, inf)"]
-    lines = ["model bent", *width, f"coord {', '.join(names)}"]
+    lines = ["model bent", *([] if sharp else ["param w = 0.001 in (0, inf)"])]
+    lines += ["param g = 1 in (0, inf)", f"coord {', '.join(names)}"]
     for name in names:
         if claim:
             lines.append(f"kinetic {name}'^2/2")
@@ -134,33 +156,47 @@ def model(seed: int, place: Place, sharp: bool, claim: str = "") -> str:
         lines.append("kinetic {}*x'*y'".format(r.choice(("0", "0.3", "0.3*cos(x - y)"))))
         lines += ["kinetic 0.2*z'*(x' - y')"] * (len(names) == 3)
         wells = ("{0}^2", "1 - cos({0})", "{0}^4/4 + {0}^2/3")
-        lines += ["potential " + r.choice(wells).format(name) for name in names]
-    lines += [line.replace("K", f"({k})") for line in statements]
-    lines.append(f"start x = {x}, y = {y}, x' = {x_dot}, y' = {y_dot}")
-    for line in statements:
-        if line.startswith(("constraint", "rolling")):
-            text = line.split(" = ")[1].replace("K", f"({SHARP[kind].format(inner)})")
-
-            def along(t: float, text: str = text) -> float:
-                return _number(text, t, x + t * x_dot, y + t * y_dot, x_dot, y_dot)
-
-            if line.startswith("rolling"):
-                lines.append(f"start z = 0.1, z' = {along(0)!r}")
-            else:
-                rate = (8 * (along(1e-3) - along(-1e-3)) - along(2e-3) + along(-2e-3)) / 12e-3
-                lines.append(f"start z = {along(0)!r}, z' = {rate!r}")
-    held = any(line.startswith("hold z") for line in place.scene)
-    moving = names[:2] if held else names
+        lines += [f"potential g*({r.choice(wells).format(name)})" for name in names]
+    x, y, x_dot, y_dot = start
+    given = [f"start x = {x}, y = {y}, x' = {x_dot}, y' = {y_dot}"]
+    scene = ["scene s"]
+    for b in bends:
+        own = [re.sub(r" \+ 0\.[23]\*(sin|cos).*", "", t) if claim else t for t in b.place.model]
+        lines += [line.replace("K", b.text(sharp)) for line in own]
+        scene += [line.replace("K", b.text(sharp)) for line in b.place.scene]
+        given += [_of_row(line.replace("K", b.text(True)), *start) for line in own if " z" in line]
+    statements = [line for place in places for line in place.model]
+    moving = names[:2] if any("hold z" in line for line in scene) else names
     columns = [*moving, *(f"{name}'" for name in moving)]
     columns += [n for n in ("s", "o") if any(f" {n} =" in line for line in statements)]
-    columns += ["q[1]", "q[3]", "q[3]'"] * (place.model == CHAIN)
-    columns += ["R", "omega(R)"] * ("rotation R" in place.model)
+    columns += ["q[1]", "q[3]", "q[3]'"] * ("size N = 3" in statements)
+    columns += ["R", "omega(R)"] * ("rotation R" in statements)
     if claim:
-        lines.append(("conserve" if sharp else "observe") + f" claimed = {claim}")
+        given.append(("conserve" if sharp else "observe") + f" claimed = {claim}")
         columns = ["claimed"]
-    lines += ["scene s", *(line.replace("K", f"({k})") for line in place.scene)]
-    lines += ["until 2", f"record {', '.join(columns)} every 1", "end"]
-    return "\n".join(lines) + "\n"
+    else:
+        given.append(f"event e: {bends[0].inner} either")
+    scene += ["until 2", f"record {', '.join(columns)} every 1", "end"]
+    return "\n".join([*lines, *given, *scene]) + "\n"
+
+
+def _bend(r: random.Random, place: Place) -> Bend:
+    kind, form = r.choice(list(SHARP)), r.choice(place.of)
+    c, d = f"{r.uniform(0.3, 1.5):.3f}", f"{r.uniform(-0.3, 0.4):.3f}"
+    return Bend(place, kind, form, form.format(c=c, d=d))
+
+
+def _of_row(line: str, x: float, y: float, x_dot: float, y_dot: float) -> str:
+    """Where z starts, and how fast, by the row that binds it."""
+    text = line.split(" = ")[1]
+
+    def along(t: float) -> float:
+        return _number(text, t, x + t * x_dot, y + t * y_dot, x_dot, y_dot)
+
+    if line.startswith("rolling"):
+        return f"start z = 0.1, z' = {along(0)!r}"
+    rate = (8 * (along(1e-3) - along(-1e-3)) - along(2e-3) + along(-2e-3)) / 12e-3
+    return f"start z = {along(0)!r}, z' = {rate!r}"
 
 
 def _number(text: str, t: float, x: float, y: float, x_dot: float, y_dot: float) -> float:

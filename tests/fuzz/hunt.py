@@ -1,13 +1,18 @@
 """Random models with a bend or a jump in one place, run beside their smooth twins.
 
-python tests/fuzz/hunt.py FIRST LAST [claims] [PLACE...]   seeds from FIRST to before LAST; with
-`claims`, what is proved constant of free models is watched on the twin instead. Exit code 1 where
-a motion is wrong, methods differ, a proof is false or a run breaks.
+python tests/fuzz/hunt.py FIRST LAST [claims] [pairs] [PLACE...]   seeds from FIRST to before LAST
+
+Each model is run one way more, by its seed: with fixed steps, as an ensemble, with rows at events,
+or with one column. With `pairs` each model has two bends, some at once; with `claims`, what is
+proved constant of free models is watched on the twin instead. Exit code 1 where a motion is wrong,
+methods or ways differ, a proof is false or a run breaks.
 """
 
 from __future__ import annotations
 
+import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,19 +20,23 @@ from collections import Counter
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from bent_models import CLAIMS, PLACES, Place, model
+from bent_models import CLAIMS, PLACES, Place, model, together
 
 COMMAND = [sys.executable, "-m", "pkgen"]
 HERE = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2] / "generator")}
+GAUSS = ("--method", "gauss", "--rtol", "1e-10")
 TIGHT = ("--method", "dop853", "--rtol", "1e-10")
-BAD = ("WRONG", "METHODS", "FALSE", "BROKEN", "HANGS", "no twin")
+BAD = ("WRONG", "METHODS", "WAYS", "FALSE", "BROKEN", "HANGS", "no twin")
 Rows = list[list[float]]
+Places = tuple[Place, ...]
 
 
 def pkgen(command: str, text: str, *options: str) -> tuple[int, Rows, str]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "bent.lag")
         path.write_text(text)
+        Path(folder, "members.csv").write_text("g\n0.7\n1\n1.6\n")
+        options = tuple(x.replace("members.csv", f"{folder}/members.csv") for x in options)
         words = [*COMMAND, command, str(path), *options]
         done = subprocess.run(words, capture_output=True, text=True, timeout=300, env=HERE)
     if done.returncode and "No module named" in done.stderr:
@@ -51,10 +60,10 @@ def apart(a: Rows, b: Rows) -> float:
     return max(abs(x - y) for x, y in pairs)
 
 
-def judge(place: Place, seed: int) -> tuple[str, str]:
-    """What became of a model, and how far its twins of two widths and two methods are."""
-    sharp, smooth = model(seed, place, True), model(seed, place, False)
-    code, rows, err = run(sharp, "--method", "gauss", "--rtol", "1e-10")
+def judge(places: Places, seed: int) -> tuple[str, str]:
+    """What became of a model, and how far its twins of two widths, methods and ways are."""
+    sharp, smooth = model(seed, places, True), model(seed, places, False)
+    code, rows, err = run(sharp, *GAUSS)
     if "Traceback" in err or "internal error" in err:
         return "BROKEN", err
     if code:
@@ -71,24 +80,74 @@ def judge(place: Place, seed: int) -> tuple[str, str]:
     seen = f"{far[0]:.1e} {far[1]:.1e} methods {between:.0e}"
     if between > 1e-6:
         return "METHODS", seen
-    good = far[1] < 1e-8 or (far[1] < 0.02 and far[1] < 0.6 * far[0])
-    return ("agrees" if good else "WRONG"), seen
+    if not (far[1] < 1e-8 or (far[1] < 0.02 and far[1] < 0.6 * far[0])):
+        return "WRONG", seen
+    way = WAYS[seed % len(WAYS)]
+    worst = way(sharp, rows)
+    seen += f" {way.__name__} {worst:.0e}"
+    return ("agrees" if worst < 1e-6 else "WAYS"), seen
 
 
-def claims(place: Place, seed: int) -> tuple[str, str]:
+def fixed(text: str, rows: Rows) -> float:
+    """Methods of fixed steps: each switch is a step's end, so their order is kept."""
+    theirs = (run(text, "--method", method, "--step=0.001") for method in ("rk4", "gauss4"))
+    return max(apart(found, rows) if code == 0 else math.inf for code, found, _ in theirs)
+
+
+def ensemble(text: str, _: Rows) -> float:
+    """Three members are those three runs, to the bit."""
+    worst = 0.0
+    for method in (GAUSS, ("--method", "rk4", "--step=0.01")):
+        code, rows, _ = run(text, *method, "--ensemble=members.csv")
+        alone = [run(text, *method, f"--set=g={g}") for g in (0.7, 1, 1.6)]
+        if code or any(one[0] for one in alone):
+            return math.inf if not code or not any(one[0] for one in alone) else 0.0
+        worst = max(worst, apart([row[1:] for row in rows], [x for one in alone for x in one[1]]))
+    return worst and max(worst, 1.0)
+
+
+def events(text: str, rows: Rows) -> float:
+    """Rows at the surface of a bend: as many by both methods, and the others unchanged."""
+    found = []
+    for method in (GAUSS, TIGHT):
+        code, theirs, _ = run(text, *method, "--at=e", "--every=1")
+        if code:
+            return math.inf
+        found.append(theirs)
+    return max(apart(*found), max(min(apart([a], [b]) for b in found[0]) for a in rows))
+
+
+def column(text: str, rows: Rows) -> float:
+    """A scene that records one column has no more than that needs, and the same numbers."""
+    names = re.search(r"record (.*) every", text)
+    assert names
+    names = [name for name in names[1].split(", ") if "R" not in name]
+    worst = 0.0
+    for at in (0, len(names) - 1):
+        code, theirs, _ = run(text, *GAUSS, f"--record={names[at]}")
+        worst = max(worst, apart(theirs, [[row[at]] for row in rows]) if code == 0 else math.inf)
+    return worst
+
+
+WAYS = (fixed, ensemble, events, column)
+
+
+def claims(places: Places, seed: int) -> tuple[str, str]:
     """A claim that is proved is seen to hold on the smooth twin."""
     proved = []
+    held = any(place.name == "hold" for place in places)
+    free = max(len(place.free) for place in places)
     for claim in CLAIMS:
-        if "z" in claim and (len(place.free) < 3 or place.name == "hold"):
+        if "z" in claim and (free < 3 or held):
             continue
-        if place.name == "hold" and claim in ("energy", "T"):
+        if held and claim in ("energy", "T"):
             continue  # they are the model's, and the scene holds a coordinate
-        code, _, err = pkgen("check", model(seed, place, True, claim))
+        code, _, err = pkgen("check", model(seed, places, True, claim))
         if "Traceback" in err or "internal error" in err:
             return "BROKEN", err
         if code:
             continue
-        code, rows, err = twin(model(seed, place, False, claim), 0.001)
+        code, rows, err = twin(model(seed, places, False, claim), 0.001)
         if code:
             return "no twin", f"{claim}: {err}"
         drift = max(abs(row[0] - rows[0][0]) for row in rows)
@@ -98,22 +157,25 @@ def claims(place: Place, seed: int) -> tuple[str, str]:
     return "true", ", ".join(proved)
 
 
-def hunt(seeds: range, places: list[Place], by_claims: bool) -> Counter[str]:
+def hunt(seeds: range, of: list[Places], by_claims: bool) -> Counter[str]:
     count: Counter[str] = Counter()
     for seed in seeds:
-        for place in places:
+        for places in of:
             try:
-                verdict, seen = (claims if by_claims else judge)(place, seed)
+                verdict, seen = (claims if by_claims else judge)(places, seed)
             except subprocess.TimeoutExpired:
                 verdict, seen = "HANGS", ""
             count[verdict] += 1
-            print(f"{place.name:14} {seed:4} {verdict:8} {seen}", flush=True)
+            name = " ".join(place.name for place in places)
+            print(f"{name:26} {seed:4} {verdict:8} {seen}", flush=True)
     return count
 
 
 if __name__ == "__main__":
     words = sys.argv[3:]
     only = [place for place in PLACES if place.name in words] or list(PLACES)
-    count = hunt(range(int(sys.argv[1]), int(sys.argv[2])), only, "claims" in words)
+    pairs = [(a, b) for a in only for b in only if together(a, b)]
+    of: list[Places] = pairs if "pairs" in words else [(place,) for place in only]
+    count = hunt(range(int(sys.argv[1]), int(sys.argv[2])), of, "claims" in words)
     print(", ".join(f"{n} {verdict}" for verdict, n in count.items()))
     sys.exit(any(count[verdict] for verdict in BAD))

@@ -17,7 +17,7 @@ SEEN = ("force", "potential", "mass", "gauge", "dissipation", "constraint", "rol
 
 @pytest.mark.parametrize("name", long_but({"force"}, SEEN))
 def test_a_bend_is_the_limit_of_its_ramps(name):
-    verdict, seen = hunt.judge(PLACE[name], 900)
+    verdict, seen = hunt.judge((PLACE[name],), 900)
     assert verdict == "agrees", seen
 
 
@@ -29,10 +29,10 @@ def test_another_motion_is_found_to_be_wrong(monkeypatch):
 
     model = hunt.model
     monkeypatch.setattr(hunt, "model", other)
-    assert hunt.judge(PLACE["force"], 900)[0] == "WRONG"
+    assert hunt.judge((PLACE["force"],), 900)[0] == "WRONG"
 
 
 def test_a_run_that_cannot_start_is_no_refusal(monkeypatch):
     monkeypatch.setattr(hunt, "COMMAND", [sys.executable, "-m", "no_such_pkgen"])
     with pytest.raises(RuntimeError, match="No module named"):
-        hunt.judge(PLACE["force"], 900)
+        hunt.judge((PLACE["force"],), 900)
