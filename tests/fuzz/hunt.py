@@ -2,7 +2,7 @@
 
 python tests/fuzz/hunt.py FIRST LAST [claims] [pairs] [PLACE...]   seeds from FIRST to before LAST
 
-Each model is run one way more, by its seed: with fixed steps, as an ensemble, with rows at events,
+Each model is run one way more, drawn by its text: with fixed steps, as an ensemble, with rows at events,
 or with one column. With `pairs` each model has two bends, some at once; with `claims`, what is
 proved constant of free models is watched on the twin instead. Exit code 1 where a motion is wrong,
 methods or ways differ, a proof is false or a run breaks.
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import os
+import random
 import re
 import subprocess
 import sys
@@ -82,7 +83,7 @@ def judge(places: Places, seed: int) -> tuple[str, str]:
         return "METHODS", seen
     if not (far[1] < 1e-8 or (far[1] < 0.02 and far[1] < 0.6 * far[0])):
         return "WRONG", seen
-    way = WAYS[seed % len(WAYS)]
+    way = random.Random(sharp).choice(WAYS)
     worst = way(sharp, rows)
     seen += f" {way.__name__} {worst:.0e}"
     return ("agrees" if worst < 1e-6 else "WAYS"), seen
