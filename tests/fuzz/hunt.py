@@ -2,10 +2,10 @@
 
 python tests/fuzz/hunt.py FIRST LAST [claims] [pairs] [PLACE...]   seeds from FIRST to before LAST
 
-Each model is run one way more, drawn by its text: with fixed steps, as an ensemble, with rows at events,
-or with one column. With `pairs` each model has two bends, some at once; with `claims`, what is
-proved constant of free models is watched on the twin instead. Exit code 1 where a motion is wrong,
-methods or ways differ, a proof is false or a run breaks.
+Each model is run one way more, drawn by its text: with fixed steps, as an ensemble, with rows at
+events, or with one column. With `pairs` each model has two bends, some at once; with `claims`,
+what is proved constant of free models is watched on the twin instead. Exit code 1 where a motion
+is wrong, methods or ways differ, a proof is false or a run breaks.
 """
 
 from __future__ import annotations
