@@ -144,6 +144,20 @@ def test_walls_that_fade_by_powers(pkgen, write, tmp_path, quotient: str, method
         assert row[2] == pytest.approx(-1, rel=1e-6 if w < 0.01 else 1e-3), w
 
 
+@pytest.mark.parametrize("method", long_but(["gauss", "dop853"], ADAPTIVE))
+@pytest.mark.parametrize("power", [100, 1000])
+def test_peaks_of_high_powers(pkgen, write, power: int, method: str) -> None:
+    """cos(s/2)^n over one period, by its closed form."""
+    logs = math.lgamma((power + 1) / 2) - math.lgamma(power / 2 + 1)
+    area = 2 * math.sqrt(math.pi) * math.exp(logs)
+    path = write(
+        "model m\nparam a = 1\ncoord x\nkinetic x'^2/2\n"
+        f"force x = cos((t - 5.2)/2)^{power}/a\nstart x = 0\n"
+    )
+    done = pkgen("run", path, f"--set=a={area!r}", "--record=x'", "--every=10", "--method", method)
+    assert abs(float(done.stdout.split(",")[-1]) - 1) < 2e-7, done.stderr
+
+
 def test_a_way_back_as_long_as_a_step_ends_it(pkgen, write) -> None:
     """X goes from 0 to 1 at t = 3.14 in .01, by nothing that is followed; the rows see it."""
     text = MODELS["bound"].split("constraint")[0].replace("start X = -0.5\n", "")

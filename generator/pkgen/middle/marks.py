@@ -9,6 +9,8 @@ none in which u, within +-36, varies by much.
 What is divided by a + b(q, t), or is a root of it, is short where b is no larger than the constant
 a: there u = 1 + b/a. That fades by powers alone, so steps come nearer by a ladder, u/1000 and so
 on. Of 1/r, where a = 0, no width is known.
+
+A high power of what is at most 1, as cos(t)^1000, is no larger than exp(u), u = n (b^2 - 1)/2.
 """
 
 from __future__ import annotations
@@ -24,12 +26,16 @@ from .wording import wording
 # What an argument is multiplied by, for its function to be constant, 0 or huge beyond +-36.
 _SCALES = {"exp": 1, "sinh": 1, "cosh": 1, "tanh": 2}
 LADDER = [Fraction(1, 1000**k) for k in range(9)]
+_HIGH = 16  # a power that high is shorter than what it is of
 
 
 def _arguments(g: Graph, node: Node) -> list[Node]:
     op, data = g.op[node], g.data[node]
     if op is Op.CALL and data in _SCALES:
         return [g.multiply(g.number(_SCALES[data]), g.args[node][0])]
+    if op is Op.POWER and data >= _HIGH:
+        square = g.multiply(g.args[node][0], g.args[node][0])
+        return [g.multiply(g.number(Fraction(data) / 2), g.add(square, g.number(-1)))]
     divides = op is Op.POWER and (data < 0 or Fraction(data).denominator != 1)
     if not (divides or (op is Op.CALL and data == "sqrt")):
         return []
