@@ -20,7 +20,7 @@ static const struct pk_system *const systems[] = {
     &forced_system, &van_der_pol_system, &damped_system, &dipping_system, &radial_system,
     &brusselator_system, &maxwell_system, &pushed_system, &free_body_system, &top_system,
     &carriage_system, &swift_system, &rod_system, &twice_system, &rods_system, &wire_system,
-    &jointed_system, &sleigh_system, &ball_system,
+    &jointed_system, &sleigh_system, &ball_system, &barred_system,
 };
 enum { SYSTEMS = sizeof systems / sizeof *systems, SIZE = 1 << 15, MOST = 16, MEMBERS = 9 };
 

@@ -60,6 +60,7 @@ void add_status(void);
 void add_silence(void);
 void add_control(void);
 void add_scale(void);
+void add_marks(void);
 void add_limits(void);
 void add_equilibria(void);
 void add_elliptic(void);

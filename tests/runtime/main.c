@@ -144,6 +144,7 @@ int main(int argc, char **argv)
     add_silence();
     add_control();
     add_scale();
+    add_marks();
     add_limits();
     add_equilibria();
     add_elliptic();

@@ -51,6 +51,8 @@ extern const struct pk_system spring_system, pair_system;
 extern const struct pk_part pair_parts[2];
 /* The Brusselator, of two states; a pendulum held back by a Maxwell element, which is a state. */
 extern const struct pk_system brusselator_system, maxwell_system;
+/* A bead before a hill of .8 at 1.3, `limit` wide, which is a mark. */
+extern const struct pk_system barred_system;
 /* q'' = u: an input. */
 extern const struct pk_system pushed_system;
 

@@ -74,3 +74,22 @@ SIZES(radial, 1, 0)
 SYSTEM(radial, 1, NATURAL, PK_C(0.75), PK_C(0.25), none_cyclic, LIST(PK_C(0.5)), LIST(0),
        .linear = radial_linear, .n_quadratures = 1, .quadratures = angle, .quadrature = angle_rate,
        .quadrature_start = angle_start);
+
+/* exp(-s^2), s = (x - 1.3)/limit, of which .8 bars the way. */
+#define AWAY(params, q) ((q[0] - PK_C(1.3)) / LIMIT(params))
+#define HILL(params, q) (PK_C(0.8) * PK_F(exp)(-AWAY(params, q) * AWAY(params, q)))
+static const struct pk_quantity hill[] = {{"exp(-s^2)", "", ""}};
+static void barred_marking(ARGS, pk_real *out)
+{
+    UNUSED;
+    out[0] = -AWAY(params, q) * AWAY(params, q);
+}
+POINT_MASS(barred, HILL(params, q), 2 * AWAY(params, q) / LIMIT(params) * HILL(params, q),
+           (2 - 4 * AWAY(params, q) * AWAY(params, q)) / (LIMIT(params) * LIMIT(params)) *
+               HILL(params, q), 0)
+SIZES(barred, 1, 0)
+#undef PK_MODEL
+#define PK_MODEL(x) barred_##x
+#include <pk/inlined.h>
+SYSTEM(barred, 1, NATURAL, PK_C(1.0), PK_C(1e-3), none_cyclic, LIST(0), LIST(PK_C(1.0)),
+       .linear = barred_linear, .n_marks = 1, .marks = hill, .marking = barred_marking);

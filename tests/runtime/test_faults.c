@@ -14,7 +14,7 @@ enum { SIZE = 1 << 15, MOST = 16 };
 
 enum kernel {
     ACCELERATION, MASS, CANONICAL, JACOBIAN, LINEAR, GUARD, EVENT, QUADRATURE, CONSTRAINT, ROWS,
-    TERMS, UNBOUND, INERTIA, PREPARE, LANES, KERNELS
+    TERMS, UNBOUND, INERTIA, MARKING, PREPARE, LANES, KERNELS
 };
 
 static struct {
@@ -124,6 +124,11 @@ static void inertia(CALLED, pk_real *M)
     fault.of->inertia(WITH, M);
     spoil(INERTIA, M, fault.of->n * fault.of->n);
 }
+static void marking(CALLED, pk_real *out)
+{
+    fault.of->marking(WITH, out);
+    spoil(MARKING, out, fault.of->n_marks);
+}
 static int prepare(void *p)
 {
     const int outside = fault.of->prepare(p);
@@ -139,7 +144,7 @@ static struct pk_system faulty(void)
 #define WRAP(kernel) s.kernel = s.kernel ? kernel : NULL
     WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unbound), WRAP(jacobian);
     WRAP(linear), WRAP(quadrature), WRAP(constraint), WRAP(rows), WRAP(terms), WRAP(inertia);
-    WRAP(prepare);
+    WRAP(marking), WRAP(prepare);
     s.steppers = NULL, s.block_steppers = NULL;
     s.n_guards = 1, s.guards = guard, s.guard = one_guard;
     s.n_events = 1, s.events = event, s.event = one_event;
@@ -224,7 +229,8 @@ static void of_system(const struct pk_system *system, double h, long deep)
 {
     static const char *const names[] = {"acceleration", "mass", "canonical", "jacobian", "linear",
                                         "guard", "event", "quadrature", "constraint", "rows",
-                                        "terms", "unbound", "inertia", "prepare", "lanes"};
+                                        "terms", "unbound", "inertia", "marking", "prepare",
+                                        "lanes"};
     double right[2 * MOST], x[2 * MOST];
     fault.of = system;
     for (size_t i = 0; method_at(i); i++) {
@@ -264,6 +270,7 @@ static void each_kernel(void)
     of_system(&double_pendulum_system, 0.01, DEEP);
     of_system(&radial_system, 0.01, DEEP);
     of_system(&rod_system, 0.01, DEEP);
+    of_system(&barred_system, 0.01, DEEP);
     for (size_t k = 0; DEEP > 1 && k < 3; k++) {
         const struct pk_system *more[] = {&pendulum_system, &carriage_system, &maxwell_system};
         of_system(more[k], 0.01, DEEP);

@@ -37,7 +37,7 @@ static const struct pk_system *const systems[] = {
     &relativistic_system, &driven_system, &forced_system, &van_der_pol_system, &damped_system,
     &radial_system, &brusselator_system, &maxwell_system, &pushed_system, &free_body_system,
     &top_system, &carriage_system, &swift_system, &rod_system, &rods_system, &wire_system,
-    &jointed_system, &sleigh_system, &ball_system,
+    &jointed_system, &sleigh_system, &ball_system, &barred_system,
 };
 enum { SYSTEMS = sizeof systems / sizeof *systems };
 
