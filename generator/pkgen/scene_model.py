@@ -15,7 +15,7 @@ from .front.options_text import LeftSide, OptionError, left_side
 from .indices import indexed, integer, parted
 from .middle.quantities import ends, sizes
 from .middle.specialise import with_definitions
-from .model import Constraint, Coordinate, Definition, Input, Model, Record, Scene, State
+from .model import Constraint, Coordinate, Definition, Input, Model, Record, Scene, Start, State
 from .tree import AXES, Expr, Name, Number, Prime, names, of_member, replaced
 
 
@@ -36,7 +36,7 @@ def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
     outputs = (replace(item, value=_claims(model, item.value)) for item in extra.values())
     return replace(
         _driven(model, scene, given),
-        starts=(*model.starts, *(s for s in scene.starts if not of_swarm(scene, s.value))),
+        starts=(*model.starts, *(_first(scene, start) for start in scene.starts)),
         observed=(*model.observed, *outputs),
     )
 
@@ -127,8 +127,14 @@ def _has(
 
 
 def of_swarm(scene: Scene, value: Expr) -> bool:
-    """Whether a start differs from member to member: then it is no part of the model."""
+    """Whether a start differs from member to member; that of the model is the first one's."""
     return scene.swarm is not None and scene.swarm.variable in names(value)
+
+
+def _first(scene: Scene, start: Start) -> Start:
+    if scene.swarm is None:
+        return start
+    return replace(start, value=of_member(start.value, scene.swarm.variable, scene.swarm.lo))
 
 
 def reads(model: Model, scene: Scene) -> frozenset[str]:

@@ -23,7 +23,7 @@ static size_t reals(const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
     const size_t switches = problem->system->n_switches, m = problem->system->n_events + switches;
-    return 6 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + switches +
+    return 6 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + m +
            shapes(m) + m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
            (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
 }
@@ -65,7 +65,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     events->ends = events->g + pk_events_count(events) * (size_t)(PK_MOST_SAMPLES + 2);
     events->list = events->ends + 2 * pk_events_count(events);
     events->z0 = events->list + pk_events_count(events) * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
-    events->fresh = events->z0 + 2 * problem->system->n_quadratures;
+    events->held = events->z0 + 2 * problem->system->n_quadratures;
+    events->fresh = events->held + events->n_events;
     memset(events->shapes, 0, reals(problem) * sizeof(pk_real));
     if (events->n_switches) {
         events->params = events->fresh + events->n_switches;
@@ -105,6 +106,9 @@ static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it
     for (size_t k = 0; k < pk_events_count(e); k++)
         if (!pk_finite(g[k]))
             return pk_events_not_finite(it, k);
+    for (size_t k = 0; k < e->n_events && !end && e->kept; k++)
+        if (g[k] * e->held[k] < 0 && pk_abs(g[k]) <= pk_abs(e->held[k]))
+            g[k] = e->held[k] > 0 ? PK_TINY : -PK_TINY;
     return PK_DONE;
 }
 

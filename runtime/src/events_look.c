@@ -228,5 +228,6 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
             part /= 2, parts /= 2;
     }
     e->at_switch = 0;
+    memset(e->held, 0, e->n_events * sizeof *e->held);
     return it->status = PK_DONE;
 }

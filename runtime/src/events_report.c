@@ -60,6 +60,19 @@ static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *en
     return wanted || it->problem.system->events[k].stop;
 }
 
+/* The next step begins on that side of each event on which this one ends: what puts the state onto its
+ * constraints again moves it by rounding, to where the same zero would be crossed twice. */
+static void hold(struct pk_events *e)
+{
+    const pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
+    for (size_t k = 0; k < e->n_events; k++) {
+        const pk_real rounding = PK_F(sqrt)(PK_EPS) * pk_max(pk_abs(begin[k]), pk_abs(end[k]));
+        const pk_real side = g[k] > 0 || g[k] < 0 ? g[k] : -begin[k];
+        e->held[k] = side < 0 ? -rounding : side > 0 ? rounding : 0;
+    }
+}
+
 enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real attempted = pk_abs(it->t - e->from);
@@ -82,6 +95,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     if (!stopped && !passed)
         return it->status = PK_DONE;
     e->cut = 1;
+    hold(e);
     if (passed && pk_switches_pass(e, it, last, attempted) < 0)
         return it->status;
     if ((passed || e->t < it->t || e->t > it->t) &&

@@ -16,7 +16,6 @@
  * some units in the last place of t, are no motion. */
 enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
-#define TINY (PK_EPS * PK_EPS) /* what stands for a zero, for its sign alone */
 
 void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
 {
@@ -55,7 +54,7 @@ void pk_switches_functions(const struct pk_events *e, const struct pk_integrator
     const int begins = e->kept && !(t < e->from) && !(t > e->from);
     for (size_t k = 0; k < e->n_switches; k++)
         if (pk_abs(g[k]) <= 0 || (begins && impulse(it, k) && g[k] * e->sides[k] < 0))
-            g[k] = TINY * e->sides[k];
+            g[k] = PK_TINY * e->sides[k];
 }
 
 /* Whether the step goes on from where the last one has ended, not from a state of the caller's. Then
@@ -70,9 +69,7 @@ static int goes_on(const struct pk_events *e, const struct pk_integrator *it)
 
 void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
 {
-    e->kept = it->problem.system->impulses != NULL;
-    if (!e->kept)
-        return;
+    e->kept = 1;
     e->left = it->t;
     memcpy(e->trial, it->q, e->n * sizeof *e->trial);
     memcpy(e->trial + e->n, it->v, e->n * sizeof *e->trial);

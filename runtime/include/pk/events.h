@@ -105,7 +105,8 @@ struct pk_events {
     int brief;       /* switchings one upon another */
     int at_switch;   /* the step begins at one */
     int kept;        /* the step goes on from where the last one ended, at */
-    pk_real left;    /* this time: switches with an impulse keep their sides */
+    pk_real left;    /* this time: switches with an impulse keep their sides, */
+    pk_real *held;   /* and events that end a step theirs, within rounding, which stands there */
     pk_real *room;   /* for impulses */
 };
 
