@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -30,7 +31,12 @@ STRICT = [
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """What a first run says of the runtime, no test is told: it is compiled before."""
+    """What a first run says of the runtime, no test is told: it is compiled before.
+
+    A shell starts what it puts in the background without SIGINT, which programs inherit.
+    """
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(config, "workerinput"):
         config.pluginmanager.register(Names(config))
         with suppress(BuildError):
