@@ -48,7 +48,7 @@ test-python: $(STAMP)
 
 test-long: $(STAMP)
 	@$(MAKE) -s check-runtime-quad-inlined
-	$(PYTHON) -m pytest -q -m long tests
+	$(PYTHON) -m pytest -q -n 2 -m long tests
 
 systems: $(STAMP)
 	$(PYTHON) -m bench systems $(if $(DOCS),--docs)
