@@ -129,14 +129,16 @@ static void look_at_rounding(struct pk_integrator *it)
     look_at_momenta(it);
 }
 
-/* How long the shortest of what moves takes for its own scale; 0: unknown. */
+/* How long the shortest of what moves takes for its own scale; 0: unknown. Where a force has just begun,
+ * or all but ended, v/a is far longer than what the coordinate takes to pass its scale. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
     pk_real h = 0;
     for (size_t i = 0; i < it->n; i++) {
         const pk_real v = most[it->n + i], size = pk_abs(a[i]);
-        const pk_real x = v > 0 ? v / size : PK_F(sqrt)(most[i] / size);
+        const pk_real pass = v > 0 && most[i] > 0 ? most[i] / v : PK_INFINITY;
+        const pk_real x = v > 0 ? pk_min(v / size, pass) : PK_F(sqrt)(most[i] / size);
         if (size > noise[i] && x > 0 && pk_finite(x) && !(h > 0 && h < x))
             h = x;
     }

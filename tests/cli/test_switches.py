@@ -157,7 +157,6 @@ end
     assert rows == json.loads(alone.stdout)["rows"] and len(rows) == 6
 
 
-@pytest.mark.long
 def test_a_box_of_soft_walls(pkgen, write) -> None:
     """Twenty thousand switchings, several of them in one step: two methods find the same ones."""
     text = """model box
