@@ -47,7 +47,7 @@ def final_error(pkgen, name: str, *method: object) -> float:
 
 @pytest.mark.parametrize("name", long_but({"double_pendulum"}, REFERENCES))
 def test_dop853(pkgen, name: str) -> None:
-    assert 0 < final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-13") < BOUNDS[name]
+    assert 0 < final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-14") < BOUNDS[name]
     assert final_error(pkgen, name, "--method", "dop853", "--rtol", "1e-5") > BOUNDS[name]
 
 
