@@ -19,7 +19,8 @@ TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: no tighter
 USUAL = (1e-15, 1e-14)
 NOISE = 0.1  # a column is nothing but errors where two references differ by that much of it,
 TINY = 1e-10  # and it is that small beside others
-FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it
+FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it, and two runs that differ
+# by less keep it both; by how much they differ says of each one's error only its order
 ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
 OTHER = 0.7  # of the longest step, that of a run beside
 WRONG = 1e3  # times that two runs of one method differ, another method must not differ by,
@@ -29,7 +30,7 @@ WRONG = 1e3  # times that two runs of one method differ, another method must not
 @dataclass(frozen=True)
 class Check:
     """A reference up to `span`, the run `exact`. `floor` is its own error, `holds` until when two
-    runs agreed to the accuracy."""
+    runs agreed to FLOOR of the accuracy."""
 
     exact: Trial
     span: float
@@ -82,7 +83,7 @@ class _Finder:
             setting,
             LAND,
             self.span,
-            accuracy=self.asked.accuracy,
+            accuracy=FLOOR * self.asked.accuracy,
             cap=cap,
             every=self.interval,
             max_step=max_step,

@@ -47,7 +47,7 @@ class Whole:
         # reference's own error grows to, for they share what their steps do to the energy.
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
-            return self._tightest(MARGIN * self.asked.accuracy)
+            return self._tightest()
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
     def _mended(self, best: Found, found: list[Found], aim: float) -> Kept:
@@ -68,9 +68,9 @@ class Whole:
                 return Kept(candidate, trial)
             setting = scale.allowed(search.next_setting(whole, aim))
             judged = self._tighter(judge, best.kept.setting / setting)
-        return self._tightest(aim)
+        return self._tightest()
 
-    def _tightest(self, aim: float) -> Kept:
+    def _tightest(self) -> Kept:
         """The reference's method, near round-off twice."""
         candidate, every = alone(self.check.method), self.asked.every
         setting = reference.tight(candidate.name, every)
@@ -79,18 +79,25 @@ class Whole:
             return Kept(candidate, exact)
         self.asked.trials.keep_as_exact()
         setting = reference.loose(candidate.name, every)
-        trial = self._run(candidate, setting, reference.other_steps(self.asked))
-        keeps = trial.arrived and trial.error <= aim
+        agree = FLOOR * self.asked.accuracy
+        trial = self._run(candidate, setting, reference.other_steps(self.asked), agree)
+        keeps = trial.arrived and trial.error <= agree
         return Kept(candidate, trial, None if keeps else trial.holds)
 
-    def _run(self, candidate: Candidate, setting: float, max_step: float | None = None) -> Trial:
+    def _run(
+        self,
+        candidate: Candidate,
+        setting: float,
+        max_step: float | None = None,
+        accuracy: float | None = None,
+    ) -> Trial:
         asked = self.asked
         trial = asked.trials.attempt(
             candidate.name,
             setting,
             candidate.rows,
             asked.until,
-            accuracy=asked.accuracy,
+            accuracy=accuracy or asked.accuracy,
             cap=self.seconds,
             max_step=max_step,
         )
