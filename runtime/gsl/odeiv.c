@@ -10,6 +10,7 @@
  * (1975) 71.
  */
 #include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,7 +26,6 @@ struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
     enum pk_status status; /* of the right-hand side, which GSL sees only as "failed" */
-    double *scale;         /* 2 n: the absolute tolerances that the driver was told last */
     double h;              /* the step that GSL proposes; 0: to be guessed */
     double *linear;        /* work for the Jacobian; NULL where it is not asked for */
 };
@@ -88,12 +88,66 @@ static void release(struct pk_integrator *it)
     if (f) {
         if (f->driver)
             gsl_odeiv2_driver_free(f->driver);
-        free(f->scale);
         free(f->linear);
         free(f);
     }
     it->extra = NULL;
 }
+
+/* Steps as GSL's standard control has them ("Adaptive Step-size Control" in its manual), by the
+ * errors that other methods may make too. */
+static int errlevel(void *context, double y, double dy, double h, size_t i, double *level)
+{
+    struct pk_integrator *it = (struct pk_integrator *)context;
+    (void)dy;
+    if (i == 0)
+        pk_scale_attempt(it, h);
+    *level = pk_tolerance(it, i, y, y);
+    return GSL_SUCCESS;
+}
+
+static int hadjust(void *context, size_t dim, unsigned int order, const double y[],
+                   const double error[], const double dy[], double *h)
+{
+    struct pk_integrator *it = (struct pk_integrator *)context;
+    double worst = 0;
+    (void)dy;
+    pk_scale_attempt(it, *h);
+    for (size_t i = 0; i < dim; i++)
+        worst = pk_max(worst, pk_abs(error[i]) / pk_tolerance(it, i, y[i], y[i]));
+    if (worst > 1.1) {
+        *h *= pk_max(0.2, 0.9 / pow(worst, 1.0 / order));
+        return GSL_ODEIV_HADJ_DEC;
+    }
+    if (worst >= 0.5)
+        return GSL_ODEIV_HADJ_NIL;
+    *h *= pk_max(1, pk_min(5, 0.9 / pow(worst, 1.0 / (order + 1))));
+    return GSL_ODEIV_HADJ_INC;
+}
+
+static void *control_alloc(void)
+{
+    static char none;
+    return &none; /* set to the integrator below; the driver's own is freed with the driver */
+}
+
+static int control_init(void *context, double eps_abs, double eps_rel, double a_y, double a_dydt)
+{
+    (void)context, (void)eps_abs, (void)eps_rel, (void)a_y, (void)a_dydt;
+    return GSL_SUCCESS;
+}
+
+static int control_driver(void *context, const gsl_odeiv2_driver *driver)
+{
+    (void)context, (void)driver;
+    return GSL_SUCCESS;
+}
+
+static void control_free(void *context) { (void)context; }
+
+static const gsl_odeiv2_control_type by_tolerance = {
+    "pk_tolerance", control_alloc, control_init, hadjust, errlevel, control_driver, control_free,
+};
 
 static enum pk_status init(struct pk_integrator *it)
 {
@@ -117,28 +171,17 @@ static enum pk_status init(struct pk_integrator *it)
     f->h = it->options.h;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     f->driver = gsl_odeiv2_driver_alloc_y_new(&f->system, *type, 1e-6, 1, it->options.rtol);
+    gsl_odeiv2_control *own = gsl_odeiv2_control_alloc(&by_tolerance);
     gsl_set_error_handler(handler);
-    f->scale = (double *)calloc(2 * it->n, sizeof *f->scale);
-    return f->driver && f->scale ? PK_DONE : PK_NO_MEMORY;
-}
-
-/* GSL's control copies its tolerances when it is made: another one where they have grown. */
-static enum pk_status control(struct pk_integrator *it, struct foreign *f)
-{
-    int same = 1;
-    for (size_t i = 0; i < 2 * it->n; i++)
-        same &= it->atol[i] <= 1.1 * f->scale[i] && it->atol[i] >= 0.1 * f->scale[i];
-    if (same)
-        return PK_DONE;
-    memcpy(f->scale, it->atol, 2 * it->n * sizeof *f->scale);
-    gsl_odeiv2_control *next = gsl_odeiv2_control_scaled_new(1, it->options.rtol, 1, 0, f->scale,
-                                                             2 * it->n);
-    if (!next)
+    if (!f->driver || !own) {
+        if (own)
+            gsl_odeiv2_control_free(own);
         return PK_NO_MEMORY;
+    }
+    own->state = it;
     gsl_odeiv2_control_free(f->driver->c);
-    f->driver->c = next;
+    f->driver->c = own;
     gsl_odeiv2_step_set_driver(f->driver->s, f->driver);
-    gsl_odeiv2_control_set_driver(f->driver->c, f->driver);
     return PK_DONE;
 }
 
@@ -171,11 +214,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const unsigned long rejected = f->driver->e->failed_steps;
     memcpy(it->next, it->state, 2 * it->n * sizeof *it->next);
     f->status = PK_DONE;
-    enum pk_status status = control(it, f);
-    if (status < 0) {
-        gsl_set_error_handler(handler);
-        return status;
-    }
+    enum pk_status status = PK_DONE;
     const double planned = h;
     for (;;) {
         const int failed = gsl_odeiv2_evolve_apply(f->driver->e, f->driver->c, f->driver->s,

@@ -54,7 +54,8 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
-/* Absolute tolerances, it->atol: numbers needed; at a start; after a step. */
+/* Absolute tolerances, it->atol: numbers needed; at a start; after a step. Before each attempt at one
+ * pk_scale_attempt() (pk/step/state.h). */
 size_t pk_scale_size(const struct pk_method *method, size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);

@@ -207,6 +207,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         lands = planned * PK_C(1.01) >= left || !(left > least);
         it->next_t = lands ? limit : it->t + sign * planned;
         it->h = it->next_t - it->t;
+        pk_scale_attempt(it, it->h);
         status = attempt(it, &w, &r, rejected || !(it->flags & PK_HAVE_STEP), &count);
         if (status >= 0 && it->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;

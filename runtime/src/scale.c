@@ -5,7 +5,8 @@
  *
  * What is nothing but rounding has no scale: its digits are noise, and steps that followed them would
  * shrink for nothing. What rounding of the state does to the accelerations is measured, by a change
- * of each number by some units in its last place; errors as large as that in a step are none.
+ * of each number by some units in its last place; errors as large as that over the step that is tried
+ * are none.
  */
 #include <string.h>
 
@@ -16,9 +17,10 @@
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 enum { OFTEN = 64 }; /* steps between two looks at rounding */
 
-/* 2 n each: tolerances, largest values, whose unit is shared, a state; n each: what rounding does to
- * accelerations, an acceleration, what rounding of momenta does to rates; and a mass matrix. */
-enum { ATOL = 0, MOST = 2, GROUP = 4, MOVED = 6, NOISE = 8, A = 9, BY_P = 10, PARTS = 11 };
+/* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n each:
+ * what rounding does to accelerations, an acceleration, what rounding of momenta does to rates; and a
+ * mass matrix. */
+enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, PARTS };
 
 size_t pk_scale_size(const struct pk_method *method, size_t n)
 {
@@ -67,19 +69,30 @@ static void note(const struct pk_integrator *it)
         most[i] = pk_max(most[i], pk_abs(it->state[i]));
 }
 
-/* h: of the step whose rounding counts. */
-static void set(const struct pk_integrator *it, pk_real h)
+static void follow(const struct pk_integrator *it)
 {
     const size_t n = it->n;
-    const pk_real *most = part(it, MOST), *of = part(it, GROUP), *noise = part(it, NOISE);
-    const pk_real *by_p = part(it, BY_P);
-    pk_real *all = part(it, MOVED);
+    const pk_real *most = part(it, MOST), *of = part(it, GROUP);
+    pk_real *own = part(it, OWN), *all = part(it, MOVED);
     memset(all, 0, 2 * n * sizeof *all);
     for (size_t i = 0; i < 2 * n; i++)
         all[(size_t)of[i]] = pk_max(all[(size_t)of[i]], most[i]);
     for (size_t i = 0; i < 2 * n; i++)
-        it->atol[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) +
-                      (i < n ? h * (h * noise[i] + by_p[i]) : h * noise[i - n] + by_p[i - n]) + PK_F(sqrt)(PK_TINY);
+        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) + PK_F(sqrt)(PK_TINY);
+}
+
+void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
+{
+    const size_t n = it->n;
+    if (!it->atol || it->options.atol >= 0)
+        return;
+    const pk_real *own = part(it, OWN), *noise = part(it, NOISE), *by_p = part(it, BY_P);
+    h = pk_abs(h);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real of_v = h * noise[i] + by_p[i];
+        it->atol[i] = own[i] + h * of_v;
+        it->atol[n + i] = own[n + i] + of_v;
+    }
 }
 
 static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a)
@@ -129,16 +142,14 @@ static void look_at_rounding(struct pk_integrator *it)
     look_at_momenta(it);
 }
 
-/* How long the shortest of what moves takes for its own scale; 0: unknown. Where a force has just begun,
- * or all but ended, v/a is far longer than what the coordinate takes to pass its scale. */
+/* How long the shortest of what moves takes for its own scale; 0: unknown. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
     pk_real h = 0;
     for (size_t i = 0; i < it->n; i++) {
         const pk_real v = most[it->n + i], size = pk_abs(a[i]);
-        const pk_real pass = v > 0 && most[i] > 0 ? most[i] / v : PK_INFINITY;
-        const pk_real x = v > 0 ? pk_min(v / size, pass) : PK_F(sqrt)(most[i] / size);
+        const pk_real x = v > 0 ? v / size : PK_F(sqrt)(most[i] / size);
         if (size > noise[i] && x > 0 && pk_finite(x) && !(h > 0 && h < x))
             h = x;
     }
@@ -163,21 +174,23 @@ void pk_scale_start(struct pk_integrator *it)
     }
     note(it);
     look_at_rounding(it);
-    set(it, while_it_falls(it));
-    const pk_real *a = part(it, A), ahead = LEAST * pk_abs(it->t);
-    for (size_t i = 0; i < n; i++)
-        it->atol[i] = pk_max(it->atol[i], it->options.rtol * ahead * pk_abs(it->v[i]));
-    pk_real *fall = part(it, MOVED) + n;
+    follow(it);
+    const pk_real *a = part(it, A), ahead = LEAST * pk_abs(it->t), first = while_it_falls(it);
+    pk_real *own = part(it, OWN), *fall = part(it, MOVED) + n;
     const pk_real *of = part(it, GROUP + 1);
+    for (size_t i = 0; i < n; i++)
+        own[i] = pk_max(own[i], it->options.rtol * ahead * pk_abs(it->v[i]));
+    pk_scale_attempt(it, first);
     for (size_t i = 0; i < n && it->count.steps == 0; i++) {
         const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->atol[i]);
         pk_real *shared = fall + ((size_t)of[i] - n);
         if (pk_finite(x))
-            it->atol[n + i] = pk_max(it->atol[n + i], x);
-        *shared = i == (size_t)of[i] - n ? it->atol[n + i] : pk_max(*shared, it->atol[n + i]);
+            own[n + i] = pk_max(own[n + i], x);
+        *shared = i == (size_t)of[i] - n ? own[n + i] : pk_max(*shared, own[n + i]);
     }
     for (size_t i = 0; i < n && it->count.steps == 0; i++)
-        it->atol[n + i] = pk_max(it->atol[n + i], SHARE * fall[(size_t)of[i] - n]);
+        own[n + i] = pk_max(own[n + i], SHARE * fall[(size_t)of[i] - n]);
+    pk_scale_attempt(it, first);
 }
 
 /* The length of a push from rest that hardly changes what pushes: a fraction of an oscillation. */
@@ -218,7 +231,7 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
         most[n + i] = pk_abs(a[i]) * d;
         raised = 1;
     }
-    set(it, pk_abs(it->h));
+    follow(it);
     return raised;
 }
 
@@ -230,5 +243,5 @@ void pk_scale_step(struct pk_integrator *it)
     if (it->count.rejections - it->rounded > 1 || it->count.steps % OFTEN == 0)
         look_at_rounding(it);
     it->rounded = it->count.rejections;
-    set(it, pk_abs(it->h));
+    follow(it);
 }

@@ -145,6 +145,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         const int lands = planned * PK_C(1.01) >= left || !(left > least);
         const pk_real h = lands ? left : planned;
         it->next_t = lands ? limit : it->t + sign * h;
+        pk_scale_attempt(it, h);
         status = PK_STEPPER(attempt)(it, table, &w, sign * h);
         if (status < 0) {
             pk_trouble(it, status, it->next_t);

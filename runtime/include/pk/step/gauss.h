@@ -173,6 +173,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         lands = planned * PK_C(1.01) >= left || !(left > least);
         it->next_t = lands ? limit : it->t + sign * planned;
         y.h = it->next_t - it->t; /* what the rounded times are apart: no drift between q and t */
+        pk_scale_attempt(it, y.h);
         const enum pk_status status = PK_STEPPER(gauss_trial)(it, &w, &y);
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;

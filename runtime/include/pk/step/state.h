@@ -43,6 +43,9 @@ static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
 static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
 static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
 
+/* it->atol for a step of length h: rounding of forces counts over the step that is tried. */
+void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
+
 /* What number i of q and v, which goes from a to b, may err by. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
