@@ -53,6 +53,7 @@ class Switch:
     impulse: int = 0  # of OF_ENERGY and OF_ROLLING
     slope: Row = ()  # by the coordinates, along body rates
     slope_t: Node = 0  # by t, all coordinates held
+    held: bool = True  # each of its calls on one side throughout a step
 
 
 @dataclass(frozen=True)

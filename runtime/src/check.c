@@ -29,7 +29,7 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
 {
     const unsigned missing = method->needs & ~system->facts;
-    return system->n_switches ? missing & ~(unsigned)PK_SMOOTH : missing;
+    return system->facts & PK_SWITCHED ? missing & ~(unsigned)PK_SMOOTH : missing;
 }
 
 int pk_sides_missing(const struct pk_integrator *it)

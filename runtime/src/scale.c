@@ -14,13 +14,14 @@
 
 #define SHARE PK_C(1e-6)
 #define ROUNDING (8 * PK_EPS)
+#define ASIDE PK_F(sqrt)(PK_EPS)
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 enum { OFTEN = 64 }; /* steps between two looks at rounding */
 
 /* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n each:
- * what rounding does to accelerations, an acceleration, what rounding of momenta does to rates; and a
- * mass matrix. */
-enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, PARTS };
+ * what rounding does to accelerations, an acceleration, what rounding of momenta does to rates, two
+ * accelerations beside; and a mass matrix. */
+enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, BESIDE, PARTS = 15 };
 
 size_t pk_scale_size(const struct pk_method *method, size_t n)
 {
@@ -125,20 +126,32 @@ static void look_at_momenta(struct pk_integrator *it)
     }
 }
 
-static void look_at_rounding(struct pk_integrator *it)
+/* Each number of a state by its `share` up or down. */
+static void shake(const struct pk_integrator *it, pk_real share, unsigned long random, pk_real *state)
 {
-    pk_real *moved = part(it, MOVED), *noise = part(it, NOISE), *a = part(it, A);
-    unsigned long random = 12345;
     for (size_t i = 0; i < 2 * it->n; i++) {
         random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
-        moved[i] = it->state[i] * (1 + (random & 0x40000000ul ? ROUNDING : -ROUNDING));
+        state[i] *= 1 + (random & 0x40000000ul ? share : -share);
     }
-    if (acceleration(it, it->t, it->state, a) &&
-        acceleration(it, it->t * (1 + ROUNDING), moved, noise))
-        for (size_t i = 0; i < it->n; i++)
-            noise[i] = pk_abs(noise[i] - a[i]);
-    else
-        memset(noise, 0, it->n * sizeof *noise);
+}
+
+/* Here and a little beside, the smaller: where a force sets in as a root does, rounding makes much of
+ * it for a moment that is none of a step. */
+static void look_at_rounding(struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    pk_real *moved = part(it, MOVED), *noise = part(it, NOISE), *a = part(it, A);
+    pk_real *beside = part(it, BESIDE), *other = beside + n;
+    memcpy(moved, it->state, 2 * n * sizeof *moved);
+    int valid = acceleration(it, it->t, moved, a);
+    shake(it, ROUNDING, 12345, moved);
+    valid = valid && acceleration(it, it->t * (1 + ROUNDING), moved, noise);
+    shake(it, ASIDE, 54321, moved);
+    valid = valid && acceleration(it, it->t * (1 + ASIDE), moved, beside);
+    shake(it, ROUNDING, 12345, moved);
+    valid = valid && acceleration(it, it->t * (1 + ASIDE) * (1 + ROUNDING), moved, other);
+    for (size_t i = 0; i < n; i++)
+        noise[i] = valid ? pk_min(pk_abs(noise[i] - a[i]), pk_abs(other[i] - beside[i])) : 0;
     look_at_momenta(it);
 }
 

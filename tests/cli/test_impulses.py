@@ -198,7 +198,8 @@ REFUSED = {
     "let X = abs(t - 1)\nforce x = X''": "the rate is taken here of what jumps where",
     "input u\npotential step(x - u)": "the rate of u is not known",
     "state z\nrate z = x\npotential step(x - z)": "which has a state in it",
-    "potential step(x - 1) + max(0, y)^1.5": "then no zeros are located",
+    "potential sqrt(1 + step(x - 1))": "jumps where x - 1 vanishes, in a root",
+    "rolling r: x' = y'*sqrt(2*step(x - 1) + 1)": "jumps where x - 1 vanishes",
 }
 
 

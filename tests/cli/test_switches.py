@@ -198,7 +198,7 @@ def test_an_argument_that_stays_zero_is_above(pkgen, tmp_path: Path) -> None:
         assert row[1] == pytest.approx(row[2], abs=1e-9)
 
 
-def test_what_has_no_value_beyond_the_zero_is_taken_as_it_stands(pkgen, tmp_path: Path) -> None:
+def test_steps_end_where_what_has_no_value_beyond_begins(pkgen, tmp_path: Path) -> None:
     """Hertz's contact, max(0, -x)^1.5, held on one side would be a root of what is negative."""
     path = tmp_path / "hertz.lag"
     path.write_text(
@@ -212,6 +212,9 @@ def test_what_has_no_value_beyond_the_zero_is_taken_as_it_stands(pkgen, tmp_path
     assert last[1:3] == pytest.approx([0.40022, -1.39917], abs=2e-5)  # by SciPy
     refused = pkgen("run", path, "--until", "5", "--method", "gauss")
     assert refused.returncode == 4 and "needs a system that is smooth" in refused.stderr
+    report = json.loads(pkgen("run", path, "--until", "5", "--json").stdout)["report"]
+    assert len(report["switches"][0]["times"]) > 8  # in and out of each bounce
+    assert "roots of what bends; between zeros of x, which" in pkgen("explain", path).stdout
 
 
 def test_what_bends_in_time_alone_and_moves_nothing_is_smooth(pkgen, write) -> None:

@@ -17,14 +17,19 @@ SHARP = {
     "abs": "abs({0})",
     "max": "max({0}, 0.1)",
     "min": "min({0}, 0.2)",
+    "hertz": "3*max({0}, 0)^1.5",
+    "root": "sqrt(max({0}, 0.1))",
 }
-ZERO = {"max": 0.1, "min": 0.2}  # where each bends; the others at 0
+KINDS, ROOTS = ("step", "abs", "max", "min"), ("hertz", "root")
+ZERO = {"max": 0.1, "min": 0.2, "root": 0.1}  # where each bends; the others at 0
 # tanh is 1 to the last bit beyond 19 w, so both models start alike.
 SMOOTH = {
     "step": "(1 + tanh(({0})/w))/2",
     "abs": "({0})*tanh(({0})/w)",
     "max": "0.1 + (({0}) - 0.1)*(1 + tanh((({0}) - 0.1)/w))/2",
     "min": "0.2 + (({0}) - 0.2)*(1 - tanh((({0}) - 0.2)/w))/2",
+    "hertz": "3*((({0}) + sqrt(({0})^2 + w^2))/2)^1.5",
+    "root": "sqrt(0.1 + (({0}) - 0.1)*(1 + tanh((({0}) - 0.1)/w))/2)",
 }
 # What stands within: of time, of place, of both, of a rate.
 OF_TIME = ("t - {c}", "sin(2*t) - 0.31", "{c} - t")
@@ -128,7 +133,13 @@ def _declared(place: Place) -> set[str]:
     return {x.split("=")[0] for x in lines if "=" in x or x.startswith(("input", "rotation"))}
 
 
-def model(seed: int, places: Place | tuple[Place, ...], sharp: bool, claim: str = "") -> str:
+def model(
+    seed: int,
+    places: Place | tuple[Place, ...],
+    sharp: bool,
+    claim: str = "",
+    kinds: tuple[str, ...] = KINDS,
+) -> str:
     """A model of two or three coordinates with a function in each place, and a scene.
 
     With a `claim` it is a free motion but for that function, so that much is constant; what is
@@ -138,7 +149,7 @@ def model(seed: int, places: Place | tuple[Place, ...], sharp: bool, claim: str 
     r = random.Random(f"{' '.join(place.name for place in places)} {seed}")
     names = max((place.free for place in places), key=len)
     while True:
-        bends = [_bend(r, place) for place in places]
+        bends = [_bend(r, place, kinds) for place in places]
         if len(bends) == 2 and bends[0].form in places[1].of and r.random() < 0.3:
             bends[1] = replace(bends[0], place=places[1], kind=bends[1].kind)  # both at once
         start = [round(r.uniform(-0.8, 0.8), 3) for _ in range(4)]
@@ -180,8 +191,10 @@ def model(seed: int, places: Place | tuple[Place, ...], sharp: bool, claim: str 
     return "\n".join([*lines, *given, *scene]) + "\n"
 
 
-def _bend(r: random.Random, place: Place) -> Bend:
-    kind, form = r.choice(list(SHARP)), r.choice(place.of)
+def _bend(r: random.Random, place: Place, kinds: tuple[str, ...]) -> Bend:
+    if place.name in ("constraint", "rolling") and kinds == ROOTS:
+        kinds = ("root",)  # the twin of the other does not start on the same surface
+    kind, form = r.choice(kinds), r.choice(place.of)
     c, d = f"{r.uniform(0.3, 1.5):.3f}", f"{r.uniform(-0.3, 0.4):.3f}"
     return Bend(place, kind, form, form.format(c=c, d=d))
 
@@ -203,7 +216,14 @@ def _number(text: str, t: float, x: float, y: float, x_dot: float, y_dot: float)
     """The value of one of the texts above."""
     text = re.sub(r"\(R\*\S+ \S+ \S+\)\.[xz]", "0", text)
     python = text.replace("x'", "x_dot").replace("y'", "y_dot").replace("^", "**")
-    names = {"sin": math.sin, "cos": math.cos, "abs": abs, "max": max, "min": min}
+    names = {
+        "sin": math.sin,
+        "cos": math.cos,
+        "abs": abs,
+        "max": max,
+        "min": min,
+        "sqrt": math.sqrt,
+    }
     names |= {"step": lambda a: float(a >= 0)}
     names |= {"t": t, "x": x, "y": y, "x_dot": x_dot, "y_dot": y_dot}
     return float(eval(python, {"__builtins__": {}}, names))

@@ -9,7 +9,7 @@ from conftest import ROOT, long_but
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
 import hunt
-from bent_models import PLACES
+from bent_models import PLACES, ROOTS
 
 PLACE = {place.name: place for place in PLACES}
 SEEN = ("force", "potential", "mass", "gauge", "dissipation", "constraint", "rolling", "hold")
@@ -22,9 +22,16 @@ def test_a_bend_is_the_limit_of_its_ramps(name):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("name", ["force", "potential", "mass", "rolling", "torque"])
+def test_so_is_a_root_of_one(name):
+    verdict, seen = hunt.judge((PLACE[name],), 1, ROOTS)
+    assert verdict == "agrees", seen
+
+
+@pytest.mark.long
 def test_another_motion_is_found_to_be_wrong(monkeypatch):
-    def other(seed, place, sharp):
-        text = model(seed, place, sharp)
+    def other(seed, place, sharp, kinds):
+        text = model(seed, place, sharp, kinds=kinds)
         return text.replace("force y = 0.7*", "force y = 0.71*") if sharp else text
 
     model = hunt.model

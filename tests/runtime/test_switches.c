@@ -96,7 +96,7 @@ static void set(struct run *r, acceleration_function *a, event_values *x, size_t
     r->system = (struct pk_system){.abi = PK_ABI,
                                    .name = "test",
                                    .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC |
-                                            PK_SEPARABLE,
+                                            PK_SEPARABLE | (switches ? PK_SWITCHED : 0u),
                                    .n = 1,
                                    .params_size = sizeof r->params,
                                    .coordinates = names,

@@ -91,11 +91,12 @@ def shortened(text: str) -> str:
 
 
 def _smooth(equations: Equations, structure: Structure) -> str:
-    if structure.smooth or not structure.switched:
+    if structure.smooth or not equations.switches:
         return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
     names = [switch.quantity.name for switch in equations.switches]
     shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
-    return f"between zeros of {', '.join(shown)}, which a run locates"
+    said = f"between zeros of {', '.join(shown)}, which a run locates"
+    return said if structure.switched else f"no: roots of what bends; {said}"
 
 
 def _impulses(equations: Equations) -> str:

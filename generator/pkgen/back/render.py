@@ -35,6 +35,7 @@ FACTS = [
     ("variational", "PK_VARIATIONAL"),
     ("smooth", "PK_SMOOTH"),
     ("affine", "PK_AFFINE"),
+    ("switched", "PK_SWITCHED"),
 ]
 
 # Kernels of struct pk_system, in its order.

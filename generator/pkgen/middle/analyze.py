@@ -62,7 +62,9 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         and (bound is None or bound.workless),
         variational=unforced and not equations.states and bound is None,
         smooth=smooth,
-        switched=not smooth and bool(equations.switches),
+        switched=not smooth
+        and bool(equations.switches)
+        and all(x.held for x in equations.switches),
         cyclic=_cyclic(equations, seen, jumping),
         affine=constant and autonomous and affine(equations, seen.normal),
         definite=definite(equations),

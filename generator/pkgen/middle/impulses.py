@@ -18,6 +18,7 @@ Nonsmooth Mechanics, 3rd ed., Springer 2016, chapters 1 and 3.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from ..equations import Equations, Quantity, Switch
 from ..model import Model
@@ -30,7 +31,7 @@ from .normal import Normal
 from .quantities import error
 from .residues import Varying
 from .substitute import rebuilt, substituted
-from .switches import Surfaces, argument_of
+from .switches import Surfaces, argument_of, free
 from .wording import wording
 
 OF_ENERGY, OF_ROLLING = 1, 2  # what may jump: L or a row of positions; a row of rates alone
@@ -148,20 +149,25 @@ class _Refused(Exception):
 
 def with_impulses(
     e: Equations,
-    known: tuple[Switch, ...] | None,
+    known: tuple[Switch, ...],
     name: Callable[[Symbol], str],
     rate_of: Callable[[Node], Node],
 ) -> tuple[Switch, ...]:
-    """The switches of the motion (None: they cannot be located), marked where they have an impulse,
-    and those behind them that have nothing else. Raises ModelError where no motion follows."""
+    """The switches of the motion, marked where they have an impulse, and those behind them that
+    have nothing else. Raises ModelError where no motion follows."""
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
     jumping = [e.lagrangian, *e.momenta, *rows]
     if not arguments_of(e.graph, jumping):
-        return known or ()
+        return known
     across, found, marked = Across(e.graph), {}, []
     surfaces = across.surfaces
-    places = {surfaces(x.node)[0]: x.node for x in known or ()}
+    places = {surfaces(x.node)[0]: x.node for x in known}
+    loose = {
+        surfaces.of_call(n)[0]
+        for n in free(across.graph, jumping)
+        if across.graph.data[n] in _JUMPING
+    }
     for node in arguments_of(across.graph, jumping):
         surface, _ = surfaces(node)
         argument = places.setdefault(surface, node)
@@ -170,18 +176,18 @@ def with_impulses(
         text = wording(across.graph, argument, name)
         try:
             kind = _kind(e, across, argument, text)
-            if kind and known is None:
+            if kind and surface in loose:
                 raise _Refused(
-                    f"L or a constraint jumps where {text} vanishes, and there is a root, a power"
-                    " or a logarithm of what bends or jumps: then no zeros are located",
-                    "put a smooth function in place of one of them",
+                    f"L or a constraint jumps where {text} vanishes, in a root, a power or a"
+                    " logarithm: of that neither side is known",
+                    "put the jump outside of it: sqrt(1 + step(x)) is 1 + (sqrt(2) - 1)*step(x)",
                 )
             slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
             found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)
         except _Refused as wrong:
             span = wrong.span or _span(e)
             raise error(e.model, wrong.message, span, wrong.help) from None
-    marked = [found.pop(surfaces(x.node)[0], x) for x in known or ()]
+    marked = [replace(found.pop(surfaces(x.node)[0], x), held=x.held) for x in known]
     return (*marked, *(x for x in found.values() if x.impulse))
 
 

@@ -184,11 +184,11 @@ class Facts:
     affine: bool
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not asked for
+    switched: bool = False  # switches of members of a family are not located
 
     @property
     def smooth_in_pieces(self) -> bool:
-        """Switches of members of a family are not located."""
-        return self.smooth
+        return self.smooth or self.switched
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ Springer 1993, section II.6, "Discontinuous equations".
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from fractions import Fraction
 
 from ..equations import Quantity, Switch
@@ -52,35 +53,40 @@ class Surfaces:
 
 def switches_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
-) -> tuple[Switch, ...] | None:
-    """Those of the equations that `outputs` are, each surface once: of x and -x the first.
-
-    None where one stands in what has no value everywhere, max(0, x)^(3/2) say: a step that is held
-    on one side goes a little beyond the zero, where that is no number. Then all stay as they are.
-    """
-    found: dict[object, Node] = {}
-    bounded = [a for n in reachable(g, outputs, VARIABLE) if _bounded(g, n) for a in g.args[n]]
+) -> tuple[Switch, ...]:
+    """Those of the equations that `outputs` are, each surface once: of x and -x the first."""
+    found: dict[object, Switch] = {}
     calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
-    if not calls:
-        return ()
-    if any(argument_of(g, n) != ZERO for n in reachable(g, bounded, VARIABLE)):
-        return None
+    loose = free(g, outputs)
     surfaces = Surfaces(g.copy())
     for node in calls:
         surface, sign = surfaces.of_call(node)
-        if sign:
-            found.setdefault(surface, argument_of(g, node))
-    return tuple(Switch(Quantity(wording(g, x, name), "", ""), x) for x in found.values())
+        if not sign:
+            continue
+        x = argument_of(g, node)
+        known = found.setdefault(surface, Switch(Quantity(wording(g, x, name), "", ""), x))
+        if node in loose:
+            found[surface] = replace(known, held=False)
+    return tuple(found.values())
+
+
+def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
+    """The calls that stand in what has no value everywhere, max(0, x) of max(0, x)^(3/2) say: a
+    step that is held on one side goes a little beyond the zero, where that is no number. They stay
+    as they are, and steps end at their zeros all the same."""
+    bounded = [a for n in reachable(g, nodes, VARIABLE) if _bounded(g, n) for a in g.args[n]]
+    return {n for n in reachable(g, bounded, VARIABLE) if argument_of(g, n) != ZERO}
 
 
 def sides(g: Graph, switches: Iterable[Switch]) -> dict[Node, tuple[int, int]]:
-    """Of each call that a switch decides: which one, and 1 or -1 as its own argument has the sign
-    of the switch's or the other."""
+    """Of each call that is held: by which switch, and 1 or -1 as its own argument has the sign of
+    the switch's or the other."""
     surfaces, found = Surfaces(g.copy()), {}
     places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
+    loose = free(g, range(len(g))) if places else set()
     for node in range(len(g) if places else 0):
         surface, sign = surfaces.of_call(node)
-        if surface in places:
+        if surface in places and node not in loose:
             k, side = places[surface]
             found[node] = k, sign * side
     return found

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define PK_ABI 9u
+#define PK_ABI 10u
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -34,9 +34,9 @@ enum pk_fact {
     PK_AUTONOMOUS = 1u << 4,   /* nothing depends on t explicitly, and there are no inputs */
     PK_CONSERVATIVE = 1u << 5, /* h is constant: dL/dt = 0, no Q, no D, no inputs */
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
-    PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations; or see
-                                  n_switches */
-    PK_AFFINE = 1u << 8        /* a = A q + B v + c with constant A, B, c; no t and no inputs */
+    PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
+    PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no t and no inputs */
+    PK_SWITCHED = 1u << 9      /* smooth with the sides of all switches given */
 };
 
 /* What may jump across a switch: L or a constraint of positions; a rolling's row. */
@@ -235,9 +235,10 @@ struct pk_system {
     /* Switches: arguments x of step(x), abs(x), and a - b of min(a, b), at whose zeros the
      * equations change from one smooth form to another. `switching` writes them. On which side
      * each is held, whatever x: 1 above, -1 below; 0, as defaults() leaves it: where x is. With
-     * all sides given the equations are smooth. They are n_switches pk_real from the byte `sides`
-     * of the params on; see pk/events.h, which sets them in a copy. 0 and NULL: there are none, or
-     * the system is not smooth and nobody knows where. */
+     * all sides given the equations are smooth (PK_SWITCHED), but for those within a root or a power
+     * that is no integer, which are not held: beyond the zero that is no number. The sides are
+     * n_switches pk_real from the byte `sides` of the params on; see pk/events.h, which sets them in
+     * a copy. 0 and NULL: there are none, or nobody knows where. */
     size_t n_switches;
     const struct pk_quantity *switches; /* names: the expressions as text, "t - t0" */
     size_t sides;

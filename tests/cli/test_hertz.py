@@ -1,0 +1,54 @@
+"""Contacts whose force is a root or a power of the depth: steps end where they begin and end."""
+
+from __future__ import annotations
+
+import math
+import random
+from pathlib import Path
+
+import pytest
+from conftest import long_but, rows, written
+
+
+def between_walls(seed: int) -> tuple[str, float, float, float]:
+    """A body between two walls k d^p, written in three ways; until when, where it is then, and the
+    width. The time within a wall is 2 d/v int_0^1 dz/sqrt(1 - z^p)."""
+    draw = random.Random(seed)
+    k, p = 10 ** draw.uniform(0, 7), draw.choice([1.5, 2.5, 3.5])
+    width, speed, x = draw.uniform(0.1, 9), 10 ** draw.uniform(-1, 1), draw.uniform(0.2, 0.8)
+    depth = (speed**2 / 2 / k) ** (1 / p)
+    within = math.sqrt(math.pi) * math.gamma(1 + 1 / p) / math.gamma(0.5 + 1 / p)
+    within *= 2 * depth / speed
+    until = (1 - x) * width / speed + 5 * within + 4 * width / speed + x * width / speed / 2
+    walls = draw.choice(
+        [
+            f"{k!r}*(max(0, x - {width!r})^{p} + max(0, -x)^{p})",
+            f"{k!r}*max(0, abs(x - {width / 2!r}) - {width / 2!r})^{p}",
+            f"{k!r}*(sqrt(max(0, x - {width!r}))^{2 * p:.0f} + sqrt(max(0, -x))^{2 * p:.0f})",
+        ]
+    )
+    start = f"start x = {x * width!r}, x' = {speed!r}, y = 1e-9\n"
+    text = f"model walls\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y^2/2 + {walls}\n{start}"
+    return text, until, width - x * width / 2, width
+
+
+@pytest.mark.parametrize("method", ["dop853", "dopri5", "radau", "gsl_rk8pd", "gsl_msbdf"])
+@pytest.mark.parametrize("seed", long_but(range(3), range(23)))
+def test_a_body_between_hertzian_walls(pkgen, tmp_path: Path, method: str, seed: int) -> None:
+    text, until, x, width = between_walls(seed)
+    path = written(tmp_path, text)
+    last = rows(
+        pkgen, path, "--until", until, "--every", until, "--method", method, "--rtol", "1e-10"
+    )[-1]
+    assert abs(last["x"] - x) < 2e-6 * width, (last["x"], x)
+
+
+@pytest.mark.parametrize("method", ["dop853", "radau", "gsl_rk8pd"])
+def test_a_jump_of_the_potential_beside_a_contact(pkgen, tmp_path: Path, method: str) -> None:
+    path = written(
+        tmp_path,
+        "model both\ncoord x\nkinetic x'^2/2\npotential 0.3*step(x - 1) + 1e4*max(0, -x)^2.5\n"
+        "start x = 0.5, x' = -1\n",
+    )
+    last = rows(pkgen, path, "--until", 3, "--every", 3, "--method", method, "--rtol", "1e-10")[-1]
+    assert last["x'"] == pytest.approx(math.sqrt(1 - 2 * 0.3), rel=1e-7)
