@@ -27,6 +27,15 @@ enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 #define ROUND PK_C(4.0)
 #define STALLED (PK_C(1024.0) * PK_EPS)
 
+/* How far number k moves in a step, or the attitude that it turns: its components mix. */
+static pk_real moved(const struct pk_variational_work *w, size_t k)
+{
+    if (k < w->rotation)
+        return pk_abs(w->h * w->V[k]);
+    const pk_real *turn = w->V + k - (k - w->rotation) % 3;
+    return pk_abs(w->h) * (pk_abs(turn[0]) + pk_abs(turn[1]) + pk_abs(turn[2]));
+}
+
 /* phi at the end, in units of the rounding of its terms and of q1 = q0 + h V; J there. */
 static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
 {
@@ -39,7 +48,7 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     for (size_t i = 0; i < w->c; i++) {
         pk_real size = at->phi_size[i] + PK_TINY;
         for (size_t k = 0; k < w->m; k++)
-            size += pk_abs(at->J[i * w->n + k] * w->h * w->V[k]);
+            size += pk_abs(at->J[i * w->n + k]) * moved(w, k);
         const pk_real ratio = pk_abs(at->phi[i]) / (PK_EPS * size);
         worst = ratio <= worst ? worst : ratio; /* what is no number gets through */
     }
