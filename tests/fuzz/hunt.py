@@ -95,9 +95,8 @@ def judge(places: Places, seed: int, kinds: tuple[str, ...] = KINDS) -> tuple[st
     way = random.Random(sharp).choice(WAYS)
     worst = way(sharp, rows)
     seen += f" {way.__name__} {worst:.0e}"
-    most = (
-        1e-5 if kinds == ROOTS else 1e-6
-    )  # fixed steps from where a root sets in are of order 1.5
+    # From where a root sets in, fixed steps are of order 1.5.
+    most = 1e-5 if kinds == ROOTS else 1e-6
     return ("agrees" if worst < most else "WAYS"), seen
 
 
