@@ -198,8 +198,8 @@ REFUSED = {
     "let X = abs(t - 1)\nforce x = X''": "the rate is taken here of what jumps where",
     "input u\npotential step(x - u)": "the rate of u is not known",
     "state z\nrate z = x\npotential step(x - z)": "which has a state in it",
-    "potential sqrt(1 + step(x - 1))": "jumps where x - 1 vanishes, in a root",
-    "rolling r: x' = y'*sqrt(2*step(x - 1) + 1)": "jumps where x - 1 vanishes",
+    "potential sqrt(4*step(x - 1))": "jumps where x - 1 vanishes, in a root",
+    "rolling r: x' = y'*sqrt(step(x - 1))": "jumps where x - 1 vanishes",
 }
 
 
@@ -222,6 +222,7 @@ STOPPED = {
     "potential step(x - 1) + step(x*y - 1)\nstart x' = 2, y' = 1.1, y = 0.45": "at once",
     "potential 0.2*step(y - 1)\nrolling r: x' = 0.2*step(y - 1)\nstart y' = 1": "both jump",
     "constraint r: x = exp(step(y^3 + y - 2)) - 1\nstart y' = 1": "r jumps",
+    "rolling r: x' = y'*sqrt(2*step(y - 1) + 1)\nstart y' = 1, x' = 1": "the rates in r jumps",
 }
 
 

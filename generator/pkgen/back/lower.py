@@ -108,7 +108,9 @@ class _Lowering:
         self.libm = libm
         self.structure = structure
         self.prefix = equations.model.name + "_"
-        decided = sides(equations.graph, equations.switches)
+        c = equations.constraints
+        positions = () if c is None else c.positions
+        decided = sides(equations.graph, equations.switches, positions)
         self.work = Workspace(equations.graph)
         for call, (switch, sign) in decided.items():
             self.work.side(call, switch, sign)

@@ -180,7 +180,7 @@ def with_impulses(
                 raise _Refused(
                     f"L or a constraint jumps where {text} vanishes, in a root, a power or a"
                     " logarithm: of that neither side is known",
-                    "put the jump outside of it: sqrt(1 + step(x)) is 1 + (sqrt(2) - 1)*step(x)",
+                    "put the jump outside of it: sqrt(4*step(x)) is 2*step(x)",
                 )
             slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
             found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)

@@ -12,7 +12,7 @@ Springer 1993, section II.6, "Discontinuous equations".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -20,10 +20,14 @@ from ..equations import Quantity, Switch
 from .differentiate import reachable
 from .graph import ONE, VARIABLE, ZERO, Graph, Node, Op, Symbol
 from .normal import Normal
+from .substitute import substituted
 from .wording import wording
 
 # What each of them is called where its side is given too, as a first argument.
 SIDED = {name: f"side_{name}" for name in ("step", "sign", "abs", "min", "max")}
+
+# Where the functions that have a value for some arguments alone cease to have one.
+_ENDS = {"sqrt": (0,), "log": (0,), "pow": (0,), "asin": (-1, 1), "acos": (-1, 1)}
 
 
 class Surfaces:
@@ -71,32 +75,61 @@ def switches_of(
 
 
 def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
-    """The calls that stand in what has no value everywhere, max(0, x) of max(0, x)^(3/2) say: a
-    step that is held on one side goes a little beyond the zero, where that is no number. They stay
-    as they are, and steps end at their zeros all the same."""
-    bounded = [a for n in reachable(g, nodes, VARIABLE) if _bounded(g, n) for a in g.args[n]]
-    return {n for n in reachable(g, bounded, VARIABLE) if argument_of(g, n) != ZERO}
-
-
-def sides(g: Graph, switches: Iterable[Switch]) -> dict[Node, tuple[int, int]]:
-    """Of each call that is held: by which switch, and 1 or -1 as its own argument has the sign of
-    the switch's or the other."""
-    surfaces, found = Surfaces(g.copy()), {}
-    places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
-    loose = free(g, range(len(g))) if places else set()
-    for node in range(len(g) if places else 0):
-        surface, sign = surfaces.of_call(node)
-        if surface in places and node not in loose:
-            k, side = places[surface]
-            found[node] = k, sign * side
+    """The calls that stand in what has no value everywhere and may come to its end where they bend,
+    max(0, x) of max(0, x)^(3/2) say: a step that is held on one side goes a little beyond the zero,
+    where that is no number. They stay as they are, and steps end at their zeros all the same."""
+    g, found = g.copy(), set()
+    for n in reachable(g, nodes, VARIABLE):
+        ends = _ends(g, n)
+        calls = reachable(g, g.args[n][:1], VARIABLE) if ends else ()
+        found |= {c for c in calls if argument_of(g, c) != ZERO and _may_be(g, n, c, ends)}
     return found
 
 
-def _bounded(g: Graph, node: Node) -> bool:
-    """Whether it has a value for some arguments alone."""
+def _ends(g: Graph, node: Node) -> tuple[int, ...]:
+    """Where what has a value for some arguments alone ceases to have one."""
     if g.op[node] is Op.POWER:
-        return g.data[node].denominator != 1
-    return g.op[node] is Op.CALL and g.data[node] in ("sqrt", "log", "asin", "acos", "pow")
+        return (0,) if g.data[node].denominator != 1 else ()
+    return _ENDS.get(g.data[node], ()) if g.op[node] is Op.CALL else ()
+
+
+def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
+    """Whether the argument of `node` may be one of `ends` where `call` bends or jumps."""
+    name, args = g.data[call], g.args[call]
+    at = [ZERO]
+    if name in ("step", "sign"):
+        at = [ONE, ZERO if name == "step" else g.negate(ONE)]
+    if name in ("min", "max"):
+        at = sorted(args, key=lambda a: g.depends[a] & VARIABLE)[:1]
+    for value in at:
+        try:
+            (there,) = substituted(g, g.args[node][:1], {call: value})
+        except ZeroDivisionError:
+            return True
+        if g.depends[there] & VARIABLE or any(
+            Normal(g)(g.subtract(there, g.number(x))) == {} for x in ends
+        ):
+            return True
+    return False
+
+
+def sides(
+    g: Graph, switches: Sequence[Switch], positions: Iterable[Node]
+) -> dict[Node, tuple[int, int]]:
+    """Of each call that is held: by which switch, and 1 or -1 as its own argument has the sign of
+    the switch's or the other. Where a row of `positions` jumps, they are held as it is."""
+    surfaces, found = Surfaces(g.copy()), {}
+    places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
+    loose = free(g, range(len(g))) if places else set()
+    placed = set(reachable(g, positions, VARIABLE))
+    for node in range(len(g) if places else 0):
+        surface, sign = surfaces.of_call(node)
+        if surface not in places:
+            continue
+        k, side = places[surface]
+        if node not in loose or (switches[k].impulse and node in placed):
+            found[node] = k, sign * side
+    return found
 
 
 def argument_of(g: Graph, node: Node) -> Node:
