@@ -192,7 +192,7 @@ def model(
 
 
 def _bend(r: random.Random, place: Place, kinds: tuple[str, ...]) -> Bend:
-    if place.name in ("constraint", "rolling") and kinds == ROOTS:
+    if place.name in ("constraint", "rolling", "rolling_slope") and kinds == ROOTS:
         kinds = ("root",)  # the twin of the other does not start on the same surface
     kind, form = r.choice(kinds), r.choice(place.of)
     c, d = f"{r.uniform(0.3, 1.5):.3f}", f"{r.uniform(-0.3, 0.4):.3f}"
