@@ -69,8 +69,8 @@ def test_a_jump_of_the_potential_beside_a_contact(pkgen, tmp_path: Path, method:
 # A root in whose argument something bends, but not where it ends.
 HELD = {
     "potential 0.7*sqrt(1 + step(x - 1))": "potential (0.7 + 0.7*(sqrt(2) - 1)*step(x - 1))",
-    "potential 0.7*sqrt(max(x, 0.3))": "potential 0.7*(sqrt(0.3) + step(x - 0.3)*(sqrt(x) - sqrt(0.3)))",
-    "constraint r: y = sqrt(max(x, 0.3))": "constraint r: y = sqrt(0.3) + max(0, sqrt(x) - sqrt(0.3))",
+    "potential 0.7*sqrt(max(x, 0.25))": "potential 0.7*(0.5 + step(x - 0.25)*(sqrt(x) - 0.5))",
+    "constraint r: y = sqrt(max(x, 0.25))": "constraint r: y = 0.5 + max(0, sqrt(x) - 0.5)",
     "constraint r: y = (1 + max(0, x - 1))^1.5": "constraint r: y = 1 + max(0, x^1.5 - 1)",
     "potential 0.7*asin(max(0, x - 1)/9)": "potential 0.7*max(0, asin((x - 1)/9))",
 }
@@ -84,10 +84,11 @@ def test_a_bend_within_a_root_away_from_its_end(pkgen, tmp_path, method: str, li
     ends = []
     for text in (line, HELD[line]):
         start = "x = 0.1, x' = 1.9" + (", y = 1, y' = 0" if "1.5" in line else "")
-        start += f", y = {math.sqrt(0.3)!r}" if "0.3" in line and "r:" in line else ""
+        start += ", y = 0.5" if "0.25" in line and "r:" in line else ""
         path = written(
             tmp_path,
-            f"model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential x^2/9\n{text}\nstart {start}\n",
+            "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential x^2/9\n"
+            f"{text}\nstart {start}\n",
         )
         words = ["--method", *method.split(), "--until", "1.5", "--every", "1.5"]
         ends.append(rows(pkgen, path, *words)[-1])
