@@ -54,3 +54,9 @@ def test_a_constant_that_no_double_holds_is_refused(potential, wrong):
     with pytest.raises(ModelError) as refused:
         looped(f"model scaled\n{CHAIN.format(q='q')}potential {potential}\n")
     assert wrong in refused.value.diagnostics[0].message
+
+
+def test_a_double_sum_that_says_nothing_of_its_pair_adds_no_force(tmp_path):
+    """Its derivatives vanish: C got an array of no entries."""
+    text = f"model idle\n{CHAIN.format(q='q')}potential sum((q[i]-q[i])^2, i = 1..N, j = 1..N)\n"
+    Looped(text, tmp_path)

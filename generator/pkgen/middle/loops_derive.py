@@ -153,7 +153,7 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
             for g in x.coordinates.values()
             if not g.is_family
         },
-        pairs=tuple(pairs),
+        pairs=tuple(p for p in pairs if p.by_row or p.by_other or p.by_scalar),
     )
 
 
