@@ -21,13 +21,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pkgen import __main__ as command
-from pkgen import options as parsing
-from pkgen import scene, scene_use
-from pkgen.build import build_program
-from pkgen.chart.chart import methods
-from pkgen.choose.trials import Trials
+from pkgen.analysis.chart.chart import methods
+from pkgen.analysis.choose.trials import Trials
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
+from pkgen.run.build import build_program
+from pkgen.scenes import asked as parsing
+from pkgen.scenes import scene
+from pkgen.scenes import use as scene_use
 
 from . import accuracy_reference, machine
 from .accuracy_chart import Chart, Way

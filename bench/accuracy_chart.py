@@ -13,8 +13,8 @@ import statistics
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from pkgen.chart.points import Method
-from pkgen.choose.trials import DENSE, LAND, Trial, Trials
+from pkgen.analysis.chart.points import Method
+from pkgen.analysis.choose.trials import DENSE, LAND, Trial, Trials
 
 FIRST = ("radau", "gauss", "dop853", "gauss8", "gauss4", "rk4")  # so that there is a cheapest soon
 GIVEN_UP = 2.5  # times the cheapest

@@ -9,11 +9,11 @@ import struct
 from dataclasses import dataclass
 from pathlib import Path
 
-from pkgen.build import build_program
-from pkgen.chart.reference import precise_tools
-from pkgen.choose.trials import LAND, Trials
+from pkgen.analysis.chart.reference import precise_tools
+from pkgen.analysis.choose.trials import LAND, Trials
 from pkgen.compiler import Compilation
-from pkgen.simulate import Settings
+from pkgen.run.build import build_program
+from pkgen.run.settings import Settings
 
 from .builds import OUTPUT
 

@@ -19,18 +19,18 @@ import sys
 import time
 from dataclasses import dataclass
 
-from pkgen import options as parsing
 from pkgen.__main__ import parser_of
-from pkgen.build import build_program
-from pkgen.chart import chart as charts
-from pkgen.chart.answer import ACCURACIES, Answer
-from pkgen.chart.chart import Chart
-from pkgen.chart.command import _effort
-from pkgen.chart.measure import Program
-from pkgen.chart.points import Method, Point
-from pkgen.commands import compile_within_limits
-from pkgen.progress import unseen
-from pkgen.scene_use import whole
+from pkgen.analysis.chart import chart as charts
+from pkgen.analysis.chart.answer import ACCURACIES, Answer
+from pkgen.analysis.chart.chart import Chart
+from pkgen.analysis.chart.measure import Program
+from pkgen.analysis.chart.points import Method, Point
+from pkgen.cli.chart import _effort
+from pkgen.cli.commands import compile_within_limits
+from pkgen.run.build import build_program
+from pkgen.scenes import asked as parsing
+from pkgen.scenes.use import whole
+from pkgen.system.progress import unseen
 
 from .chosen import chosen
 from .models import ROOT

@@ -16,10 +16,10 @@ import sys
 from dataclasses import dataclass
 
 from pkgen import __main__ as command
-from pkgen import options as parsing
-from pkgen import scene_use
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
+from pkgen.scenes import asked as parsing
+from pkgen.scenes import use as scene_use
 
 from . import machine, systems, tables
 from .builds import AS_RUN, OUTPUT, RUNTIME, SOURCES, compile_program, runtime_library

@@ -24,13 +24,15 @@ from pathlib import Path
 
 import numpy as np
 from pkgen import __main__ as command
-from pkgen import named, scene, scene_use
-from pkgen import options as parsing
-from pkgen.build import build_program
-from pkgen.choose.trials import DENSE, LAND, Trials
+from pkgen.analysis.choose.trials import DENSE, LAND, Trials
 from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
-from pkgen.simulate import Settings
+from pkgen.run import named
+from pkgen.run.build import build_program
+from pkgen.run.settings import Settings
+from pkgen.scenes import asked as parsing
+from pkgen.scenes import scene
+from pkgen.scenes import use as scene_use
 
 from . import machine, tables
 

@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pkgen import __main__ as command
-from pkgen import named, scene_use
-from pkgen import options as parsing
 from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
+from pkgen.run import named
+from pkgen.scenes import asked as parsing
+from pkgen.scenes import use as scene_use
 
 from . import machine, tables
 from .chosen import chosen

@@ -14,8 +14,9 @@ from functools import lru_cache
 from pathlib import Path
 
 import pytest
-from pkgen import build, toolchain
-from pkgen.exits import BuildError
+from pkgen.run import build
+from pkgen.system import toolchain
+from pkgen.system.exits import BuildError
 
 ROOT = Path(__file__).resolve().parent.parent
 MODELS = sorted((ROOT / "models").glob("*.lag"))

@@ -10,10 +10,12 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, run_pkgen
-from pkgen import build, limits, toolchain
-from pkgen.front import check
-from pkgen.middle import derive
+from pkgen import limits
+from pkgen.front.check import check
+from pkgen.middle.derive import derive
+from pkgen.run import build
 from pkgen.source import Source
+from pkgen.system import toolchain
 
 TUTORIAL = ROOT / "docs/tutorial.md"  # has a test of its own, test_tutorial.py
 PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").glob("*.md")} - {TUTORIAL})

@@ -33,7 +33,7 @@ from pathlib import Path
 from pkgen import __main__ as command, scene_use
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.options import UNROLL
+from pkgen.scenes.asked import UNROLL
 model, folder, *words = sys.argv[1:]
 use = scene_use.of_run(command.parser_of("run").parse_args([model, *words]))
 for name, text in compile_model(read(model), unroll=UNROLL, use=use).files.items():

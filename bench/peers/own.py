@@ -48,7 +48,7 @@ _COMPILE = """
 import sys
 from pathlib import Path
 from pkgen.compiler import compile_model
-from pkgen.options import UNROLL
+from pkgen.scenes.asked import UNROLL
 from pkgen.source import Source
 model, folder, *options = sys.argv[1:]
 made = compile_model(

@@ -13,11 +13,17 @@ import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
-from . import __version__, arguments, children, commands, run_command
-from .chart import command as chart_command
+from . import __version__
+from .cli import arguments, commands
+from .cli import chart as chart_command
+from .cli import run as run_command
+from .cli import stability as stability_command
 from .compiler import STAGES
-from .diagnostics import NAMES
-from .exits import (
+from .run.diagnostics import NAMES
+from .run.values import near
+from .source import ModelError
+from .system import children
+from .system.exits import (
     COMPILER_FAILED,
     DONE,
     INTERRUPTED,
@@ -27,11 +33,8 @@ from .exits import (
     NumericsFailed,
     UsageError,
 )
-from .option_values import near
-from .resources import ResourcesExceeded
-from .source import ModelError
-from .stability import command as stability_command
-from .toolchain import BuildError
+from .system.resources import ResourcesExceeded
+from .system.toolchain import BuildError
 
 
 def parser_of(command: str) -> argparse.ArgumentParser:

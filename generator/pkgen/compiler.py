@@ -22,20 +22,24 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import islice
 
-from .back import loops_lower, loops_render, lower, render
-from .back.beyond import Beyond, extreme
-from .back.loops_lower import LoopProgram
-from .back.program import Program
+from .back.c import loops_lower, loops_render, lower, render
+from .back.c.beyond import Beyond, extreme
+from .back.c.loops_lower import LoopProgram
+from .back.c.program import Program
 from .equations import Equations, Structure
-from .front import check, parse
+from .front import parse
+from .front.check import check
 from .loop_proofs import partly_proved, with_proofs
-from .middle import analyze, derive, loops_derive, reduce, states
-from .middle.apart import Part
-from .middle.canonical import with_hamiltonian
-from .middle.loops import Facts, LoopEquations, Unrolled
-from .middle.proofs import check_claims
+from .middle.analyze import analyze
+from .middle.analyze.proofs import check_claims
+from .middle.derive import derive, states
+from .middle.derive.canonical import with_hamiltonian
+from .middle.loops import derive as loops_derive
+from .middle.loops.loops import Facts, LoopEquations, Unrolled
 from .middle.quantities import families
-from .middle.reduction import ENOUGH, Needs
+from .middle.reduce import reduce
+from .middle.reduce.apart import Part
+from .middle.reduce.reduction import ENOUGH, Needs
 from .middle.report import Line, Report
 from .model import Model
 from .source import Diagnostic, Source

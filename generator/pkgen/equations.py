@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .middle.graph import Graph, Node
+from .graph.graph import Graph, Node
 from .model import Model
 from .source import Span
 

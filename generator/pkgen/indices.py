@@ -65,3 +65,7 @@ def parted(name: str) -> tuple[str, int | None]:
     """What `indexed` was made of; primes stay behind the name."""
     member = _MEMBER.fullmatch(name)
     return (member[1] + member[3], int(member[2])) if member else (name, None)
+
+
+def hidden(name: str) -> bool:
+    return name[0].isdigit()

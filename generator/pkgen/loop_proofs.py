@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from .equations import Claim, Structure
-from .front import check
+from .front.check import check
 from .front.statements import File
-from .middle import analyze, derive
-from .middle.loops import Facts, LoopEquations
-from .middle.proofs import OPEN
+from .middle.analyze import analyze
+from .middle.analyze.proofs import OPEN
+from .middle.derive import derive
+from .middle.loops.loops import Facts, LoopEquations
 from .middle.quantities import families
 from .model import Model
 from .source import Diagnostic, ModelError

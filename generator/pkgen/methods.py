@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from .equations import Equations, Structure
-from .middle.loops import Facts, LoopEquations
+from .middle.loops.loops import Facts, LoopEquations
 
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
 GAUSS_RTOL = 1e-5

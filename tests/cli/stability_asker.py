@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pkgen.build import build_program
+from pkgen.analysis.stability.ask import Asker
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
-from pkgen.simulate import Settings
-from pkgen.stability.ask import Asker
+from pkgen.run.build import build_program
+from pkgen.run.settings import Settings
 
 PENDULUM = """model pendulum
 coord theta

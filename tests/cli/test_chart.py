@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 from conftest import run_pkgen
-from pkgen.chart import chart, draw, labels, points, spectrum, sweep, table
-from pkgen.chart.panel import Curve
-from pkgen.chart.points import Method, Point, Track
+from pkgen.analysis.chart import chart, draw, labels, points, spectrum, sweep, table
+from pkgen.analysis.chart.panel import Curve
+from pkgen.analysis.chart.points import Method, Point, Track
 from pkgen.methods import inline_flags
 
 PENDULUM = """model pendulum

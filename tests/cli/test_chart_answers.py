@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
-from pkgen.chart import answer, search
-from pkgen.chart.points import Method, Point, Track
-from pkgen.chart.sweep import Effort
+from pkgen.analysis.chart import answer, search
+from pkgen.analysis.chart.points import Method, Point, Track
+from pkgen.analysis.chart.sweep import Effort
 
 UNTIL = 10.0
 Error = Callable[[float], float]

@@ -11,13 +11,13 @@ from xml.etree import ElementTree
 import pytest
 import sympy
 from conftest import ROOT
-from pkgen import mathml
-from pkgen.back.facts import facts, found_by_symmetry, invariants
+from pkgen.back.c.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
-from pkgen.explain import constants_text, proofs_record
-from pkgen.explain_html import SceneShown, html, scene_section
-from pkgen.middle.sympy_bridge import plain
+from pkgen.explain import mathml
+from pkgen.explain.explain import constants_text, proofs_record
+from pkgen.explain.html import SceneShown, html, scene_section
+from pkgen.middle.analyze.sympy_bridge import plain
 from pkgen.source import Source
 
 TOP = ROOT / "models/heavy_top.lag"

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build, simulate, toolchain
 from pkgen.__main__ import main
+from pkgen.run import build, simulate
+from pkgen.system import toolchain
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 FPUT = ROOT / "models/chains/fput.lag"

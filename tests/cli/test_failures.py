@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 from conftest import MODELS, ROOT
-from pkgen import ensemble, limits
+from pkgen import limits
 from pkgen.compiler import compile_model
-from pkgen.exits import UsageError
 from pkgen.front.read import read
+from pkgen.run import ensemble
+from pkgen.system.exits import UsageError
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 HOOP = ROOT / "models/bead_on_hoop.lag"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import options
+from pkgen.scenes import asked as options
 
 FPUT = ROOT / "models" / "chains" / "fput.lag"
 PARTS = """\

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from conftest import long_but
 from pkgen.compiler import check_model
-from pkgen.front.check_names import CALLABLE
+from pkgen.front.check.names import CALLABLE
 from pkgen.front.read import from_text
 from pkgen.functions import VECTOR_FUNCTIONS
 from pkgen.source import ModelError

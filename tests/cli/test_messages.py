@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
-from pkgen.chart import text
-from pkgen.chart.spectrum import Spectrum
-from pkgen.diagnostics_text import lines
+from pkgen.analysis.chart import text
+from pkgen.analysis.chart.spectrum import Spectrum
 from pkgen.front.parse import parse_all
-from pkgen.reasons import with_options
+from pkgen.run.diagnostics_text import lines
+from pkgen.run.reasons import with_options
 from pkgen.source import Source
 
 # x runs away, y goes uniformly, z stays; `kept` is a constant of the motion, zero but for errors.

@@ -19,13 +19,15 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, long_but, written
 from pkgen import __main__ as command
-from pkgen import options as parsing
-from pkgen import scene, scene_run, scene_use
-from pkgen.back.kernels import KERNELS
-from pkgen.build import _choice, runtime_library
+from pkgen.back.c.kernels import KERNELS
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.toolchain import RUNTIME, find_toolchain
+from pkgen.run.build import _choice, runtime_library
+from pkgen.scenes import asked as parsing
+from pkgen.scenes import run as scene_run
+from pkgen.scenes import scene
+from pkgen.scenes import use as scene_use
+from pkgen.system.toolchain import RUNTIME, find_toolchain
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 SCENES = [

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, long_but, run_pkgen
-from pkgen.build import build_program
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
+from pkgen.run.build import build_program
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 METHODS = {
@@ -58,8 +58,8 @@ def test_the_c_and_what_stands_beside_the_rows_say_so(pkgen, tmp_path: Path) -> 
 def test_the_runtime_is_portable_as_well(monkeypatch) -> None:
     """It is compiled by itself, with the flags of the model."""
     seen = []
-    monkeypatch.setattr("pkgen.build._runtime_name", lambda tools: seen.append(tools) or "x")
-    monkeypatch.setattr("pkgen.build.cached", lambda *_: Path())
+    monkeypatch.setattr("pkgen.run.build._runtime_name", lambda tools: seen.append(tools) or "x")
+    monkeypatch.setattr("pkgen.run.build.cached", lambda *_: Path())
     for portable in (False, True):
         build_program(compile_model(read(DOUBLE), portable=portable).files, "double_pendulum")
     assert ["-DPK_PORTABLE" in tools.flags for tools in seen] == [False, True]

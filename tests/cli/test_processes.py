@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import files
+from pkgen.system import files
 
 HOOP = ROOT / "models/bead_on_hoop.lag"
 LATE = 300

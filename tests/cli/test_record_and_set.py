@@ -9,9 +9,10 @@ import re
 import pytest
 from conftest import table, written
 from pkgen import __main__ as command
-from pkgen import scene_options, scene_use
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
+from pkgen.scenes import options as scene_options
+from pkgen.scenes import use as scene_use
 
 MODEL = """\
 model pulled

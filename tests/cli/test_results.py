@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy
 import pytest
 from conftest import ROOT
-from pkgen import files
-from pkgen.exits import UsageError
+from pkgen.system import files
+from pkgen.system.exits import UsageError
 
 MODEL = ROOT / "models/bead_on_hoop.lag"
 FALL = "model fall\ncoord x\nkinetic x'^2/2\npotential sqrt(x)\nstart x = 1\n"

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen import build, toolchain
 from pkgen.methods import METHODS, called
-from pkgen.resources import ResourcesExceeded, bounded
+from pkgen.run import build
+from pkgen.system import toolchain
+from pkgen.system.resources import ResourcesExceeded, bounded
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 

@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 from pkgen.__main__ import main
-from pkgen.exits import NumericsFailed
-from pkgen.stability import command, measure
+from pkgen.analysis.stability import measure
+from pkgen.cli import stability as command
+from pkgen.system.exits import NumericsFailed
 
 # matplotlib warns where labels have no room.
 pytestmark = pytest.mark.filterwarnings("error")

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from pkgen.stability.ask import Asker
+from pkgen.analysis.stability.ask import Asker
 from stability_asker import PENDULUM, asker, start
 
 

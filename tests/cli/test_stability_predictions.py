@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import pytest
 from conftest import ROOT
-from pkgen.stability import measure, misses, plan
-from pkgen.stability.ask import Asker, Close
-from pkgen.stability.map import known_methods
-from pkgen.stability.method import StepMap
-from pkgen.stability.predict import Prediction, limit, predictions
+from pkgen.analysis.stability import measure, misses, plan
+from pkgen.analysis.stability.ask import Asker, Close
+from pkgen.analysis.stability.map import known_methods
+from pkgen.analysis.stability.method import StepMap
+from pkgen.analysis.stability.predict import Prediction, limit, predictions
 from stability_asker import PENDULUM, asker, start
 
 MAGNETIC = """model magnetic

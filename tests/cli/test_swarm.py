@@ -8,12 +8,12 @@ import math
 from pathlib import Path
 
 import pytest
-from pkgen import swarm
-from pkgen.ensemble import Column
-from pkgen.exits import UsageError
-from pkgen.front.check import check_text
-from pkgen.front.scene_values import Values
+from pkgen.front.check.check import check_text
+from pkgen.front.check.scene_numbers import Values
+from pkgen.run.ensemble import Column
+from pkgen.scenes import swarm
 from pkgen.source import Source
+from pkgen.system.exits import UsageError
 
 PENDULUM = """model pendulum
 param l = 1 [m] in (0, inf)

@@ -8,12 +8,13 @@ import subprocess
 from pathlib import Path
 
 from conftest import STRICT
-from pkgen.back import lower, render
-from pkgen.back.kernels import KERNELS
-from pkgen.back.program import Program
+from pkgen.back.c import lower, render
+from pkgen.back.c.kernels import KERNELS
+from pkgen.back.c.program import Program
 from pkgen.equations import Equations
-from pkgen.front import check
-from pkgen.middle import analyze, derive
+from pkgen.front.check import check
+from pkgen.middle.analyze import analyze
+from pkgen.middle.derive import derive
 from pkgen.source import Source
 
 ROOT = Path(__file__).parents[2]

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pkgen.equations import Equations, ParameterSlot, Quantity, Structure
-from pkgen.middle.differentiate import Columns, Forward, gradient
-from pkgen.middle.graph import BIT, ZERO, Graph, Kind, Node, Symbol
-from pkgen.middle.solve import solve
+from pkgen.graph.differentiate import Columns, Forward, gradient
+from pkgen.graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from pkgen.graph.solve import solve
 from pkgen.model import Model
 from pkgen.source import Source, Span
 

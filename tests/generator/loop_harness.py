@@ -6,13 +6,14 @@ import ctypes
 from pathlib import Path
 
 from c_harness import STRICT, Loaded, run
-from pkgen.back import lower
-from pkgen.back.loops_lower import lower_loops
-from pkgen.back.loops_render import render_loops
-from pkgen.front import check
-from pkgen.middle import analyze, derive
-from pkgen.middle.loops import LoopEquations
-from pkgen.middle.loops_derive import derive_loops
+from pkgen.back.c import lower
+from pkgen.back.c.loops_lower import lower_loops
+from pkgen.back.c.loops_render import render_loops
+from pkgen.front.check import check
+from pkgen.middle.analyze import analyze
+from pkgen.middle.derive import derive
+from pkgen.middle.loops.derive import derive_loops
+from pkgen.middle.loops.loops import LoopEquations
 from pkgen.source import Source
 
 

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import pytest
-from pkgen.choose import lines, parts, record, reference
-from pkgen.choose.asked import Asked
-from pkgen.choose.candidates import Candidate
-from pkgen.choose.choice import Choice
-from pkgen.choose.choose import choose
-from pkgen.choose.trials import Trial
-from pkgen.expects import NOTHING
-from pkgen.simulate import Settings, Shown
+from pkgen.analysis.choose import lines, parts, record, reference
+from pkgen.analysis.choose.asked import Asked
+from pkgen.analysis.choose.candidates import Candidate
+from pkgen.analysis.choose.choice import Choice
+from pkgen.analysis.choose.choose import choose
+from pkgen.analysis.choose.trials import Trial
+from pkgen.run.settings import NOTHING, Settings, Shown
 from test_accuracy_search import ADAPTIVE, method, trial
 
 SETTINGS = Settings(

@@ -7,10 +7,10 @@ import math
 from dataclasses import dataclass
 
 import pytest
-from pkgen.chart.points import Method
-from pkgen.choose import reference, search
-from pkgen.choose.candidates import TABLE, Candidate, candidates
-from pkgen.choose.trials import DENSE, LAND, Trial
+from pkgen.analysis.chart.points import Method
+from pkgen.analysis.choose import reference, search
+from pkgen.analysis.choose.candidates import TABLE, Candidate, candidates
+from pkgen.analysis.choose.trials import DENSE, LAND, Trial
 
 
 def method(name: str, order: int, *flags: str, requires: tuple[str, ...] = ()) -> Method:

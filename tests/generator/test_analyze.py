@@ -7,11 +7,11 @@ from itertools import islice
 
 import pytest
 from building import links, model
-from pkgen.back.render import FACTS
+from pkgen.back.c.render import FACTS
 from pkgen.compiler import stages
-from pkgen.middle.analyze import analyze
-from pkgen.middle.derive import derive
-from pkgen.middle.graph import Kind, Symbol
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.analyze.analyze import analyze
+from pkgen.middle.derive.derive import derive
 from pkgen.source import Source
 
 # Potentials and forces below are not quadratic, or not steady, so that nothing is affine.

@@ -13,11 +13,11 @@ import numpy
 import pytest
 import sympy as sp
 from c_harness import COMPILERS, Loaded
-from pkgen.back.lower import lower
+from pkgen.back.c.lower import lower
 from pkgen.compiler import Use, compile_model
-from pkgen.middle.analyze import analyze
-from pkgen.middle.reduction import Needs
-from pkgen.middle.states import as_rates
+from pkgen.middle.analyze.analyze import analyze
+from pkgen.middle.derive.states import as_rates
+from pkgen.middle.reduce.reduction import Needs
 from pkgen.source import Source
 
 # A body that hangs off its centre on a moving support, with a potential of its attitude, a torque

@@ -7,11 +7,11 @@ from fractions import Fraction
 import pytest
 from building import links
 from pkgen.functions import FUNCTIONS
-from pkgen.middle.balls import Ball, Balls
-from pkgen.middle.derive import derive
-from pkgen.middle.differentiate import reachable
-from pkgen.middle.graph import Graph, Kind, Symbol
-from pkgen.middle.solved import accelerations
+from pkgen.graph.balls import Ball, Balls
+from pkgen.graph.differentiate import reachable
+from pkgen.graph.graph import Graph, Kind, Symbol
+from pkgen.middle.derive.derive import derive
+from pkgen.middle.points.solved import accelerations
 
 X, Y = Symbol(Kind.COORDINATE, 0), Symbol(Kind.COORDINATE, 1)
 COARSE, FINE = Balls(24), Balls(300)

@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from pkgen import cache, files
-from pkgen.exits import BuildError
+from pkgen.system import cache, files
+from pkgen.system.exits import BuildError
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_a_folder_that_others_may_write_is_closed(kept, tmp_path: Path) -> None:
 COLD = """
 import sys, time
 from pathlib import Path
-from pkgen import cache
+from pkgen.system import cache
 def make(new):
     Path(sys.argv[1]).open("a").write("made\\n")
     time.sleep(1)

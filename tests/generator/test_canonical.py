@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from c_harness import ODD, Loaded
 from conftest import MODELS
-from pkgen.back import lower
-from pkgen.front import check
-from pkgen.middle import analyze, derive
-from pkgen.middle.canonical import with_hamiltonian
+from pkgen.back.c import lower
+from pkgen.front.check import check
+from pkgen.middle.analyze import analyze
+from pkgen.middle.derive import derive
+from pkgen.middle.derive.canonical import with_hamiltonian
 from pkgen.source import ModelError, Source
 
 # Terms of first degree in the rates, explicit time, a force, friction: all that H has to carry.

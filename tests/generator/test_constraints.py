@@ -10,10 +10,10 @@ import numpy
 import pytest
 from c_harness import COMPILERS, Loaded
 from pkgen.compiler import compile_model
-from pkgen.explain_bound import freedom
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
-from pkgen.middle.rounding import sizes
+from pkgen.explain.bound import freedom
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.graph.rounding import sizes
 from pkgen.source import ModelError, Source
 
 # A rod whose length breathes, a plane that is inclined, and a blade that turns with a body; M
@@ -45,7 +45,7 @@ OUTPUTS = "observe tension = 2*lambda_rod\nobserve side = lambda_blade + p_a\n"
 
 def without_start_check(monkeypatch):
     """The rows are right anywhere; a start on all of them takes a computer to find."""
-    monkeypatch.setattr("pkgen.middle.derive.wrong_starts", lambda *_: [])
+    monkeypatch.setattr("pkgen.middle.derive.derive.wrong_starts", lambda *_: [])
 
 
 def rotated(Q, b):

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 from building import expression, links, model
-from pkgen.middle.count import operations
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import BIT, MINUS_ONE, ZERO, Kind, Op, Symbol
+from pkgen.graph.count import operations
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import BIT, MINUS_ONE, ZERO, Kind, Op, Symbol
+from pkgen.middle.derive.derive import derive
 from pkgen.middle.quantities import per_second
 
 MASS_AND_FORCE = frozenset({"mass", "force"})
@@ -226,7 +226,7 @@ def test_a_nested_sum_of_squares_is_not_blown_up():
 def test_the_same_for_every_hash_seed(tmp_path):
     script = (
         "from building import links\n"
-        "from pkgen.middle.derive import derive\n"
+        "from pkgen.middle.derive.derive import derive\n"
         "e = derive(links(4, own=True))\n"
         "print(list(zip(e.graph.op, e.graph.args, e.graph.data)), e.mass, e.force, e.pivots)\n"
     )

@@ -7,7 +7,7 @@ import time
 import pytest
 from building import HERE, links, model
 from pkgen import limits
-from pkgen.middle.derive import derive
+from pkgen.middle.derive.derive import derive
 from pkgen.source import ModelError
 
 MASS_AND_FORCE = frozenset({"mass", "force"})

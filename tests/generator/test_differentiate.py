@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import pytest
 from pkgen.functions import FUNCTIONS
-from pkgen.middle.differentiate import RULES, Columns, Forward, gradient
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import BIT, ONE, ZERO, Graph, Kind, Symbol
+from pkgen.graph.differentiate import RULES, Columns, Forward, gradient
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import BIT, ONE, ZERO, Graph, Kind, Symbol
 
 COORDINATE = BIT[Kind.COORDINATE]
 

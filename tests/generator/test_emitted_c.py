@@ -20,7 +20,7 @@ from c_harness import (
     write,
 )
 from hand_made import structure
-from pkgen.back.lower import lower
+from pkgen.back.c.lower import lower
 from test_render import nasty_model
 
 RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]

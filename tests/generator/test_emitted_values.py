@@ -9,11 +9,11 @@ from dataclasses import replace
 import pytest
 from c_harness import COMPILERS, ODD, STRICT, TYPES, Loaded, read_text, run, texts, write
 from hand_made import World, make, pendulum_chain, structure
-from pkgen.back.kernels import KERNELS
-from pkgen.back.lower import lower
-from pkgen.back.program import CHECK, FILL, RETURN
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
+from pkgen.back.c.kernels import KERNELS
+from pkgen.back.c.lower import lower
+from pkgen.back.c.program import CHECK, FILL, RETURN
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
 
 
 @pytest.fixture(scope="module", params=texts(), ids=lambda p: p[0])
@@ -222,7 +222,7 @@ def test_a_constant_mass_is_factored_by_prepare(tmp_path, n):
 
 
 def test_parts_of_a_long_kernel_work_together(tmp_path, monkeypatch):
-    from pkgen.back import chunk
+    from pkgen.back.c import chunk
 
     rng = random.Random(6)
     q, v = ([rng.uniform(-2, 2) for _ in range(6)] for _ in range(2))

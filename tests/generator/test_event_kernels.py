@@ -8,12 +8,14 @@ import mpmath
 import pytest
 import sympy as sp
 from c_harness import ROOT, Loaded, read_text
-from pkgen import explain, scene, scene_model
 from pkgen.compiler import check_model, compile_model
-from pkgen.exits import UsageError
-from pkgen.front import check
-from pkgen.middle import derive
+from pkgen.explain import explain
+from pkgen.front.check import check
+from pkgen.middle.derive import derive
+from pkgen.scenes import model as scene_model
+from pkgen.scenes import scene
 from pkgen.source import ModelError, Source
+from pkgen.system.exits import UsageError
 
 CART = """\
 model cart                     # a pendulum on a cart that is pushed

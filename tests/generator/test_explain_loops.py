@@ -10,11 +10,11 @@ import pytest
 import sympy as sp
 from loop_models import MODELS
 from pkgen.compiler import compile_model
-from pkgen.explain_loops import explain_loops, record_loops
-from pkgen.front import check
-from pkgen.middle import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
+from pkgen.explain.loops import explain_loops, record_loops
+from pkgen.front.check import check
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.derive import derive
 from pkgen.source import Source
 
 N = 9

@@ -9,7 +9,7 @@ import time
 
 import pytest
 from conftest import ROOT, long_but
-from pkgen.front.check import check_text
+from pkgen.front.check.check import check_text
 from pkgen.front.read import from_text
 from pkgen.source import ModelError
 

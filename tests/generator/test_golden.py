@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import MODELS, ROOT, read_model
-from pkgen.back.render import render
+from pkgen.back.c.render import render
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 

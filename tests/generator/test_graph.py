@@ -6,9 +6,9 @@ from fractions import Fraction as F
 from itertools import pairwise
 
 import pytest
-from pkgen.middle.count import operations
-from pkgen.middle.graph import BIT, MINUS_ONE, ONE, ZERO, Graph, Kind, Op, Symbol, TooLarge
-from pkgen.middle.sympy_bridge import to_sympy
+from pkgen.graph.count import operations
+from pkgen.graph.graph import BIT, MINUS_ONE, ONE, ZERO, Graph, Kind, Op, Symbol, TooLarge
+from pkgen.middle.analyze.sympy_bridge import to_sympy
 
 
 class World:
@@ -193,7 +193,7 @@ def test_random_expressions_keep_their_value():
     import math
     import random
 
-    from pkgen.middle.evaluate import evaluate
+    from pkgen.graph.evaluate import evaluate
 
     draw = random.Random(2385)
     checked = 0

@@ -8,11 +8,11 @@ import random
 import pytest
 from building import model
 from c_harness import MODELS, Loaded, read_model, read_text
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Graph, Kind, Symbol
-from pkgen.middle.ranges import ANY, Range, Ranges
-from pkgen.middle.wording import wording
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Graph, Kind, Symbol
+from pkgen.graph.ranges import ANY, Range, Ranges
+from pkgen.graph.wording import wording
+from pkgen.middle.derive.derive import derive
 
 CHART, MOTION = True, False
 OF_MODELS = {

@@ -16,9 +16,9 @@ import pytest
 import sympy as sp
 from kernel_cases import CASES, Case
 from pkgen.equations import Equations
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.derive.derive import derive
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 from sympy_lagrangians import t
 

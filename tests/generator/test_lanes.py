@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from c_harness import COMPILERS, MODELS, ODD, ROOT, STRICT, TYPES, read_text, run, write
-from pkgen.back.lower import lower
-from pkgen.middle import analyze
+from pkgen.back.c.lower import lower
+from pkgen.middle.analyze import analyze
 from sincos_harness import targets
 
 FAST = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]

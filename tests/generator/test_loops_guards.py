@@ -8,10 +8,10 @@ import random
 import numpy as np
 import pytest
 from loop_harness import Looped, looped
-from pkgen.front import check
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
+from pkgen.front.check import check
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.derive.derive import derive
 from pkgen.source import Source
 
 CHART, MOTION = True, False

@@ -8,13 +8,13 @@ from fractions import Fraction
 import pytest
 from c_harness import MODELS, read_model, read_text
 from hand_made import World, make, pendulum_chain, structure
-from pkgen.back.ctext import comment, fold, fold_call, string
-from pkgen.back.expressions import count_operations
-from pkgen.back.literals import literal
-from pkgen.back.lower import lower
-from pkgen.back.names import LOCAL_RESERVED, Names, local_wish
-from pkgen.back.program import CHECK, LOCAL, RETURN, STORE, operations_text
-from pkgen.middle.graph import ZERO, Graph, Node
+from pkgen.back.c.ctext import comment, fold, fold_call, string
+from pkgen.back.c.expressions import count_operations
+from pkgen.back.c.literals import literal
+from pkgen.back.c.lower import lower
+from pkgen.back.c.names import LOCAL_RESERVED, Names, local_wish
+from pkgen.back.c.program import CHECK, LOCAL, RETURN, STORE, operations_text
+from pkgen.graph.graph import ZERO, Graph, Node
 
 
 def potential_text(build) -> tuple[str, list[str]]:

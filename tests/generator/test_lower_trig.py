@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from c_harness import MODELS, read_model, read_text
 from hand_made import World, make, structure
-from pkgen.back.lower import lower
-from pkgen.back.program import LOCAL, TRIG
-from pkgen.middle.graph import Node
+from pkgen.back.c.lower import lower
+from pkgen.back.c.program import LOCAL, TRIG
+from pkgen.graph.graph import Node
 
 
 def trig_statements(kernel) -> list[tuple[list[str], list[str]]]:

@@ -6,8 +6,8 @@ import subprocess
 from pathlib import Path
 
 from conftest import ROOT
-from pkgen.build import runtime_library
-from pkgen.toolchain import find_toolchain
+from pkgen.run.build import runtime_library
+from pkgen.system.toolchain import find_toolchain
 
 # Between them these have every kind of function.
 SWITCHED = """model switched

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, long_but
-from pkgen.back.names import FIELD_RESERVED, LOCAL_RESERVED, Names
+from pkgen.back.c.names import FIELD_RESERVED, LOCAL_RESERVED, Names
 from pkgen.compiler import check_model, compile_model
 from pkgen.front.read import from_text
 from pkgen.front.words import reserved

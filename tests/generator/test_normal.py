@@ -7,13 +7,13 @@ import random
 
 import pytest
 from building import model
-from pkgen.middle import policies
-from pkgen.middle.collect import fewest, settled
-from pkgen.middle.count import operations
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import ZERO, Graph, Kind, Symbol
-from pkgen.middle.normal import Normal, squares_merged
+from pkgen.graph import policies
+from pkgen.graph.collect import fewest, settled
+from pkgen.graph.count import operations
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import ZERO, Graph, Kind, Symbol
+from pkgen.graph.normal import Normal, squares_merged
+from pkgen.middle.derive.derive import derive
 
 
 @pytest.fixture

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen.back.kernels import KERNELS
+from pkgen.back.c.kernels import KERNELS
 from pkgen.compiler import check_model, compile_model
-from pkgen.middle import particles_places as at_places
-from pkgen.middle import particles_text as reading
-from pkgen.middle.bodies import Body
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import ZERO
-from pkgen.middle.samples import defaults
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import ZERO
+from pkgen.middle.derive.derive import derive
+from pkgen.middle.particles import places as at_places
+from pkgen.middle.particles import text as reading
+from pkgen.middle.particles.bodies import Body
+from pkgen.middle.points.samples import defaults
 from pkgen.source import Source
 
 PLANE = "coord x, y\n"

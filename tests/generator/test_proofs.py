@@ -11,8 +11,8 @@ import sympy
 from claims import KEPLER, LENZ, LINKS, PAIR, PENDULUM, POLAR, claims, outcomes
 from conftest import ROOT
 from pkgen.compiler import check_model, stages
-from pkgen.middle.along import Along
-from pkgen.middle.sympy_bridge import to_sympy
+from pkgen.middle.analyze.along import Along
+from pkgen.middle.analyze.sympy_bridge import to_sympy
 from pkgen.source import ModelError, Source
 
 

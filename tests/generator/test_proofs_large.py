@@ -7,9 +7,9 @@ from itertools import islice
 
 from claims import claims, outcomes
 from pkgen.compiler import check_model, stages
-from pkgen.middle.combination import combination
-from pkgen.middle.graph import ONE, Graph, Kind, Symbol
-from pkgen.middle.residues import Residues
+from pkgen.graph.graph import ONE, Graph, Kind, Symbol
+from pkgen.graph.residues import Residues
+from pkgen.middle.analyze.combination import combination
 from pkgen.source import Source
 
 
@@ -36,7 +36,7 @@ def test_momenta_and_the_energy_need_no_acceleration():
 
 def test_large_systems_without_written_accelerations(monkeypatch):
     """The angular momentum of five links, by Cartesian lets: M x = w has the numbers x = 1."""
-    monkeypatch.setattr("pkgen.middle.along.solve", lambda *_: None)
+    monkeypatch.setattr("pkgen.middle.analyze.along.solve", lambda *_: None)
     n, text = range(1, 6), linked(5)
     text += "".join(f"kinetic (x{i}'^2 + y{i}'^2)/2\n" for i in n)
     turned = " + ".join(f"x{i}*y{i}' - y{i}*x{i}'" for i in n)

@@ -7,14 +7,15 @@ import random
 
 import pytest
 import sympy
-from pkgen.front import check, parse
-from pkgen.middle.analyze import analyze
-from pkgen.middle.apart import parts_of
-from pkgen.middle.derive import derive
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
-from pkgen.middle.reduce import reduce
-from pkgen.middle.reduction import ENOUGH, Needs
+from pkgen.front import parse
+from pkgen.front.check import check
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.analyze.analyze import analyze
+from pkgen.middle.derive.derive import derive
+from pkgen.middle.reduce.apart import parts_of
+from pkgen.middle.reduce.reduce import reduce
+from pkgen.middle.reduce.reduction import ENOUGH, Needs
 from pkgen.middle.specialise import folded, held
 from pkgen.source import ModelError, Source
 

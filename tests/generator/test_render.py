@@ -10,10 +10,10 @@ import sys
 import pytest
 from c_harness import MODELS, ROOT, read_model
 from hand_made import World, make, pendulum_chain, structure
-from pkgen.back.ctext import fold
-from pkgen.back.kernels_bound import BOUND
-from pkgen.back.lower import lower
-from pkgen.back.render import pasted, render
+from pkgen.back.c.ctext import fold
+from pkgen.back.c.kernels_bound import BOUND
+from pkgen.back.c.lower import lower
+from pkgen.back.c.render import pasted, render
 
 NASTY = 'ends */ early /* "quoted" back\\slash ??/ θ\u202e'
 
@@ -146,7 +146,7 @@ def test_the_same_to_the_byte_for_all_hash_seeds(seeds):
     script = (
         "import sys, hashlib; sys.path.insert(0, 'tests/generator')\n"
         "from c_harness import MODELS, read_model\n"
-        "from pkgen.back.render import render\n"
+        "from pkgen.back.c.render import render\n"
         "for path in MODELS:\n"
         "    files = render(read_model(path)[1], self_test=True)\n"
         "    print(hashlib.sha256(repr(sorted(files.items())).encode()).hexdigest())\n"

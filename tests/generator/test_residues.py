@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 from building import model
-from pkgen.middle.collect import settled
-from pkgen.middle.expand import Expander
-from pkgen.middle.graph import BIT, VARIABLE, Graph, Kind
-from pkgen.middle.normal import Normal
-from pkgen.middle.residues import PRIME, Residues, Varying
+from pkgen.graph.collect import settled
+from pkgen.graph.graph import BIT, VARIABLE, Graph, Kind
+from pkgen.graph.normal import Normal
+from pkgen.graph.residues import PRIME, Residues, Varying
+from pkgen.middle.expand.expand import Expander
 
 RATES, COORDINATES = BIT[Kind.RATE], BIT[Kind.COORDINATE]
 

@@ -7,9 +7,9 @@ import sys
 
 import mpmath
 import pytest
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import ONE, Graph, Kind, Symbol
-from pkgen.middle.rounding import sizes
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import ONE, Graph, Kind, Symbol
+from pkgen.graph.rounding import sizes
 
 EPS = sys.float_info.epsilon
 X = [Symbol(Kind.COORDINATE, i) for i in range(3)]

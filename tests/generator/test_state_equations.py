@@ -10,9 +10,9 @@ import pytest
 import sympy as sp
 from c_harness import STRICT, run
 from pkgen.compiler import Use, compile_model
-from pkgen.middle.evaluate import evaluate
-from pkgen.middle.graph import Kind, Symbol
-from pkgen.middle.reduction import Needs
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.reduce.reduction import Needs
 from pkgen.source import ModelError, Source
 
 # M, V, D and a force depend on the states, their rates on momenta, the energy, t and each other.

@@ -8,9 +8,10 @@ import random
 
 import pytest
 from c_harness import Loaded, read_text
-from pkgen.back import render
-from pkgen.front import check
-from pkgen.middle import analyze, derive
+from pkgen.back.c import render
+from pkgen.front.check import check
+from pkgen.middle.analyze import analyze
+from pkgen.middle.derive import derive
 from pkgen.source import Source
 
 KINKS = """model kinks

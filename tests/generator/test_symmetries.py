@@ -8,10 +8,10 @@ from itertools import islice
 import pytest
 import sympy
 from pkgen.compiler import stages
-from pkgen.middle.along import Along
-from pkgen.middle.exact import Exact
-from pkgen.middle.nullspace import null_space
-from pkgen.middle.proofs import vanishes
+from pkgen.graph.exact import Exact
+from pkgen.graph.nullspace import null_space
+from pkgen.middle.analyze.along import Along
+from pkgen.middle.analyze.proofs import vanishes
 from pkgen.source import Source
 
 PLANE = "coord x, y\nkinetic (x'^2 + y'^2)/2\n"

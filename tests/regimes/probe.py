@@ -12,9 +12,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from pkgen import build, named, toolchain
 from pkgen.compiler import compile_model
+from pkgen.run import build, named
 from pkgen.source import Source
+from pkgen.system import toolchain
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -6,7 +6,7 @@ import math
 import re
 
 import pytest
-from pkgen.build import driver_methods
+from pkgen.run.build import driver_methods
 
 from .catalogue import MISSING, PREDICTIONS
 from .chains import kink_frequency

@@ -1,1 +1,1 @@
-"""From Equations to C: `lower`, then `render`."""
+"""Back ends: each folder turns a Program into files of one kind. They do not know each other."""

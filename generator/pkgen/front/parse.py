@@ -17,9 +17,9 @@ from lark.exceptions import UnexpectedToken
 from lark.lexer import Lexer
 
 from .. import limits
-from ..cache import cached
-from ..exits import BuildError
 from ..source import Diagnostic, ModelError, Source, Span
+from ..system.cache import cached
+from ..system.exits import BuildError
 from ..tree import Expr, children
 from . import statements as st
 from .lexed import Lexed

@@ -14,7 +14,7 @@ hold, and keep what they keep, for a Q of any length, as a method's stages have 
 from __future__ import annotations
 
 from ..equations import Attitude, Row
-from .graph import ZERO, Graph, Kind, Node, Symbol
+from ..graph.graph import ZERO, Graph, Kind, Node, Symbol
 
 # Of Q e_i: which number of Q stands in w, x, y, z, and with which sign.
 _TURNED = (

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..equations import Attitude, Linear, Matrix, Row
+from ..graph.collect import THOROUGH, fewest, forms, settled
+from ..graph.count import operations
+from ..graph.differentiate import Columns, Forward, gradient, reachable
+from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
+from ..graph.solve import Solution, solve
 from .attitudes import gyroscopic, slopes
-from .collect import THOROUGH, fewest, forms, settled
-from .count import operations
-from .differentiate import Columns, Forward, gradient, reachable
-from .graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from .quantities import symbols
-from .solve import Solution, solve
 
 COORDINATES = BIT[Kind.COORDINATE]
 RATES = BIT[Kind.RATE]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..equations import Quantity
+from ..graph.graph import Graph, Node, Symbol
 from ..indices import indexed, integer
 from ..model import Coordinate, Input, Model, Parameter, State
 from ..source import Diagnostic, ModelError, Span
 from ..tree import Range
-from .graph import Graph, Node, Symbol
 
 
 @dataclass(frozen=True)

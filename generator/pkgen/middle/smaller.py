@@ -11,11 +11,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity
+from ..graph.differentiate import reachable
+from ..graph.graph import BIT, Graph, Kind, Node, Op, Symbol
+from ..graph.substitute import substituted
 from ..model import Coordinate, Model, State
-from .differentiate import reachable
-from .graph import BIT, Graph, Kind, Node, Op, Symbol
 from .quantities import families, indexed, symbols
-from .substitute import substituted
 
 Start = tuple[str, int]  # a coordinate's name, and 0 for its value, 1 for its rate
 

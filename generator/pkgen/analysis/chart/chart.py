@@ -1,0 +1,121 @@
+"""A chart as it was measured: all that the pictures, the tables and the page are made of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...compiler import Compilation
+from ...run import named
+from ...run.build import build_program, driver_methods
+from ...run.settings import Settings
+from ...system.progress import Show
+from . import answer, reference, spectrum, sweep
+from .answer import Answer
+from .measure import Program
+from .points import Method, Track
+from .reference import Reference
+from .spectrum import Spectrum
+from .sweep import Bench, Effort
+
+TITLE_PARAMETERS = 12
+
+
+@dataclass(frozen=True)
+class Chart:
+    model: str
+    unit: str  # of time; "" without units
+    values: list[tuple[str, float, str]]  # parameters and starts: name, value, unit
+    until: float
+    reference: Reference
+    spectrum: Spectrum
+    tracks: list[Track]  # of methods that apply
+    refused: dict[str, str]  # of those that do not: why
+    answers: list[Answer]
+
+    @property
+    def time(self) -> str:
+        return f"{self.until:g} {self.unit}".rstrip()
+
+    def subtitle(self) -> str:
+        """Parameters, starts that are not zero, and the duration."""
+        said = [f"{name} = {value:.6g} {unit}".rstrip() for name, value, unit in self.values]
+        if len(said) > TITLE_PARAMETERS:
+            said = [*said[:TITLE_PARAMETERS], "…"]
+        return ", ".join(said)
+
+
+def methods(wanted: list[str] | None) -> list[Method]:
+    """Those that the driver lists, or the wanted ones of them. Raises KeyError for another."""
+    known = {}
+    for m in driver_methods():
+        limits = m.get("limits") or {}
+        known[m["name"]] = Method(
+            name=str(m["name"]),
+            order=int(m["order"]),
+            flags=tuple(m["flags"]),
+            requires=tuple(m["requires"]),
+            imaginary=_end(limits.get("imaginary")),
+            real=_end(limits.get("real")),
+        )
+    return [known[name] for name in dict.fromkeys(known if wanted is None else wanted)]
+
+
+def _end(limit: object) -> float | None:
+    if limit is None:
+        return None
+    return math.inf if limit == "infinite" else float(limit)  # type: ignore[arg-type]
+
+
+def measure(
+    compilation: Compilation,
+    settings: Settings,
+    chosen: list[Method],
+    effort: Effort,
+    on_progress: Show,
+) -> Chart:
+    """Raises NumericsFailed, BuildError, or UsageError."""
+    name = compilation.model.name
+    on_progress(0.0, "compiling")
+    path = build_program(compilation.files, name, *(m.name for m in chosen))
+    with Program(path, settings) as program:
+        given = program.given()
+        on_progress(0.02, "compiling and integrating the reference")
+        exact = reference.find(compilation, given)
+        structure = compilation.structure
+        follower = "gauss" if structure.smooth_in_pieces else "dop853"
+        found = spectrum.find(program, follower, settings.until, not structure.variational)
+        bench = Bench(program, exact.final, exact.scales, exact.error, settings.until, effort)
+        tracks = sweep.measure(
+            bench, chosen, found, lambda part, text="": on_progress(0.1 + 0.8 * part, text)
+        )
+        on_progress(0.9, "the answers")
+        able = [t for t in tracks if not t.points[0].refused]
+        told, able = answer.answers(bench, able)
+    on_progress(1.0)
+    return Chart(
+        model=name,
+        unit="" if compilation.model.dimensionless else "s",
+        values=_values(compilation, given),
+        until=settings.until,
+        reference=exact,
+        spectrum=found,
+        tracks=able,
+        refused={t.method.name: t.points[0].reason for t in tracks if t.points[0].refused},
+        answers=told,
+    )
+
+
+def _values(compilation: Compilation, given: Settings) -> list[tuple[str, float, str]]:
+    quantities = [
+        (named.parameters(compilation).columns(10**9), given.parameters, False),
+        (named.coordinates(compilation).columns(10**9), given.start_q, True),
+        (named.coordinates(compilation, rates=True).columns(10**9), given.start_v, True),
+    ]
+    found = []
+    for columns, values, start in quantities:
+        for quantity, (_, x) in zip(columns, values, strict=True):
+            if start and x == 0:
+                continue
+            found.append((f"{quantity.name}(0)" if start else quantity.name, x, quantity.unit))
+    return found

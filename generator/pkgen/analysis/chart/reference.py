@@ -1,0 +1,160 @@
+"""The final state, known well beyond double precision: integrated in __float128 (where a compiler
+has no such type in long double) by gauss of order 16 at a tolerance near its round-off, again at
+a looser one, and by dop853, which shares no line of its step with gauss. The largest disagreement
+of the three is taken as the reference's error. The equations are those of the model's own C in
+all three; that these are right is what other tests are for.
+
+What is compared is states at a hundred equal times. So the largest magnitude of every coordinate
+and rate is known, which errors are relative to; and if the motion is chaotic, until when the
+reference holds.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from dataclasses import dataclass, replace
+
+from ...compiler import Compilation
+from ...run.build import build_program
+from ...run.settings import Settings
+from ...system.exits import NumericsFailed, UsageError
+from ...system.toolchain import BuildError, Toolchain, find_toolchain
+from .measure import Exact, Program, difference
+
+TIMES = 100
+MUST_AGREE = 1e-13  # where the reference is worse the chart is cut
+SLOWEST = 60.0  # seconds for one integration
+
+# Of a scalar type: its macro, the libraries, and tolerances of gauss, gauss again and dop853, which
+# needs h ~ tolerance^(1/8), so that 1e-22 is what it does in the time that gauss takes.
+TYPES = {
+    "__float128": ("-DPK_FLOAT128", ("-lquadmath",), (1e-28, 1e-25, 1e-22)),
+    "long double": ("-DPK_LONG_DOUBLE", (), (1e-18, 1e-17, 1e-17)),
+}
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The state at `until`; `error` is its own, `holds` until when that is below MUST_AGREE."""
+
+    final: Exact
+    scales: list[float]
+    error: float
+    holds: float
+    until: float
+    scalar: str
+    steps: int
+
+    @property
+    def trusted(self) -> bool:
+        return self.error <= MUST_AGREE
+
+    def text(self, time: str) -> str:
+        said = (
+            f"gauss in {self.scalar}, {self.steps} steps, agrees with dop853 and a looser "
+            f"tolerance to {self.error:.1e}"
+        )
+        if self.trusted:
+            return said
+        unit = f" {time}" if time else ""
+        return (
+            f"{said}: not to {MUST_AGREE:.0e}, so the chart is cut at ten times that; "
+            f"it does so until t = {self.holds:.3g}{unit} (--until)"
+        )
+
+
+def precise_tools(scalar: str) -> list[Toolchain]:
+    """Compilers to try for a scalar type, with the flags that it wants."""
+    macro, libraries, _ = TYPES[scalar]
+    tools = find_toolchain()
+    flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
+    own = replace(tools, flags=flags, gsl_cflags=None, gsl_libs=libraries)
+    if "gcc" in tools.cc[0] or not shutil.which("gcc"):
+        return [own]
+    return [own, replace(own, cc=("gcc",), version="gcc")]
+
+
+def find(compilation: Compilation, settings: Settings) -> Reference:
+    """Raises NumericsFailed, UsageError where nothing moves, or BuildError if nothing compiles."""
+    refusal: BuildError | None = None
+    for scalar in TYPES:
+        for tools in precise_tools(scalar):
+            try:
+                program = build_program(compilation.files, compilation.model.name, tools=tools)
+            except BuildError as error:
+                refusal = error
+                continue
+            with Program(program, settings) as running:
+                return _agree(running, scalar, compilation.structure.smooth_in_pieces)
+    assert refusal is not None
+    raise refusal
+
+
+def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
+    tight, loose, other = TYPES[scalar][2]
+    # gauss means nothing across a kink; there dop853 has to agree with itself.
+    best = "gauss" if smooth else "dop853"
+    first = (tight, loose) if smooth else (other, other * 100)
+    paths = [_path(program, best, tolerance) for tolerance in first]
+    if smooth:
+        paths.append(_path(program, "dop853", other))
+    exact, checks = paths[0], paths[1:]
+    if _at_rest([state for _, state in exact[0]]):
+        raise UsageError(
+            "nothing moves from this start, so every method is exact; give another by --start"
+        )
+    scales = _scales([state for _, state in exact[0]])
+    worst = [
+        max(difference(state, check[0][k][1], scales) for check in checks)
+        for k, (_, state) in enumerate(exact[0])
+    ]
+    holds = 0.0
+    for (t, _), error in zip(exact[0], worst, strict=True):
+        if error > MUST_AGREE:
+            break
+        holds = t
+    return Reference(
+        final=exact[0][-1][1],
+        scales=scales,
+        error=worst[-1],
+        holds=holds,
+        until=exact[0][-1][0],
+        scalar=scalar,
+        steps=exact[1],
+    )
+
+
+def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[float, Exact]], int]:
+    found = program.ask("path", method, tolerance, TIMES, SLOWEST)
+    if found["status"] != "PK_DONE":
+        raise NumericsFailed(
+            f"the reference ends early: {found['reason']}; give an --until before that"
+        )
+    if found["slow"]:
+        raise NumericsFailed(
+            f"the reference came to t = {found['t']:.3g} in {SLOWEST:g} s; take a shorter --until"
+        )
+    states = [(state["t"], Exact.of(state)) for state in found["states"]]
+    return states, found["steps"]
+
+
+def _at_rest(states: list[Exact]) -> bool:
+    """Nothing moves by what a double can tell."""
+    for i in range(len(states[0])):
+        xs = [state[i] for state in states]
+        if float(max(xs) - min(xs)) > sys.float_info.epsilon * float(max(map(abs, xs))):
+            return False
+    return True
+
+
+def _scales(states: list[Exact]) -> list[float]:
+    """The largest magnitude of each coordinate and each rate; of one that never moves, that of the
+    others of its kind."""
+    n = states[0].coordinates
+    largest = [float(max(abs(state[i]) for state in states)) for i in range(len(states[0]))]
+    scales: list[float] = []
+    for kind in (largest[:n], largest[n:]):
+        usual = max(kind, default=0.0) or 1.0
+        scales += [x or usual for x in kind]
+    return scales

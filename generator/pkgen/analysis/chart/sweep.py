@@ -1,0 +1,139 @@
+"""Which points are measured: each method at steps or tolerances from loose to tight, until its
+error is round-off, or the next point would take more than its share of the time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...system.progress import Show
+from .measure import Exact, Program
+from .points import Method, Point, Track
+from .spectrum import Spectrum
+
+SWEPT = 2 / 3  # of the time to measure; what is left is the answers' (search.py)
+LOOSEST, TIGHTEST = 1e-2, 1e-14  # tolerances
+DECADES = 14.0  # of error that the steps of a method are to go through
+FINER = (1.12, 4.0)  # a step over the next one, at least and at most
+UNKNOWN = 1.4  # where the last step failed
+PAST_LIMIT = 1.5  # the first step, in limits; without a limit in radians of the fastest: LONGEST
+LONGEST = 3.0  # or, if that is more, its order
+ROUND_OFF = 3e-16
+EASED = 1e-8  # below it an error that no longer falls has met round-off
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long to measure."""
+
+    points: int  # of a method, at most
+    lap_seconds: float  # of laps of a point
+    seconds: float  # of everything, by the processor's clock
+
+    @staticmethod
+    def usual(points: int | None, seconds: float | None, quick: bool) -> Effort:
+        return Effort(
+            points or (9 if quick else 16),
+            0.004 if quick else 0.03,
+            seconds or (8.0 if quick else 60.0),
+        )
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What points are measured against."""
+
+    program: Program
+    exact: Exact
+    scales: list[float]
+    floor: float  # the reference's own error
+    until: float
+    effort: Effort
+
+    def point(self, method: Method, setting: float, cap: float, lap: float = math.inf) -> Point:
+        lap = min(lap, self.effort.lap_seconds)
+        return self.program.point(method, setting, lap, cap, self.exact, self.scales)
+
+
+class Steps:
+    """Whole parts of the time to go, from one past the limit (or, without a limit, so long that
+    an oscillation has few steps) on; the next so much finer that the error falls by its share of
+    DECADES, as far as the last two errors tell."""
+
+    def __init__(self, method: Method, spectrum: Spectrum, count: int):
+        limit = spectrum.limit(method)
+        self.order = max(1, method.order)
+        first = PAST_LIMIT * limit if limit else max(LONGEST, self.order) / spectrum.fastest
+        self.until = spectrum.until
+        self.whole = max(1, math.ceil(self.until / first))
+        self.decades = DECADES / count
+
+    @property
+    def first(self) -> float:
+        return self.until / self.whole
+
+    def after(self, points: list[Point]) -> float:
+        slope = float(self.order)
+        if len(points) > 1 and points[-2].good and points[-1].good:
+            gained = math.log((points[-2].error or 1.0) / (points[-1].error or 1.0))
+            slope = gained / math.log(points[-2].setting / points[-1].setting)
+        elif not points[-1].good:
+            slope = self.decades / math.log10(UNKNOWN)
+        slope = min(max(slope, 0.1), self.order)
+        ratio = min(max(10 ** (self.decades / slope), FINER[0]), FINER[1])
+        self.whole = max(self.whole + 1, round(self.whole * ratio))
+        return self.until / self.whole
+
+
+class Tolerances:
+    def __init__(self, count: int):
+        self.first = LOOSEST
+        self.ratio = (TIGHTEST / LOOSEST) ** (1 / max(1, count - 1))
+
+    def after(self, points: list[Point]) -> float:
+        return points[-1].setting * self.ratio
+
+
+def measure(
+    bench: Bench,
+    methods: list[Method],
+    spectrum: Spectrum,
+    on_progress: Show,
+) -> list[Track]:
+    """All points of all methods that the system admits, refused ones with one point each."""
+    left, tracks = SWEPT * bench.effort.seconds, []
+    for k, method in enumerate(methods):
+        share = max(left, 0.0) / (len(methods) - k)
+        on_progress(k / len(methods), method.name)
+        points = _sweep(bench, method, spectrum, share)
+        left -= sum(point.took for point in points)
+        tracks.append(Track(method, tuple(points)))
+    on_progress(1.0)
+    return tracks
+
+
+def _sweep(bench: Bench, method: Method, spectrum: Spectrum, share: float) -> list[Point]:
+    count = bench.effort.points
+    plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
+    left, points = share, []
+    lap = share / (3 * count)  # so that the laps of loose points leave time for tight ones
+    while len(points) < count:
+        # A point is integrated twice at least, and a tighter one takes longer.
+        if points and 4 * (points[-1].seconds or points[-1].took) > left:
+            break
+        setting = plan.after(points) if points else plan.first
+        point = bench.point(method, setting, cap=max(left / 2, bench.effort.lap_seconds), lap=lap)
+        points.append(point)
+        left -= point.took
+        if point.refused or point.slow or _at_round_off(points, bench.floor):
+            break
+    return points
+
+
+def _at_round_off(points: list[Point], floor: float) -> bool:
+    """The reference cannot tell the last error from none, or two points no longer improve."""
+    errors = [p.error for p in points if p.good]
+    if errors and errors[-1] < max(ROUND_OFF, 2 * floor):
+        return True
+    best = min(errors[:-2], default=math.inf)
+    return best < EASED and len(errors) > 3 and min(errors[-2:]) > 0.5 * best

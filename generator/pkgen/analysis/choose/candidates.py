@@ -1,0 +1,87 @@
+"""Which methods are tried on a scene, and why: those that are among the cheapest on some scene of
+the test set when all methods are gone through (docs/accuracy.md).
+
+What a method requires of a system the runtime says; here stand the facts that make one worth a
+trial. The first of two that cost the same is chosen, so simpler ones come first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ...methods import provides
+from ..chart.chart import methods as all_methods
+from ..chart.points import Method
+from .trials import DENSE, LAND
+
+
+@dataclass(frozen=True)
+class Line:
+    """`if_` and `if_not`: facts of a system, see enum pk_fact."""
+
+    method: str
+    rows: str
+    why: str
+    if_: tuple[str, ...] = ()
+    if_not: tuple[str, ...] = ()
+
+
+KEEPS = "separable: its energy does not drift"
+STIFF = "dissipative: where that is stiff, steps need not follow it"
+TABLE = (
+    Line("exponential", LAND, "the equations are linear: each step is exact"),
+    Line("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
+    Line("dop853", LAND, "loose accuracies, and motions with kinks"),
+    Line("dop853", DENSE, "rows closer than its steps"),
+    Line("dopri5", DENSE, "rows closer than its steps, loose accuracies"),
+    Line("dopri5", LAND, "loose accuracies"),
+    Line("gauss", DENSE, "rows closer than its steps"),
+    Line("rk4", LAND, "rows as close as its steps"),
+    Line("mclachlan4", LAND, KEEPS),
+    Line("blanes_moan4", LAND, KEEPS),
+    Line("blanes_moan6", LAND, KEEPS),
+    Line("kahan_li8", LAND, KEEPS),
+    Line("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
+    Line("gauss2", LAND, STIFF, if_not=("variational",)),
+    Line("gauss4", LAND, STIFF, if_not=("variational",)),
+    Line("radau5", LAND, STIFF, if_not=("variational",)),
+    Line("radau", LAND, STIFF, if_not=("variational",)),
+)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    method: Method
+    rows: str
+    why: str
+
+    @property
+    def name(self) -> str:
+        return self.method.name
+
+    @property
+    def text(self) -> str:
+        return f"{self.name} {self.rows}"
+
+
+def candidates(structure: object, methods: Iterable[Method]) -> list[Candidate]:
+    """Those that apply to a system of these facts."""
+    known = {m.name: m for m in methods}
+    return [
+        Candidate(known[line.method], line.rows, line.why)
+        for line in TABLE
+        if line.method in known and _applies(line, known[line.method], structure)
+    ]
+
+
+def alone(name: str) -> Candidate:
+    """What is chosen though it is not in the table."""
+    return Candidate(all_methods([name])[0], LAND, "the reference itself")
+
+
+def _applies(line: Line, method: Method, structure: object) -> bool:
+    facts = (*line.if_, *(fact.replace(" ", "_") for fact in method.requires))
+    return all(provides(structure, fact) for fact in facts) and not any(
+        getattr(structure, fact, False) for fact in line.if_not
+    )

@@ -1,0 +1,105 @@
+"""The choice for a scene, or one for each block of coordinates that is integrated apart."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...compiler import Compilation, CompiledPart
+from ...run import named
+from ...run.ensemble import Ensemble
+from ...run.settings import Settings, Shown
+from ...run.simulate import columns
+from ...run.values import Values
+from .choice import Choice
+from .prepared import Prepared
+from .sample import of_members
+
+
+def chosen(
+    compilation: Compilation, settings: Settings, ensemble: Ensemble | None
+) -> tuple[Choice, ...]:
+    """The choice for a scene, one for each part, or none where nothing is promised."""
+    if settings.accuracy is None:
+        return ()
+    if compilation.parts:
+        return tuple(_of_part(compilation, part, settings) for part in compilation.parts)
+    return (_of_all(compilation, settings, ensemble),)
+
+
+def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
+    """The settings of what is run."""
+    if len(choices) < 2:
+        return choices[0].settings(given) if choices else given
+    return replace(given, method=choices[0].method, parts=tuple(c.of_part() for c in choices))
+
+
+def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Choice:
+    prepared = Prepared.of(
+        compilation.files,
+        compilation.model.name,
+        compilation.structure,
+        land=ensemble is not None,
+        events=bool(named.events(compilation)),
+    )
+    settings = _with_expected(compilation, settings)
+    if ensemble is None:
+        found = prepared.choose(settings, settings.accuracy)
+        found = replace(found, compiled_for=prepared.methods)
+    else:
+        found = of_members(prepared, settings, ensemble)
+    return replace(
+        found,
+        left_out=_named(compilation, settings, found.check.ignored),
+        unsure=_named(compilation, settings, found.check.unsure),
+    )
+
+
+def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -> tuple[str, ...]:
+    names = [c.name for c in settings.show or columns(compilation)[1:]]
+    return tuple(dict.fromkeys(names[i] for i in which))
+
+
+def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
+    """What is expected to be something is judged too, behind what is recorded."""
+    expected = settings.watched.columns()
+    if not expected:
+        return settings
+    return replace(settings, show=(*(settings.show or _all(compilation)), *expected))
+
+
+def _all(compilation: Compilation) -> list[Shown]:
+    """The columns of rows that have all of them."""
+    shown = Values(compilation).shown
+    return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
+
+
+def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
+    """By trials of the part alone, of what is recorded of it; parts land on rows."""
+    prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
+    found = prepared.choose(alone(part, settings), settings.accuracy)
+    return replace(found, of=tuple(q.name for q in part.equations.coordinates))
+
+
+def alone(part: CompiledPart, settings: Settings) -> Settings:
+    """The settings by the part's own numbers of coordinates; parameters have those of the whole."""
+    place = {whole: k for k, whole in enumerate(part.coordinates)}
+
+    def mine(starts: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
+        return tuple((place[i], x) for i, x in starts if i in place)
+
+    angles = [q.name for q in part.equations.quadrature_names]
+    show = []
+    for column in settings.show:
+        if column.kind in "qv" and column.index in place:
+            show.append(Shown(column.kind, place[column.index], column.name))
+        elif column.kind == "z" and column.name in angles:
+            show.append(Shown("z", angles.index(column.name), column.name))
+    return replace(
+        settings,
+        start_q=mine(settings.start_q),
+        start_v=mine(settings.start_v),
+        show=tuple(show),
+        parts=(),
+    )

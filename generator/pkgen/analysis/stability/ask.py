@@ -1,0 +1,248 @@
+"""Questions to the program built for a model, and its answers as data; see
+runtime/run/stability.h for the questions."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ...run.settings import Settings
+from ...system import children
+from ...system.exits import USAGE, NumericsFailed, UsageError
+from ...system.files import scratch
+
+ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
+UNDECIDED = "not decided by the linear terms"
+TRIES = 100  # starts from which equilibria are sought
+
+
+@dataclass(frozen=True)
+class Mode:
+    """exp(lambda t) with lambda = growth + i frequency; the shape's real and imaginary parts."""
+
+    growth: float
+    frequency: float
+    re: tuple[float, ...]
+    im: tuple[float, ...]
+
+    @property
+    def rate(self) -> float:
+        """|lambda|."""
+        return (self.growth**2 + self.frequency**2) ** 0.5
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    energy: float
+    modes: tuple[Mode, ...]  # fastest first
+    status: str = "PK_DONE"  # of the modes
+
+    @property
+    def stable(self) -> bool:
+        """The modes are known, there is one that moves or none at all, and none grows."""
+        moves = not self.modes or any(mode.rate > 0 for mode in self.modes)
+        return self.status == "PK_DONE" and moves and not self._grows
+
+    @property
+    def _grows(self) -> bool:
+        return any(mode.growth > 0 for mode in self.modes)
+
+    @property
+    def verdict(self) -> str:
+        """In words. A mode that neither returns nor leaves is left to terms of higher order."""
+        if self.status != "PK_DONE":
+            return f"modes: {self.status}"
+        if self._grows:
+            return "unstable"
+        if any(mode.rate == 0 for mode in self.modes):
+            return UNDECIDED
+        return "stable"
+
+    @property
+    def oscillating(self) -> list[int]:
+        """Numbers of the modes that oscillate and do not grow."""
+        return [k for k, m in enumerate(self.modes) if m.frequency > 0 and m.growth <= 0]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What was found of equilibria."""
+
+    status: str
+    equilibria: tuple[Equilibrium, ...]
+    failed: int
+    singular: int
+    more: bool
+    turns: tuple[bool, ...] = ()  # of each coordinate: q + 2 pi is the same place
+
+    def beside(self, q: float, place: float, i: int) -> float:
+        """q_i; of an angle by whole turns next to a place."""
+        turns = bool(self.turns) and self.turns[i]
+        return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion itself: how far it goes, its first energy, the range of v.p, how it began."""
+
+    status: str
+    t: float
+    energy: float
+    scale: float
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    parameters: tuple[float, ...]
+    leaves: bool = False  # it is still going away at the end
+
+    @property
+    def judges(self) -> bool:
+        """A method's motion can be told by it."""
+        return self.status == "PK_DONE" and not self.leaves
+
+
+@dataclass(frozen=True)
+class Point:
+    """What becomes of the motion by a method at a step; rise and away in units of its scale."""
+
+    method: str
+    h: float
+    kind: str
+    status: str
+    steps: int
+    rise: float | None
+    away: float | None
+
+
+@dataclass(frozen=True)
+class Close:
+    """How a motion went that began close to an equilibrium."""
+
+    status: str
+    steps: int
+    growth: float  # of the displacement; it is not followed further than 1000
+    turn: float  # mean angle a step
+
+
+class Asker:
+    """Asks one program about one model; `settings` are those of a run."""
+
+    def __init__(self, program: Path, settings: Settings):
+        self.program, self.settings = program, settings
+
+    def with_settings(self, settings: Settings) -> Asker:
+        return Asker(self.program, settings)
+
+    def ask(self, questions: Iterable[str]) -> list[dict]:
+        """An answer a question, in their order."""
+        asked = list(questions)
+        with scratch() as folder:
+            (folder / "questions").write_text("\n".join(asked) + "\n", encoding="utf-8")
+            done = subprocess.run(
+                [self.program, "--stability", folder / "questions"],
+                input="\n".join(self.settings.lines()) + "\n",
+                capture_output=True,
+                text=True,
+                **children.group(),
+            )
+        if done.returncode == USAGE:
+            raise UsageError(done.stderr.strip().removeprefix("run: "))
+        if done.returncode != 0:
+            raise NumericsFailed(done.stderr.strip() or f"ended by signal {-done.returncode}")
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        if len(answers) != len(asked):
+            raise NumericsFailed(f"{len(answers)} answers to {len(asked)} questions")
+        return answers
+
+    def rest(self, tries: int = TRIES) -> Rest:
+        return rest(self.ask([f"equilibria {tries}"])[0])
+
+    def start(self) -> Motion:
+        """None of it yet: where it begins."""
+        return motion(self.ask(["start"])[0])
+
+    def motion(self) -> Motion:
+        return motion(self.ask(["motion"])[0])
+
+    def at(self, place: Equilibrium) -> Asker:
+        """Asks from there."""
+        q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
+        return self.with_settings(replace(self.settings, start_q=q, start_v=v))
+
+    def near(self, questions: Iterable[str]) -> list[Close]:
+        """Answers to `near` questions, without the word, from at() an equilibrium."""
+        return [
+            Close(a["status"], a["steps"], _number(a["growth"]), a["turn"] or 0.0)
+            for a in self.ask(f"near {q}" for q in questions)
+        ]
+
+
+def _floats(xs: list[float]) -> tuple[float, ...]:
+    return tuple(map(float, xs))  # JSON has 0 as an integer
+
+
+def _number(x: float | None) -> float:
+    return float("inf") if x is None else x
+
+
+def rest(answer: dict) -> Rest:
+    fastest = max(
+        (math.hypot(m["growth"], m["frequency"]) for e in answer["equilibria"] for m in e["modes"]),
+        default=0.0,
+    )
+
+    def cleared(mode: dict) -> dict:
+        """What is found close to a root at which the linear terms vanish moves a little."""
+        slow = math.hypot(mode["growth"], mode["frequency"]) <= ZERO * fastest
+        return {**mode, "growth": 0, "frequency": 0} if slow else mode
+
+    return Rest(
+        answer["status"],
+        tuple(
+            Equilibrium(
+                _floats(e["q"]),
+                _floats(e["v"]),
+                e["energy"],
+                tuple(
+                    Mode(m["growth"], m["frequency"], tuple(m["re"]), tuple(m["im"]))
+                    for m in map(cleared, e["modes"])
+                ),
+                e["status"],
+            )
+            for e in answer["equilibria"]
+        ),
+        answer["failed"],
+        answer["singular"],
+        answer["more"],
+        tuple(map(bool, answer["turns"])),
+    )
+
+
+def motion(answer: dict) -> Motion:
+    return Motion(
+        answer["motion"],
+        answer["t"],
+        answer["energy"],
+        answer["scale"],
+        _floats(answer["q"]),
+        _floats(answer["v"]),
+        _floats(answer["parameters"]),
+        answer["leaves"],
+    )
+
+
+def point(answer: dict) -> Point:
+    return Point(
+        answer["point"],
+        answer["h"],
+        answer["class"],
+        answer["status"],
+        answer["steps"],
+        answer["rise"],
+        answer["away"],
+    )

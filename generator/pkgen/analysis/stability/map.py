@@ -1,0 +1,241 @@
+"""The whole: from a compiled model and what was asked to a map with its predictions."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
+
+from ...compiler import Compilation
+from ...run.build import build_program, driver_methods
+from ...run.settings import Settings
+from ...system.exits import UsageError
+from ...system.progress import Show, unseen
+from . import measure, plan
+from .ask import Asker, Equilibrium, Motion, Rest
+from .measure import Growth, Measured, Row
+from .method import StepMap, Traits
+from .plan import Axis
+from .predict import Prediction, predictions
+
+MARGIN = 1.25  # of a map beyond the limit predicted
+TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
+MOST_STEPS = 2_000_000  # of a point
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the options say, read."""
+
+    settings: Settings
+    axis: Axis
+    across: int  # steps
+    methods: tuple[Traits, ...]
+    left: tuple[str, ...]  # why others are not mapped
+    steps: tuple[float, float] | None
+    until: float | None
+    quick: bool
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """Everything that is drawn, written and said."""
+
+    compilation: Compilation
+    asked: Asked
+    until: float
+    motion: Motion  # its start alone
+    rest: Rest  # at the model's own start and parameters
+    primary: int | None
+    rows: tuple[Row, ...]
+    steps: dict[str, tuple[float, ...]]
+    predictions: tuple[Prediction, ...]  # at the model's own start and parameters
+    measured: tuple[Measured, ...]
+    growths: tuple[Growth, ...]
+
+
+def known_methods() -> list[Traits]:
+    return [
+        Traits(
+            m["name"],
+            frozenset(m["flags"]),
+            tuple(m["requires"]),
+            math.inf if m["limits"]["imaginary"] == "infinite" else m["limits"]["imaginary"],
+        )
+        for m in driver_methods()
+    ]
+
+
+def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None) -> StabilityMap:
+    """Raises NumericsFailed, BuildError, UsageError."""
+    structure = compilation.structure
+    if all(structure.cyclic) and structure.conservative:
+        raise UsageError(
+            f"every coordinate of {compilation.model.name} is cyclic: their momenta are constant, "
+            "the motion goes on evenly by any method and step, and there is nothing to map"
+        )
+    show = on_progress or unseen
+    show(0.0, "compiling")
+    program = build_program(compilation.files, compilation.model.name)
+    show(0.0, "equilibria")
+    asker = Asker(program, asked.settings)
+    rest, motion = asker.rest(), asker.start()
+    if asked.axis.kind == "parameter":
+        for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
+            asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).ask([])
+    cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
+    primary = plan.nearest(rest, motion.q, cyclic)
+    if primary is None and asked.axis.kind == "amplitude":
+        raise UsageError(
+            f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
+            f'scale; say what to vary, e.g. --vary "{_suggested(compilation, asker, motion)}", and '
+            "by --steps the steps"
+        )
+    at = plan.beside(rest, primary, motion.q, cyclic)
+    until = plan.duration(at, asked.until)
+    asker = asker.with_settings(replace(asked.settings, until=until))
+
+    def started(x: float) -> Asker:
+        return asker.with_settings(asked.axis.settings(asker.settings, x, at, motion))
+
+    show(0.0, "methods")
+    maps = {m.name: StepMap(m, asker) for m in asked.methods}
+    moves = asked.axis.kind == "parameter" or any(cyclic)
+    tries = 40 if moves else 100
+
+    predicted: dict[str, list[Prediction]] = {
+        name: predictions(step, rest, primary) for name, step in maps.items()
+    }
+    fastest = max((m.rate for m in at.modes), default=0.0) if at else 0.0
+    steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
+
+    _refuse_unjudged(started(x).motion() for x in asked.axis.values)
+
+    def one(x: float) -> Row:
+        found, moved, points = measure.row(started(x), steps, None if moves else rest, tries)
+        # An amplitude is one about the same equilibrium, however far.
+        place = at.q if at and asked.axis.kind == "amplitude" else moved.q
+        number = plan.nearest(found, place, cyclic)
+        lines = [
+            p
+            for name, step in maps.items()
+            for p in (predictions(step, found, number) if moves else predicted[name])
+        ]
+        return Row(x, found, number, moved, tuple(lines), points)
+
+    flat = tuple(p for name in maps for p in predicted[name])
+    size = _size(at, motion.q, cyclic) if at else 0.0
+    amplitude = measure.small(rest, cyclic, size)
+    effort = measure.QUICK if asked.quick else measure.FULL
+    jobs = len(asked.axis.values) + len(flat) + 1
+    done = [0]
+    show(0.0, f"0 of {jobs}")
+
+    def counted(result: object) -> object:
+        done[0] += 1
+        show(done[0] / jobs, f"{done[0]} of {jobs}")
+        return result
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        # The costly ones first: those that no method leaves early.
+        rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
+        checks = [
+            pool.submit(
+                lambda p=p: counted(measure.measured(asker, rest, p, size, amplitude, effort))
+            )
+            for p in flat
+        ]
+        leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
+        try:
+            wait([*rows, *checks, leaving], return_when=FIRST_EXCEPTION)
+            for failed in (f for f in [*rows, *checks, leaving] if f.done()):
+                failed.result()
+        except BaseException:  # an interrupt too: what is queued is not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return StabilityMap(
+            compilation,
+            asked,
+            until,
+            motion,
+            rest,
+            primary,
+            tuple(r.result() for r in rows),
+            steps,
+            flat,
+            tuple(c.result() for c in checks),
+            tuple(leaving.result()),
+        )
+
+
+def _suggested(compilation: Compilation, asker: Asker, motion: Motion) -> str:
+    """What may be varied: a parameter about its value, within its bounds; else a start."""
+    for text in plan.suggestions(compilation, motion):
+        axis = plan.axis(text, compilation, 2)
+        try:
+            for x in axis.values:
+                asker.with_settings(axis.settings(asker.settings, x, None, motion)).ask([])
+        except UsageError:
+            continue
+        return text
+    return "NAME=LO..HI"
+
+
+def _refuse_unjudged(motions: Iterable[Motion]) -> None:
+    """A map needs a motion that stays, in a row at least."""
+    first = None
+    for motion in motions:
+        if motion.judges:
+            return
+        first = first or motion
+    if first and first.leaves:
+        raise UsageError(
+            f"the motion itself leaves: at t = {first.t:.6g} it is still going away and nothing of "
+            "it comes back, so no method can be told by whether it stays. Give a start that "
+            "stays by --start, or a longer --until if it comes back later"
+        )
+    if first:
+        raise UsageError(
+            f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
+            "or another start by --start"
+        )
+
+
+def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
+    """The largest displacement of the start from its equilibrium."""
+    return max(
+        (abs(a - b) for i, (a, b) in enumerate(zip(at.q, start, strict=True)) if i not in cyclic),
+        default=0.0,
+    )
+
+
+def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: float) -> list[float]:
+    """Evenly from the shortest to somewhat beyond what is predicted."""
+    count = asked.across
+    if asked.steps:
+        low, high = asked.steps
+        _refuse_too_many(low, until)
+        return [low + (high - low) * k / (count - 1) for k in range(count)]
+    limits = [p.h for p in predicted if p.kind == "limit" and p.h]
+    branches = [p.h for p in predicted if p.kind == "branch" and p.h]
+    if limits:
+        high = MARGIN * max(limits)
+    elif fastest > 0:
+        high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
+    else:
+        raise UsageError(
+            "no mode oscillates or grows by the linear terms, so no step stands out: give --steps "
+            "LO..HI"
+        )
+    _refuse_too_many(high / count, until)
+    return [high * (k + 1) / count for k in range(count)]
+
+
+def _refuse_too_many(shortest: float, until: float) -> None:
+    if until / shortest > MOST_STEPS:
+        raise UsageError(
+            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, above "
+            f"{MOST_STEPS}: give a shorter --until, or longer --steps LO..HI"
+        )

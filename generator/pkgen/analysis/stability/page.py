@@ -1,0 +1,40 @@
+"""One self-contained HTML page: the picture, the tables, the misses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...system import page
+from . import text
+from .map import StabilityMap
+
+CLASSES = """<p>With E the method's energy, S the range of v·p over the motion itself (twice the
+kinetic energy that comes and goes), and [a, b] the energies of the last quarter of a run:
+<b>growing</b>: E rises by more than S and goes on rising, does not come back, or rises by more
+than 10<sup>4</sup> S; <b>drifting</b>: it has left where it began by more than a quarter of b − a
+(symplectic and symmetric methods: and by a fifth more after four times as long);
+<b>bounded</b>: neither. <b>not converged</b>, <b>wrong branch</b>, <b>not finite</b>,
+<b>singular</b> are what the runtime reports; <b>not judged</b>: the motion itself leaves and does
+not come back, or ends. A triangle is a limit measured: 4000 steps from
+10<sup>−6</sup> beside the equilibrium go no further than 10<sup>−3</sup> below it.</p>"""
+
+
+def html(made: StabilityMap, svg: Path) -> str:
+    sections = [
+        page.picture(svg.read_text(encoding="utf-8")),
+        CLASSES,
+        page.heading("Misses"),
+        page.items(text.sentences(made)),
+    ]
+    for title, (heads, rows) in (
+        ("Equilibria and their modes", text.equilibria(made)),
+        ("Predicted and measured", text.predicted(made)),
+        ("Growth rates at unstable equilibria", text.rates(made)),
+        ("Points of each class", text.counts(made)),
+    ):
+        if rows:
+            sections += [page.heading(title), page.table(heads, rows, lambda row: "MISSED" in row)]
+    remarks = text.remarks(made)
+    if remarks:
+        sections += [page.heading("Remarks"), page.items(remarks)]
+    return page.document(f"{made.compilation.model.name}: where each method fails", sections)

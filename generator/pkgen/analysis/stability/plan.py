@@ -1,0 +1,196 @@
+"""What is varied, by which methods, at which steps: from the options to a Plan."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from ...compiler import Compilation
+from ...run import named
+from ...run.methods_table import in_words
+from ...run.settings import Settings
+from ...scenes import asked as parsing
+from ...scenes import scene
+from ...system.exits import UsageError
+from .ask import Equilibrium, Motion, Rest
+from .method import Traits
+
+# One or two of a family, those that differ most in how they fail.
+USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
+PANELS = 6
+AMPLITUDES = (0.0, 1.5)  # of the start's displacement
+PERIODS = 50  # of the slowest mode, that a point is run for
+MOST_POINTS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The vertical axis: `amplitude`, a factor on the start's displacement from rest; or a start
+    or a parameter, by its index."""
+
+    kind: str  # amplitude, q, v, parameter
+    name: str
+    unit: str
+    values: tuple[float, ...]
+    index: int = 0
+
+    @property
+    def label(self) -> str:
+        if self.kind == "amplitude":
+            return "amplitude (the start: 1)"
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+    def settings(
+        self, base: Settings, x: float, at: Equilibrium | None, motion: Motion
+    ) -> Settings:
+        """Those of the row at x; `at` is where the start is displaced from."""
+        if self.kind == "amplitude":
+            assert at is not None
+            q = [e + x * (s - e) for e, s in zip(at.q, motion.q, strict=True)]
+            v = [e + x * (s - e) for e, s in zip(at.v, motion.v, strict=True)]
+            return replace(base, start_q=tuple(enumerate(q)), start_v=tuple(enumerate(v)))
+        field = {"q": "start_q", "v": "start_v", "parameter": "parameters"}[self.kind]
+        kept = tuple(item for item in getattr(base, field) if item[0] != self.index)
+        return replace(base, **{field: (*kept, (self.index, x))})
+
+
+def numbers(text: str | None, quick: bool) -> tuple[int, int]:
+    """`--points 48x32`: steps, and values of what is varied."""
+    if text is None:
+        return (24, 12) if quick else (48, 32)
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(p.isascii() and p.isdecimal() and len(p) < 6 for p in parts):
+        raise UsageError(f"--points {text}: give two numbers, steps x values, e.g. 48x32")
+    across, up = map(int, parts)
+    if across < 2 or up < 1 or across * up > MOST_POINTS:
+        raise UsageError(f"--points {text}: 2x1 at least, {MOST_POINTS:,} points at most")
+    return across, up
+
+
+def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
+    """`--vary "theta=0..3.1"`, `--vary "k=1..100 [N/m]"`; without, the amplitude of the start."""
+    if text is None:
+        return Axis("amplitude", "amplitude", "", _spread(*AMPLITUDES, count, open_low=True))
+    left, equal, right = text.partition("=")
+    if not (equal and left.strip() and ".." in right):
+        some = next(iter([*named.parameters(compilation), *named.coordinates(compilation)]))
+        raise UsageError(f'--vary {text}: give a name and a range, e.g. --vary "{some}=LO..HI"')
+    values = parsing.Values(compilation)
+    name = values.flat_name("--vary", left.strip())
+    for kind, known in (
+        ("q", named.coordinates(compilation)),
+        ("v", named.coordinates(compilation, rates=True)),
+        ("parameter", named.parameters(compilation)),
+    ):
+        if name in known:
+            index, quantity = known[name]
+            low, high = span("--vary", right, values, quantity.unit, name)
+            return Axis(kind, name, quantity.unit, _spread(low, high, count), index)
+    listed = [*named.coordinates(compilation), *named.parameters(compilation)]
+    raise UsageError(parsing.unknown("--vary", name, listed, "coordinate, rate or parameter"))
+
+
+def suggestions(compilation: Compilation, motion: Motion) -> Iterator[str]:
+    """Of `--vary`: parameters, then coordinates, from what they are to twice that."""
+    known = [
+        *zip(named.parameters(compilation).columns(64), motion.parameters, strict=False),
+        *zip(named.coordinates(compilation).columns(64), motion.q, strict=False),
+    ]
+    for quantity, x in known:
+        low, high = sorted((x, 2 * x or 1.0))
+        yield f"{quantity.name}={low:.6g}..{high:.6g}"
+
+
+def span(
+    option: str, text: str, values: parsing.Values, unit: str, name: str
+) -> tuple[float, float]:
+    """`LO..HI`, a unit at the end counting for both."""
+    low, _, high = text.partition("..")
+    high, bracket, written = high.partition("[")
+    ends = [
+        values.value(option, f"{end} {bracket}{written}".strip(), unit, name) for end in (low, high)
+    ]
+    if not ends[0] < ends[1]:
+        raise UsageError(f"{option} {text.strip()}: the range must go upwards")
+    return ends[0], ends[1]
+
+
+def _spread(low: float, high: float, count: int, open_low: bool = False) -> tuple[float, ...]:
+    """`count` values from low to high; with `open_low` the first is a step above low."""
+    if open_low:
+        return tuple(low + (high - low) * (k + 1) / count for k in range(count))
+    return tuple(low + (high - low) * k / max(count - 1, 1) for k in range(count))
+
+
+def methods(
+    text: str | None, known: Sequence[Traits], facts: frozenset[str]
+) -> tuple[list[Traits], list[str]]:
+    """Those to be mapped, and a sentence for each that is not. `facts` are the system's."""
+    by_name = {m.name: m for m in known}
+    names = [n.strip() for n in text.split(",") if n.strip()] if text else list(USUAL)
+    names = list(dict.fromkeys(names))
+    taken: list[Traits] = []
+    left: list[str] = []
+    for name in names:
+        if name not in by_name:
+            if text:
+                raise UsageError(parsing.unknown("--methods", name, list(by_name), "method"))
+            continue
+        traits = by_name[name]
+        missing = [r for r in traits.requires if r not in facts]
+        if traits.adaptive:
+            left.append(f"{name} chooses its steps itself: there is no map of it over the step")
+        elif missing:
+            left.append(
+                f"{name} is refused: it needs a system that is {', '.join(in_words(missing))}"
+            )
+        elif text or len(taken) < PANELS:
+            taken.append(traits)
+    if not taken:
+        raise UsageError(f"--methods: none can be mapped; {'; '.join(left)}")
+    return taken, left
+
+
+def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
+    """Those of a run, none of its rows."""
+    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    whole = parsing.settings(options, compilation, chosen=chosen)
+    return replace(whole, every=None, method="rk4", step=None, show=(), at=None)
+
+
+def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int | None:
+    """The equilibrium nearest to a place: of stable ones, if there are any."""
+
+    def distance(number: int) -> tuple[bool, float]:
+        at = rest.equilibria[number]
+        apart = [
+            abs(rest.beside(a, b, i) - b)
+            for i, (a, b) in enumerate(zip(at.q, place, strict=True))
+            if i not in cyclic
+        ]
+        return not at.stable, max(apart, default=0.0)
+
+    return min(range(len(rest.equilibria)), key=distance, default=None)
+
+
+def beside(
+    rest: Rest, number: int | None, place: Sequence[float], cyclic: frozenset[int]
+) -> Equilibrium | None:
+    """That equilibrium, its angles by whole turns next to a place."""
+    if number is None:
+        return None
+    at = rest.equilibria[number]
+    q = tuple(
+        a if i in cyclic else rest.beside(a, b, i)
+        for i, (a, b) in enumerate(zip(at.q, place, strict=True))
+    )
+    return replace(at, q=q)
+
+
+def duration(at: Equilibrium | None, given: float | None) -> float:
+    """PERIODS of the slowest mode, where there is one."""
+    if given is not None:
+        return given
+    slow = [at.modes[k].frequency for k in at.oscillating] if at else []
+    return PERIODS * 2 * 3.141592653589793 / min(slow) if slow else parsing.UNTIL

@@ -1,0 +1,216 @@
+"""The summary in words, and the tables that the page shows too."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from ...run import named
+from .ask import Equilibrium, Mode
+from .map import StabilityMap
+from .misses import RESPONDS, difference, misses, name_mode, unpredicted
+
+Table = tuple[list[str], list[list[str]]]
+
+
+def place(made: StabilityMap, at: Equilibrium) -> str:
+    """`theta1 = 0, theta2 = 3.14159`; a cyclic coordinate by the rate at which it goes on."""
+    coordinates = [c.name for c in named.coordinates(made.compilation).columns(64)]
+    of_q = _sizes([made.motion.q, *(e.q for e in made.rest.equilibria)])
+    of_v = _sizes([made.motion.v, *(e.v for e in made.rest.equilibria)])
+    said = []
+    for i, name in enumerate(coordinates):
+        if made.compilation.structure.cyclic[i]:
+            said.append(f"{name}' = {_short(at.v[i], of_v[i])}")
+        else:
+            said.append(f"{name} = {_short(at.q[i], of_q[i])}")
+    return ", ".join(said[:6]) + (", ..." if len(said) > 6 else "")
+
+
+def _sizes(states: list[tuple[float, ...]]) -> list[float]:
+    """The largest of each coordinate; of one that starts at 0 that of all of them."""
+    whole = max((abs(x) for state in states for x in state), default=0.0)
+    return [max(map(abs, column)) if column[0] else whole for column in zip(*states, strict=True)]
+
+
+def _short(x: float, largest: float) -> str:
+    """Round-off beside the largest of its kind is 0."""
+    return f"{0.0 if abs(x) < 1e-12 * largest else x:.6g}"
+
+
+def rate(mode: Mode) -> str:
+    if mode.growth == 0 and mode.frequency == 0:
+        return "neutral"
+    if mode.frequency == 0:
+        return f"{'grows' if mode.growth > 0 else 'decays'} at {abs(mode.growth):.10g}"
+    said = f"omega = {mode.frequency:.10g}"
+    return said if mode.growth == 0 else f"{said}, growth {mode.growth:+.6g}"
+
+
+def equilibria(made: StabilityMap) -> Table:
+    rows = []
+    energy = max((abs(e.energy) for e in (made.motion, *made.rest.equilibria)), default=0.0)
+    for k, at in enumerate(made.rest.equilibria):
+        mark = " (the motion's)" if k == made.primary else ""
+        modes = [m for m in at.modes if not (m.growth < 0 and m.frequency == 0 and not at.stable)]
+        rows.append(
+            [
+                f"{k + 1}{mark}",
+                place(made, at),
+                _short(at.energy, energy),
+                at.verdict,
+                "; ".join(rate(m) for m in modes),
+            ]
+        )
+    return ["", "equilibrium", "energy", "", "modes, fastest first"], rows
+
+
+def predicted(made: StabilityMap) -> Table:
+    """Predictions against what was measured."""
+    rows = []
+    for m in made.measured:
+        p = m.prediction
+        off = difference(p.h, m.h)
+        note = m.how if m.how != "turning" else "some steps beside it fail"
+        if m.response is not None:
+            answered = f"responds {m.response:.3g} times as much at h = {m.peak:.5g}"
+            note = answered if m.response >= RESPONDS else "nothing responds"
+        rows.append(
+            [
+                p.method,
+                p.kind,
+                str(p.equilibrium + 1),
+                name_mode(p),
+                "none" if p.y is None else f"{p.y:.8g}",
+                "none" if p.h is None else f"{p.h:.7g}",
+                "none" if m.h is None else f"{m.h:.7g}",
+                "MISSED" if off is None else f"{100 * off:+.1g} %",
+                note,
+            ]
+        )
+    heads = ["method", "what", "at", "of", "h omega", "predicted h", "measured h", "off", "note"]
+    return heads, rows
+
+
+def rates(made: StabilityMap) -> Table:
+    rows = []
+    for g in made.growths:
+        off = difference(g.predicted, g.measured)
+        rows.append(
+            [
+                str(g.equilibrium + 1),
+                f"mode {g.mode + 1}",
+                f"{g.predicted:.10g}",
+                f"{g.measured:.10g}",
+                "MISSED" if off is None else f"{100 * off:+.1g} %",
+            ]
+        )
+    return ["at", "of", "predicted rate", "measured", "off"], rows
+
+
+def counts(made: StabilityMap) -> Table:
+    """How many points of each class a method has."""
+    from .draw import CLASSES
+
+    kinds = [k for k in CLASSES if any(p.kind == k for row in made.rows for p in row.points)]
+    rows = []
+    for name in made.steps:
+        points = [p for row in made.rows for p in row.points if p.method == name]
+        rows.append([name, *(str(sum(p.kind == k for p in points)) for k in kinds)])
+    return ["points", *kinds], rows
+
+
+def remarks(made: StabilityMap) -> list[str]:
+    """What was left out, and why."""
+    found = list(made.asked.left)
+    rest = made.rest
+    if rest.status == "PK_REFUSED":
+        found.append("equilibria are not sought: the equations depend on time or on inputs")
+    if any(made.compilation.structure.cyclic):
+        found.append(
+            "cyclic coordinates do not rest: equilibria are relative, at the momenta of the start"
+        )
+    if rest.singular:
+        found.append(
+            f"{rest.singular} starts led to where M is singular, the pole of the coordinates: "
+            "whether the system can rest there they cannot tell"
+        )
+    if rest.more:
+        found.append("there are more equilibria than are listed, perhaps a continuum")
+    ended = [row for row in made.rows if row.motion.status != "PK_DONE"]
+    if ended:
+        row = ended[0]
+        found.append(
+            f"the motion itself ends in {len(ended)} of {len(made.rows)} rows, first at "
+            f"{made.asked.axis.name} = {row.x:.4g}: {row.motion.status} at t = {row.motion.t:.6g}"
+        )
+    leaving = [row for row in made.rows if row.motion.leaves]
+    if leaving:
+        found.append(
+            f"the motion itself leaves in {len(leaving)} of {len(made.rows)} rows, first at "
+            f"{made.asked.axis.name} = {leaving[0].x:.4g}: at t = {leaving[0].motion.t:.6g} it is "
+            "still going away, so no method is judged there by whether it stays"
+        )
+    return found
+
+
+def _columns(table: Table) -> list[str]:
+    heads, rows = table
+    widths = [max(len(line[k]) for line in [heads, *rows]) for k in range(len(heads))]
+    return [
+        "  ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)).rstrip()
+        for line in [heads, *rows]
+    ]
+
+
+def sentences(made: StabilityMap) -> list[str]:
+    """The misses; that there are none means something only where something is predicted."""
+    why = unpredicted(made)
+    if why:
+        return [f"nothing is predicted here: {why}"]
+    return [m.text for m in misses(made)] or ["none: measured is what was predicted"]
+
+
+def report(made: StabilityMap) -> str:
+    name = made.compilation.model.name
+    unit = "" if made.compilation.model.dimensionless else " s"
+    out = [
+        f"{name}: {len(made.rows)} values of {made.asked.axis.name}, "
+        f"{made.asked.across} steps, {made.until:.6g}{unit} of motion each",
+        "",
+        *_columns(equilibria(made)),
+    ]
+    for title, table in (
+        ("Predicted and measured", predicted(made)),
+        ("Growth rates", rates(made)),
+        ("Points", counts(made)),
+    ):
+        if table[1]:
+            out += ["", title, *(f"  {line}" for line in _columns(table))]
+    out += ["", "Misses", *(f"  - {line}" for line in sentences(made))]
+    if remarks(made):
+        out += ["", "Remarks", *(f"  - {line}" for line in remarks(made))]
+    return "\n".join(out) + "\n"
+
+
+def as_csv(made: StabilityMap) -> str:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    head = ["method", "h", made.asked.axis.name, "energy", "class", "status", "steps"]
+    writer.writerow([*head, "rise", "away"])
+    for row in made.rows:
+        for p in row.points:
+            writer.writerow(
+                [
+                    p.method,
+                    repr(p.h),
+                    repr(row.x),
+                    repr(row.motion.energy),
+                    p.kind,
+                    p.status,
+                    p.steps,
+                    "" if p.rise is None else repr(p.rise),
+                    "" if p.away is None else repr(p.away),
+                ]
+            )
+    return out.getvalue()

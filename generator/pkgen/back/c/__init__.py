@@ -1,0 +1,1 @@
+"""From Equations to C: `lower`, then `render`."""

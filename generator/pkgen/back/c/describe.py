@@ -1,0 +1,172 @@
+"""What the comments of generated C say: units of outputs, bounds, tables of operations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from ...equations import Quantity
+from .names import Names, family_of, local_wish
+from .program import Field, Kernel, Program, operations_text
+
+_LISTED = 8  # outputs with more entries are described as a whole
+
+
+def per_second(unit: str, dimensionless: bool) -> str:
+    """The unit of a time derivative: m/s^2 for m/s."""
+    if dimensionless:
+        return unit
+    if match := re.search(r"/s(?:\^(\d+))?$", unit):
+        return f"{unit[: match.start()]}/s^{int(match[1] or 1) + 1}"
+    return f"{unit}/s" if unit else "1/s"
+
+
+def entries(program: Program, kernel: Kernel) -> list[str]:
+    """A line for each output of a kernel: its shape, entries and units."""
+    lines = []
+    for output in kernel.outputs:
+        name, n = output.name, output.rows
+        if output.columns > 1 or name in _MATRICES:
+            columns = output.columns
+            lines.append(f"{name}[{n}*{columns}]: {_MATRICES[name].format(n=columns)}")
+        elif name in _VECTORS:
+            listed = _VECTORS[name](program, kernel) if n <= _LISTED else []
+            shown = ", ".join(_with_unit(q.name, q.unit) for q in listed)
+            lines.append(f"{name}[{n}]: {shown}" if shown else f"{name}[{n}]")
+    if kernel.result == "pk_real":
+        unit = "" if program.equations.model.dimensionless else " in J"
+        lines.append(f"returned{unit}")
+    return lines
+
+
+_MATRICES = {
+    "M": "M[i*{n} + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j",
+    "p_q": "p_q[i*{n} + j] = dp_i/dq_j",
+    "pdot_q": "pdot_q[i*{n} + j] = d(pdot_i)/dq_j",
+    "pdot_v": "pdot_v[i*{n} + j] = d(pdot_i)/dv_j",
+    "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
+    "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
+    "J_out": "J_out[k*{n} + j] = d(residual_k)/dv_j, row-major",
+    "slope": "slope[k*{n} + j] = d(switch k)/dq_j, along the axes of a body",
+}
+
+
+def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
+    """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
+    model, e = program.equations.model, program.equations
+    own = len(e.coordinates) - e.n_states
+    names = [name.format(c.name) for c in e.coordinates[:own]] + [
+        f"{q.name}'" for q in e.rates[own:]
+    ]
+    return [
+        Quantity(name, per_second(q.unit, model.dimensionless), "")
+        for name, q in zip(names, quantities, strict=True)
+    ]
+
+
+_OUT = {
+    "observe": lambda e: e.observed_names,
+    "conserve": lambda e: e.conserved_names,
+    "event": lambda e: e.event_names,
+    "switching": lambda e: tuple(switch.quantity for switch in e.switches),
+    "marking": lambda e: tuple(mark.quantity for mark in e.marks),
+    "guard": lambda e: tuple(guard.quantity for guard in e.guards),
+}
+_VECTORS = {
+    "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
+    "f": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "momenta": lambda p, _: p.equations.momenta_names,
+    "pdot": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "dLdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "r_t": lambda p, _: (),
+    "q": lambda p, _: p.equations.coordinates,
+    "v": lambda p, _: p.equations.rates,
+    "z": lambda p, _: p.equations.quadrature_names,
+    "zdot": lambda p, _: [
+        Quantity(q.name + "'", per_second(q.unit, p.equations.model.dimensionless), "")
+        for q in p.equations.quadrature_names
+    ],
+    "H": lambda p, _: [Quantity("H", "" if p.equations.model.dimensionless else "J", "")],
+    "dHdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "dHdp": lambda p, _: p.equations.rates,
+    "applied": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
+    "phi_out": lambda p, _: (),
+    "residual_out": lambda p, _: (),
+    "phi_size": lambda p, _: (),
+    "residual_size": lambda p, _: (),
+    "slope_t": lambda p, _: (),
+    "lambda_out": lambda p, _: p.equations.constraints.names,
+    "out": lambda p, kernel: _OUT[kernel.name](p.equations),
+}
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, Any]]:
+    """Plain quantities and whole families: name, index of the (first) member, what it is. Members
+    of a family that stand apart from its first ones are found by their own names alone. They are
+    counted from `first`."""
+    rows: dict[str, tuple[int, Quantity]] = {}
+    counts: dict[str, int] = {}
+    for index, quantity in enumerate(quantities, first):
+        name = family_of(quantity.name)
+        if name not in rows:
+            rows[name], counts[name] = (index, quantity), 1
+        elif index == rows[name][0] + counts[name]:
+            counts[name] += 1
+    taken = Names(frozenset())
+    plain = {name: taken.take(local_wish(name)) for name in rows if "." not in name}
+    return [
+        {
+            "c_name": plain.get(name) or taken.take(local_wish(name)),
+            "index": index,
+            "says": _says(
+                f"{quantity.name}, the first of {counts[name]}" if "[" in quantity.name else "",
+                quantity,
+            ),
+        }
+        for name, (index, quantity) in rows.items()
+    ]
+
+
+def field_says(program: Program, field: Field) -> str:
+    """The comment beside a member of struct NAME_params."""
+    quantity = program.equations.parameters[field.first].quantity
+    what = _says(f"{quantity.name}, ..." if field.length else "", quantity)
+    return " ".join(x for x in (what, bounds_text(program, field.first)) if x)
+
+
+def _says(member: str, quantity: Quantity) -> str:
+    """'q[1], ...: stretch [m]', as much of it as there is."""
+    what = _with_unit(quantity.description, quantity.unit).strip()
+    return ": ".join(x for x in (member, what) if x)
+
+
+def bounds_text(program: Program, index: int) -> str:
+    """'in (0, inf)' as the author wrote it, '' where a parameter may be anything."""
+    slot = program.equations.parameters[index]
+    lo, hi = program.bounds[index].lo, program.bounds[index].hi
+    if (lo is None and hi is None) or program.bounds[index].statements:
+        return ""
+    left = "(" if slot.lo_open or lo is None else "["
+    right = ")" if slot.hi_open or hi is None else "]"
+    return f"in {left}{_plain(lo or '-inf')}, {_plain(hi or 'inf')}{right}"
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"PK_[CF]\((\w[\w.]*)\)", r"\1", text.replace("p->", ""))
+
+
+def operations_rows(program: Program) -> list[str]:
+    """The table in the header of a generated file, a kernel a line."""
+    kernels = (*program.kernels, program.prepare)
+    width = max(len(kernel.name) for kernel in kernels)
+    return [f"{k.name:{width}}  {operations_text(k.operations)}" for k in kernels]
+
+
+def labelled(rows: list[tuple[str, str]]) -> list[str]:
+    """Facts and constants of the motion, each a line of a comment."""
+    return [f"{name}: {text}" for name, text in rows]

@@ -1,0 +1,169 @@
+"""What is proved of a system, in words: for `explain` and for the header of its C."""
+
+from __future__ import annotations
+
+from ...equations import Equations, Indices, Invariant, Structure, Symmetries
+from ...graph.graph import BIT, ZERO, Kind
+from ...middle.loops.loops import Facts, LoopEquations
+
+SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
+
+
+def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
+    """Rows of a table: what, and how it is."""
+    own = equations.inertial
+    rows = [
+        ("mass matrix", _mass(equations, structure) if own else ""),
+        ("definite", _definite(structure) if own else ""),
+        (
+            "separable",
+            _yes(structure.separable, "verlet and its like apply", "verlet does not apply"),
+        ),
+        ("linear", _yes(structure.affine, "constant coefficients", "")),
+        ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
+        ("forces beyond L", _forces(equations) if own else ""),
+        ("smooth", _smooth(equations, structure)),
+        ("impulses", _impulses(equations)),
+        ("blocks", _blocks(equations, structure.blocks)),
+    ]
+    return [row for row in rows if row[1]]
+
+
+def invariants(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
+    """The constants of the motion and why each is one, claims last."""
+    return [*found(equations, structure), *claimed(structure)]
+
+
+def found(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
+    """Those that nobody has claimed."""
+    if structure.symmetries is not None and structure.symmetries.searched:
+        return found_by_symmetry(structure.symmetries)
+    rows = [("energy", "time shift")] if structure.conservative else []
+    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # none of a state
+    return rows + [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
+
+
+def found_by_symmetry(symmetries: Symmetries) -> list[tuple[str, str]]:
+    return [(shortened(x.name), _why(x)) for x in symmetries.invariants]
+
+
+def claimed(structure: Structure | Facts) -> list[tuple[str, str]]:
+    return [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
+
+
+def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
+    """The same of families kept as loops."""
+    proved = e.facts
+    shape = "diagonal" if proved.mass_diagonal else "banded"
+    if not (proved.mass_diagonal or e.mass.border or e.mass.corner or len(e.families) > 1):
+        shape += f", {max(abs(shift) for _, _, shift in e.mass.entries)} beside the diagonal"
+    if proved.mass_constant:
+        once = "a division a row" if proved.mass_diagonal else "factored once"
+        shape += f", constant: {once}"
+    return [
+        ("mass matrix", shape),
+        ("separable", _yes(proved.separable, "verlet and its like apply", "")),
+        ("linear", _yes(proved.affine, "constant coefficients", "")),
+        ("explicit time", "no" if proved.autonomous else "yes (or an input)"),
+        ("forces beyond L", "none" if proved.variational else "yes (force or dissipation)"),
+        ("smooth", _yes(proved.smooth, "", "abs, min, max or step")),
+    ]
+
+
+def loop_invariants(proved: Facts) -> list[tuple[str, str]]:
+    rows = [("energy", "time shift")] if proved.conservative else []
+    if proved.symmetries is not None and proved.symmetries.searched:
+        rows += [row for row in found_by_symmetry(proved.symmetries) if row not in rows]
+    return rows + claimed(proved)
+
+
+def _why(x: Invariant) -> str:
+    shift = f"{shortened(x.generator)}" if x.reason == "symmetry" else ""
+    return ", ".join(part for part in (f"{x.reason} {shift}".strip(), x.when) if part)
+
+
+def shortened(text: str) -> str:
+    """A long sum by its first and its last term."""
+    terms = text.replace(" - ", " + -").split(" + ")
+    if len(terms) <= SHOWN:
+        return text
+    return f"{terms[0]} + ... + {terms[-1]} ({len(terms)} terms)".replace("+ -", "- ")
+
+
+def _smooth(equations: Equations, structure: Structure) -> str:
+    if structure.smooth or not equations.switches:
+        return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
+    names = [switch.quantity.name for switch in equations.switches]
+    shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
+    said = f"between zeros of {', '.join(shown)}, which a run locates"
+    return said if structure.switched else f"no: roots of what bends; {said}"
+
+
+def _impulses(equations: Equations) -> str:
+    names = [switch.quantity.name for switch in equations.jolted]
+    return f"where {' or '.join(names)} vanishes: the rates may jump there" if names else ""
+
+
+def _mass(equations: Equations, structure: Structure) -> str:
+    shape = "diagonal" if structure.mass_diagonal else "dense"
+    n = equations.inertial
+    blocks = tuple(block for block in structure.mass_blocks if block[0] < n)
+    if 0 < structure.mass_band < (n - 1) / 2:
+        shape = f"banded, {structure.mass_band} beside the diagonal"
+    elif 1 < len(blocks) < n:
+        shape = f"in blocks {_listed(equations, blocks)}"
+    if structure.mass_constant:
+        return f"{shape}, constant: factored once"
+    if not structure.quadratic:
+        return f"{shape}, depends on the rates too (L is not of second degree in them)"
+    return f"{shape}, depends on {_varying(equations, structure)}"
+
+
+def _varying(equations: Equations, structure: Structure) -> str:
+    """What a mass matrix varies with."""
+    mask = 0
+    for node in sum(equations.mass, ()):
+        mask |= equations.graph.depends[node]
+    kinds = {Kind.COORDINATE: "the coordinates", Kind.STATE: "the states"}
+    if not structure.autonomous:
+        kinds |= {Kind.TIME: "t", Kind.INPUT: "the inputs"}
+    return " and ".join(text for kind, text in kinds.items() if mask & BIT[kind])
+
+
+def _forces(equations: Equations) -> str:
+    bound = equations.constraints
+    applied = equations.applied[: equations.inertial]
+    if bound is not None:
+        applied = bound.free_applied
+    found = ["of constraints"] if bound is not None else []
+    found += ["force or dissipation"] if any(node != ZERO for node in applied) else []
+    return f"yes ({' and '.join(found)})" if found else "none"
+
+
+def _definite(structure: Structure) -> str:
+    if structure.definite:
+        return "yes, everywhere"
+    if structure.singular:
+        return f"not proved; M may be singular where {' or '.join(structure.singular)} vanishes"
+    return "not proved; no place found where M is singular"
+
+
+def _blocks(equations: Equations, blocks: Indices) -> str:
+    if len(blocks) < 2:
+        return ""
+    return f"{_listed(equations, blocks)} do not influence each other"
+
+
+def _listed(equations: Equations, blocks: Indices) -> str:
+    own = equations.inertial
+    names = [*equations.moving[:own], *(q.name for q in equations.states)]
+    names += [q.name for q in equations.rates[own:]]
+    shown = [f"{{{', '.join(names[i] for i in block)}}}" for block in blocks]
+    if len(shown) > SHOWN:
+        shown = [*shown[:2], "...", shown[-1], f"({len(shown)} of them)"]
+    return ", ".join(shown)
+
+
+def _yes(fact: bool, if_so: str, if_not: str) -> str:
+    reason = if_so if fact else if_not
+    return ("yes" if fact else "no") + (f": {reason}" if reason else "")

@@ -1,0 +1,115 @@
+"""What a kernel is: its row in the table of `kernels.py`, and how its outputs are written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ...equations import Equations, Matrix, Row
+from ...graph.graph import ZERO, Node, Op
+from .program import CHECK, FILL, STORE, Output
+from .schedule import Target
+
+Hint = tuple[Node, str]
+_FEW_ZEROS = 8  # of a matrix, each written out
+
+
+def _nothing(_: Equations) -> list[Node]:
+    return []
+
+
+@dataclass(frozen=True)
+class KernelSpec:
+    """`says` is the equation in the kernel's comment; `units` the unit of an output's entries."""
+
+    name: str
+    result: str
+    says: str
+    outputs: Callable[[Equations], tuple[Output, ...]]
+    targets: Callable[[Equations], list[Target]]
+    exists: Callable[[Equations], bool] = lambda _: True
+    kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
+    given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
+    second: str = "v"  # what is taken with q: rates, or "momenta"
+
+    def hints(self, equations: Equations) -> Iterator[Hint]:
+        """Names for values that mean something to a reader, if they become locals."""
+        if self.name == "acceleration":
+            yield from _named("D", equations.pivots or ())
+        if equations.mass:
+            for i, row in enumerate(equations.mass):
+                for j in range(i + 1):
+                    yield row[j], f"M_{j}_{i}"
+        yield from _named("f", equations.force)
+        yield from _named("p", equations.momenta)
+
+
+def _named(stem: str, row: Row) -> Iterator[Hint]:
+    for i, node in enumerate(row):
+        yield node, f"{stem}_{i}"
+
+
+def stores(name: str, row: Row) -> list[Target]:
+    return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
+
+
+def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
+    checks, mass = [], equations.inertia or equations.mass
+    graph = equations.graph
+    for i, pivot in enumerate(pivots[: len(mass)]):
+        diagonal = mass[i][i]
+        positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
+        if positive or pivot in pivots[:i]:
+            continue
+        if pivot == diagonal:
+            checks.append(Target(CHECK, str(i + 1), (pivot,), "{0} > 0"))
+        else:
+            text = "{0} > PK_PIVOT_MIN * {1}"
+            checks.append(Target(CHECK, str(i + 1), (pivot, diagonal), text))
+    return checks
+
+
+def vector(name: str, row: Callable[[Equations], Row]):
+    """Outputs and targets of a kernel that writes one vector."""
+    return (
+        lambda e: (Output(name, len(row(e)), 1),),
+        lambda e: stores(name, row(e)),
+    )
+
+
+def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
+    """All entries; of a symmetric matrix the upper triangle, mirrored. Many zeros are written by
+    a loop at the start."""
+    columns = len(matrix[0])
+    zeros = sum(node == ZERO for row in matrix for node in row)
+    targets = []
+    if zeros > _FEW_ZEROS:
+        targets.append(Target(FILL, name, (), str(len(matrix) * columns)))
+    for i, row in enumerate(matrix):
+        for j in range(i if symmetric else 0, columns):
+            if row[j] == ZERO and targets and targets[0].kind == FILL:
+                continue
+            mirrored = (f"{name}[{j * columns + i}]",) if symmetric and j > i else ()
+            targets.append(Target(STORE, f"{name}[{i * columns + j}]", (row[j],), also=mirrored))
+    return targets
+
+
+def square(name: str, equations: Equations) -> Output:
+    n = len(equations.coordinates)
+    return Output(name, n, n)
+
+
+def row_checks(equations: Equations) -> list[Target]:
+    """That the rows of constraints do not depend on each other; counted behind the coordinates."""
+    if equations.constraints is None:
+        return []
+    g, n = equations.graph, len(equations.coordinates)
+    checks = []
+    for k, (pivot, diagonal) in enumerate(equations.constraints.pivots):
+        if g.op[pivot] is Op.NUMBER and g.data[pivot] > 0:  # type: ignore[operator]
+            continue
+        nodes, text = (pivot, diagonal), "{0} > PK_PIVOT_MIN * {1}"
+        if pivot == diagonal:
+            nodes, text = (pivot,), "{0} > 0"
+        checks.append(Target(CHECK, str(n + k + 1), nodes, text))
+    return checks

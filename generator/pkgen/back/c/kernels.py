@@ -1,0 +1,276 @@
+"""The kernels that a model can have: a row each, with outputs, results and what they mean.
+
+A new kernel is a row here, its place in runtime/include/pk/system.h, and its caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from ...equations import Equations, Particles, Row
+from ...graph.graph import ZERO, Node
+from ...middle.motion import LINEAR_OF_FEW
+from .kernel_spec import (
+    KernelSpec,
+    matrix_stores,
+    pivot_checks,
+    row_checks,
+    square,
+    stores,
+    vector,
+)
+from .kernels_bound import ALWAYS, bound_specs
+from .kernels_canonical import CANONICAL, canonical_specs
+from .program import FILL, RETURN, STORE, Output
+from .schedule import Target
+
+STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
+
+
+def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
+    """Those of `wanted` that the model has, and those that these call."""
+    names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
+    if wanted is not None:
+        names &= (
+            wanted
+            | CANONICAL
+            | (ALWAYS if equations.constraints else frozenset())
+            | ({"linear"} if LINEAR_OF_FEW in wanted else set())
+        )
+    if equations.quadratures:
+        names |= {"quadrature"}
+    for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
+        names |= {name} if needed else set()
+    if equations.jolted:
+        corner = ("corner", "energy", "unbound", "inertia")
+        names |= {name for name in corner if KERNELS[name].exists(equations)}
+    if "acceleration" in names and equations.acceleration is None:
+        names |= {"mass", "force"}
+    return frozenset(names)
+
+
+def _has_energy(equations: Equations) -> bool:
+    """States alone have none; body rates have."""
+    return len(equations.coordinates) > equations.n_states or bool(equations.attitudes)
+
+
+def _scalar(node: Callable[[Equations], Node | None]):
+    def targets(equations: Equations) -> list[Target]:
+        value = node(equations)
+        assert value is not None
+        return [Target(RETURN, "", (value,))]
+
+    return lambda e: (), targets
+
+
+def _acceleration_targets(equations: Equations) -> list[Target]:
+    """Every pivot is tested before anything is written."""
+    if equations.acceleration is None:
+        return []
+    checks = pivot_checks(equations, equations.pivots or ()) + row_checks(equations)
+    return checks + stores("a", equations.acceleration)
+
+
+def _linear(equations: Equations) -> list[Target]:
+    linear = equations.linear
+    if linear is None:
+        return []
+    return _copied(
+        [
+            *matrix_stores("r_q", linear.r_q),
+            *matrix_stores("r_v", linear.r_v),
+            *stores("r_t", linear.r_t),
+        ]
+    )
+
+
+def _jacobian(equations: Equations) -> list[Target]:
+    matrices = {name: getattr(equations, name) or () for name in ("p_q", "pdot_q", "pdot_v")}
+    return _copied([t for name, matrix in matrices.items() for t in matrix_stores(name, matrix)])
+
+
+def _copied(targets: list[Target]) -> list[Target]:
+    """An entry that is in several places, as the second derivatives of L are, is copied."""
+    places: dict[Node, list[str]] = {}
+    for target in targets:
+        for node in target.nodes:
+            places.setdefault(node, []).append(target.where)
+    fills = [target for target in targets if target.kind == FILL]
+    return fills + [
+        Target(STORE, where, (node,), also=tuple(copies))
+        for node, (where, *copies) in places.items()
+    ]
+
+
+def _of_particles(particles: Particles) -> dict[str, Row]:
+    vectors = {
+        "r_out": particles.places,
+        "v_out": particles.rates,
+        "a_out": particles.accelerations,
+    }
+    flat = {name: tuple(x for row in rows for x in row) for name, rows in vectors.items()}
+    return {"m_out": particles.masses} | flat
+
+
+def _specs() -> Iterator[KernelSpec]:
+    yield KernelSpec(
+        "acceleration",
+        "int",
+        "a = q'' with M a = f, by M = L D L^T",
+        lambda e: (Output("a", len(e.coordinates), 1),),
+        _acceleration_targets,
+        kept=lambda e: [*(e.pivots or ()), *e.force],
+    )
+    yield KernelSpec(
+        "mass",
+        "void",
+        "M = dp/dv",
+        lambda e: (square("M", e),),
+        lambda e: matrix_stores("M", e.mass, symmetric=True),
+    )
+    yield KernelSpec(
+        "force", "void", "f = pdot - (dp/dq) v - dp/dt", *vector("f", lambda e: e.force)
+    )
+    yield KernelSpec(
+        "canonical",
+        "void",
+        "p = dL/dv and pdot = dL/dq + Q - dD/dv",
+        lambda e: (Output("momenta", len(e.momenta), 1), Output("pdot", len(e.pdot), 1)),
+        lambda e: stores("momenta", e.momenta) + stores("pdot", e.pdot),
+    )
+    yield KernelSpec("momenta", "void", "p = dL/dv", *vector("momenta", lambda e: e.momenta))
+    yield KernelSpec("gradient", "void", "dL/dq", *vector("dLdq", lambda e: e.gradient))
+    yield KernelSpec(
+        "jacobian",
+        "void",
+        "dp/dq, d(pdot)/dq, d(pdot)/dv",
+        lambda e: (square("p_q", e), square("pdot_q", e), square("pdot_v", e)),
+        _jacobian,
+        exists=lambda e: e.p_q is not None,
+    )
+    yield KernelSpec(
+        "linear",
+        "void",
+        "derivatives of r = f - M a by q, v and t, with a and the inputs held",
+        lambda e: (square("r_q", e), square("r_v", e), Output("r_t", len(e.force), 1)),
+        _linear,
+        exists=lambda e: e.linear is not None,
+        given=("a",),
+    )
+    yield KernelSpec(
+        "energy", "pk_real", "h = v.p - L", *_scalar(lambda e: e.energy), exists=_has_energy
+    )
+    yield KernelSpec(
+        "lagrangian", "pk_real", "L", *_scalar(lambda e: e.lagrangian), exists=_has_energy
+    )
+    yield KernelSpec(
+        "kinetic",
+        "pk_real",
+        "T",
+        *_scalar(lambda e: e.kinetic),
+        exists=lambda e: e.kinetic is not None and _has_energy(e),
+    )
+    yield KernelSpec(
+        "potential",
+        "pk_real",
+        "V",
+        *_scalar(lambda e: e.potential),
+        exists=lambda e: e.potential is not None and _has_energy(e),
+    )
+    yield KernelSpec(
+        "guard",
+        "void",
+        "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
+        *vector("out", lambda e: tuple(guard.node for guard in e.guards)),
+        exists=lambda e: bool(e.guards),
+    )
+    yield KernelSpec(
+        "observe",
+        "void",
+        "observed outputs",
+        *vector("out", lambda e: e.observed),
+        exists=lambda e: bool(e.observed),
+    )
+    yield KernelSpec(
+        "conserve",
+        "void",
+        "quantities claimed to be constant",
+        *vector("out", lambda e: e.conserved),
+        exists=lambda e: bool(e.conserved),
+    )
+    yield KernelSpec(
+        "event",
+        "void",
+        "functions whose zeros are the events",
+        *vector("out", lambda e: e.events),
+        exists=lambda e: bool(e.events),
+    )
+    yield KernelSpec(
+        "switching",
+        "void",
+        "the arguments of step, abs, min and max at whose zeros the equations change",
+        *vector("out", lambda e: tuple(switch.node for switch in e.switches)),
+        exists=lambda e: bool(e.switches),
+    )
+    yield KernelSpec(
+        "marking",
+        "void",
+        "u of exp(u) and the like, which end beyond +-36: where forces may be short",
+        *vector("out", lambda e: tuple(mark.node for mark in e.marks)),
+        exists=lambda e: bool(e.marks),
+    )
+    yield KernelSpec(
+        "corner",
+        "void",
+        "the slopes of the switches at which rates may jump, by q and by t; 0 of others",
+        lambda e: (
+            Output("slope", len(e.switches), len(e.coordinates)),
+            Output("slope_t", len(e.switches), 1),
+        ),
+        lambda e: (
+            matrix_stores(
+                "slope", tuple(x.slope or (ZERO,) * len(e.coordinates) for x in e.switches)
+            )
+            + stores("slope_t", tuple(x.slope_t for x in e.switches))
+        ),
+        exists=lambda e: bool(e.jolted),
+    )
+    yield KernelSpec(
+        "quadrature",
+        "void",
+        "z', the rates of the quadratures",
+        *vector("zdot", lambda e: e.quadratures),
+        exists=lambda e: bool(e.quadratures),
+    )
+    yield KernelSpec(
+        "quadrature_start",
+        "void",
+        "what the quadratures are at the start",
+        *vector("z", lambda e: e.quadrature_start),
+        exists=lambda e: bool(e.quadratures),
+    )
+    yield from bound_specs()
+    yield from canonical_specs()
+    yield KernelSpec(
+        "particles",
+        "void",
+        "particles: masses m, places r, r' and r'', a = q'' given",
+        lambda e: tuple(
+            Output(name, len(row), 1) for name, row in _of_particles(e.particles).items()
+        ),
+        lambda e: _copied(
+            [t for name, row in _of_particles(e.particles).items() for t in stores(name, row)]
+        ),
+        exists=lambda e: e.particles is not None and bool(e.particles.masses),
+        given=("a",),
+    )
+    yield KernelSpec(
+        "start",
+        "void",
+        "initial values",
+        lambda e: (Output("q", len(e.start_q), 1), Output("v", len(e.start_v), 1)),
+        lambda e: stores("q", e.start_q) + stores("v", e.start_v),
+    )
+
+
+KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _specs()}

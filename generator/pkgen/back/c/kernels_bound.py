@@ -1,0 +1,84 @@
+"""Kernels of rotations and constraints: what the runtime keeps a motion on them by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...equations import Equations
+from .kernel_spec import KernelSpec, matrix_stores, square, stores, vector
+from .program import Output
+from .schedule import Target
+
+BOUND = frozenset({"constraint", "rows", "terms", "multipliers", "unbound", "inertia"})
+ALWAYS = BOUND - {"multipliers", "unbound"}  # wherever there are constraints
+
+
+def _rows(e: Equations) -> list[Target]:
+    c = e.constraints
+    return matrix_stores("J_out", c.rows) + stores("residual_out", c.residual)
+
+
+def _terms(e: Equations) -> list[Target]:
+    positions, rates = e.terms
+    return stores("phi_size", positions) + stores("residual_size", rates)
+
+
+def _unbound(e: Equations) -> list[Target]:
+    p, pdot = e.unbound
+    return stores("momenta", p) + stores("pdot", pdot)
+
+
+def bound_specs() -> Iterator[KernelSpec]:
+    """Each exists where there is what it writes: see pk/system.h."""
+    yield KernelSpec(
+        "constraint",
+        "void",
+        "phi, which the holonomic constraints keep at 0",
+        *vector("phi_out", lambda e: e.constraints.positions),
+        exists=lambda e: e.constraints is not None and bool(e.constraints.positions),
+    )
+    yield KernelSpec(
+        "rows",
+        "void",
+        "the rows J of all constraints, and J v + j0, which they keep at 0",
+        lambda e: (
+            Output("J_out", len(e.constraints.residual), len(e.coordinates)),
+            Output("residual_out", len(e.constraints.residual), 1),
+        ),
+        _rows,
+        exists=lambda e: e.constraints is not None,
+    )
+    yield KernelSpec(
+        "terms",
+        "void",
+        "the sizes of the terms of phi and of J v + j0: what both are rounded by, in units of eps",
+        lambda e: (
+            Output("phi_size", len(e.constraints.positions), 1),
+            Output("residual_size", len(e.constraints.residual), 1),
+        ),
+        _terms,
+        exists=lambda e: e.terms is not None,
+    )
+    yield KernelSpec(
+        "multipliers",
+        "void",
+        "lambda, of which J^T lambda are the forces of the constraints",
+        *vector("lambda_out", lambda e: e.constraints.multipliers),
+        exists=lambda e: e.constraints is not None,
+    )
+    yield KernelSpec(
+        "unbound",
+        "void",
+        "p and pdot without the forces of constraints",
+        lambda e: tuple(Output(name, len(e.coordinates), 1) for name in ("momenta", "pdot")),
+        _unbound,
+        exists=lambda e: e.unbound is not None,
+    )
+    yield KernelSpec(
+        "inertia",
+        "void",
+        "dp/dv of what `unbound` writes",
+        lambda e: (square("M", e),),
+        lambda e: matrix_stores("M", e.inertia, symmetric=True),
+        exists=lambda e: e.unbound is not None,
+    )

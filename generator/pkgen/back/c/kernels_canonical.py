@@ -1,0 +1,52 @@
+"""The kernels of the canonical form, of q and p: `pkgen MODEL.lag --canonical`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from ...equations import Equations, Hamiltonian, Row
+from ...graph.graph import ZERO
+from .kernel_spec import KernelSpec, pivot_checks, stores
+from .program import Output
+from .schedule import Target
+
+CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
+
+
+def canonical_specs() -> Iterator[KernelSpec]:
+    yield _canonical("hamiltonian", "H(q, p), the energy", lambda h: {"H": (h.energy,)})
+    yield _canonical(
+        "hamilton",
+        "dH/dq and dH/dp, which is q'",
+        lambda h: {"dHdq": h.by_q, "dHdp": h.by_p},
+    )
+    yield _canonical(
+        "hamilton_force",
+        "Q - dD/dv at q and p, which p' has besides -dH/dq",
+        lambda h: {"applied": h.applied},
+    )
+
+
+def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row]]) -> KernelSpec:
+    """A kernel of q and p, which fails where M is singular."""
+
+    def targets(e: Equations) -> list[Target]:
+        written = (stores(where, row) for where, row in rows(e.hamiltonian).items())
+        return sum(written, pivot_checks(e, e.hamiltonian.pivots))
+
+    def exists(e: Equations) -> bool:
+        return e.hamiltonian is not None and any(
+            node != ZERO or name != "hamilton_force"
+            for row in rows(e.hamiltonian).values()
+            for node in row
+        )
+
+    return KernelSpec(
+        name,
+        "int",
+        says,
+        lambda e: tuple(Output(where, len(row), 1) for where, row in rows(e.hamiltonian).items()),
+        targets,
+        exists=exists,
+        second="momenta",
+    )

@@ -1,0 +1,143 @@
+"""The interior of rows: where no end is near, one expression without a condition, bonds shared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...graph.affine import ROW, Affine, variable
+from ...graph.collect import fewest, rewritten, settled
+from ...graph.count import operations
+from ...graph.differentiate import reachable
+from ...graph.graph import MINUS_ONE, ONE, ZERO, Kind, Node, Op, Symbol
+from ...graph.normal import WORK
+from ...graph.policies import linear
+from ...middle.loops.expand import domain
+from ...middle.loops.loops import Group, LoopEquations, Part, Row, Slot
+from ...middle.loops.slots import shifted
+from .loops import WIDEST_BOND
+
+M = variable(ROW)
+
+
+class Interior:
+    """The graph may still grow here, so before Lowering copies it."""
+
+    def __init__(self, e: LoopEquations):
+        self.e = e
+        self.g = e.graph
+        self.slots = list(e.slots)
+        self._symbols = {slot: k for k, slot in enumerate(self.slots)}
+
+    def symbol(self, slot: Slot) -> Node:
+        if slot not in self._symbols:
+            self._symbols[slot] = len(self.slots)
+            self.slots.append(slot)
+        return self.g.symbol(Symbol(domain(slot), self._symbols[slot]))
+
+    def shifted(self, node: Node, shift: int) -> Node:
+        """The same expression in the row m + shift."""
+        return shifted(self.g, node, shift, self.slots, self.symbol)
+
+    def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
+        """Forces of bonds, each once: row(m) = sum of F_k(m) - F_k(m - s), and the rest.
+
+        The bodies of a term seen from its two ends are opposite, the third law. Returns the F_k,
+        the distance s that they have in common, and the interior of the row in terms of them.
+        """
+        bulk = [part for part in row.parts if not part.is_point]
+        found: list[Node] = []
+        span = 0
+        total = ZERO
+        while bulk:
+            part = bulk.pop(0)
+            partner = next((b for b in bulk if self._opposite(part, b, span)), None)
+            if partner is None:
+                total = self.g.add(total, part.inner)
+                continue
+            bulk.remove(partner)
+            near, far = (part, partner) if (partner.lo - part.lo).constant > 0 else (partner, part)
+            span = (far.lo - near.lo).constant
+            ends = [self.symbol(Slot("flux", str(len(found)), M - k)) for k in (0, span)]
+            found.append(near.inner)
+            total = self.g.add(total, self.g.subtract(*ends))
+        return found, span, total
+
+    def _opposite(self, a: Part, b: Part, span: int) -> bool:
+        """Whether b(m) = -a(m - s), or the other way round."""
+        distance = b.lo - a.lo
+        if not distance.is_constant or b.hi - a.hi != distance or a.inner == ZERO:
+            return False
+        size = abs(distance.constant)
+        if not 1 <= size <= WIDEST_BOND or (span and size != span):
+            return False
+        total = self.g.add(self.shifted(a.inner, -distance.constant), b.inner)
+        return total == ZERO or settled(self.g, [total])[0] == ZERO
+
+    def interior(
+        self, rows: Sequence[Row], group: Group | None, least: Affine | None = None
+    ) -> tuple[list[Node], list[Affine], list[Affine]]:
+        """The sums of the parts of each row where every guard holds, and where that is."""
+        lows: list[Affine] = [] if group is None else [group.lo]
+        highs: list[Affine] = [] if group is None else [group.hi]
+        nodes = []
+        for row in rows:
+            bulk = []
+            for part in row.parts:
+                if group is not None and part.is_point:
+                    self._exclude(part, group, lows, highs)
+                    continue
+                bulk.append(part.inner)
+                lows.append(part.lo)
+                highs.append(part.hi)
+            nodes.append(self.g.sum(bulk))
+        for node in nodes:
+            for slot in self._slots(node):
+                if slot.kind in ("q", "v", "d", "w") and slot.at is not None:
+                    other, shift = self.e.group(slot.name), slot.at.without(ROW)
+                    if slot.at.factor(ROW):
+                        lows.append(other.lo - shift)
+                        highs.append(other.hi - shift)
+        if group is not None:
+            beyond = self.e.wraps.get(group.name, 0)
+            beyond = max(beyond, int(any(end.kind == "free" for _, end in group.ends)))
+            if beyond:
+                lows.append(group.lo + beyond)
+                highs.append(group.hi - beyond)
+        return nodes, _pruned(lows, 1), _pruned(highs, -1)
+
+    def _exclude(self, part: Part, group: Group, lows: list[Affine], highs: list[Affine]) -> None:
+        if (part.hi - group.lo).is_constant:
+            lows.append(part.hi + 1)
+        else:
+            highs.append(part.lo - 1)
+
+    def _slots(self, node: Node):
+        for n in reachable(self.g, [node]):
+            data = self.g.data[n]
+            if self.g.op[n] is Op.SYMBOL and data.kind not in (Kind.PI, Kind.TIME):
+                yield self.slots[data.index]
+
+    def shortest(self, nodes: list[Node]) -> list[Node]:
+        """The same with fewer operations, where that is found quickly."""
+        return fewest(self.g, nodes) if nodes else nodes
+
+    def factored(self, node: Node) -> Node:
+        """The same in powers of its differences, if shorter: k d + b d^3 as d (k + b d^2)."""
+        found = rewritten(self.g, [node], linear, WORK) or [node]
+        return min(node, found[0], key=lambda n: operations(self.g, [n]))
+
+    def scaled(self, node: Node) -> tuple[Node, Node]:
+        """The factor that is the same in every row, 1 where that saves nothing, and the rest."""
+        scale, rest = self.g.split(node)
+        return (ONE, node) if scale in (ONE, MINUS_ONE) or rest == ONE else (scale, rest)
+
+
+def _pruned(found: list[Affine], sign: int) -> list[Affine]:
+    """Of lower bounds (sign 1) or upper ones, those that no other implies."""
+    kept: list[Affine] = []
+    for at in dict.fromkeys(found):
+        if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):
+            continue
+        kept = [k for k in kept if not ((at - k).is_constant and (at - k).constant * sign >= 0)]
+        kept.append(at)
+    return kept

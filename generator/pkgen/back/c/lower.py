@@ -1,0 +1,327 @@
+"""Equations -> Program: straight-line code for every kernel, as text and counted.
+
+What depends on parameters alone is hoisted: computed once, by `prepare`, into the array c_ of
+the parameter struct. The rest of the work is in `rewrite.py` (powers, products), `schedule.py`
+(order, names, sharing), `expressions.py` (C text) and `chunk.py` (very long kernels).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from ...equations import Equations, Structure
+from ...graph.differentiate import reachable
+from ...graph.graph import BIT, Graph, Kind, Node, Op, Symbol
+from ...middle.derive.switches import sides
+from .chunk import blocks
+from .kernels import KERNELS, STARTS, KernelSpec, needed_kernels
+from .literals import PI
+from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
+from .program import (
+    LANES,
+    LOAD,
+    STORE,
+    Assignment,
+    Field,
+    Interval,
+    Kernel,
+    Output,
+    Program,
+    Statement,
+    operations_in,
+)
+from .rewrite import SIDE, Workspace, rewrite
+from .schedule import Schedule, Target, number_text
+
+__all__ = ["Program", "lower"]
+
+_ARGUMENT = {
+    Kind.COORDINATE: "q",
+    Kind.RATE: "v",
+    Kind.INPUT: "u",
+    Kind.ACCELERATION: "a",
+    Kind.MOMENTUM: "momenta",
+}
+
+
+def lower(
+    equations: Equations,
+    structure: Structure,
+    kernels: frozenset[str] | None = None,
+    *,
+    libm: bool = False,
+    kept: frozenset[int] | None = None,
+) -> Program:
+    """Straight-line code for the kernels named (None: all that the model has); with `libm` sine
+    and cosine are the library's. Of the parameters are there those `kept` (None: all)."""
+    return _Lowering(equations, structure, libm, kept).program(kernels)
+
+
+def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
+    """The parameters that these kernels read, and the starts."""
+    specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), *STARTS))
+    nodes = [x for spec in specs for t in spec.targets(equations) for x in t.nodes]
+    return _parameters_in(equations.graph, nodes)
+
+
+def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int]:
+    """Those too by which defaults of these are computed, and the rest of families."""
+    slots, kept = equations.parameters, set(read)
+    families = {slots[k].family for k in kept}
+    for k in reversed(range(len(slots))):  # each is computed from earlier ones
+        if k in kept or slots[k].family in families:
+            kept.add(k)
+            more = _parameters_in(equations.graph, [slots[k].default])
+            kept |= more
+            families |= {slots[i].family for i in more}
+    return frozenset(kept)
+
+
+def _parameters_in(g: Graph, nodes: Iterable[Node]) -> frozenset[int]:
+    mask = BIT[Kind.PARAMETER]
+    below = (g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
+    return frozenset(s.index for s in below if s.kind is Kind.PARAMETER)
+
+
+@dataclass(frozen=True)
+class _Draft:
+    """A kernel rewritten, but not yet written out: hoisted constants have no numbers yet."""
+
+    spec: KernelSpec
+    targets: list[Target]
+    hints: dict[Node, str]
+    kept: frozenset[Node]
+
+
+class _Lowering:
+    def __init__(
+        self,
+        equations: Equations,
+        structure: Structure,
+        libm: bool,
+        kept: frozenset[int] | None,
+    ) -> None:
+        slots = equations.parameters
+        numbers = range(len(slots)) if kept is None else sorted(kept)
+        self.equations = equations = replace(equations, parameters=tuple(slots[k] for k in numbers))
+        self.libm = libm
+        self.structure = structure
+        self.prefix = equations.model.name + "_"
+        c = equations.constraints
+        positions = () if c is None else c.positions
+        decided = sides(equations.graph, equations.switches, positions)
+        self.work = Workspace(equations.graph)
+        for call, (switch, sign) in decided.items():
+            self.work.side(call, switch, sign)
+        self.fields, self.parameter_names = _fields(equations)
+        self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
+        self.symbols = _local_names(equations)
+        self.leaves: dict[Node, str] = {}
+        self.hoisted: dict[Node, int] = {}
+        self.helpers: set[str] = set()
+
+    def program(self, wanted: frozenset[str] | None) -> Program:
+        names = needed_kernels(self.equations, wanted)
+        specs = [KERNELS[name] for name in KERNELS if name in names]
+        drafts = [self._draft(spec) for spec in specs]
+        prepare = self._prepare(drafts)
+        parameters = self.equations.parameters
+        return Program(
+            equations=self.equations,
+            structure=self.structure,
+            fields=self.fields,
+            parameter_names=self.parameter_names,
+            defaults=tuple(self._assignment(i, x.default) for i, x in enumerate(parameters)),
+            bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
+            prepare=prepare,
+            hoisted=len(self.hoisted),
+            start=self._of_parameters("start"),
+            quadrature_start=self._of_parameters("quadrature_start"),
+            kernels=tuple(self._kernel(draft) for draft in drafts),
+            float_too=self.work.constants.float_too,
+            helpers=tuple(sorted(self.helpers)),
+            lanes=tuple(form for form in LANES if wanted is None or form in wanted),
+        )
+
+    def _names(self, taken: Iterable[str] = ()) -> Names:
+        return Names(LOCAL_RESERVED, taken, self.prefix)
+
+    # Kernels of the motion
+
+    def _draft(self, spec: KernelSpec) -> _Draft:
+        targets = spec.targets(self.equations)
+        roots = [node for target in targets for node in target.nodes]
+        asked = set(spec.kept(self.equations))
+        below = set(self.work.reachable(roots)) if asked else set()
+        kept = sorted(asked & below)
+        new = rewrite(self.work, roots + kept)
+        hints = {node: name for node, name in spec.hints(self.equations) if node in new}
+        targets = [
+            Target(t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also)
+            for t in targets
+        ]
+        return _Draft(
+            spec, targets, {new[x]: hints[x] for x in hints}, frozenset(new[x] for x in kept)
+        )
+
+    def _kernel(self, draft: _Draft) -> Kernel:
+        spec, n = draft.spec, len(self.equations.coordinates)
+        outputs = spec.outputs(self.equations)
+        names = self._names(o.name for o in outputs)
+        for name in self.symbols.values():
+            names.take(name)
+        schedule = Schedule(
+            self.work,
+            names,
+            self.prefix,
+            self._leaf,
+            hints=draft.hints,
+            kept=draft.kept,
+            inline_sincos=not self.libm,
+        )
+        schedule.run(draft.targets)
+        self.helpers |= schedule.helpers
+        loads = {
+            name: Statement(LOAD, name, f"{_ARGUMENT[symbol.kind]}[{symbol.index}]")
+            for symbol, name in self.symbols.items()
+        }
+        solves = spec.name == "acceleration" and self.equations.acceleration is None and n > 0
+        return self._finished(spec.name, spec.result, outputs, schedule, loads, solves)
+
+    def _finished(
+        self,
+        name: str,
+        result: str,
+        outputs: tuple[Output, ...],
+        schedule: Schedule,
+        loads: dict[str, Statement],
+        solves: bool = False,
+    ) -> Kernel:
+        parts, work = blocks(schedule.statements, loads, [o.name for o in outputs])
+        operations = operations_in(schedule.statements, self.prefix)
+        return Kernel(name, result, outputs, parts, work, operations, solves)
+
+    def _leaf(self, node: Node) -> str | None:
+        """The text of what needs no computing in a kernel of the motion."""
+        if node in self.hoisted:
+            return f"p->c_[{self.hoisted[node]}]"
+        return self._symbol(node)
+
+    def _symbol(self, node: Node) -> str | None:
+        if not self.work.is_leaf(node):
+            return None
+        if node not in self.leaves:
+            self.leaves[node] = self._leaf_text(node)
+        return self.leaves[node]
+
+    def _leaf_text(self, node: Node) -> str:
+        if self.work.op[node] is Op.NUMBER:
+            return number_text(self.work.data[node])
+        symbol = self.work.data[node]
+        assert isinstance(symbol, Symbol)
+        if symbol.kind is Kind.PARAMETER:
+            return "p->" + self.parameters[symbol.index]
+        if symbol.kind is SIDE:
+            return f"p->side_[{symbol.index}]"
+        if symbol.kind in _ARGUMENT:
+            return self.symbols[symbol]
+        return PI if symbol.kind is Kind.PI else "t"
+
+    # What depends on parameters alone
+
+    def _prepare(self, drafts: Iterable[_Draft]) -> Kernel:
+        """Numbers the hoisted constants in the order in which they can be computed."""
+        found = self._to_hoist([x for d in drafts for t in d.targets for x in t.nodes])
+        new = rewrite(self.work, found, gather=False)
+        distinct = sorted({new[node] for node in found})
+        places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
+        schedule = Schedule(
+            self.work,
+            self._names(),
+            self.prefix,
+            self._symbol,
+            known_after={place: place for place in places.values()},
+        )
+        schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
+        self.helpers |= schedule.helpers
+        self.hoisted = {node: distinct.index(new[node]) for node in found}
+        outputs = (Output("c_", len(distinct), 1),)
+        return self._finished("prepare", "int", outputs, schedule, {})
+
+    def _to_hoist(self, roots: list[Node]) -> list[Node]:
+        """The largest subtrees that depend on parameters alone and compute something."""
+        found: set[Node] = set()
+        seen = set(roots)
+        stack = list(seen)
+        while stack:
+            node = stack.pop()
+            if self.work.fixed[node] and self.work.negated(node) is None:
+                if not self.work.is_leaf(node):
+                    found.add(node)
+                continue
+            for a in self.work.args[node]:
+                if a not in seen:
+                    seen.add(a)
+                    stack.append(a)
+        return sorted(found)
+
+    def _of_parameters(self, name: str) -> Kernel:
+        spec = KERNELS[name]
+        targets = spec.targets(self.equations)
+        return self._finished(
+            name, spec.result, spec.outputs(self.equations), self._fixed_code(targets), {}
+        )
+
+    def _fixed_code(self, targets: list[Target]) -> Schedule:
+        """Code on parameters alone, nothing hoisted."""
+        new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
+        schedule = Schedule(self.work, self._names(), self.prefix, self._symbol)
+        schedule.run(Target(t.kind, t.where, tuple(new[x] for x in t.nodes)) for t in targets)
+        self.helpers |= schedule.helpers
+        return schedule
+
+    def _assignment(self, index: int, value: Node) -> Assignment:
+        *before, last = self._fixed_code([Target(STORE, "", (value,))]).statements
+        return Assignment(index, tuple(before), last.text)
+
+    def _interval(self, lo: Node | None, hi: Node | None) -> Interval:
+        ends = [("lo", lo), ("hi", hi)]
+        targets = [Target(STORE, where, (node,)) for where, node in ends if node is not None]
+        statements = self._fixed_code(targets).statements if targets else []
+        values = {s.target: s.text for s in statements if s.kind == STORE}
+        before = tuple(s for s in statements if s.kind != STORE)
+        return Interval(before, values.get("lo"), values.get("hi"))
+
+
+def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
+    """The members of struct NAME_params, and the C text of each scalar parameter."""
+    names = Names(FIELD_RESERVED, (), equations.model.name + "_")
+    fields: list[Field] = []
+    scalars: list[str] = []
+    for index, slot in enumerate(equations.parameters):
+        if slot.position == 0:
+            fields.append(Field(names.take(slot.family), slot.family, slot.length, index))
+        place = f"[{slot.position}]" if slot.length else ""
+        scalars.append(fields[-1].c_name + place)
+    return tuple(fields), tuple(scalars)
+
+
+def _local_names(equations: Equations) -> dict[Symbol, str]:
+    """What coordinates, rates, inputs, accelerations and momenta are called in the kernels."""
+    names = Names(LOCAL_RESERVED, (), equations.model.name + "_")
+    own = len(equations.coordinates) - equations.n_states
+    accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
+    accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
+    rows = [
+        (Kind.COORDINATE, equations.coordinates[:own]),  # nothing depends on a state's integral
+        (Kind.RATE, equations.rates),
+        (Kind.INPUT, equations.inputs),
+        (Kind.ACCELERATION, accelerations),
+        (Kind.MOMENTUM, equations.momenta_names),
+    ]
+    return {
+        Symbol(kind, index): names.take(local_wish(quantity.name))
+        for kind, quantities in rows
+        for index, quantity in enumerate(quantities)
+    }

@@ -1,0 +1,265 @@
+"""Program -> {file name: text}. The templates own all C syntax; what they see is strings, ints
+and lists, made here.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pkgen_runtime
+
+from ... import __version__
+from ...middle.report import Report
+from . import lanes, tables
+from .chunk import ARGUMENTS
+from .ctext import comment, fold, fold_call, paragraph, string
+from .describe import entries, labelled, operations_rows
+from .facts import facts, invariants
+from .kernels import KERNELS, STARTS
+from .kernels_bound import BOUND
+from .program import Block, Kernel, Program, operations_text
+
+if TYPE_CHECKING:
+    import jinja2
+
+# Which field of Structure proves which of enum pk_fact, in the order of that enum.
+FACTS = [
+    ("mass_constant", "PK_MASS_CONSTANT"),
+    ("mass_diagonal", "PK_MASS_DIAGONAL"),
+    ("quadratic", "PK_QUADRATIC"),
+    ("separable", "PK_SEPARABLE"),
+    ("autonomous", "PK_AUTONOMOUS"),
+    ("conservative", "PK_CONSERVATIVE"),
+    ("variational", "PK_VARIATIONAL"),
+    ("smooth", "PK_SMOOTH"),
+    ("affine", "PK_AFFINE"),
+    ("switched", "PK_SWITCHED"),
+]
+
+# Kernels of struct pk_system, in its order.
+SYSTEM_KERNELS = [
+    "acceleration",
+    "mass",
+    "force",
+    "canonical",
+    "gradient",
+    "jacobian",
+    "energy",
+    "kinetic",
+    "potential",
+    "observe",
+    "conserve",
+    "linear",
+    "constraint",
+    "rows",
+    "terms",
+    "multipliers",
+    "unbound",
+    "inertia",
+    "guard",
+    "event",
+    "quadrature",
+    "switching",
+    "marking",
+    "corner",
+    "particles",
+]
+_SELDOM = {
+    "quadrature",
+    "switching",
+    "marking",
+    "corner",
+    "particles",
+} | BOUND  # named in the table where they are alone
+
+_TESTED = [
+    "acceleration",
+    "mass",
+    "force",
+    "canonical",
+    "momenta",
+    "gradient",
+    "jacobian",
+    "energy",
+    "lagrangian",
+]
+
+
+def render(
+    program: Program, *, self_test: bool = False, report: Report | None = None
+) -> dict[str, str]:
+    """NAME.h and NAME.c; with `self_test` also NAME_selftest.c, a program that checks them. The
+    header says what `report` does: what a scene did not need."""
+    name = program.equations.model.name
+    lines = report.lines if report else ()
+    context = _context(program) | {"reductions": [str(line) for line in lines]}
+    templates = {f"{name}.h": "header.h.j2", f"{name}.c": "source.c.j2"}
+    if self_test:
+        _refuse_parts(program)
+        templates[f"{name}_selftest.c"] = "selftest.c.j2"
+    return {
+        file: environment().get_template(template).render(context)
+        for file, template in templates.items()
+    }
+
+
+PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with and without */\n"
+
+
+def portable(files: dict[str, str]) -> dict[str, str]:
+    """C that uses no fused multiply-add, as with -DPK_PORTABLE."""
+    return {
+        name: text.replace("#include ", f"{PORTABLE}#include ", name.endswith(".c"))
+        for name, text in files.items()
+    }
+
+
+def is_portable(files: dict[str, str]) -> bool:
+    return any(PORTABLE in text for text in files.values())
+
+
+def _refuse_parts(program: Program) -> None:
+    """A self-test compares all kernels with each other."""
+    e = program.equations
+    missing = [n for n in _TESTED if KERNELS[n].exists(e) and program.kernel(n) is None]
+    if missing:
+        raise ValueError(f"a self-test needs the kernels {', '.join(missing)} too")
+
+
+@cache
+def environment() -> jinja2.Environment:
+    import jinja2  # only where there is C to write: it takes longer to load than a model to check
+
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    environment.filters |= {
+        "comment": comment,
+        "string": string,
+        "paragraph": paragraph,
+        "fold": fold,
+        "fold_call": fold_call,
+    }
+    return environment
+
+
+def pasted(header: str) -> str:
+    """The text of a header in runtime/include/pk."""
+    path = Path(pkgen_runtime.__file__).parent / "include" / "pk" / header
+    return path.read_text(encoding="utf-8")
+
+
+def _context(program: Program) -> dict[str, Any]:
+    equations = program.equations
+    model = equations.model
+    kernels = [_kernel(program, kernel) for kernel in program.kernels]
+    present = {kernel.name for kernel in program.kernels}
+    return {
+        "version": __version__,
+        "name": model.name,
+        "description": model.description,
+        "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
+        "source_hash": model.source.sha256,
+        "real_header": pasted("real.h"),
+        "sincos_header": pasted("sincos.h") if program.has_sincos else "",
+        "n": len(equations.coordinates),
+        "n_states": equations.n_states,
+        "states": [q.name for q in equations.rates[len(equations.rates) - equations.n_states :]],
+        # Whether p is dL/dv of the coordinates, and h made of these.
+        "has_lagrangian": int("lagrangian" in present and not equations.inertia),
+        "n_parameters": len(equations.parameters),
+        "n_inputs": len(equations.inputs),
+        "n_observed": len(equations.observed),
+        "n_conserved": len(equations.conserved),
+        "n_quadratures": len(equations.quadratures),
+        "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
+        "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
+        "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
+        "n_particles": len(equations.particles.masses) if equations.particles else 0,
+        "events": tables.events(program),
+        "marks": [mark.quantity.name for mark in equations.marks],
+        "switches": [switch.quantity.name for switch in equations.switches],
+        "impulses": [x.impulse for x in equations.switches] if equations.jolted else [],
+        "n_hoisted": program.hoisted,
+        "factored": program.factored,
+        "indices": tables.indices(program),
+        "fields": tables.fields(program),
+        "parameters": tables.parameters(program),
+        "any_follows": any(p.follows for p in equations.parameters),
+        "tables": tables.tables(program),
+        "start": _kernel(program, program.start),
+        "quadrature_start": _kernel(program, program.quadrature_start),
+        "prepare": _kernel(program, program.prepare),
+        "kernels": kernels,
+        "operations": operations_rows(program),
+        "proved": labelled(facts(equations, program.structure)),
+        "constant": labelled(invariants(equations, program.structure)),
+        "apart": int(
+            any(
+                len(k.blocks) > 1
+                for k in (
+                    program.start,
+                    program.quadrature_start,
+                    program.prepare,
+                    *program.kernels,
+                )
+            )
+        ),
+        "helpers": list(program.helpers),
+        "float_too": program.float_too,
+        "guards": tables.guards(program),
+        "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
+        "cyclic": [int(flag) for flag in program.structure.cyclic],
+        "system_kernels": [
+            {"name": kernel, "present": kernel in present}
+            for kernel in SYSTEM_KERNELS
+            if kernel in present or kernel not in _SELDOM
+        ],
+        "has_linear": int("linear" in present),
+        "has_parts": int({"kinetic", "potential"} <= present),
+        "input_rates": tables.input_rates(equations.inputs),
+    } | lanes.context(program)
+
+
+def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
+    spec = KERNELS.get(kernel.name)
+    given = spec.given if spec else ()
+    second = spec.second if spec else "v"
+    arguments = ["p", "t", "q", second, "u", *given]
+    if kernel.name in STARTS:
+        arguments = ["p"]
+    elif kernel.name == "prepare":
+        arguments = []
+    unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
+    unused += [output.name for output in kernel.outputs if not output.rows]
+    return {
+        "name": kernel.name,
+        "result": kernel.result,
+        "given": list(given),
+        "second": second,
+        "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
+        "says": spec.says if spec else "",
+        "entries": entries(program, kernel),
+        "operations": operations_text(kernel.operations),
+        "blocks": [_block(block, kernel) for block in kernel.blocks],
+        "unused": unused,
+        "work": kernel.work,
+        "solves": kernel.solves,
+    }
+
+
+def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
+    outputs = [o.name for o in kernel.outputs if o.name in block.uses]
+    return {
+        "groups": tables.groups(block.statements),
+        "checks": int(block.checks),
+        "arguments": [a for a in ARGUMENTS if a in block.uses and a not in outputs],
+        "outputs": outputs,
+    }

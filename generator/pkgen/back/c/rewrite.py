@@ -1,0 +1,278 @@
+"""One kernel's expressions, rearranged for straight-line code.
+
+- A power becomes what C does about it: repeated multiplication (shared), a reciprocal, a square
+  root, pow().
+- In a product, the factors that depend on parameters alone are brought together, and so are the
+  terms of a sum: `m*(l^2*(x*y))` becomes `(m*l^2)*x*y`, whose bracket `lower` hoists. A product
+  keeps its sign outermost, so that x and -x share their work.
+
+Only what is used once is taken apart, so nothing is ever computed twice. Loops, no recursion: a
+chain of terms may be as deep as the model is long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+
+from ...graph.graph import MINUS_ONE, VARIABLE, Graph, Node, Op, Symbol
+from ...middle.derive.switches import SIDED
+from .beyond import Constants
+
+_ONE = Fraction(1)
+_MINUS_ONE = Fraction(-1)
+SIDE = "side"  # the kind of a symbol: of a switch, where code is written alone
+
+
+class Workspace:
+    """A private copy of the graph that can grow; hash-consed, but it simplifies nothing."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.op = list(graph.op)
+        self.args = list(graph.args)
+        self.data = list(graph.data)
+        self._known = graph.tables()
+        # Whether a node depends on parameters alone (or on nothing).
+        self.fixed = [not mask & VARIABLE for mask in graph.depends]
+        self.sides: dict[Node, Node] = {}  # of calls that a switch decides: the side
+        self._side_leaves: dict[int, Node] = {}
+        self.constants = Constants(self)
+
+    def side(self, call: Node, switch: int, sign: int) -> None:
+        """Has a call decided by the side of a switch, or by the other one."""
+        if switch not in self._side_leaves:
+            leaf = self._side_leaves[switch] = len(self.op)
+            self.op.append(Op.SYMBOL)
+            self.args.append(())
+            self.data.append(Symbol(SIDE, switch))
+            self.fixed.append(False)
+        leaf = self._side_leaves[switch]
+        self.sides[call] = leaf if sign > 0 else self.multiply(MINUS_ONE, leaf)
+
+    def node(self, op: str, args: tuple[Node, ...], data: object = None) -> Node:
+        key = args if data is None else (args, data)
+        known = self._known[op].get(key)
+        return self._new(op, args, data, key) if known is None else known
+
+    def _new(self, op: str, args: tuple[Node, ...], data: object, key: object) -> Node:
+        node = self._known[op][key] = len(self.op)
+        self.op.append(op)
+        self.args.append(args)
+        self.data.append(data)
+        self.fixed.append(all(self.fixed[a] for a in args))
+        return node
+
+    def find(self, op: str, args: tuple[Node, ...], data: object) -> Node | None:
+        return self._known[op].get((args, data))
+
+    def number(self, value: Fraction) -> Node:
+        key = value.numerator, value.denominator
+        known = self._known[Op.NUMBER].get(key)
+        return self._new(Op.NUMBER, (), value, key) if known is None else known
+
+    def add(self, a: Node, b: Node) -> Node:
+        return self.node(Op.ADD, (a, b))
+
+    def multiply(self, a: Node, b: Node) -> Node:
+        return self.node(Op.MULTIPLY, (a, b))
+
+    def reciprocal(self, a: Node) -> Node:
+        return self.node(Op.POWER, (a,), Fraction(-1))
+
+    def is_leaf(self, node: Node) -> bool:
+        return self.op[node] is Op.NUMBER or self.op[node] is Op.SYMBOL
+
+    def negated(self, node: Node) -> Node | None:
+        """x, if the node is (-1)*x."""
+        if self.op[node] is Op.MULTIPLY and self.args[node][0] == MINUS_ONE:
+            return self.args[node][1]
+        return None
+
+    def reachable(self, roots: Iterable[Node]) -> list[Node]:
+        """All nodes that the roots need, arguments before what uses them."""
+        seen: set[Node] = set()
+        found = set(roots)
+        while found:
+            seen |= found
+            found = set().union(*map(self.args.__getitem__, found)) - seen
+        return sorted(seen)
+
+
+def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Node, Node]:
+    """For every node that the roots need, its replacement; `gather` brings together what
+    depends on parameters alone."""
+    order = work.reachable(roots)
+    absorbed = _absorbed(work, order, roots, gather)
+    ops, fixed = work.op, work.fixed
+    new: dict[Node, Node] = {}
+    for node in order:
+        if node in absorbed or (gather and fixed[node]):
+            # As it is: taken apart by its user, or hoisted as a whole but for its sign.
+            new[node] = node if node in absorbed else _sign_outermost(work, node)
+            continue
+        op = ops[node]
+        if op is Op.ADD:
+            new[node] = _sum(work, [new[x] for x in _terms(work, node, absorbed)], gather)
+        elif op is Op.MULTIPLY:
+            new[node] = _product(work, _factors(work, node, absorbed), new, gather)
+        elif op is Op.POWER:
+            exponent = work.data[node]
+            new[node] = power(work, new[work.args[node][0]], exponent)
+        elif op is Op.CALL:
+            arguments, called = tuple(new[a] for a in work.args[node]), work.data[node]
+            if node in work.sides:
+                arguments, called = (work.sides[node], *arguments), SIDED[str(called)]
+            new[node] = work.node(op, arguments, called)
+        else:
+            new[node] = node
+    return new
+
+
+def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
+    """Sums used once, in a sum; products used once, in a product or as its divisor."""
+    uses: dict[Node, int] = dict.fromkeys(order, 0)
+    user: dict[Node, Node] = {}
+    for root in roots:
+        uses[root] += 1
+    args = work.args
+    for node in order:
+        for a in args[node]:
+            uses[a] += 1
+            user[a] = node
+    absorbed: set[Node] = set()
+    for node in reversed(order):  # users first
+        if uses[node] != 1 or node not in user or (gather and work.fixed[node]):
+            continue
+        op, above = work.op[node], work.op[user[node]]
+        if (
+            (op is above and (op is Op.ADD or op is Op.MULTIPLY))
+            or (_is_reciprocal(work, node) and above is Op.MULTIPLY)
+            or (op is Op.MULTIPLY and user[node] in absorbed and above is Op.POWER)
+        ):
+            absorbed.add(node)
+    return absorbed
+
+
+def _sign_outermost(work: Workspace, node: Node) -> Node:
+    """-2*m as (-1)*(2*m)."""
+    if work.op[node] is Op.MULTIPLY and work.op[work.args[node][0]] is Op.NUMBER:
+        value = work.data[work.args[node][0]]
+        assert isinstance(value, Fraction)
+        if value < 0 and value != -1:
+            magnitude = work.multiply(work.number(-value), work.args[node][1])
+            return work.multiply(work.number(_MINUS_ONE), magnitude)
+    return node
+
+
+def _is_reciprocal(work: Workspace, node: Node) -> bool:
+    return work.op[node] is Op.POWER and work.data[node] == -1
+
+
+def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[Node]:
+    """The terms of a sum, left to right."""
+    if absorbed.isdisjoint(work.args[node]):
+        return work.args[node]
+    return _flat_terms(work, node, absorbed)
+
+
+def _flat_terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
+    stack = [node]
+    while stack:
+        x = stack.pop()
+        if x == node or (x in absorbed and work.op[x] is Op.ADD):
+            stack.extend(reversed(work.args[x]))
+        else:
+            yield x
+
+
+def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[tuple[Node, bool]]:
+    """The factors of a product, left to right, each with whether it divides."""
+    a, b = work.args[node]
+    if a not in absorbed and b not in absorbed:
+        return (a, False), (b, False)
+    return _flat_factors(work, node, absorbed)
+
+
+def _flat_factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
+    stack = [(node, False)]
+    while stack:
+        x, divides = stack.pop()
+        if x == node or (x in absorbed and work.op[x] is Op.MULTIPLY):
+            stack.extend((a, divides) for a in reversed(work.args[x]))
+        elif x in absorbed and _is_reciprocal(work, x):
+            stack.append((work.args[x][0], not divides))
+        else:
+            yield x, divides
+
+
+def _sum(work: Workspace, terms: list[Node], gather: bool) -> Node:
+    if gather:
+        fixed = [x for x in terms if work.fixed[x]]
+        if len(fixed) > 1:
+            at = terms.index(fixed[0])
+            terms = [x for x in terms if not work.fixed[x]]
+            terms.insert(at, _chain(work.add, fixed))
+    return _chain(work.add, terms)
+
+
+def _product(
+    work: Workspace, factors: Iterable[tuple[Node, bool]], new: dict[Node, Node], gather: bool
+) -> Node:
+    ops, args = work.op, work.args
+    sign, magnitude = 1, _ONE
+    fixed: list[Node] = []
+    above: list[Node] = []
+    below: list[Node] = []
+    for old, divides in factors:
+        x = new[old]
+        while ops[x] is Op.MULTIPLY and args[x][0] == MINUS_ONE:
+            sign, x = -sign, args[x][1]
+        if ops[x] is Op.NUMBER:
+            value = work.data[x]
+            assert isinstance(value, Fraction)
+            if value < 0:
+                sign, value = -sign, -value
+            magnitude = magnitude / value if divides and value else magnitude * value
+        elif gather and work.fixed[x]:
+            fixed.append(power(work, x, Fraction(-1)) if divides else x)
+        else:
+            (below if divides else above).append(x)
+    number = [] if magnitude is _ONE or magnitude == 1 else [work.number(magnitude)]
+    if fixed:
+        # Sorted, so that the same constant met in another order is the same node.
+        above.insert(0, _chain(work.multiply, number + sorted(fixed)))
+    elif number or not (above or below):
+        above.insert(0, work.number(magnitude))
+    if below:
+        above.append(work.reciprocal(_chain(work.multiply, below)))
+    product = _chain(work.multiply, above)
+    return work.multiply(work.number(_MINUS_ONE), product) if sign < 0 else product
+
+
+def _chain(join, items: list[Node]) -> Node:
+    result = items[0]
+    for item in items[1:]:
+        result = join(result, item)
+    return result
+
+
+def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
+    """base^exponent by multiplication, division, sqrt, or else pow."""
+    if exponent < 0:
+        return work.reciprocal(power(work, base, -exponent))
+    if exponent.denominator > 2:
+        return work.node(Op.CALL, (base, work.number(exponent)), "pow")
+    whole = int(exponent)
+    root = work.node(Op.CALL, (base,), "sqrt") if exponent.denominator == 2 else None
+    result = root
+    # By squaring, from the highest bit down: every step uses the one before twice at most.
+    power_so_far: Node | None = None
+    for bit in bin(whole)[2:] if whole else "":
+        if power_so_far is not None:
+            power_so_far = work.multiply(power_so_far, power_so_far)
+        if bit == "1":
+            power_so_far = base if power_so_far is None else work.multiply(base, power_so_far)
+    if power_so_far is not None:
+        result = power_so_far if root is None else work.multiply(power_so_far, root)
+    assert result is not None  # the exponent is not 0
+    return result

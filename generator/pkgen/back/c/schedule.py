@@ -1,0 +1,268 @@
+"""The statements of one kernel: in what order, under which names, what stays inline.
+
+A value used twice, or one that would make a line hard to read, becomes a local constant; the
+rest is written where it is used. A value comes just before its first use, a sine with the
+cosine of the same angle (one call of the inline pair gives both), an output as soon as it is known.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache
+
+from ...functions import IN_C
+from ...graph.graph import Node, Op
+from .expressions import Form, added, atom, called, inverted, multiplied, negated, text
+from .literals import literal
+from .names import Names
+from .program import LOCAL, TRIG, Statement
+from .rewrite import Workspace
+
+# Longest text, in characters, of an expression, and of a part of one in brackets.
+_LONGEST = 150
+_LONGEST_PART = 64
+_LONGEST_NAME = 32
+_PARTNERS = {"sin": "cos", "cos": "sin"}
+_AT_HAND = re.compile(r"\w+|p->\w+(\[\d+\])?")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A node whose value goes somewhere; `also` are further places that get a copy.
+
+    In a CHECK, `text` is completed by the values of `nodes`.
+    """
+
+    kind: str
+    where: str
+    nodes: tuple[Node, ...]
+    template: str = "{0}"
+    also: tuple[str, ...] = ()
+
+
+@dataclass
+class Schedule:
+    """Builds the statements of one kernel. `leaf` gives the text of symbols and of hoisted
+    values, None for anything to be computed; `hints` names for nodes that become locals."""
+
+    work: Workspace
+    names: Names
+    prefix: str
+    leaf: Callable[[Node], str | None]
+    hints: Mapping[Node, str] = field(default_factory=dict)
+    kept: frozenset[Node] = frozenset()  # must become locals
+    known_after: Mapping[str, str] = field(default_factory=dict)  # read back an output: its text
+    inline_sincos: bool = False  # sine and cosine by the inline pair, not by libm
+    statements: list[Statement] = field(default_factory=list)
+    helpers: set[str] = field(default_factory=set)
+    _forms: dict[Node, Form] = field(default_factory=dict)
+    _local: set[Node] = field(default_factory=set)
+    _angles: dict[Node, None] = field(default_factory=dict)  # known from the start, not yet used
+
+    def __post_init__(self) -> None:
+        self.leaf = cache(self.leaf)  # asked several times for each node
+
+    def run(self, targets: Iterable[Target]) -> None:
+        targets = list(targets)
+        self._local = self._locals(targets)
+        trig = [x for x in sorted(self._local) if self._is_trig(x)]
+        angles = [a for x in trig for a in self.work.args[x] if self.leaf(a) is not None]
+        self._angles = dict.fromkeys(angles)
+        for target in targets:
+            for node in target.nodes:
+                self._compute(node)
+            values = []
+            for node in target.nodes:
+                if target.template != "{0}":
+                    self._promote(node, 0)
+                values.append(text(self._forms[node]))
+            value = target.template.format(*values)
+            self.statements.append(Statement(target.kind, target.where, value))
+            for place in target.also:
+                copied = value if value == "0" else target.where
+                self.statements.append(Statement(target.kind, place, copied))
+            if target.where in self.known_after and self.leaf(target.nodes[0]) is None:
+                self._forms[target.nodes[0]] = atom(self.known_after[target.where])
+
+    def _locals(self, targets: list[Target]) -> set[Node]:
+        """Nodes used more than once; a sign on the way does not count as a value of its own."""
+        work, leaf = self.work, self.leaf
+        uses: dict[Node, int] = {}
+        pending = [node for target in targets for node in target.nodes]
+        while pending:
+            node = pending.pop()
+            while node not in uses and leaf(node) is None:
+                core = work.negated(node)
+                if core is None:
+                    pending.extend(work.args[node])
+                    break
+                node = core
+            uses[node] = uses.get(node, 0) + 1
+        local = {node for node, count in uses.items() if count > 1}
+        local |= self.kept & uses.keys()
+        for node in uses:
+            if work.op[node] is Op.CALL and (self._partner(node) in uses or self._is_trig(node)):
+                local.add(node)
+        if self.known_after:  # an output can be read back: it needs no local
+            local -= {node for target in targets for node in target.nodes}
+        return {node for node in local if self.leaf(node) is None}
+
+    def _partner(self, node: Node) -> Node | None:
+        """The cosine that belongs to a sine, and the other way round."""
+        if self.work.op[node] is not Op.CALL:
+            return None
+        other = _PARTNERS.get(str(self.work.data[node]))
+        return other and self.work.find(Op.CALL, self.work.args[node], other)
+
+    def _is_trig(self, node: Node) -> bool:
+        """Whether the inline pair computes it."""
+        call = self.work.op[node] is Op.CALL and str(self.work.data[node]) in _PARTNERS
+        return call and self.inline_sincos
+
+    def _compute(self, root: Node) -> None:
+        """Forms of everything that the root needs, arguments first."""
+        work, forms = self.work, self._forms
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            if node in forms:
+                stack.pop()
+                continue
+            if (leaf := self.leaf(node)) is not None:
+                forms[node] = negated(atom(leaf[1:])) if leaf[0] == "-" else atom(leaf)
+                if work.op[node] is Op.NUMBER:
+                    work.constants.see(node)
+                continue
+            missing = [a for a in work.args[node] if a not in forms]
+            if missing:
+                stack.extend(reversed(missing))
+                continue
+            stack.pop()
+            if work.fixed[node]:
+                work.constants.see(node)
+            if work.op[node] is not Op.CALL:
+                self._finish(node)
+                continue
+            if self._is_trig(node):
+                self._take_sines(*self.work.args[node])
+                continue
+            pair = [node]
+            partner = self._partner(node)
+            if partner is not None and partner in self._local and partner not in self._forms:
+                pair.append(partner)
+                pair.sort(key=lambda x: self.work.data[x] != "sin")
+            for x in pair:
+                self._finish(x)
+
+    def _take_sines(self, angle: Node) -> None:
+        """Sine and cosine, as far as they are needed, by one call of the inline pair; with them
+        those of another angle, if it is known: two are packed into one vector."""
+        self._promote(angle, _LONGEST_PART)
+        self._angles.pop(angle, None)
+        angles = [angle]
+        if self._angles:
+            angles.append(next(iter(self._angles)))
+            self._compute(angles[1])
+            del self._angles[angles[1]]
+        values, places = [], []
+        for x in angles:
+            values.append(text(self._forms[x]))
+            for function in _PARTNERS:
+                node = self.work.find(Op.CALL, (x,), function)
+                if node is None or node not in self._local:
+                    places.append("NULL")
+                    continue
+                places.append(self._name(node, f"PK_F({function})({values[-1]})"))
+                self._forms[node] = atom(places[-1])
+        self.statements.append(Statement(TRIG, " ".join(places), "; ".join(values)))
+
+    def _finish(self, node: Node) -> None:
+        self._forms[node] = self._form(node)
+        if node in self._local:
+            self._promote(node, 0)
+
+    def _form(self, node: Node) -> Form:
+        op, args = self.work.op[node], self.work.args[node]
+        if (core := self.work.negated(node)) is not None:
+            return negated(self._forms[core])
+        forms = self._forms
+        if op is Op.ADD:
+            a, b = args
+            if forms[a].length + forms[b].length > _LONGEST:
+                self._fit(args, _LONGEST)
+            return added(forms[a], forms[b])
+        if op is Op.MULTIPLY:
+            a, b = args
+            for x in args:
+                if forms[x].terms:
+                    self._promote(x, _LONGEST_PART)
+            if forms[a].length + forms[b].length > _LONGEST:
+                self._fit(args, _LONGEST)
+            return multiplied(forms[a], forms[b])
+        for a in args:
+            self._promote(a, _LONGEST_PART)
+        if op is Op.POWER:
+            assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
+            return inverted(forms[args[0]])
+        function = IN_C[str(self.work.data[node])].c
+        if function[0] == ":":
+            self.helpers.add(function[1:])
+            function = self.prefix + function[1:]
+        else:
+            function = f"PK_F({function})"
+        return called(function, [forms[a] for a in args])
+
+    def _fit(self, args: tuple[Node, ...], longest: int) -> None:
+        """Makes locals of the longer arguments until all fit on a line."""
+        for a in sorted(args, key=lambda a: -self._forms[a].length):
+            if sum(self._forms[b].length for b in args) > longest:
+                self._promote(a, 0)
+
+    def _promote(self, node: Node, longest: int) -> None:
+        """Makes a local of a value whose text is longer than that."""
+        form = self._forms[node]
+        if form.length <= longest or self.leaf(node) is not None:
+            return
+        # A minus moves to where the value is used: -a - b is kept as a + b.
+        sign = form.sign if not form.is_sum else max(sign for sign, _ in form.terms)
+        value = text(negated(form) if sign < 0 else form)
+        if _AT_HAND.fullmatch(value):
+            return
+        name = self._name(node, value)
+        self.statements.append(Statement(LOCAL, name, value))
+        self._forms[node] = negated(atom(name)) if sign < 0 else atom(name)
+
+    def _name(self, node: Node, value: str) -> str:
+        wish = self.hints.get(node) or _described(value)
+        if wish and len(wish) <= _LONGEST_NAME and self.names.is_free(wish):
+            return self.names.take(wish)
+        return self.names.number("t")
+
+
+_NAMED = r"(?!t\d)[a-z]\w*"
+_PATTERNS = [
+    (re.compile(r"PK_F\((\w+)\)\((\w+)\)"), "{}_{}"),
+    (re.compile(rf"({_NAMED}) - ({_NAMED})"), "{}_minus_{}"),
+    (re.compile(rf"({_NAMED}) \+ ({_NAMED})"), "{}_plus_{}"),
+    (re.compile(rf"({_NAMED}) \* \1"), "{}_sq"),
+    (re.compile(rf"1 / ({_NAMED})"), "inv_{}"),
+]
+
+
+def _described(value: str) -> str | None:
+    """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
+    if len(value) > 2 * _LONGEST_NAME or value.count(" ") > 2:
+        return None
+    for pattern, name in _PATTERNS:
+        if match := pattern.fullmatch(value):
+            return name.format(*match.groups())
+    return None
+
+
+def number_text(value: object) -> str:
+    """A constant of the graph, with its sign."""
+    assert isinstance(value, Fraction)
+    return ("-" if value < 0 else "") + literal(abs(value))

@@ -1,0 +1,131 @@
+"""What the templates see of a model's quantities: tables of names, indices, parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from ...equations import Quantity
+from .describe import families, field_says
+from .names import family_of
+from .program import Program, Statement
+
+
+def _quantity(quantity: Quantity) -> dict[str, str]:
+    return {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "description": quantity.description,
+    }
+
+
+def tables(program: Program) -> list[dict[str, Any]]:
+    e = program.equations
+    rows: list[tuple[str, str, Sequence[Quantity]]] = [
+        ("coordinates", "N", e.coordinates),
+        ("rates", "N", e.rates),
+        ("momentum_names", "N", e.momenta_names),
+        ("inputs", "INPUTS", e.inputs),
+        ("observed", "OBSERVED", e.observed_names),
+        ("conserved", "CONSERVED", e.conserved_names),
+        ("quadratures", "QUADRATURES", e.quadrature_names),
+        ("constraints", "CONSTRAINTS", e.constraints.names if e.constraints else ()),
+    ]
+    return [
+        {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}
+        for name, count, quantities in rows
+    ]
+
+
+def guards(program: Program) -> list[dict[str, Any]]:
+    """Of the system's table: there is none where the kernel is not asked for."""
+    if program.kernel("guard") is None:
+        return []
+    return [
+        {"name": x.quantity.name, "kind": f"PK_GUARD_{x.use}"} for x in program.equations.guards
+    ]
+
+
+def events(program: Program) -> list[dict[str, Any]]:
+    e = program.equations
+    return [
+        _quantity(quantity) | {"direction": event.direction, "stop": int(event.stop)}
+        for quantity, event in zip(e.event_names, e.model.events, strict=True)
+    ]
+
+
+def indices(program: Program) -> list[dict[str, Any]]:
+    """Named indices, one for a plain quantity or the first of a family."""
+    e = program.equations
+    own = len(e.coordinates) - e.n_states
+    of_states = "into v: a state's value is there, its rate in a; q there has no meaning"
+    rows: list[tuple[str, Sequence[Quantity], str]] = [
+        ("q", e.coordinates[:own], "into q, v, momenta, ..."),
+        ("x", e.rates[own:], of_states),
+        ("p", [slot.quantity for slot in e.parameters], "into the table of parameters"),
+        ("u", e.inputs, "into u"),
+        ("o", e.observed_names, "into the observed outputs"),
+        ("c", e.conserved_names, "into the quantities claimed to be constant"),
+        ("e", e.event_names, "into the events"),
+        ("z", e.quadrature_names, "into the quadratures"),
+    ]
+    return [
+        {"stem": stem, "says": says, "rows": families(quantities, own if stem == "x" else 0)}
+        for stem, quantities, says in rows
+        if quantities
+    ]
+
+
+def fields(program: Program) -> list[dict[str, Any]]:
+    return [
+        {"c_name": field.c_name, "length": field.length, "says": field_says(program, field)}
+        for field in program.fields
+    ]
+
+
+def parameters(program: Program) -> list[dict[str, Any]]:
+    rows = []
+    for index, slot in enumerate(program.equations.parameters):
+        c_name = program.parameter_names[index]
+        bounds, default = program.bounds[index], program.defaults[index]
+        rows.append(
+            _quantity(slot.quantity)
+            | {
+                "index": index,
+                "c_name": c_name,
+                "field": family_of(c_name),
+                "position": slot.position,
+                "follows": int(slot.follows),
+                "lo_open": int(slot.lo_open or bounds.lo is None),
+                "hi_open": int(slot.hi_open or bounds.hi is None),
+                "lo": bounds.lo or "-PK_INFINITY",
+                "hi": bounds.hi or "PK_INFINITY",
+                "bounds_need": _locals(bounds.statements),
+                "default": default.text,
+                "default_needs": _locals(default.statements),
+            }
+        )
+    return rows
+
+
+def _locals(statements: Sequence[Statement]) -> list[dict[str, str]]:
+    return [{"kind": s.kind, "target": s.target, "text": s.text} for s in statements]
+
+
+def input_rates(inputs: Sequence[Quantity]) -> list[int]:
+    """For each input the index of its time derivative, or -1 where that is not an input."""
+    places = {quantity.name: i for i, quantity in enumerate(inputs)}
+    return [places.get(quantity.name + "'", -1) for quantity in inputs]
+
+
+def groups(statements: Iterable[Statement]) -> list[list[dict[str, str]]]:
+    """Statements grouped by what they do, so that a blank line can stand between."""
+    found: list[list[dict[str, str]]] = []
+    last = None
+    for s in statements:
+        part = {"load": 0, "local": 1, "check": 2}.get(s.kind, 1)
+        if part != last:
+            found.append([])
+        last = part
+        found[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
+    return found

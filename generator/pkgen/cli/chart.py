@@ -1,0 +1,140 @@
+"""`pkgen chart`: from its options to its files and its exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+
+from ..analysis.chart import chart as charts
+from ..analysis.chart import table
+from ..analysis.chart.chart import Chart
+from ..analysis.chart.points import Method
+from ..analysis.chart.sweep import Effort
+from ..analysis.chart.text import report
+from ..run.build import driver_methods
+from ..scenes import asked as parsing
+from ..scenes import scene
+from ..scenes.use import whole
+from ..system.exits import DONE, NumericsFailed, UsageError
+from ..system.files import moved, scratch
+from ..system.progress import progress, unseen
+from . import arguments as shared
+from .commands import compile_within_limits
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    shared.directory(parser)
+    shared.of_a_motion(parser, "10")
+    add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
+    add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
+    add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
+    add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Chart accuracy against cost, by every method that applies."""
+    chosen = _methods(options.methods)
+    effort = _effort(options)
+    directory = parsing.directory(options.directory)
+    compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    settings = parsing.settings(options, compilation, chosen=chosen_scene)
+    for event in compilation.model.events:
+        if event.stop:
+            note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
+            print(f"pkgen: {note}", file=sys.stderr)
+    with progress(compilation.model.name) as show:
+        chart = charts.measure(compilation, settings, chosen, effort, show or unseen)
+    if not any(track.good for track in chart.tracks):
+        raise NumericsFailed("no method arrived with an error below that of no motion at all")
+    files = _write(directory, chart, options)
+    if options.json:
+        print(json.dumps(_record(chart, files), indent=1))
+    else:
+        print(report(chart, options.model, _given(options)), end="")
+        print(f"\nwritten: {', '.join(map(str, files))}")
+    return DONE
+
+
+def _methods(text: str | None) -> list[Method]:
+    wanted = None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+    try:
+        found = charts.methods(wanted)
+    except KeyError as missing:
+        known = [str(m["name"]) for m in driver_methods()]
+        raise UsageError(parsing.unknown("--methods", missing.args[0], known, "method")) from None
+    if not found:
+        raise UsageError("--methods: name one at least")
+    return found
+
+
+def _effort(options: argparse.Namespace) -> Effort:
+    if options.points is not None and options.points < 2:
+        raise UsageError(f"--points {options.points}: 2 at least")
+    if options.seconds is not None and not 0 < options.seconds < math.inf:
+        raise UsageError(f"--seconds {options.seconds:g}: must be positive and finite")
+    return Effort.usual(options.points, options.seconds, options.quick)
+
+
+def _given(options: argparse.Namespace) -> list[str]:
+    """The options that a run of one of the points repeats."""
+    words = [("--scene", options.scene)] if options.scene else []
+    words += [("--set", text) for text in options.set]
+    words += [("--start", text) for text in options.start]
+    words += [("--size", text) for text in options.size]
+    return [word for pair in words for word in pair]
+
+
+def _write(directory: Path, chart: Chart, options: argparse.Namespace) -> list[Path]:
+    from ..analysis.chart import draw, page
+
+    text = report(chart, options.model, _given(options))
+    with scratch() as folder:
+        stem = folder / f"{chart.model}_chart"
+        files = draw.pictures(chart, stem)
+        for suffix, content in (
+            (".csv", table.as_csv(chart.tracks)),
+            (".html", page.html(chart, text, [f for f in files if f.suffix == ".svg"])),
+        ):
+            stem.with_suffix(suffix).write_text(content, encoding="utf-8")
+            files.append(stem.with_suffix(suffix))
+        return moved(files, directory)
+
+
+def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
+    """The chart as JSON."""
+    reference = chart.reference
+    return {
+        "model": chart.model,
+        "until": chart.until,
+        "values": {name: value for name, value, _ in chart.values},
+        "reference": {
+            "error": reference.error,
+            "holds": reference.holds,
+            "scalar": reference.scalar,
+            "final": [float(x) for x in reference.final],
+            "scales": reference.scales,
+        },
+        "omega": chart.spectrum.omega,
+        "limits": {
+            track.method.name: limit
+            for track in chart.tracks
+            if (limit := chart.spectrum.limit(track.method)) is not None
+        },
+        "answers": [
+            {
+                "accuracy": a.accuracy,
+                "cheapest_in": a.axis,
+                "reason": a.reason,
+                **(table.record(a.method, a.point) if a.method and a.point else {"method": None}),
+            }
+            for a in chart.answers
+        ],
+        "refused": chart.refused,
+        "points": table.rows(chart.tracks),
+        "files": [str(file) for file in files],
+    }

@@ -1,0 +1,160 @@
+"""`pkgen stability`: from its options to its files and its exit code."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from ..analysis.stability import map as maps
+from ..analysis.stability import plan, text
+from ..analysis.stability.map import Asked, StabilityMap
+from ..analysis.stability.misses import misses, unpredicted
+from ..compiler import Compilation
+from ..scenes import asked as parsing
+from ..scenes.use import whole
+from ..system.exits import DONE, UsageError
+from ..system.files import moved, scratch
+from ..system.progress import progress
+from ..system.toolchain import BuildError, find_toolchain
+from . import arguments as shared
+from .commands import compile_within_limits
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    shared.directory(parser)
+    shared.of_a_motion(parser, "50 periods of the slowest mode")
+    add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
+    add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
+    add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
+    add("--points", metavar="NxM", help="steps x values (default 48x32)")
+    add("--quick", action="store_true", help="24x12 points, and resonances measured with less")
+    shared.of_implicit_methods(parser)
+    parser.set_defaults(method="rk4")  # a run wants one; the maps have their own
+
+
+def run(options: argparse.Namespace) -> int:
+    """Map where each method fails over the step and a start or a parameter; predictions over it."""
+    if not find_toolchain().has_gsl:
+        raise BuildError(
+            "pkgen stability finds equilibria and modes by GSL, which is not installed"
+        )
+    directory = parsing.directory(options.directory)
+    compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    _refuse_states(compilation)
+    asked = _asked(options, compilation)
+    with progress(compilation.model.name) as show:
+        made = maps.make(compilation, asked, show)
+    files = _write(directory, made)
+    if options.json:
+        print(json.dumps(record(made, files), indent=1))
+    else:
+        print(text.report(made), end="")
+        print(f"\nwritten: {', '.join(map(str, files))}")
+    return DONE
+
+
+def _refuse_states(compilation: Compilation) -> None:
+    model = compilation.model
+    for what, items in (
+        ("rotations", model.rotations),
+        ("constraints", model.constraints),
+        ("states", model.states),
+    ):
+        if not items:
+            continue
+        names = ", ".join(item.name for item in items[:8])
+        raise UsageError(
+            f"{model.source.place(items[0].span)}: the model has {what} ({names}), and"
+            " 'pkgen stability' maps equilibria, modes and energies of free coordinates alone:"
+            " 'pkgen chart' compares methods on any model"
+        )
+    jolted = getattr(compilation.equations, "jolted", ())
+    if jolted:
+        raise UsageError(
+            f"{model.source.path}: the rates jump where {jolted[0].quantity.name} vanishes, and"
+            " 'pkgen stability' locates no switches: 'pkgen chart' does"
+        )
+
+
+def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
+    structure = compilation.structure
+    facts = frozenset(
+        name
+        for name in (
+            "mass_constant",
+            "mass_diagonal",
+            "quadratic",
+            "separable",
+            "autonomous",
+            "conservative",
+            "variational",
+            "smooth",
+            "affine",
+        )
+        if getattr(structure, name)
+    )
+    across, up = plan.numbers(options.points, options.quick)
+    taken, left = plan.methods(options.methods, maps.known_methods(), facts)
+    values = parsing.Values(compilation)
+    steps = None
+    if options.steps is not None:
+        if ".." not in options.steps:
+            raise UsageError(f"--steps {options.steps}: give a range, e.g. --steps 0.01..0.5")
+        steps = plan.span("--steps", options.steps, values, values.time, "steps")
+        if not steps[0] > 0:
+            raise UsageError(f"--steps {options.steps}: steps must be positive")
+    return Asked(
+        plan.settings(options, compilation),
+        plan.axis(options.vary, compilation, up),
+        across,
+        tuple(taken),
+        tuple(left),
+        steps,
+        values.positive("--until", options.until, values.time),
+        options.quick,
+    )
+
+
+def _write(directory: Path, made: StabilityMap) -> list[Path]:
+    from ..analysis.stability import draw, page
+
+    with scratch() as folder:
+        stem = folder / f"{made.compilation.model.name}_stability"
+        files = draw.pictures(made, stem)
+        for suffix, content in ((".csv", text.as_csv(made)), (".html", page.html(made, files[0]))):
+            files.append(stem.with_suffix(suffix))
+            files[-1].write_text(content, encoding="utf-8")
+        return moved(files, directory)
+
+
+def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
+    """The map as JSON."""
+    return {
+        "model": made.compilation.model.name,
+        "until": made.until,
+        "varied": {"name": made.asked.axis.name, "values": made.asked.axis.values},
+        "equilibria": [{**asdict(e), "verdict": e.verdict} for e in made.rest.equilibria],
+        "primary": made.primary,
+        "predictions": [
+            {**asdict(m.prediction), "measured": m.h, "how": m.how, "response": m.response}
+            for m in made.measured
+        ],
+        "rows": [
+            {
+                "x": row.x,
+                "energy": row.motion.energy,
+                "motion": row.motion.status,
+                "predictions": [asdict(p) for p in row.predictions],
+            }
+            for row in made.rows
+        ],
+        "growths": [asdict(g) for g in made.growths],
+        "misses": [asdict(m) for m in misses(made)],
+        "unpredicted": unpredicted(made),
+        "remarks": text.remarks(made),
+        "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
+        "files": [str(file) for file in files],
+    }

@@ -1,0 +1,90 @@
+"""`--dump=STAGE`: the result of any stage as text, for whoever works on the stages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from fractions import Fraction
+from itertools import islice
+
+from ..back.c.loops_lower import LoopProgram
+from ..back.c.program import Program
+from ..compiler import STAGES, stages
+from ..equations import Equations
+from ..graph.graph import Graph, Op
+from ..source import Diagnostic, Source, Span
+
+
+def dump(
+    stage: str,
+    source: Source,
+    sizes: Mapping[str, int],
+    kernels: frozenset[str] | None,
+    libm: bool = False,
+) -> str:
+    """What a stage makes of a model, as text; the later stages are not run."""
+    made = next(islice(stages(source, sizes, kernels, libm=libm), STAGES.index(stage), None))
+    if stage == "lower":  # without a scene there are no parts
+        made, _ = made
+    return as_text(made, source)
+
+
+def equations_text(equations: Equations) -> str:
+    """The graph a node a line, then which nodes each result consists of."""
+    graph = equations.graph
+    lines = [f"%{node} = {_node_text(graph, node)}" for node in range(len(graph.op))]
+    for field in fields(equations):
+        value = getattr(equations, field.name)
+        if field.name not in ("model", "graph"):
+            lines.append(f"{field.name}: {value}")
+    return "\n".join(lines)
+
+
+def _node_text(graph: Graph, node: int) -> str:
+    arguments = " ".join(f"%{a}" for a in graph.args[node])
+    data = graph.data[node]
+    match graph.op[node]:
+        case Op.SYMBOL:
+            return f"{data.kind} {data.index}"
+        case Op.NUMBER:
+            return str(data)
+        case Op.CALL:
+            return f"{data} {arguments}"
+        case op:
+            return f"{op} {arguments}" + (f" {data}" if data is not None else "")
+
+
+def as_text(value: object, source: Source, indent: int = 0) -> str:
+    """A nest of dataclasses as indented text, places as line:column."""
+    pad = "  " * indent
+    match value:
+        case Source():
+            return value.path
+        case Equations():
+            return equations_text(value)
+        case Program():
+            return str(value)
+        case LoopProgram(context=context):
+            return as_text(context, source, indent)
+        case bool():
+            return str(value)
+        case Diagnostic():
+            return value.text(source)
+        case Span():
+            line, column = source.position(value.start)
+            return f"{line}:{column}"
+        case Fraction() | str() | int() | float() | None:
+            return str(value)
+        case dict():
+            rows = [f"{pad}  {k}: {as_text(v, source, indent + 1)}" for k, v in value.items()]
+            return "\n".join(["", *rows]) if rows else "{}"
+        case tuple() | list():
+            rows = [f"{pad}  - {as_text(item, source, indent + 1)}" for item in value]
+            return "\n".join(["", *rows]) if rows else "()"
+        case _ if is_dataclass(value):
+            rows = [
+                f"{pad}  {f.name}: {as_text(getattr(value, f.name), source, indent + 1)}"
+                for f in fields(value)
+            ]
+            return "\n".join([type(value).__name__, *rows])
+    return repr(value)

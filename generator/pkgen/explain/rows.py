@@ -1,0 +1,270 @@
+"""Rows of the equations as they are written by hand: one equation of the index i, the ends apart.
+
+Each part of a row holds for lo <= i <= hi. Where all of them hold the row is one expression. The
+few members at an end where some do not, where a neighbour beyond the end stands for another member
+(`free`), or where it has an acceleration of its own (`fixed` at a function of t), are written out
+one by one, for a family of more members than these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..graph.affine import OTHER, ROW, Affine, variable
+from ..graph.differentiate import reachable
+from ..graph.graph import ZERO, Kind, Node, Op, Symbol
+from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
+from ..middle.loops.expand import unlike_loops
+from ..middle.loops.loops import Group, LoopEquations, Part, Slot
+from ..middle.quantities import input_quantities
+
+if TYPE_CHECKING:
+    import sympy
+
+SHOWN_OPERATIONS = 300
+M = variable(ROW)
+PRIMES = {"v": "'", "w": "''", "d": "'"}
+
+# The left side of a row, seen from the member given; None where it is not to be shown.
+Label = Callable[[Affine], str | None]
+
+
+class Unclear(Exception):
+    """Where a part begins or ends depends on how sizes compare."""
+
+
+@dataclass(frozen=True)
+class Line:
+    left: str
+    right: str
+    range: str = ""  # "i = 1..N", or "" where i does not occur
+
+    def __str__(self) -> str:
+        return f"{self.left} = {self.right}" + (f"   for {self.range}" if self.range else "")
+
+
+@dataclass(frozen=True)
+class Style:
+    """How an expression, one that is too large, a sum over a range and a sum of parts look."""
+
+    expression: Callable[[sympy.Expr], str]
+    large: Callable[[int], str]
+    total: Callable[[str, str], str]
+    plus: Callable[[list[str]], str]
+
+
+PLAIN = Style(
+    expression=plain,
+    large="({} operations)".format,
+    total=lambda over, body: f"sum({body}, {over})",
+    plus=" + ".join,
+)
+
+
+class Writer:
+    """Expressions, and rows of one expression a member, of one model."""
+
+    def __init__(self, e: LoopEquations, style: Style = PLAIN):
+        self.e = e
+        self.style = style
+        self.groups = {g.name: g for g in e.coordinates}
+        self.inputs = [q.name for q in input_quantities(e.model, e.orders)]
+        own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
+        self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
+        self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
+        # A size that has the name of a loop variable of ours is known by another.
+        sizes = {unlike_loops(size.name): size.name for size in e.model.sizes}
+        self._shown = sizes | {ROW: self.i, OTHER: self.j}
+
+    def index(self, at: Affine) -> str:
+        """`i+1`, `N-1`; of a row `i`, or a letter that the model leaves free."""
+        return at.text(self._shown).replace(" ", "")
+
+    def span(self, lo: Affine, hi: Affine) -> str:
+        return f"{self.i} = {self.index(lo)}..{self.index(hi)}"
+
+    # -- expressions --------------------------------------------------------------------------
+
+    def text(self, pieces: Iterable[tuple[Node, Affine]]) -> str:
+        """The sum of nodes, each seen from a member."""
+        import sympy as sp
+
+        pieces = [(node, at) for node, at in pieces if node != ZERO]
+        size = sum(written_size(self.e.graph, node) for node, _ in pieces)
+        if size > SHOWN_OPERATIONS:
+            return self.style.large(size)
+        total = sp.Add(*(self._expression(node, at) for node, at in pieces))
+        return self.style.expression(min(total, sp.expand(total), key=sp.count_ops))
+
+    def _expression(self, node: Node, at: Affine) -> sympy.Expr:
+        import sympy as sp
+
+        def symbol(s: Symbol) -> sp.Expr:
+            if s.kind is Kind.TIME:
+                return sp.Symbol("t")
+            return self._symbol(self.e.slots[s.index], at)
+
+        (found,) = to_sympy(self.e.graph, [node], symbol)
+        return found
+
+    def _symbol(self, slot: Slot, at: Affine) -> sympy.Expr:
+        import sympy as sp
+
+        if slot.kind == "index":
+            place = variable(slot.name).replaced({ROW: at})
+            return sum(
+                (f * sp.Symbol(self.index(variable(n))) for n, f in place.terms), place.constant
+            )
+        name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
+        if slot.at is not None:
+            place = slot.at.replaced({ROW: at})
+            if slot.kind in ("q", "v", "w", "d"):
+                place = self.home(self.groups[name], place)
+                if slot.kind == "w" and at != M and self._is_own(self.groups[name], place):
+                    return sp.Integer(0)
+            name = f"{name}[{self.index(place)}]"
+        return sp.Symbol(name + PRIMES.get(slot.kind, ""))
+
+    # -- members ------------------------------------------------------------------------------
+
+    def home(self, group: Group, at: Affine) -> Affine:
+        """The member that a place beyond an end stands for; of a given one the place itself."""
+        below, above = at - group.lo, group.hi - at
+        if group.periodic:
+            if below.is_constant and below.constant < 0:
+                return at + group.count
+            if above.is_constant and above.constant < 0:
+                return at - group.count
+        for place, end in group.ends:
+            if end.kind == "free" and place == at:
+                return group.lo if place == group.lo - 1 else group.hi
+        return at
+
+    def _is_own(self, group: Group, at: Affine) -> bool:
+        return group.is_family and _reaches(group.lo, at) and _reaches(at, group.hi)
+
+    def _images(self, group: Group, at: Affine) -> list[Affine]:
+        """The member, and the places beyond the ends that stand for it."""
+        found = [at]
+        if group.periodic:
+            found += [at + group.count, at - group.count]
+        found += [
+            place
+            for place, end in group.ends
+            if end.kind == "free" and self.home(group, place) == at
+        ]
+        return found
+
+    def name(self, group: Group, at: Affine) -> str | None:
+        """A member by its name; None of one that is given."""
+        place = self.home(group, at)
+        given = any(end.kind == "fixed" and p == place for p, end in group.ends)
+        return None if given else f"{group.name}[{self.index(place)}]"
+
+    # -- rows ---------------------------------------------------------------------------------
+
+    def rows(self, group: Group, items: list[tuple[Label, tuple[Part, ...]]]) -> list[Line]:
+        """Quantities of a family's members, each with its label and its parts."""
+        try:
+            below, above = self._ends(group, [part for _, parts in items for part in parts])
+            labels = [label for label, _ in items if label(M) is not None]
+            while not group.periodic and any(x(group.lo + below) is None for x in labels):
+                below += 1
+            while not group.periodic and any(x(group.hi - above) is None for x in labels):
+                above += 1
+            cells = [group.lo + k for k in range(below)]
+            cells += [group.hi - k for k in reversed(range(above))]
+            inside = group.count - len(cells)
+            if inside.is_constant and inside.constant <= 0:
+                cells = [group.lo + k for k in range(group.count.constant)]
+            lines = [line for cell in cells for line in self._at(group, cell, items)]
+        except Unclear:
+            return self._listed(items)
+        if inside.is_constant and inside.constant <= 0:
+            return lines
+        return [*self._inside(items, self.span(group.lo + below, group.hi - above)), *lines]
+
+    def _inside(self, items, where: str) -> list[Line]:
+        found = []
+        for label, parts in items:
+            bulk = [(part.inner, M) for part in parts if not part.is_point]
+            left = label(M)
+            if left is not None and bulk:
+                found.append(Line(left, self.text(bulk), where))
+        return found
+
+    def _at(self, group: Group, cell: Affine, items) -> list[Line]:
+        found: dict[str, list[tuple[Node, Affine]]] = {}
+        for label, parts in items:
+            for image in self._images(group, cell):
+                here = [p for p in parts if _reaches(p.lo, image) and _reaches(image, p.hi)]
+                left = label(image)
+                if left is not None and here:
+                    found.setdefault(left, []).extend((part.node, image) for part in here)
+        return [Line(left, self.text(pieces)) for left, pieces in found.items()]
+
+    def _listed(self, items) -> list[Line]:
+        """Where sizes would have to be compared: every part with its range."""
+        found = []
+        for label, parts in items:
+            left = label(M)
+            if left is not None:
+                for k, part in enumerate(parts):
+                    right = ("" if k == 0 else "... + ") + self.text([(part.node, M)])
+                    found.append(Line(left, right, self.span(part.lo, part.hi)))
+        return found
+
+    def _ends(self, group: Group, parts: list[Part]) -> tuple[int, int]:
+        """How many members at each end have equations of their own."""
+        below = above = 0
+        for part in parts:
+            low, high = part.lo - group.lo, group.hi - part.hi
+            if part.is_point:
+                if (part.hi - group.lo).is_constant:
+                    below = max(below, (part.hi - group.lo).constant + 1)
+                else:
+                    above = max(above, (group.hi - part.lo).constant + 1)
+                continue
+            if not (low.is_constant and high.is_constant):
+                raise Unclear
+            whole = group.periodic and part.hi - part.lo + 1 == group.count
+            if not whole or self._by_index(part.node):
+                below, above = max(below, low.constant), max(above, high.constant)
+                if group.periodic:
+                    below, above = max(below, -high.constant), max(above, -low.constant)
+            free = {place for place, end in group.ends if end.kind == "free"}
+            if low.constant < 0 and group.lo - 1 in free:
+                below = max(below, 1)
+            if high.constant < 0 and group.hi + 1 in free:
+                above = max(above, 1)
+            for slot in self._slots(part.node):
+                if slot.kind == "w" and slot.at is not None and slot.at.factor(ROW):
+                    shift = (slot.at - M).constant
+                    below, above = max(below, -shift), max(above, shift)
+        return below, above
+
+    def _by_index(self, node: Node) -> bool:
+        """Whether a member is told from others by its index, not by its place among them."""
+        return any(
+            slot.kind == "index" or (slot.kind == "param" and slot.at is not None)
+            for slot in self._slots(node)
+        )
+
+    def _slots(self, node: Node) -> Iterable[Slot]:
+        g = self.e.graph
+        for n in reachable(g, [node]):
+            if g.op[n] is Op.SYMBOL and g.data[n].kind not in (Kind.PI, Kind.TIME):
+                yield self.e.slots[g.data[n].index]
+
+
+def _reaches(low: Affine, high: Affine) -> bool:
+    """low <= high, in families that are long enough."""
+    distance = high - low
+    if distance.is_constant:
+        return distance.constant >= 0
+    signs = {factor > 0 for _, factor in distance.terms}
+    if len(signs) > 1:
+        raise Unclear
+    return signs.pop()

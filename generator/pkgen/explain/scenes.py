@@ -1,0 +1,83 @@
+"""What each scene of a model needs of it: a section of `explain`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..back.c.program import Kernel
+from ..compiler import Compilation, compile_model
+from ..model import Scene
+from ..scenes import check as scene_check
+from ..scenes import use as scene_use
+
+
+@dataclass(frozen=True)
+class SceneShown:
+    """What a scene left out and why, and the operations of each kernel in the model and in what is
+    compiled for the scene, of its parts the sum."""
+
+    name: str
+    description: str
+    lines: tuple[str, ...]
+    before: dict[str, int]
+    after: dict[str, int]
+
+
+def scenes_shown(compilation: Compilation, sizes: Mapping[str, int]) -> list[SceneShown]:
+    """Each scene, compiled by itself; of one that cannot be, why."""
+    return [_shown(compilation, sizes, scene) for scene in compilation.declared.scenes]
+
+
+def _shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
+    before = {} if whole.looped else _operations(whole.program.kernels)
+    name, description, source = scene.name, scene.description, whole.declared.source
+    wrong = scene_check.wrong(whole.declared, sizes, scene)
+    if wrong:
+        said = tuple(finding.text(source) for finding in wrong)
+        return SceneShown(name, description, said, before, {})
+    made = compile_model(source, sizes=sizes, use=scene_use.of_scene(name))
+    if made.looped:
+        return SceneShown(name, description, tuple(map(str, made.report.lines)), before, {})
+    kernels = [*made.program.kernels, *(k for part in made.parts for k in part.program.kernels)]
+    report, lines = made.report, [str(line) for line in made.report.lines]
+    n, left = report.coordinates
+    if n != left:
+        states = " and states" if whole.model.states else ""
+        lines.insert(0, f"{left} of {n} degrees of freedom{states} are left")
+    return SceneShown(name, description, tuple(lines), before, _operations(kernels))
+
+
+def _operations(kernels: list[Kernel] | tuple[Kernel, ...]) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for kernel in kernels:
+        found[kernel.name] = found.get(kernel.name, 0) + sum(kernel.operations.values())
+    return found
+
+
+def text(scenes: list[SceneShown]) -> str:
+    """The section, empty without scenes."""
+    return "\n\n".join(_text(scene) for scene in scenes)
+
+
+def _text(scene: SceneShown) -> str:
+    title = f"Scene {scene.name}" + (f": {scene.description}" if scene.description else "")
+    lines = [f"  {line}" for line in scene.lines or ("it needs all of the model",)]
+    if scene.after and scene.before:
+        width = max(map(len, scene.after))
+        lines.append("  operations of a kernel, in the scene and in the model:")
+        lines += [
+            f"    {name:<{width}}  {scene.after[name]:>6}  {_count(scene.before, name):>6}"
+            for name in scene.after
+        ]
+        gone = [name for name in scene.before if name not in scene.after]
+        lines += [f"    not called, so not there: {', '.join(gone)}"] if gone else []
+    return "\n".join([title, *lines])
+
+
+def _count(operations: Mapping[str, int], name: str) -> str:
+    return str(operations[name]) if name in operations else "-"
+
+
+def record(scenes: list[SceneShown]) -> list[dict[str, object]]:
+    return [vars(scene) | {"lines": list(scene.lines)} for scene in scenes]

@@ -1,0 +1,245 @@
+"""Statements to a Model: names, kinds, bounds, units. All semantic errors, in one run.
+
+What each statement means is in `check_statements.py`, expressions in `check_expr.py`, indices
+in `check_indices.py`, scenes in `check_scenes.py`. Here: the order of the checks, what a model
+must have, and the limit on how much is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from ... import limits
+from ... import model as m
+from ...source import Diagnostic, ModelError, Source, Span
+from .. import statements as st
+from ..parse import parse_all
+from ..units import NONE, UnitError, over, parse_unit, si_text
+from .constraints import Constraints
+from .coordinates import Coordinates
+from .definitions import Definitions
+from .dynamics import Dynamics
+from .expr import Expressions
+from .names import Names, Report
+from .params import check_bounds
+from .required import Required
+from .rotation_statements import coordinates_of, identity, states_of
+from .scene_values import check_scene_values
+from .scenes import Scenes
+from .shared import Shared
+from .states import States
+
+_INERTIA = ("kinetic", "potential", "lagrangian")
+
+
+def check_text(
+    source: Source, sizes: Mapping[str, int] = {}
+) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+    """Parses and checks; raises one ModelError with all that is wrong, else gives warnings."""
+    return check(parse_all(source), sizes)
+
+
+def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+    """The model and its warnings; `sizes` are those set on the command line."""
+    checker = _Checker(file, sizes)
+    model = checker.run()
+    errors = [*file.diagnostics, *checker.report.errors]
+    if errors:
+        raise _limited(file.source, errors)
+    warnings = sorted(checker.report.warnings, key=lambda d: d.span.start)
+    return model, tuple(warnings)
+
+
+def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
+    """The first errors by place, each once, and how many more there are."""
+    unique = {(d.message, d.span.start, d.span.end): d for d in errors}
+    ordered = sorted(unique.values(), key=lambda d: d.span.start)
+    shown = ordered[: limits.DIAGNOSTICS]
+    return ModelError(source, shown, more=len(ordered) - len(shown))
+
+
+class _Checker:
+    def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
+        self.file, self.given = file, dict(given)
+        self.report = Report()
+        declared = dict(_declarations(file.statements))
+        self.broken = {b.keyword for b in file.broken}
+        self.dimensionless = all(_has_no_dimension(text) for text in file.units)
+        poisoned = [n for b in file.broken for n in b.names]
+        self.names = Names(self.report, self._line, declared, poisoned)
+        self.names.coordinates = _named(file.statements, "coord")
+        self.names.states = _named(file.statements, "state")
+        self.names.rotations = _named(file.statements, "rotation")
+        sizes: dict[str, int] = {}
+        lagrangian = any(
+            isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
+        )
+        self.expressions = Expressions(
+            file.source, self.report, self.names, sizes, self.dimensionless, lagrangian
+        )
+        self.shared = Shared(self.expressions, self.report, self.names, self.given)
+        definitions, self.states = Definitions(self.shared), States(self.shared)
+        dynamics = self.dynamics = Dynamics(self.shared)
+        coordinates = Coordinates(self.shared, self.states, dynamics.rotations)
+        self.define = definitions.define
+        self.checks = {
+            st.ModelName: definitions.model,
+            st.SizeOf: definitions.size,
+            st.Param: definitions.param,
+            st.Define: self._define,
+            st.Declare: coordinates.declare,
+            st.Ends: coordinates.ends,
+            st.Energy: dynamics.energy,
+            st.ForceAlong: dynamics.force,
+            st.Event: dynamics.event,
+            st.Equation: Constraints(self.shared).equation,
+            st.StartAt: dynamics.start,
+            st.Scene: lambda _: None,  # when all names are known
+        }
+
+    def _define(self, statement: st.Define) -> None:
+        (self.states.rate if statement.keyword == "rate" else self.define)(statement)
+
+    def _line(self, span: Span) -> int:
+        return self.file.source.position(span.start)[0]
+
+    def run(self) -> m.Model:
+        for statement in self.file.statements:
+            self._check(statement)
+        scenes = Scenes(self.shared, self.dynamics)
+        for statement in self.file.statements:
+            if isinstance(statement, st.Scene):
+                scenes.check(statement)
+        self.expressions.indices.finish()
+        if "rate" not in self.broken:
+            self.states.finish()
+        required = Required(self.file, self.shared, self.broken)
+        required.check()
+        parts = self.shared.parts
+        check_bounds(
+            [p for p in parts["param"] if p.span in self.shared.sound],
+            [d for d in parts["definitions"] if d.span in self.shared.sound],
+            self.expressions.sizes,
+            self.report,
+        )
+        if not self.broken & {"", "let", "coord", *_INERTIA}:
+            required.inertia()
+        if not self.report.errors and not self.file.diagnostics:
+            self._unused()
+        misfits = self._misfits()
+        model = self._model()
+        if model is None:
+            return None
+        check_scene_values(model, self.report)
+        for name, errors in self._misfits().items():
+            misfits.setdefault(name, []).extend(errors)
+        scenes = (replace(s, misfits=tuple(misfits.get(s.name, ()))) for s in model.scenes)
+        return replace(model, scenes=tuple(scenes))
+
+    def _misfits(self) -> dict[str, list[Diagnostic]]:
+        """With other sizes than the file's a scene may name members that are not there: that is
+        its own error, of which only who chooses it hears."""
+        found: dict[str, list[Diagnostic]] = {}
+        scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
+        for scene in scenes if self.given else ():
+            mine = [
+                e for e in self.report.errors if scene.span.start <= e.span.start < scene.span.end
+            ]
+            if mine:
+                found[scene.name] = mine
+                self.report.errors = [e for e in self.report.errors if e not in mine]
+        return found
+
+    def _check(self, statement: st.Statement) -> None:
+        self.checks[type(statement)](statement)
+
+    def _unused(self) -> None:
+        for entry in self.names.table.values():
+            if not entry.used and entry.kind in _UNUSED:
+                self.report.warn(f"{_UNUSED[entry.kind]} '{entry.name}' is never used", entry.span)
+
+    def _model(self) -> m.Model | None:
+        parts = self.shared.parts
+        if self.report.errors or self.file.diagnostics:
+            return None
+        head: st.ModelName = parts["name"][0]
+        rotations = tuple(parts["rotation"])
+        return m.Model(
+            source=self.file.source,
+            name=head.name,
+            description=head.description,
+            dimensionless=self.dimensionless,
+            sizes=tuple(parts["size"]),
+            parameters=tuple(parts["param"]),
+            coordinates=(*parts["coord"], *(c for r in rotations for c in coordinates_of(r))),
+            ends=tuple(parts["ends"]),
+            inputs=tuple(self._input(*i) for i in parts["input"]),
+            definitions=tuple(parts["definitions"]),
+            kinetic=tuple(parts["kinetic"]),
+            potential=tuple(parts["potential"]),
+            lagrangian=tuple(parts["lagrangian"]),
+            dissipation=tuple(parts["dissipation"]),
+            forces=tuple(parts["force"]),
+            observed=tuple(parts["observe"]),
+            conserved=tuple(parts["conserve"]),
+            events=tuple(parts["event"]),
+            starts=(*map(identity, rotations), *parts["start"]),
+            scenes=tuple(parts["scene"]),
+            span=head.span,
+            states=(*(s for r in rotations for s in states_of(r)), *parts["state"]),
+            rates=tuple(parts["rate"]),
+            rotations=rotations,
+            constraints=tuple(parts["constraint"]),
+        )
+
+    def _input(self, item: st.Declared, unit, description: str) -> m.Input:
+        order = self.shared.inputs.get(item.name, 0)
+        dimension, texts = unit.dimension, []
+        for _ in range(order + 1):
+            texts.append(si_text(dimension, unit.angle) if texts else unit.shown)
+            dimension = over(dimension, self.expressions.time_dimension)
+        return m.Input(item.name, order, tuple(texts), description, item.span)
+
+
+_UNUSED = {
+    "parameter": "the parameter",
+    "constant": "the constant",
+    "size": "the size",
+    "input": "the input",
+    "definition": "the definition",
+}
+
+
+def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
+    """The names that `coord`, `state` or `rotation` declares anywhere."""
+    return frozenset(
+        item.name
+        for s in statements
+        if isinstance(s, st.Declare) and s.keyword == keyword
+        for item in s.items
+    )
+
+
+def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
+    """Every name that the statements declare, with its place."""
+    for statement in statements:
+        match statement:
+            case st.Define(keyword="rate"):
+                pass  # of a name that is declared elsewhere
+            case st.Param(left=left) | st.SizeOf(left=left) | st.Define(left=left):
+                yield left.name, left.span
+            case st.Declare(items=items):
+                yield from ((item.name, item.name_span) for item in items)
+            case st.Event(name=name, name_span=span):
+                yield name, span
+            case st.Equation(left=left):
+                yield left.name, left.span
+                yield f"lambda_{left.name}", left.span
+
+
+def _has_no_dimension(text: str) -> bool:
+    try:
+        return parse_unit(text).dimension == NONE
+    except UnitError:
+        return False

@@ -1,0 +1,132 @@
+"""`constraint NAME: A = B` and `rolling NAME: A = B`: rows of equations, each with a multiplier.
+
+The multiplier lambda_NAME of A - B is such that the force along q is lambda d(A-B)/dq, and for a
+rolling lambda d(A-B)/dq', so that its unit is an energy, or a power, over that of A.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ... import model as m
+from ...source import Span
+from ...tree import AXES, Add, Expr
+from .. import statements as st
+from .. import units
+from ..units import Dimension, si_text
+from .names import UNKNOWN, Entry, Facts
+from .shared import Shared, name_span
+from .vectors import component, component_name
+
+
+class Constraints:
+    """Statements into `m.Constraint`s, one for each component of a vector's, and names: NAME itself
+    and lambda_NAME, of which outputs and events may use the second."""
+
+    def __init__(self, shared: Shared) -> None:
+        self.shared, self.expressions = shared, shared.expressions
+        self.report, self.names = shared.report, shared.names
+
+    def equation(self, statement: st.Equation) -> None:
+        """Reports sides that are not alike, in kind or unit, and what a constraint or a rolling
+        cannot be of; then it declares the names alone."""
+        left = statement.left
+        scope, members = self.shared.left_scope(left, "constraint")
+        before = len(self.report.errors)
+        difference = Add((statement.a, statement.b), (1, -1), statement.a.span.to(statement.b.span))
+        parts = [self.expressions.check(side, scope) for side in (statement.a, statement.b)]
+        sides = (statement.a, statement.b)
+        self._alike(sides, [facts.vector for _, facts in parts])
+        if len(self.report.errors) > before:
+            parts = [(side, UNKNOWN) for side, _ in parts]
+        dimension = self.expressions.mismatch.common(
+            sides, [f for _, f in parts], f"'{statement.keyword}'", numbers=True
+        )
+        value, facts = self.expressions.operators.summed(difference, parts, dimension)
+        if facts.known and len(self.report.errors) == before:
+            self._moves(statement, facts, difference.span)
+        self.shared.use_inputs(facts)
+        multiplier = self._multiplier(statement.keyword, dimension)
+        multiplier.vector = facts.vector
+        place = name_span(left)
+        if self.names.declare(Entry(left.name, "constraint", facts, place, members)):
+            name = f"lambda_{left.name}"
+            self.names.declare(Entry(name, "multiplier", multiplier, place, members))
+        if len(self.report.errors) > before or not facts.known:
+            return
+        for name, one in self._rows(left.name, value, bool(facts.vector)):
+            self.shared.parts["constraint"].append(
+                m.Constraint(
+                    name,
+                    left.index,
+                    left.range,
+                    statement.keyword == "constraint",
+                    one,
+                    si_text(multiplier.dimension),
+                    "",
+                    statement.span,
+                )
+            )
+
+    def _alike(self, sides: tuple[Expr, Expr], vectors: list[bool | None]) -> None:
+        if True in vectors and False in vectors:
+            vector, number = sides if vectors[0] else reversed(sides)
+            text = self.expressions.mismatch.text
+            self.report.error(
+                f"{text(vector)} is a vector; the other side, {text(number)}, is a number",
+                number.span,
+                "write a vector on both sides, or take a component (.x, .y, .z) or norm(v)",
+            )
+
+    @staticmethod
+    def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
+        """Of a vector a row each component, of the sides' components: what is not in one of them
+        is not in the row."""
+        if not vector:
+            return [(name, difference)]
+        return [
+            (
+                component_name(name, k),
+                replace(difference, terms=tuple(component(side, k) for side in difference.terms)),
+            )
+            for k in range(len(AXES))
+        ]
+
+    def _moves(self, statement: st.Equation, facts: Facts, span: Span) -> None:
+        keyword = statement.keyword
+        if facts.states or facts.state_rates:
+            self.report.error(
+                f"a {keyword} cannot use the state '{min(facts.states | facts.state_rates)}'",
+                span,
+                "it is an equation between coordinates, rotations, parameters, inputs and t",
+            )
+        elif keyword == "constraint" and facts.rates:
+            self.report.error(
+                "a constraint is an equation between positions; this one has rates in it",
+                span,
+                f"write 'rolling {statement.left.name}: …' for an equation between rates",
+            )
+        elif keyword == "rolling" and not facts.rates:
+            self.report.error(
+                "a rolling is an equation between rates; there is none in it",
+                span,
+                f"write 'constraint {statement.left.name}: …' for one between positions",
+            )
+        elif not facts.coordinates:
+            self.report.error(
+                f"nothing that has an equation of motion is in this {keyword}",
+                span,
+                "it holds or fails whatever the motion",
+            )
+
+    def _multiplier(self, keyword: str, dimension: Dimension | None) -> Facts:
+        of = self.expressions
+        work = of.energy_dimension if keyword == "constraint" else of.power_dimension
+        everything = self.names.moving
+        return Facts(
+            None if dimension is None else units.over(work, dimension),
+            united=True,
+            known=dimension is not None,
+            coordinates=everything,
+            rates=everything,
+        )

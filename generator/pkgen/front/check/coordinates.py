@@ -1,0 +1,184 @@
+"""`coord`, `state`, `rotation`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
+
+from __future__ import annotations
+
+from ... import model as m
+from ...source import Span
+from ...tree import Expr
+from .. import statements as st
+from .. import units
+from ..units import si_text
+from .expr import Target
+from .names import KIND_TEXT, Entry, Facts
+from .rotation_statements import Rotations
+from .scope import PLACES, Scope
+from .shared import Shared, described
+from .states import States
+
+
+class Coordinates:
+    def __init__(self, shared: Shared, states: States, rotations: Rotations) -> None:
+        self.shared = shared
+        self.declared = {
+            "coord": self._coordinate,
+            "state": states.declare,
+            "rotation": rotations.declare,
+            "input": self._input,
+        }
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
+        self.parts = shared.parts
+        self.own_ends: dict[tuple[str, int | None], Span] = {}  # those given, with their place
+
+    def declare(self, statement: st.Declare) -> None:
+        # A unit covers the names since the last unit, so they are gone through backwards.
+        given: list[units.Unit] = []
+        unit: units.Unit | None = units.ONE
+        for item in reversed(statement.items):
+            if item.unit is not None:
+                unit = self.expressions.unit(item.unit.text, item.unit.span)
+                if unit is not None and not unit.is_si:
+                    self.report.warn(
+                        f"values of '{item.name}' are in SI,"
+                        f" [{si_text(unit.dimension, unit.angle)}], not in [{item.unit.text}]",
+                        item.unit.span,
+                    )
+            given.append(unit)
+        for item, unit in zip(statement.items, reversed(given), strict=True):
+            self.declared[statement.keyword](item, unit, statement.description)
+
+    def _coordinate(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        own = frozenset((item.name,))
+        found = self.shared.variable(item, unit, "coordinate", coordinates=own)
+        if found is None:
+            return
+        time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
+        momentum = units.over(units.times(energy, time), found.dimension)
+        self.parts["coord"].append(
+            m.Coordinate(
+                item.name,
+                found.family,
+                unit.shown if unit else si_text(found.dimension, found.angle),
+                si_text(units.over(found.dimension, time), found.angle),
+                si_text(momentum),
+                description,
+                item.span,
+            )
+        )
+
+    def _input(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        if item.lo is not None:
+            self.report.error(
+                "a family of inputs cannot be compiled yet", item.span, "declare them one by one"
+            )
+        dimension = None if unit is None else unit.dimension
+        facts = Facts(
+            dimension,
+            united=unit is not units.ONE,
+            known=unit is not None,
+            inputs={item.name: 0},
+        )
+        self.names.declare(Entry(item.name, "input", facts, item.name_span))
+        self.parts["input"].append((item, unit or units.ONE, description))
+
+    def ends(self, statement: st.Ends) -> None:
+        keyword = statement.keyword
+        for left, value in statement.items:
+            entry = self.shared.named(left, f"'{keyword}'", self.shared.moving)
+            if entry is None:
+                if value is not None:
+                    self.expressions.check(value, Scope(PLACES["fixed"]))
+                continue
+            if entry.members is None:
+                self.report.error(
+                    f"'{left.name}' is not a family: it has no ends",
+                    left.span,
+                    f"{KIND_TEXT[entry.kind]} is held fixed in a scene with 'hold'",
+                )
+                continue
+            if left.range is not None:
+                self.report.error("an end is one index, not a range", left.span)
+                continue
+            if value is not None:
+                value = self._fixed_value(value, entry)
+            self._end(keyword, left, entry, value, statement)
+
+    def _fixed_value(self, value: Expr, entry: Entry) -> Expr:
+        target = Target(
+            entry.facts.dimension, f"{entry.name} is {described(entry.facts)}", bare=True
+        )
+        checked, facts = self.expressions.wanted(value, Scope(PLACES["fixed"]), target)
+        for kind, names in (("coordinate", facts.coordinates), ("state", facts.states)):
+            if not names:
+                continue
+            self.report.error(
+                f"a fixed end cannot depend on the {kind} '{min(names)}'",
+                value.span,
+                "it may use parameters, inputs and t",
+            )
+        self.shared.use_inputs(facts)
+        return checked
+
+    def _end(
+        self, keyword: str, left: st.Left, entry: Entry, value: Expr | None, statement: st.Ends
+    ) -> None:
+        lo, hi = self.shared.range_of(left.name)
+        if keyword == "periodic":
+            if left.index is not None:
+                self.report.error(
+                    "a family is periodic as a whole", left.span, f"write 'periodic {left.name}'"
+                )
+                entry.periodic = True
+                return
+            at: list[int | None] = [None]
+            entry.periodic = True
+        elif left.index is None:
+            if keyword == "fixed":
+                self.report.error(
+                    f"'fixed' names an end: {left.name}[{lo - 1}] or {left.name}[{hi + 1}]",
+                    left.span,
+                    f"e.g. fixed {left.name}[{lo - 1}] = 0, {left.name}[{hi + 1}] = 0",
+                )
+                return
+            at = [lo - 1, hi + 1]
+        else:
+            index = self.indices.value(left.index, Scope(PLACES["size"]))
+            if index is None:
+                entry.periodic = True  # so that it causes no more errors
+                return
+            at = [index]
+        for index in at:
+            if self._end_allowed(keyword, left, index, lo, hi):
+                end = m.End(keyword, left.name, index, value, statement.span, left.index)
+                self.parts["ends"].append(end)
+                if index is not None:
+                    entry.members.add(index, index)
+
+    def _end_allowed(
+        self, keyword: str, left: st.Left, index: int | None, lo: int, hi: int
+    ) -> bool:
+        name = left.name
+        if index is not None and lo <= index <= hi:
+            self.report.error(
+                f"{name}[{index}] is {KIND_TEXT[self.names.table[name].kind]};"
+                f" an end lies outside {lo}..{hi}",
+                left.span,
+                f"the ends are {name}[{lo - 1}] and {name}[{hi + 1}]",
+            )
+            return False
+        if keyword == "free" and index not in (lo - 1, hi + 1):
+            self.report.error(
+                f"a free end is next to the family: {name}[{lo - 1}] or {name}[{hi + 1}]",
+                left.span,
+            )
+            return False
+        clash = [
+            k for k in self.own_ends if k[0] == name and (k[1] == index or None in (k[1], index))
+        ]
+        if clash:
+            line = self.names.line_of(self.own_ends[clash[0]])
+            what = name if index is None else f"{name}[{index}]"
+            self.report.error(f"the end {what} is given already in line {line}", left.span)
+            return False
+        self.own_ends[name, index] = left.span
+        return True

@@ -1,0 +1,264 @@
+"""`model`, `size`, `param`, `const`, `let`, `observe`, `conserve`: names and what they mean."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+from ... import model as m
+from ...tree import Expr, Name, Negate, Quantity, children
+from .. import statements as st
+from .. import units
+from ..units import NONE
+from ..words import C_HEADERS, reserved, symbols_of
+from .expr import Target
+from .names import UNKNOWN, Entry, Facts, Members, Names, joined
+from .scope import PLACES, Scope
+from .shared import Shared, described, name_span
+from .vectors import by_component
+
+_UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
+
+
+class Definitions:
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
+        self.parts = shared.parts
+
+    def model(self, statement: st.ModelName) -> None:
+        if self.parts["name"]:
+            self.report.error("a file holds one model; this is the second 'model'", statement.span)
+            return
+        self.parts["name"].append(statement)
+        why = reserved(statement.name)
+        if why:
+            self.report.error(
+                f"'{statement.name}' {why} and cannot name a model", statement.name_span
+            )
+        elif whose := symbols_of(statement.name):
+            self.report.error(
+                f"'{statement.name}' cannot name a model: symbols of {whose} begin so",
+                statement.name_span,
+                f"choose another name, e.g. my_{statement.name}",
+            )
+        elif statement.name in C_HEADERS:
+            self.report.error(
+                f"'{statement.name}.h' is a header of C; a model's would hide it",
+                statement.name_span,
+                f"choose another name, e.g. {statement.name}_model",
+            )
+
+    def size(self, statement: st.SizeOf) -> None:
+        left = statement.left
+        self._plain(left, "size")
+        value = self.indices.value(statement.value, Scope(PLACES["size"]))
+        if left.name in self.shared.given:
+            value = self.shared.given[left.name]
+        if value is not None and value < 1:
+            self.report.error(
+                f"the size {left.name} is {value}; it must be at least 1", statement.value.span
+            )
+            value = None
+        if value is None:
+            self.shared.poison(left)
+            return
+        # A size is a number in expressions too.
+        facts = Facts(NONE, False, Fraction(value), bare=True)
+        if self.names.declare(Entry(left.name, "size", facts, left.span)):
+            self.shared.sizes[left.name] = value
+        self.parts["size"].append(m.Size(left.name, value, statement.description, statement.span))
+
+    def param(self, statement: st.Param) -> None:
+        left = statement.left
+        before = len(self.report.errors)
+        scope, members = self.shared.left_scope(left, "param")
+        value, facts = self.expressions.check(statement.value, scope)
+        if facts.vector:
+            self.shared.no_vector(left, "parameter")
+        bounds = self._bounds(statement.interval, left.name, facts)
+        entry = Entry(
+            left.name,
+            "parameter",
+            replace(_declared(facts, _with_unit(statement.value)), value=None),
+            name_span(left),
+            members,
+            periodic=left.range is not None and not scope.loops,
+        )
+        if not facts.known and facts.dimension is None:
+            entry.facts = UNKNOWN
+        ranged = left.range is None or scope.loops
+        if (
+            self.names.declare(entry)
+            and facts.known
+            and ranged
+            and len(self.report.errors) == before
+        ):
+            self.shared.sound.add(statement.span)
+        follows = facts.value is None and _mentions_parameter(value, self.names)
+        self.parts["param"].append(
+            m.Parameter(
+                left.name,
+                left.range,
+                value,
+                follows,
+                bounds,
+                self.shared.shown_unit(statement.value, facts),
+                statement.description,
+                statement.span,
+            )
+        )
+
+    def _bounds(self, interval: st.Interval | None, name: str, of: Facts) -> m.Bounds:
+        if interval is None:
+            return m.Bounds(None, None, True, True)
+        lo, hi = (
+            self._bound(end, sign, name, of) for end, sign in ((interval.lo, -1), (interval.hi, 1))
+        )
+        return m.Bounds(lo, hi, interval.lo_open, interval.hi_open)
+
+    def _bound(self, end: Expr, sign: int, name: str, of: Facts) -> Expr | None:
+        infinite, at = 0, end
+        if isinstance(end, Name) and end.id == "inf":
+            infinite = 1
+        elif isinstance(end, Negate) and isinstance(end.of, Name) and end.of.id == "inf":
+            infinite, at = -1, end.of
+        if infinite == sign:
+            return None
+        if infinite:
+            end_name = "lower" if sign < 0 else "upper"
+            self.report.error(
+                f"no value is left: the {end_name} bound is {'' if infinite > 0 else '-'}inf",
+                at.span,
+            )
+            return None
+        target = Target(of.dimension, f"{name} is {described(of)}", bare=True)
+        value, facts = self.expressions.wanted(end, Scope(PLACES["bound"]), target)
+        return value if facts.known else Name(_UNKNOWN, None, end.span)
+
+    def define(self, statement: st.Define) -> None:
+        keyword, left = statement.keyword, statement.left
+        place = "output" if keyword in ("observe", "conserve") else keyword
+        scope, members = self.shared.left_scope(left, place)
+        if keyword in ("const", "conserve") and (left.range or left.index):
+            self.report.error(
+                f"'{keyword}' defines one name, not a family",
+                left.span,
+                "use 'let' for a family" if keyword == "const" else "",
+            )
+        if keyword == "observe" and left.index is not None:
+            self.report.error(
+                "'observe' takes NAME or NAME[i = lo..hi]", left.span, "give it a name of its own"
+            )
+        before = len(self.report.errors)
+        if keyword == "let":
+            value, facts = self._let(statement, scope, members)
+        else:
+            value, facts = self.expressions.check(statement.value, scope)
+            kind = "constant" if keyword == "const" else "output"
+            if facts.vector and kind == "constant":
+                self.shared.no_vector(left, kind)
+            if keyword == "conserve" and facts.bare:
+                self.report.warn("a number is always conserved", statement.value.span)
+            shown = _declared(facts, _with_unit(statement.value)) if kind == "constant" else facts
+            self.names.declare(
+                Entry(left.name, kind, shown, name_span(left), members, used=kind == "output")
+            )
+        if keyword == "const" and facts.known and len(self.report.errors) == before:
+            self.shared.sound.add(statement.span)
+        self.shared.use_inputs(facts)
+        definition = m.Definition(
+            left.name,
+            left.index,
+            left.range,
+            value,
+            self.shared.shown_unit(statement.value, facts),
+            statement.description,
+            statement.span,
+        )
+        if facts.turns:
+            return
+        where = keyword if keyword in ("observe", "conserve") else "definitions"
+        vector = facts.vector and where != "definitions"
+        self.parts[where] += by_component(definition) if vector else (definition,)
+
+    def _let(self, statement: st.Define, scope: Scope, members: Members | None):
+        left = statement.left
+        if members is None:
+            value, facts = self.expressions.factor(statement.value, scope)
+            shown = replace(facts, bare=False)
+            self.names.declare(Entry(left.name, "definition", shown, name_span(left)))
+            return value, facts
+        entry = self.names.table.get(left.name)
+        new = entry is None or entry.kind != "definition" or entry.members is None
+        if new:
+            # Declared before its value is checked, for the value may use lower members. What
+            # they are is not known then; the first member says.
+            entry = Entry(left.name, "definition", UNKNOWN, name_span(left), Members())
+            self.names.declare(entry)
+        if not members.intervals:  # its range or index has an error
+            entry.periodic = True
+        self.indices.defining = (left.name, left.range) if scope.loops else None
+        value, facts = self.expressions.check(statement.value, scope)
+        self.indices.defining = None
+        for lo, hi in members.intervals:
+            if entry.members.touch(lo, hi):
+                self.report.error(
+                    f"{left.name}[{lo}] is defined already"
+                    if lo == hi
+                    else f"some of {left.name}[{lo}..{hi}] are defined already",
+                    left.span,
+                )
+            entry.members.add(lo, hi)
+        self._merge(entry, facts, statement)
+        return value, facts
+
+    def _merge(self, entry: Entry, facts: Facts, statement: st.Define) -> None:
+        """The facts of a family are those of all its members together."""
+        before = entry.facts
+        facts = replace(facts, bare=False, value=None)
+        if before is UNKNOWN:
+            entry.facts = facts
+            return
+        if None not in (before.dimension, facts.dimension) and before.dimension != facts.dimension:
+            self.report.error(
+                f"unit mismatch: {entry.name} is {units.described(before.dimension)},"
+                f" this member is {units.described(facts.dimension)}",
+                statement.value.span,
+            )
+        dimension = facts.dimension if before.dimension is None else before.dimension
+
+        entry.facts = joined(dimension, facts.vector, [before, facts])
+
+    def _plain(self, left: st.Left, keyword: str) -> None:
+        if left.index is not None or left.range is not None:
+            self.report.error(f"'{keyword}' takes a plain name", left.span)
+
+
+def _with_unit(expr: Expr) -> bool:
+    return isinstance(expr, Quantity)
+
+
+def _declared(facts: Facts, with_unit: bool) -> Facts:
+    """A name's facts when it is used: no longer a bare number."""
+    dimension = NONE if facts.dimension is None and facts.known else facts.dimension
+    return replace(
+        facts,
+        dimension=dimension,
+        bare=False,
+        united=with_unit or facts.united or dimension != NONE,
+    )
+
+
+def _mentions_parameter(expr: Expr, names: Names) -> bool:
+
+    waiting = [expr]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, Name):
+            entry = names.table.get(part.id)
+            if entry is not None and entry.kind == "parameter":
+                return True
+        waiting.extend(children(part))
+    return False

@@ -1,0 +1,177 @@
+"""Energies, forces, starts, events."""
+
+from __future__ import annotations
+
+from ... import model as m
+from ...source import Span
+from ...tree import Call, Expr, Multiply, Name, Negate, Prime, names, within
+from .. import statements as st
+from .. import units
+from ..units import NONE, si_text
+from .expr import Target
+from .names import UNKNOWN, Entry
+from .rotation_statements import Rotations
+from .scope import PLACES, Scope
+from .shared import Shared
+
+_DIRECTIONS = {"rising": 1, "falling": -1, "either": 0}
+
+
+class Dynamics:
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
+        self.parts = shared.parts
+        self.rotations = Rotations(shared)
+
+    def energy(self, statement: st.Energy) -> None:
+        keyword = statement.keyword
+        power = keyword == "dissipation"
+        dimension = self.expressions.power_dimension if power else self.expressions.energy_dimension
+        needs = f"{keyword} needs {'a power [W]' if power else 'an energy [J]'}"
+        if dimension == NONE:
+            needs = f"{keyword} needs a number"
+        value, facts = self.expressions.wanted(
+            statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
+        )
+        if facts.rough:
+            self.report.warn(
+                f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
+                " it bends or jumps",
+                statement.value.span,
+                "the force jumps there, or the rates: steps of a run end at it, but in families"
+                " kept as loops",
+            )
+        if facts.state_rates:
+            self.report.error(
+                f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'",
+                self._rate_of_a_state(statement.value),
+                "rates follow from the energies: write what stands after 'rate' in its place",
+            )
+        if not power:
+            self.shared.energies.append(facts)
+        self.shared.use_inputs(facts)
+        self.parts[keyword].append(value)
+
+    def _rate_of_a_state(self, value: Expr) -> Span:
+        """The first place where it occurs, by itself or in a definition."""
+        found = [value.span]
+        for part in within(value):
+            entry = self.names.table.get(part.id) if isinstance(part, Name) else None
+            if (isinstance(part, Prime) and names(part.of) & self.names.states) or (
+                entry is not None and entry.facts.state_rates
+            ):
+                found.append(part.span)
+        return min(found, key=lambda span: (span.end - span.start, span.start))
+
+    def force(self, statement: st.ForceAlong) -> None:
+        left = statement.left
+        kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
+        entry = self.shared.named(left, "a force", kinds)
+        if entry is not None and entry.kind == "rotation":
+            self.parts["force"] += self.rotations.force(statement)
+            return
+        scope = self.shared.member_scope(left, entry, Scope(PLACES["force"]))
+        if entry is None or scope is None or entry.facts.dimension is None:
+            self.expressions.check(statement.value, scope or Scope(PLACES["force"]))
+            return
+        dimension = units.over(self.expressions.energy_dimension, entry.facts.dimension)
+        needs = {
+            units.ENERGY: "a torque [N*m]",
+            units.FORCE: "a force [N]",
+            NONE: "a number",
+        }.get(dimension, f"[{si_text(dimension)}]")
+        target = Target(dimension, f"the force along {left.name} needs {needs}")
+        value, facts = self.expressions.wanted(statement.value, scope, target)
+        self.shared.use_inputs(facts)
+        self.parts["force"].append(
+            m.Force(left.name, left.index, left.range, value, statement.span)
+        )
+
+    def start(self, statement: st.StartAt) -> None:
+        for item in statement.items:
+            self.parts["start"] += self.start_item(item) or ()
+
+    def start_item(
+        self, item: st.StartItem, around: Scope | None = None
+    ) -> tuple[m.Start, ...] | None:
+        """One, of a rotation one for each number, None after an error. `around` is the scope of
+        the values where there is a loop around them."""
+        left = item.left
+        entry = self.shared.named(left, "a start", self.shared.moving)
+        around = around or Scope(PLACES["start"])
+        if item.function or (entry is not None and entry.kind == "rotation"):
+            return self.rotations.start(item, entry, around)
+        scope = self.shared.member_scope(left, entry, around)
+        if entry is None or scope is None:
+            self.expressions.check(item.value, scope or around)
+            return None
+        if item.order and entry.kind == "state":
+            self.report.error(
+                f"'{left.name}' is a state: its rate is not started, 'rate {left.name}' gives it",
+                item.span,
+                f"start {left.name} = …",
+            )
+            return None
+        if item.order > 1:
+            self.report.error(
+                f"a start gives {left.name} and {left.name}', not its acceleration", item.span
+            )
+            return None
+        dimension = entry.facts.dimension
+        if item.order and dimension is not None:
+            dimension = units.over(dimension, self.expressions.time_dimension)
+        shown = left.name + "'" * item.order
+        kind = "" if dimension is None else units.described(dimension)
+        target = Target(dimension, f"{shown} is {kind}", bare=True)
+        value, _ = self.expressions.wanted(item.value, scope, target)
+        return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
+
+    def event(self, statement: st.Event) -> None:
+        value, facts = self.expressions.check(statement.value, Scope(PLACES["event"]))
+        at = statement.value.span
+        if facts.vector:
+            self.report.error(
+                f"the event '{statement.name}' is a vector; it must be a number",
+                at,
+                "take a component (.x, .y, .z), dot(a, b) or norm(a)",
+            )
+        elif facts.known and not facts.moves:
+            self.report.error(
+                f"the event '{statement.name}' never happens: nothing in it moves",
+                at,
+                "it is where an expression of the motion crosses zero, e.g. y - h falling",
+            )
+        elif (step := _step_of(statement.value)) is not None:
+            self.report.error(
+                f"the event '{statement.name}' does not cross zero: a step is 0 on one whole side",
+                step.span,
+                "write what is in the step, which crosses zero where it jumps; or step(...) - 1/2",
+            )
+        self.shared.use_inputs(facts)
+        self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
+        self.parts["event"].append(
+            m.Event(
+                statement.name,
+                value,
+                _DIRECTIONS[statement.direction],
+                statement.stop,
+                self.shared.shown_unit(statement.value, facts),
+                statement.description,
+                statement.span,
+            )
+        )
+
+
+def _step_of(value: Expr) -> Call | None:
+    """A step that is all of an expression, or a factor of it."""
+    parts = [value]
+    for part in parts:
+        if isinstance(part, Call) and part.function == "step":
+            return part
+        if isinstance(part, Multiply):
+            parts += part.factors
+        elif isinstance(part, Negate):
+            parts.append(part.of)
+    return None

@@ -1,0 +1,150 @@
+"""`expect A = B within TOL at T`: what a scene promises of its run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ... import model as m
+from ...tree import AXES, Call, Expr, Name, within
+from .. import statements as st
+from ..units import NONE, Dimension
+from .names import Facts
+from .scope import PLACES, Scope
+from .settings import Settings
+from .shared import Shared
+from .vectors import component
+
+OF_RUN = frozenset(("drift", "time"))  # numbers that a whole run has
+
+
+class Expects:
+    def __init__(self, shared: Shared, settings: Settings) -> None:
+        self.shared, self.settings = shared, settings
+        self.report, self.expressions = shared.report, shared.expressions
+
+    def check(self, clause: st.Expect) -> tuple[m.Expect, ...]:
+        """One, of vectors one for each component, none after an error."""
+        before = len(self.report.errors)
+        scope = Scope(PLACES["expect"])
+        (a, of_a), (b, of_b) = (self.expressions.check(e, scope) for e in (clause.a, clause.b))
+        known = of_a.known and of_b.known
+        if known and not self._comparable(clause, bool(of_a.vector), bool(of_b.vector)):
+            return ()
+        dimension = None
+        if known:
+            dimension = self._dimension(clause, of_a, of_b)
+        tolerance = self._within(clause, dimension)
+        at, event = self._when(clause.at)
+        if known and len(self.report.errors) == before:
+            self._meaning(clause, of_a.moves or of_b.moves, (a, b))
+        if len(self.report.errors) > before or not known:
+            return ()
+        found = m.Expect(a, clause.relation, b, tolerance, at, event, clause.span)
+        if not of_a.vector:
+            return (found,)
+        return tuple(
+            replace(found, a=component(a, k), b=component(b, k), component=f".{axis}")
+            for k, axis in enumerate(AXES)
+        )
+
+    def _comparable(self, clause: st.Expect, a: bool, b: bool) -> bool:
+        expr = clause.a if a else clause.b
+        if a != b:
+            self.report.error(
+                f"{self.expressions.mismatch.text(expr)} is a vector; the other side is a number",
+                expr.span,
+                "take a component (.x, .y, .z) or norm(v)",
+            )
+        elif a and clause.relation != "=":
+            self.report.error(
+                f"{self.expressions.mismatch.text(expr)} is a vector: none is above another",
+                expr.span,
+                "take a component (.x, .y, .z) or norm(v)",
+            )
+        return a == b and (not a or clause.relation == "=")
+
+    def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
+        """A bare number is in the SI unit of the other side."""
+        for bare, other in ((a, b), (b, a)):
+            if bare.bare and bare.dimension in (None, NONE) and other.dimension is not None:
+                return other.dimension
+        sides = (clause.a, clause.b)
+        shared = self.expressions.mismatch.common(sides, [a, b], "'expect'", numbers=True)
+        return NONE if shared is None else shared
+
+    def _within(self, clause: st.Expect, dimension: Dimension | None) -> Expr | None:
+        if clause.within is None:
+            if clause.relation == "=":
+                self.report.error(
+                    "'=' without 'within': numbers of a run are never exactly equal",
+                    clause.span,
+                    "say how far it may be off: expect A = B within 1e-6",
+                )
+            return None
+        if clause.relation != "=":
+            self.report.error(
+                f"'within' goes with '=': '{clause.relation}' is met or not",
+                clause.within.span,
+            )
+            return None
+        if dimension is None:
+            return None
+        value, facts = self.settings.setting("within", clause.within, dimension)
+        if facts.value is not None and facts.value < 0:
+            self.report.error(
+                "'within' is how far off it may be: it cannot be negative", clause.within.span
+            )
+        return value
+
+    def _when(self, at: Expr | None) -> tuple[Expr | None, str]:
+        """The time, or the event."""
+        if at is None:
+            return None, ""
+        table = self.shared.names.table
+        named = isinstance(at, Name) and at.index is None
+        if named and (at.id not in table or table[at.id].kind == "event") and at.id != "pi":
+            return None, self.settings.event(at, "expect")
+        return self.settings.time("at", at), ""
+
+    def _meaning(self, clause: st.Expect, moves: bool, sides: tuple[Expr, Expr]) -> None:
+        of_run = [x for side in sides for x in within(side) if _of_run(x)]
+        if not of_run and not moves:
+            self.report.error(
+                "nothing in it moves: it holds or fails without a run",
+                clause.span,
+                "e.g. expect x = 1 within 1e-6 at 2",
+            )
+        elif of_run and moves:
+            self._both(of_run[0])
+        elif of_run and clause.at is not None:
+            self.report.error(
+                f"{of_run[0].function}(…) is of the whole run: it has no 'at'", clause.at.span
+            )
+
+    def _both(self, call: Call) -> None:
+        self.report.error(
+            f"{call.function}(…) is of the whole run: it is not compared with what moves",
+            call.span,
+            "beside it stand numbers and parameters",
+        )
+
+    def without_until(self, expects: list[m.Expect]) -> None:
+        if expects:
+            self.report.error(
+                "an expectation needs to know how long the scene runs",
+                expects[0].span,
+                "add to the scene: until 10",
+            )
+
+
+def calls(item: m.Expect, function: str) -> list[Call]:
+    return [
+        part
+        for side in (item.a, item.b)
+        for part in within(side)
+        if isinstance(part, Call) and part.function == function
+    ]
+
+
+def _of_run(expr: Expr) -> bool:
+    return isinstance(expr, Call) and expr.function in OF_RUN

@@ -1,0 +1,281 @@
+"""Expressions: every name known, every unit consistent, every `[unit]` folded in.
+
+`Expressions.check` hands back the expression in SI and its Facts. An error leaves facts that
+fit anything, so that one mistake is reported once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from ...source import Source, Span
+from ...tree import (
+    AXES,
+    Add,
+    Call,
+    Component,
+    Expr,
+    Multiply,
+    Name,
+    Negate,
+    Number,
+    Power,
+    Prime,
+    Quantity,
+    Sum,
+    Vector,
+)
+from .. import units
+from ..units import NONE, Dimension, UnitError
+from . import values
+from .calls import Calls
+from .indices import Indices
+from .mismatch import Mismatch
+from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report, joined
+from .operators import Operators
+from .scope import Place, Scope
+from .vectors import EXAMPLE, output_vector
+
+Checked = tuple[Expr, Facts]
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a place needs: a dimension (None takes any), in words, and whether a number without
+    a unit may stand for one in SI."""
+
+    dimension: Dimension | None
+    needs: str
+    bare: bool = False
+
+
+class Expressions:
+    def __init__(
+        self,
+        source: Source,
+        report: Report,
+        names: Names,
+        sizes: dict[str, int],
+        dimensionless: bool,
+        lagrangian: bool,
+    ) -> None:
+        self.source, self.report, self.names, self.sizes = source, report, names, sizes
+        self.time_dimension = NONE if dimensionless else units.TIME
+        self.energy_dimension = NONE if dimensionless else units.ENERGY
+        self.power_dimension = NONE if dimensionless else units.POWER
+        self.lagrangian = lagrangian
+        self.indices = Indices(source, report, names, sizes)
+        self.mismatch = Mismatch(source, report, names)
+        self.operators = operators = Operators(self)
+        calls = Calls(self)
+        self._visit: dict[type, Callable[[Expr, Scope], Checked]] = {
+            Number: self._number,
+            Name: self._name,
+            Prime: operators.prime,
+            Component: operators.component,
+            Negate: operators.negate,
+            Add: operators.add,
+            Multiply: operators.multiply,
+            Power: operators.power,
+            Call: calls.call,
+            Sum: calls.sum,
+            Vector: calls.vector,
+            Quantity: calls.quantity,
+        }
+
+    # entry points
+
+    def check(self, expr: Expr, scope: Scope) -> Checked:
+        new, facts = self.factor(expr, scope)
+        if not facts.turns:
+            return new, facts
+        self.report.error(
+            f"{self.mismatch.text(expr)} is a rotation, which turns a vector",
+            expr.span,
+            f"e.g. {EXAMPLE}",
+        )
+        return expr, UNKNOWN
+
+    def factor(self, expr: Expr, scope: Scope) -> Checked:
+        """What may be a rotation too: of that the expression means nothing, its facts say all."""
+        return self._visit[type(expr)](expr, scope)
+
+    def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
+        """Checks a vector whose dimension is given; of one that is written out each item."""
+        if isinstance(expr, Vector) and len(expr.items) == len(AXES):
+            parts = [self.wanted(item, scope, target) for item in expr.items]
+            facts = joined(target.dimension, True, [f for _, f in parts])
+            return Vector(tuple(e for e, _ in parts), expr.span), facts
+        new, facts = self.check(expr, scope)
+        if facts.vector is False and facts.known:
+            self.report.error(
+                f"{self.mismatch.text(expr)} is a number, {target.needs}",
+                expr.span,
+                "write the vector [x, y, z]",
+            )
+        elif None not in (facts.dimension, target.dimension) and facts.dimension != (
+            target.dimension
+        ):
+            self.mismatch.against(expr, facts, target.dimension, target.needs, target.bare)
+        return new, facts
+
+    def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
+        """Checks an expression whose dimension is given; each term of a sum by itself."""
+        if isinstance(expr, Add) and not target.bare:
+            parts = [self.wanted(term, scope, target) for term in expr.terms]
+            return self.operators.summed(expr, parts, target.dimension)
+        if isinstance(expr, Negate):
+            of, facts = self.wanted(expr.of, scope, target)
+            return self.operators.negated(expr, of, facts)
+        if isinstance(expr, Add):
+            parts = [self.check(term, scope) for term in expr.terms]
+            if not all(f.bare and f.dimension in (None, NONE) for _, f in parts):
+                for part, (_, facts) in zip(expr.terms, parts, strict=True):
+                    self._against(part, facts, replace(target, bare=False), numbers=True)
+            return self.operators.summed(expr, parts, target.dimension)
+        new, facts = self.check(expr, scope)
+        self._against(expr, facts, target, numbers=target.bare)
+        return new, facts
+
+    def _against(self, expr: Expr, facts: Facts, target: Target, numbers: bool) -> None:
+        if facts.vector:
+            self.report.error(
+                f"{self.mismatch.text(expr)} is a vector, {target.needs}",
+                expr.span,
+                "take a component (.x, .y, .z), dot(a, b) or norm(a)",
+            )
+        elif target.dimension is None or facts.dimension in (None, target.dimension):
+            return
+        elif not (target.bare and facts.bare and facts.dimension == NONE):
+            self.mismatch.against(expr, facts, target.dimension, target.needs, numbers)
+
+    # leaves
+
+    def _number(self, expr: Number, scope: Scope) -> Checked:
+        return expr, Facts(None if expr.value == 0 else NONE, False, expr.value, bare=True)
+
+    def _name(self, expr: Name, scope: Scope) -> Checked:
+        entry = self._entry(expr, scope)
+        if entry is None:
+            if expr.index is not None:
+                self.indices.valid(expr.index, scope)
+            return expr, UNKNOWN
+        entry.used = True
+        if entry.kind == "poisoned":
+            return expr, UNKNOWN
+        if entry.kind not in scope.place.kinds:
+            self._forbidden(expr, entry, scope.place)
+            return expr, UNKNOWN
+        if not self.indices.member(expr, entry, scope):
+            return expr, UNKNOWN
+        if entry.kind in ("output", "built-in", "multiplier") and entry.facts.vector:
+            return output_vector(expr), entry.facts
+        return expr, entry.facts
+
+    def _entry(self, expr: Name, scope: Scope) -> Entry | None:
+        name = expr.id
+        if name in scope.variables:
+            return Entry(name, "loop variable", Facts(NONE, bare=True), expr.span)
+        entry = self.names.table.get(name)
+        if entry is not None:
+            return entry
+        if name == "pi":
+            return Entry(name, "constant", Facts(NONE, False, math.pi, bare=True), expr.span)
+        if name == "t":
+            return Entry(name, "time", Facts(self.time_dimension, time=True), expr.span)
+        if name == "inf":
+            self._once(name, "'inf' stands only in bounds, e.g. in (0, inf)", expr.span)
+            return None
+        if name in BUILT_IN or (name.startswith("p_") and name[2:] in self.names.moving):
+            return self._built_in(name, expr)
+        if name.startswith("p_") and name[2:] in self.names.states:
+            message = f"'{name}': {name[2:]} is a state, and only coordinates have momenta"
+            self._once(name, message, expr.span, f"its rate is {name[2:]}'")
+            return None
+        built_in = "built-in" in scope.place.kinds
+        self.names.unknown(name, expr.span, missing=scope.place.missing, built_in=built_in)
+        return None
+
+    def _built_in(self, name: str, expr: Name) -> Entry | None:
+        if not self.names.moving and self.names.states:
+            self._once(
+                name,
+                f"'{name}' is not known here: a model of states alone has no energy",
+                expr.span,
+                f"define it: let {name} = …" if name != "energy" else "observe H = … names one",
+            )
+            return None
+        if name in ("T", "V") and self.lagrangian:
+            self._once(
+                name,
+                f"'{name}' is not known in a model with 'lagrangian'",
+                expr.span,
+                "L and energy are; or write 'kinetic' and 'potential'",
+            )
+            return None
+        everything = self.names.moving
+        facts = Facts(self.energy_dimension, united=True, coordinates=everything, rates=everything)
+        of = self.names.table.get(name[2:]) if name.startswith("p_") else None
+        if of is not None and of.facts.dimension is None:
+            facts = replace(facts, dimension=None, known=False)
+        elif of is not None:
+            action = units.times(self.energy_dimension, self.time_dimension)
+            facts = replace(facts, dimension=units.over(action, of.facts.dimension))
+        if of is not None and of.kind == "rotation":
+            facts = replace(facts, vector=True)
+        members = Members(of.own) if of is not None and of.own else None  # an end has no momentum
+        return Entry(name, "built-in", facts, expr.span, members)
+
+    def _once(self, name: str, message: str, span: Span, help: str = "") -> None:
+        if name not in self.names.reported:
+            self.names.reported.add(name)
+            self.report.error(message, span, help)
+
+    def _forbidden(self, expr: Name, entry: Entry, place: Place) -> None:
+        if entry.kind == "output":
+            help = f"define {expr.id} with 'let' to use it elsewhere"
+        elif entry.kind == "built-in":
+            where = ("event", "rate") if self.names.states else ("event",)
+            words = [f"'{word}'" for word in ("observe", "conserve", *where)]
+            help = f"it can be used in {', '.join(words[:-1])} and {words[-1]}"
+        elif entry.kind == "multiplier":
+            help = "it follows from the motion, and can be used in outputs and events"
+        elif entry.kind == "constraint":
+            help = f"its multiplier is lambda_{expr.id}, in outputs and events"
+        else:
+            help = f"{place.what} may use {place.may_use}"
+        self.report.error(
+            f"'{expr.id}' is {KIND_TEXT[entry.kind]}: {place.what} cannot use it", expr.span, help
+        )
+
+    def constant(self, expr: Expr, compute: Callable[[], Fraction | float]):
+        try:
+            return compute()
+        except values.NoValue as error:
+            self.report.error(str(error), expr.span)
+            return None
+
+    def unit(self, text: str, span: Span) -> units.Unit | None:
+        """Reads a unit; `span` includes its brackets."""
+        try:
+            return units.parse_unit(text)
+        except UnitError as error:
+            start = span.start + 1 + error.start
+            help = error.help
+            if self.indices.is_index(text):
+                help = "an index touches the name before it, without a space: q[i]"
+            self.report.error(
+                error.message, Span(start, max(start + 1, span.start + 1 + error.end)), help
+            )
+            return None
+
+    @staticmethod
+    def parsed(text: str) -> units.Unit | None:
+        """A unit that was reported already if it is wrong."""
+        try:
+            return units.parse_unit(text)
+        except UnitError:
+            return None

@@ -1,0 +1,249 @@
+"""What a scene gives its model: parameters and inputs, starts, held coordinates, a swarm."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ... import limits
+from ... import model as m
+from ...indices import integer
+from ...source import Span
+from ...tree import Expr, Name, Range, names
+from .. import statements as st
+from .. import units
+from .dynamics import Dynamics
+from .expr import Target
+from .names import KIND_TEXT, Entry, Members
+from .scope import DECLARED, PLACES, Scope
+from .shared import Shared, name_span
+
+Taken = dict[str, Members]  # of each coordinate the members; of a single one, 0
+
+
+class Given:
+    """One for each scene, its clauses in their order, then `finish`."""
+
+    def __init__(self, shared: Shared, dynamics: Dynamics, swarm: Range | None) -> None:
+        self.shared, self.dynamics = shared, dynamics
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
+        self.assignments: list[m.Assignment] = []
+        self.starts: list[m.Start] = []
+        self.holds: list[m.Hold] = []
+        self.started: Taken = {}
+        self.held: Taken = {}
+        self.given: dict[str, set[tuple[int, int]]] = {}  # the members that each clause gives
+        self.wrong_start = False
+        self.swarm = swarm
+        self.around = self._swarm(swarm) if swarm is not None else None
+
+    # swarm
+
+    def _swarm(self, swarm: Range) -> Scope | None:
+        """The scope of the starts of all members."""
+        scope = Scope(PLACES["start"])
+        lo, hi = (self.indices.value(end, scope) for end in (swarm.lo, swarm.hi))
+        inside = None
+        if lo is not None and hi is not None and self._swarm_fits(swarm, lo, hi):
+            inside = self.indices.enter((swarm,), scope)
+        if inside is None:
+            self.names.reported.add(swarm.variable)  # so that starts are not blamed for it
+        return inside
+
+    def _swarm_fits(self, swarm: Range, lo: int, hi: int) -> bool:
+        if lo > hi:
+            self.report.error(
+                f"an empty swarm: {lo}..{hi}", swarm.span, "the lower end comes first: k = 1..1000"
+            )
+        elif hi - lo + 1 > limits.SWARM:
+            self.report.error(
+                f"a swarm of {hi - lo + 1:,} members; the limit is {limits.SWARM:,}",
+                swarm.span,
+                "their starts are all in memory: run it in several parts",
+            )
+        return 0 < hi - lo + 1 <= limits.SWARM
+
+    def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
+        """Whether the swarm's variable is in a clause that is the same for all members."""
+        if self.swarm is None:
+            return False
+        wrong = [e for e in expressions if e is not None and self.swarm.variable in names(e)]
+        for expr in wrong:
+            self.report.error(
+                f"'{self.swarm.variable}' counts the members of the swarm: only starts differ"
+                " from one to the next",
+                expr.span,
+                help or "parameters that do are columns of a file: --ensemble FILE.csv",
+            )
+        return bool(wrong)
+
+    # start
+
+    def start(self, clause: st.StartAt) -> None:
+        for item in clause.items:
+            left = item.left
+            index = left.index
+            checked = None
+            if index is None or not self.swarm_of((index,)):
+                checked = self.dynamics.start_item(item, self.around)
+            if checked is None:
+                self.wrong_start = True
+                continue
+            self.starts += checked
+            taken = self._members(left)
+            if taken is None:
+                continue
+            what = f"omega({left.name})" if item.function else left.name + "'" * item.order
+            self._once(what, "started", taken, left.span)
+            self.started.setdefault(left.name, Members()).add(*taken)
+            if self._touches(self.held, left.name, taken):
+                self._held_and_started(name_span(left), left.name)
+
+    # hold
+
+    def hold(self, clause: st.Assign) -> None:
+        for left, value in clause.items:
+            checked = self._hold(left, value)
+            if checked is not None:
+                self.holds.append(checked)
+
+    def _hold(self, left: st.Left, value: Expr | None) -> m.Hold | None:
+        kinds = ("coordinate", "state") if self.names.states else ("coordinate",)
+        nouns = " and ".join(f"{kind}s" for kind in kinds)
+        known = sorted(self.names.coordinates | self.names.states)[:12]
+        missing = f"the {nouns} are: {', '.join(known)}"
+        entry = self.assigned(left, kinds, f"'hold' is for {nouns}", missing)
+        if entry is None or entry.kind == "poisoned":
+            return None
+        scope = self.shared.member_scope(left, entry, Scope(PLACES["held"]))
+        if scope is None:
+            return None
+        taken = self._members(left)
+        if taken is not None:
+            if self._touches(self.held, left.name, taken):
+                self.report.error(f"'{left.name}' is held already", left.span)
+            elif self._touches(self.started, left.name, taken):
+                self._held_and_started(name_span(left), left.name)
+            self.held.setdefault(left.name, Members()).add(*taken)
+        new = None
+        if value is not None:
+            dimension = entry.facts.dimension
+            kind = "" if dimension is None else units.described(dimension)
+            target = Target(dimension, f"{left.name} is {kind}", bare=True)
+            new, _ = self.expressions.wanted(value, scope, target)
+        return m.Hold(left.name, left.index, left.range, new, left.span)
+
+    def _held_and_started(self, span: Span, name: str) -> None:
+        self.report.error(
+            f"'{name}' is held and started: what is held has no start of its own",
+            span,
+            f"say where it is held: hold {name} = …",
+        )
+
+    def _members(self, left: st.Left) -> tuple[int, int] | None:
+        """Which members a left side means; None after an error, 0..0 of what is no family."""
+        if left.range is not None:
+            lo, hi = (integer(end, self.shared.sizes) for end in (left.range.lo, left.range.hi))
+            return (lo, hi) if lo <= hi else None
+        if left.index is None:
+            return 0, 0
+        index = integer(left.index, self.shared.sizes)
+        return index, index
+
+    def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
+        """One member may differ from what its family is given, but nothing is given in vain."""
+        given, (lo, hi) = self.given.setdefault(name, set()), members
+        if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
+            shown = f"a member of '{name}'" if lo < hi else f"'{name}'"
+            self.report.error(f"{shown} is {what} already", span, "leave one of them out")
+        given.add(members)
+
+    @staticmethod
+    def _touches(taken: Taken, name: str, members: tuple[int, int]) -> bool:
+        return name in taken and taken[name].touch(*members)
+
+    # set
+
+    def set(self, clause: st.Assign) -> None:
+        for left, value in clause.items:
+            checked = self._assignment(left, value)
+            if checked is not None:
+                self.assignments.append(checked)
+
+    def _assignment(self, left: st.Left, value: Expr) -> m.Assignment | None:
+        kinds, message = ("parameter", "input"), "'set' gives parameters and inputs"
+        entry = self.assigned(left, kinds, message, DECLARED)
+        if entry is None or entry.kind == "poisoned":
+            return None
+        scope: Scope | None = Scope(PLACES["setting" if entry.kind == "parameter" else "driving"])
+        index = left.index
+        if left.range is not None:
+            scope = self.indices.enter((left.range,), scope)
+            if scope is None:
+                return None
+            index = Name(left.range.variable, None, left.range.span)
+        named = Name(left.name, index, left.span)
+        if not self.indices.member(named, entry, replace(scope, name="=")):
+            return None
+        dimension = entry.facts.dimension
+        kind = "" if dimension is None else units.described(dimension)
+        target = Target(dimension, f"{left.name} is {kind}", bare=True)
+        new, facts = self.expressions.wanted(value, scope, target)
+        taken = self._members(left)
+        if taken is not None:
+            self._once(left.name, "set", taken, left.span)
+        return m.Assignment(left.name, left.index, left.range, new, facts.time, left.span)
+
+    def assigned(
+        self, left: st.Left, kinds: tuple[str, ...], message: str, missing: str
+    ) -> Entry | None:
+        entry = self.names.table.get(left.name)
+        if entry is None:
+            self.names.unknown(left.name, name_span(left), missing=missing)
+            return None
+        entry.used = True
+        if entry.kind not in (*kinds, "poisoned"):
+            moves = entry.kind in ("coordinate", "state")
+            help = f"{KIND_TEXT[entry.kind]} is started or held" if moves else ""
+            if entry.kind == "parameter":
+                help = f"a parameter is set: set {left.name} = …"
+            self.report.error(
+                f"{message}; '{left.name}' is {KIND_TEXT[entry.kind]}", name_span(left), help
+            )
+            return None
+        return entry
+
+    # all of it
+
+    def finish(self) -> None:
+        if self.around is not None and not self.wrong_start:
+            variable = self.swarm.variable
+            if not any(variable in names(item.value) for item in self.starts):
+                self.report.error(
+                    f"no start uses '{variable}': all members of the swarm would be the same",
+                    self.swarm.span,
+                    f"e.g. start {self._some()} = {variable}/10",
+                )
+        if self.holds and self._holds_all():
+            self.report.error(
+                f"every {self._what_moves()} is held: nothing is left to move",
+                self.holds[-1].span,
+                "leave out one 'hold'",
+            )
+
+    def _some(self) -> str:
+        return next(iter(sorted(self.names.coordinates) or sorted(self.names.states)), "x")
+
+    def _what_moves(self) -> str:
+        kinds = {"coordinate": self.names.coordinates, "state": self.names.states}
+        return " and ".join(kind for kind, names in kinds.items() if names)
+
+    def _holds_all(self) -> bool:
+        if self.names.rotations:  # which nothing holds
+            return False
+        for coordinate in (*self.shared.parts["coord"], *self.shared.parts["state"]):
+            whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)
+            held = self.held.get(coordinate.name)
+            if held is None or not held.hold(*whole):
+                return False
+        return True

@@ -1,0 +1,234 @@
+"""Indices and ranges: integers all of them, and every member that is reached is there.
+
+Coordinates may have their ends declared below their use, so their indices are settled in
+`finish`; members of a `let` must be defined above, so theirs at once.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from ... import limits
+from ...indices import NotAnInteger, integer
+from ...source import Source, Span
+from ...tree import Expr, Name, Range, children
+from .loops import Loop, at_text, bound, first_outside, intervals, points
+from .names import Entry, Names, Report
+from .scope import PLACES, Scope
+
+
+class Indices:
+    def __init__(self, source: Source, report: Report, names: Names, sizes: dict[str, int]) -> None:
+        self.source, self.report, self.names, self.sizes = source, report, names, sizes
+        self.waiting: list[tuple[Name, Entry, Scope]] = []
+        self.defining: tuple[str, Range] | None = None  # the `let` family being defined
+
+    def valid(self, index: Expr, scope: Scope) -> bool:
+        """Whether an index is an integer expression; reports it if not."""
+        if not self._names_known(index, scope):
+            return False
+        try:
+            integer(index, self._samples(scope))
+        except NotAnInteger as error:
+            help = "declare it with 'size'" if "not a size" in error.message else ""
+            message = error.message
+            if scope.place is PLACES["size"]:
+                message = message.replace("an index", "a size")
+            self.report.error(message, error.span, help)
+            return False
+        return True
+
+    def value(self, expr: Expr, scope: Scope) -> int | None:
+        """The value of an index expression outside loops."""
+        return integer(expr, self.sizes) if self.valid(expr, scope) else None
+
+    def _samples(self, scope: Scope) -> dict[str, int]:
+        """Some value for each loop variable: enough to see whether an index is an integer."""
+        return {**self.sizes, **{x.range.variable: x.interval[0] for x in scope.loops}}
+
+    def _names_known(self, index: Expr, scope: Scope) -> bool:
+        known, waiting = True, [index]
+        while waiting:
+            expr = waiting.pop()
+            waiting.extend(children(expr))
+            if not isinstance(expr, Name) or expr.id in scope.variables:
+                continue
+            entry = self.names.table.get(expr.id)
+            if entry is not None:
+                entry.used = True
+                known &= entry.kind != "poisoned"
+            elif expr.id not in ("t", "pi", "inf"):
+                help = "" if scope.loops else f"declare it: size {expr.id} = 3"
+                self.names.unknown(expr.id, expr.span, help=help)
+                known = False
+        return known
+
+    def is_index(self, text: str) -> bool:
+        """Whether the text of a unit looks like an index set apart by mistake."""
+        word = text.split("+")[0].split("-")[0].strip()
+        return word.isdigit() or word in self.names.table or len(word) == 1
+
+    # ranges
+
+    def enter(self, ranges: tuple[Range, ...], scope: Scope) -> Scope | None:
+        """The scope within some loops, or None after an error."""
+        for item in ranges:
+            loop = self._loop(item, scope)
+            if loop is None:
+                return None
+            length = max(0, loop.interval[1] - loop.interval[0] + 1)
+            scope = replace(
+                scope,
+                loops=(*scope.loops, loop),
+                variables=scope.variables | {item.variable},
+                points=scope.points * length,
+            )
+            if scope.points > limits.FAMILY:
+                self.report.error(f"more than {limits.FAMILY:,} terms in nested sums", item.span)
+                return None
+        return scope
+
+    def _loop(self, item: Range, scope: Scope) -> Loop | None:
+        variable = Span(item.span.start, item.span.start + 1)
+        if item.variable in scope.variables:
+            self.report.error(f"'{item.variable}' is a loop variable already", variable)
+            return None
+        entry = self.names.table.get(item.variable)
+        if (entry is not None and entry.kind != "poisoned") or item.variable in ("t", "pi", "inf"):
+            self.report.error(
+                f"the loop variable '{item.variable}' has another meaning in this model",
+                variable,
+                "choose another letter",
+            )
+            return None
+        if not (self.valid(item.lo, scope) & self.valid(item.hi, scope)):
+            return None
+        known = intervals(self.sizes, scope.loops)
+        loop = Loop(item, (bound(item.lo, known)[0], bound(item.hi, known)[1]))
+        length = loop.interval[1] - loop.interval[0] + 1
+        if length > limits.FAMILY:
+            self.report.error(
+                f"a range of {length:,} values; the limit is {limits.FAMILY:,}", item.span
+            )
+            return None
+        return loop
+
+    def family(self, lo: Expr, hi: Expr, span: Span, scope: Scope) -> tuple[int, int] | None:
+        """The ends of a family's range, which must not be empty."""
+        if not (self.valid(lo, scope) & self.valid(hi, scope)):
+            return None
+        first, last = integer(lo, self.sizes), integer(hi, self.sizes)
+        if first > last:
+            self.report.error(f"an empty family: {first}..{last}", span)
+            return None
+        if last - first + 1 > limits.FAMILY:
+            self.report.error(
+                f"a family of {last - first + 1:,} members; the limit is {limits.FAMILY:,}", span
+            )
+            return None
+        return first, last
+
+    # members
+
+    def member(self, expr: Name, entry: Entry, scope: Scope) -> bool:
+        """Whether a name has an index exactly if it should, an integer; reports it if not."""
+        if expr.index is None:
+            if entry.members is not None:
+                self._no_index(expr, entry, scope)
+            return entry.members is None
+        if entry.members is None:
+            self.report.error(
+                f"'{expr.id}' is not a family: it takes no index",
+                expr.span,
+                f"a unit stands after a space: {expr.id} […]; a product is written with *",
+            )
+            return False
+        if not self.valid(expr.index, scope):
+            return False
+        if entry.kind in ("coordinate", "state"):
+            self.waiting.append((expr, entry, scope))
+        else:
+            self._settle(expr, entry, scope)
+        return True
+
+    def _no_index(self, expr: Name, entry: Entry, scope: Scope) -> None:
+        first, last = entry.own or (1, "N")
+        if entry.own is None and entry.members.intervals:
+            first, last = entry.members.intervals[0][0], entry.members.intervals[-1][1]
+        apart = re.match(r"[ \t]+(\[[\w +*-]+\])", self.source.text[expr.span.end :])
+        if apart and not self.is_family_left(scope):
+            help = f"an index touches the name: {expr.id}{apart.group(1)}"
+        elif self.is_family_left(scope):
+            help = f"write {expr.id}[{first}] = … or {expr.id}[i = {first}..{last}] = …"
+        elif scope.place is PLACES["record"]:
+            help = f"name its members one by one, e.g. {expr.id}[{first}]"
+        else:
+            help = f"e.g. {expr.id}[{first}], or {expr.id}[i] in a sum over i"
+        self.report.error(f"'{expr.id}' is a family: it needs an index", expr.span, help)
+
+    @staticmethod
+    def is_family_left(scope: Scope) -> bool:
+        return scope.name == "="
+
+    def finish(self) -> None:
+        for expr, entry, scope in self.waiting:
+            self._settle(expr, entry, scope)
+
+    def _settle(self, expr: Name, entry: Entry, scope: Scope) -> None:
+        if entry.periodic:
+            return
+        members = entry.members
+        recursive = self.defining is not None and self.defining[0] == expr.id
+        lo, hi = bound(expr.index, intervals(self.sizes, scope.loops))
+        if members.hold(lo, hi):
+            return
+
+        def inside(value: int, at: dict[str, int]) -> bool:
+            if members.hold(value, value):
+                return True
+            return recursive and self._defined_before(value, at)
+
+        found = first_outside(expr.index, self.sizes, scope.loops, inside)
+        if found is not None:
+            self._outside(expr, entry, *found, recursive)
+
+    def _defined_before(self, value: int, at: dict[str, int]) -> bool:
+        """In `let x[i = lo..hi]`, the members below the one at hand."""
+        own = self.defining[1]
+        return integer(own.lo, self.sizes) <= value < at[own.variable]
+
+    def _outside(
+        self, expr: Name, entry: Entry, value: int, at: dict[str, int], recursive: bool
+    ) -> None:
+        member, name = f"{expr.id}[{value}]", expr.id
+        there = entry.members.text(name)
+        if entry.kind in ("coordinate", "state"):
+            lo, hi = entry.members.intervals[0][0], entry.members.intervals[-1][1]
+            help = f"shorten the range, or say what lies there: 'fixed {member} = 0'"
+            if value in (lo - 1, hi + 1):
+                help += f", 'free {member}' or 'periodic {name}'"
+        elif entry.kind == "definition":
+            help = "members are defined above their use, the lower ones first"
+        else:
+            help = "shorten the range" if at else ""
+        verb = "is not defined yet" if recursive else "is outside the family"
+        self.report.error(
+            f"{member} {verb}: there is {there or 'none'}{at_text(at)}", expr.span, help
+        )
+
+    def exponent(self, expr: Expr, scope: Scope) -> None:
+        """An exponent made of loop variables stays within the limit."""
+        try:
+            integer(expr, self._samples(scope))
+        except NotAnInteger:
+            return
+        lo, hi = bound(expr, intervals(self.sizes, scope.loops))
+        if max(abs(lo), abs(hi)) > limits.EXPONENT:
+            for values in points(self.sizes, scope.loops):
+                if abs(integer(expr, values)) > limits.EXPONENT:
+                    at = {x.range.variable: values[x.range.variable] for x in scope.loops}
+                    self.report.error(
+                        f"an exponent beyond {limits.EXPONENT}{at_text(at)}", expr.span
+                    )
+                    return

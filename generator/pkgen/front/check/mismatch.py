@@ -1,0 +1,176 @@
+"""What to say when units do not fit, as helpfully as can be."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from ...source import Source
+from ...tree import Add, Expr, Name, Quantity, children
+from .. import units
+from ..units import NONE, Dimension, described, si_text
+from .names import Entry, Facts, Names, Report
+
+_LONGEST = 40
+_NUMBERS = ("parameter", "constant")
+_FACTORS = (*_NUMBERS, "coordinate", "state", "definition")
+_HEIGHTS = ("y", "z", "h", "x")
+
+
+class Mismatch:
+    def __init__(self, source: Source, report: Report, names: Names) -> None:
+        self.source, self.report, self.names = source, report, names
+
+    def text(self, expr: Expr) -> str:
+        """The expression as it is written, shortened if it is long."""
+        text = " ".join(self.source.text[expr.span.start : expr.span.end].split())
+        return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
+
+    def against(
+        self, expr: Expr, facts: Facts, needed: Dimension, needs: str, numbers: bool
+    ) -> None:
+        """A whole expression, or a term of a sum, where one dimension is needed. `numbers`: of a
+        value that is no motion, so that no hint should make it one."""
+        self.report.error(
+            f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}",
+            expr.span,
+            self._hint(expr, facts, needed, needs, numbers),
+        )
+
+    def common(
+        self,
+        parts: tuple[Expr, ...],
+        facts: list[Facts],
+        where: str = "a sum",
+        numbers: bool = False,
+    ) -> Dimension | None:
+        """The one dimension of all parts; those in the minority are reported."""
+        dims = [f.dimension for f in facts if f.dimension is not None]
+        if not dims:
+            return None
+        first = dims[0]
+        if all(d == first for d in dims):
+            return first
+        shared = Counter(dims).most_common(1)[0][0]
+        reference = next(p for p, f in zip(parts, facts, strict=True) if f.dimension == shared)
+        for part, fact in zip(parts, facts, strict=True):
+            if fact.dimension not in (None, shared):
+                self.report.error(
+                    f"unit mismatch in {where}: {self.text(part)} is {described(fact.dimension)},"
+                    f" {self.text(reference)} is {described(shared)}",
+                    part.span,
+                    self._hint(part, fact, shared, "", numbers, within=True),
+                )
+        return shared
+
+    def argument(self, function: str, expr: Expr, facts: Facts) -> None:
+        self.report.error(
+            f"unit mismatch: {function} needs a pure number,"
+            f" {self.text(expr)} is {described(facts.dimension)}",
+            expr.span,
+            self._hint(expr, facts, NONE, "", False),
+        )
+
+    def unit(self, expr: Quantity, facts: Facts, declared: Dimension) -> None:
+        self.report.error(
+            f"unit mismatch: {self.text(expr.of)} is {described(facts.dimension)},"
+            f" [{expr.unit}] says {described(declared)}",
+            expr.span,
+            self._hint(expr.of, facts, declared, "", False),
+        )
+
+    def _hint(
+        self,
+        expr: Expr,
+        facts: Facts,
+        needed: Dimension,
+        needs: str,
+        numbers: bool,
+        within: bool = False,
+    ) -> str:
+        """`within` a larger expression, where a unit ends the whole but for brackets."""
+        if self.report.full:
+            return ""
+        text = self.text(expr)
+        if facts.bare:
+            given = f"{text} [{si_text(needed)}]"
+            if within:
+                return f"give it a unit, in brackets: ({given})" if needed != NONE else ""
+            return f"give it a unit: {given}" if needed != NONE else ""
+        if isinstance(expr, Quantity):
+            return ""
+        factor = units.over(needed, facts.dimension)
+        for ratio, verb, sign in ((factor, "multiply", "*"), (_inverse(factor), "divide", "/")):
+            name = self._fitting(ratio, expr, needs, numbers)
+            if name is not None:
+                what = units.KINDS.get(ratio, f"something in [{si_text(ratio)}]")
+                if ratio == units.LENGTH and "potential" in needs and verb == "multiply":
+                    what = "a height"
+                shown = f"({text})" if isinstance(expr, Add) else text
+                return f"{verb} by {what}, e.g. {shown}{sign}{name}"
+        unitless = self._without_unit(expr)
+        if unitless is not None:
+            return f"'{unitless}' is declared without a unit; a pure number unless it says [unit]"
+        kind = units.KINDS.get(factor)
+        if numbers and facts.dimension == NONE:
+            shown = f"({text})" if isinstance(expr, Add) else text
+            return f"give it its unit: (1 [{si_text(factor)}])*{shown}"
+        return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
+
+    def _fitting(self, ratio: Dimension, expr: Expr, needs: str, numbers: bool) -> str | None:
+        """A declared name with this dimension; one with the expression's own number first."""
+        if ratio == NONE:
+            return None
+        own = _names(expr)
+        digits = {name.rstrip("0123456789") != name and name[-1] for name in own} - {False}
+        fitting = [
+            e
+            for e in self.names.table.values()
+            if e.kind in (_NUMBERS if numbers else _FACTORS)
+            and e.facts.dimension == ratio
+            and e.facts.vector is False
+            and e.facts.known
+            and e.members is None
+            and not (isinstance(expr, Name) and expr.id == e.name)
+        ]
+        potential = "potential" in needs
+
+        def liking(entry: Entry) -> tuple:
+            moving = bool(entry.facts.coordinates) and not entry.facts.rates
+            height = entry.name[0] in _HEIGHTS and moving
+            order = _HEIGHTS.index(entry.name[0]) if height else len(_HEIGHTS)
+            near = any(entry.name.endswith(d) for d in digits)
+            # A height is a coordinate or a definition; other factors are parameters.
+            return (moving != potential, not near, order if potential else 0)
+
+        best = min(fitting, key=liking, default=None)
+        if best is not None:
+            return best.name
+        rates = () if numbers else own
+        return next((f"{n}'" for n in rates if self._rate_dimension(n) == ratio), None)
+
+    def _rate_dimension(self, name: str) -> Dimension | None:
+        entry = self.names.table.get(name)
+        if entry is None or entry.kind != "coordinate" or entry.facts.dimension is None:
+            return None
+        return units.over(entry.facts.dimension, units.TIME)
+
+    def _without_unit(self, expr: Expr) -> str | None:
+        for name in _names(expr):
+            entry = self.names.table.get(name)
+            if entry is not None and entry.kind == "parameter" and not entry.facts.united:
+                return name
+        return None
+
+
+def _inverse(a: Dimension) -> Dimension:
+    return units.over(NONE, a)
+
+
+def _names(expr: Expr) -> list[str]:
+    found, waiting = [], [expr]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, Name):
+            found.append(part.id)
+        waiting.extend(reversed(children(part)))
+    return found

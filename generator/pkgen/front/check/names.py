@@ -1,0 +1,321 @@
+"""The names of a model, and where findings are collected."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from fractions import Fraction
+
+from ... import limits
+from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
+from ...source import Diagnostic, Span
+from ...tree import Expr
+from ..units import Dimension
+from ..words import reserved
+
+NOTHING: frozenset[str] = frozenset()
+NO_INPUTS: dict[str, int] = {}
+_UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
+BUILT_IN = ("T", "V", "L", "energy")
+CALLABLE = frozenset(n for n, f in FUNCTIONS.items() if not f.internal) | VECTOR_FUNCTIONS.keys()
+CALLABLE |= WRITTEN_OUT.keys()
+ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
+SPECIAL = ROTATIONS | {"sum", "drift", "time"}
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
+    of its numbers w, x, y, z. `name` is of one that stands as it is declared."""
+
+    axis: Expr | None = None
+    angle: Expr | None = None
+    quaternion: Expr | None = None
+    name: str = ""
+
+
+Turns = tuple[Turn, ...]
+
+
+@dataclass(slots=True)
+class Facts:
+    """What is known about an expression. Shared between expressions, so never changed."""
+
+    dimension: Dimension | None  # None fits anything: a literal 0, or a name with an error
+    vector: bool | None = False  # None: not known
+    value: Fraction | float | None = None  # of a constant
+    bare: bool = False  # of literals, pi, sizes and loop variables only
+    united: bool = False  # something in it was declared with a unit
+    known: bool = True  # False if an error elsewhere hides what it is
+    time: bool = False  # t occurs
+    coordinates: frozenset[str] = NOTHING
+    rates: frozenset[str] = NOTHING
+    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative
+    states: frozenset[str] = NOTHING
+    state_rates: frozenset[str] = NOTHING
+    rough: str = ""  # the first function of the motion that is not smooth
+    turns: Turns = ()  # of a rotation
+    accelerations: bool = False  # or rates of the rates of states: of what is solved for
+
+    @property
+    def moves(self) -> bool:
+        return bool(self.coordinates or self.rates or self.states or self.inputs or self.time)
+
+
+UNKNOWN = Facts(None, None, known=False)
+
+
+def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
+    """The facts of an expression made of `parts`, its value not yet known."""
+    coordinates, rates, inputs = NOTHING, NOTHING, NO_INPUTS
+    states, state_rates = NOTHING, NOTHING
+    bare, united, known, time, rough, accelerations = True, False, True, False, "", False
+    for part in parts:
+        bare &= part.bare
+        united |= part.united
+        known &= part.known
+        time |= part.time
+        rough = rough or part.rough
+        accelerations |= part.accelerations
+        if part.coordinates:
+            coordinates = coordinates | part.coordinates if coordinates else part.coordinates
+        if part.rates:
+            rates = rates | part.rates if rates else part.rates
+        if part.states:
+            states = states | part.states if states else part.states
+            state_rates = state_rates | part.state_rates
+        if part.inputs:
+            inputs = {
+                n: max(inputs.get(n, 0), part.inputs.get(n, 0)) for n in (*inputs, *part.inputs)
+            }
+    return Facts(
+        dimension,
+        vector,
+        None,
+        bare,
+        united,
+        known,
+        time,
+        coordinates,
+        rates,
+        inputs,
+        states,
+        state_rates,
+        rough,
+        accelerations=accelerations,
+    )
+
+
+class Members:
+    """Which indices of a family there are: disjoint closed intervals, in order."""
+
+    def __init__(self, *intervals: tuple[int, int]) -> None:
+        self.intervals: list[tuple[int, int]] = []
+        for lo, hi in intervals:
+            self.add(lo, hi)
+
+    def add(self, lo: int, hi: int) -> None:
+        # Those that touch lo..hi are merged with it; they lie side by side.
+        first = bisect_left(self.intervals, lo - 1, key=lambda x: x[1])
+        last = bisect_right(self.intervals, hi + 1, key=lambda x: x[0])
+        for a, b in self.intervals[first:last]:
+            lo, hi = min(lo, a), max(hi, b)
+        self.intervals[first:last] = [(lo, hi)]
+
+    def hold(self, lo: int, hi: int) -> bool:
+        """Whether all of lo..hi are members."""
+        at = bisect_left(self.intervals, hi, key=lambda x: x[1])
+        return at < len(self.intervals) and self.intervals[at][0] <= lo
+
+    def touch(self, lo: int, hi: int) -> bool:
+        """Whether any of lo..hi is a member."""
+        at = bisect_left(self.intervals, lo, key=lambda x: x[1])
+        return at < len(self.intervals) and self.intervals[at][0] <= hi
+
+    def text(self, name: str) -> str:
+        shown = [f"{name}[{a}]" if a == b else f"{name}[{a}..{b}]" for a, b in self.intervals[:4]]
+        return ", ".join(shown) + (", …" if len(self.intervals) > 4 else "")
+
+
+@dataclass
+class Entry:
+    """A declared name. `kind` is a key of KIND_TEXT."""
+
+    name: str
+    kind: str
+    facts: Facts
+    span: Span
+    members: Members | None = None  # of a family, what its ends say among them
+    own: tuple[int, int] | None = None  # of a family of coordinates, without its ends
+    periodic: bool = False  # or not known for an error: any index will do
+    used: bool = False
+
+
+KIND_TEXT = {
+    "model": "the model's name",
+    "size": "a size",
+    "parameter": "a parameter",
+    "constant": "a constant",
+    "coordinate": "a coordinate",
+    "state": "a state",
+    "rotation": "a rotation",
+    "constraint": "a constraint",
+    "multiplier": "the multiplier of a constraint",
+    "definition": "a definition",
+    "input": "an input",
+    "output": "an output",
+    "scene": "a scene",
+    "event": "an event",
+    "loop variable": "a loop variable",
+    "not compiled": "a name that cannot be compiled yet",
+    "poisoned": "a name with an error",
+    "time": "the time",
+    "built-in": "built in",
+}
+
+
+class Report:
+    """The findings so far."""
+
+    def __init__(self) -> None:
+        self.errors: list[Diagnostic] = []
+        self.warnings: list[Diagnostic] = []
+
+    def error(self, message: str, span: Span, help: str = "") -> None:
+        self.errors.append(Diagnostic(message, span, help))
+
+    @property
+    def full(self) -> bool:
+        """Whether more than can be shown were found already; hints are costly then."""
+        return len(self.errors) > limits.DIAGNOSTICS
+
+    def warn(self, message: str, span: Span, help: str = "") -> None:
+        self.warnings.append(Diagnostic(message, span, help, "warning"))
+
+
+class Names:
+    """The table of names, filled in the order of the file."""
+
+    def __init__(self, report: Report, line_of, later: dict[str, Span], poisoned: Iterable[str]):
+        self.report = report
+        self.line_of = line_of  # a span's line, for messages
+        self.later = later  # every name that the file declares, with its place
+        self.table: dict[str, Entry] = {}
+        self.reported: set[str] = set()
+        for name in poisoned:
+            self.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
+
+    def declare(self, entry: Entry) -> bool:
+        """Adds a name; reports one that is taken, reserved or misleading."""
+        name, span = entry.name, entry.span
+        why = reserved(name)
+        before = self.table.get(name)
+        if why:
+            self.report.error(f"'{name}' {why} and cannot be a name", span, "choose another name")
+        elif before is not None and before.kind != "poisoned":
+            self.report.error(
+                f"'{name}' is declared already: {KIND_TEXT[before.kind]}"
+                f" in line {self.line_of(before.span)}",
+                span,
+                "choose another name",
+            )
+            return False
+        elif name.startswith("p_") and name[2:] in self.moving:
+            what = "coordinate" if name[2:] in self.coordinates else "rotation"
+            self.report.error(
+                f"'{name}' is the momentum of the {what} '{name[2:]}'; it needs no declaration",
+                span,
+                "choose another name",
+            )
+        self.table[name] = entry
+        return not why
+
+    coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
+    states: frozenset[str] = NOTHING  # likewise
+    rotations: frozenset[str] = NOTHING
+
+    @property
+    def moving(self) -> frozenset[str]:
+        """What has an equation of motion."""
+        return self.coordinates | self.rotations
+
+    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # if nothing else helps
+
+    def unknown(
+        self,
+        name: str,
+        span: Span,
+        called: bool = False,
+        help: str = "",
+        missing: str = "",
+        built_in: bool = False,
+    ) -> None:
+        """Reports a name that there is not, once, with what may have been meant, `built_in` names
+        too. `missing` is what helps where no name is near, in a scene, where products of two names
+        are rarely meant."""
+        if name in self.reported:
+            return
+        self.reported.add(name)
+        place = self.later.get(name)
+        if place is not None and not called:
+            line = self.line_of(place)
+            if line == self.line_of(span):
+                message = f"'{name}' is used in its own definition"
+            else:
+                message = f"'{name}' is used before its definition in line {line}"
+            self.report.error(message, span, "a name is defined above its first use")
+        else:
+            what = "function" if called else "name"
+            message = f"unknown {what} '{name}'"
+            if called and name in self.table:
+                message = f"'{name}' is {KIND_TEXT[self.table[name].kind]}, not a function"
+            self.report.error(message, span, help or self._hint(name, called, missing, built_in))
+
+    def _hint(self, name: str, called: bool, missing: str, built_in: bool) -> str:
+        if self.report.full:
+            return ""
+        if called and name in self.table:
+            return f"a product is written {name}*(…)"
+        if not called and name in CALLABLE | SPECIAL:
+            return f"'{name}' is a function: write {name}(…)"
+        if called and name in MEANT:
+            return f"write {MEANT[name]}(…)"
+        if not called and (rate := self._rate(name)):
+            return rate
+        known = sorted(CALLABLE | {"sum"}) if called else [*self.table, "t", "pi"]
+        if built_in:
+            known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.moving))]
+        if not called and name in _UNITS:
+            return f"a unit stands in square brackets after a value: 2 [{name}]"
+        near = get_close_matches(name, known, 1, 0.6)
+        product = None if called or missing else self._product(name)
+        if product and (not near or len(name) <= 3):
+            return f"did you mean {product}? a product needs its *"
+        if near:
+            return f"did you mean '{near[0]}'?"
+        if called:
+            return "functions: " + " ".join(sorted(CALLABLE | {"sum"}))
+        return (missing or self.missing).format(name=name)
+
+    def _rate(self, name: str) -> str:
+        """`xdot`, `x_dot`, and `dx`, `dt` of `dx/dt`: what a rate is written as."""
+        moving = self.moving | self.states
+        if name == "dt" and moving:
+            return f"a rate is written with a prime: {min(moving)}'"
+        for form, primes in ((r"(\w+?)_?dot|d(\w+)", 1), (r"(\w+?)_?ddot|dd(\w+)", 2)):
+            found = re.fullmatch(form, name)
+            of = found and (found[1] or found[2])
+            if of in moving:
+                why = "; pkgen derives it: energies take coordinates and rates"
+                return f"that is written {of}" + "'" * primes + why * (primes > 1)
+        return ""
+
+    def _product(self, name: str) -> str:
+        """`m*g` for `mg` where m and g are names."""
+        for i in range(1, len(name)):
+            if name[:i] in self.table and name[i:] in self.table:
+                return f"{name[:i]}*{name[i:]}"
+        return ""

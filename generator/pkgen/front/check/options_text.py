@@ -1,0 +1,152 @@
+"""What stands in the options of the command line: `30 [cm]`, `pi/2 + 0.1`, `theta'`, `q[1]'`.
+
+The same lexer, parser and units as in a model, so that the same text means the same.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from lark.exceptions import UnexpectedToken
+from lark.lexer import Token
+
+from ...indices import NotAnInteger, indexed, integer
+from ...source import Diagnostic, ModelError, Source, Span
+from ...tree import COMPONENTS
+from ..lexer import statements
+from ..parse import measure, parser
+from ..parse_errors import explain
+from ..read import from_text
+from ..units import NONE, described, parse_unit
+from .expr import Expressions, Target
+from .names import Entry, Facts, Names, Report
+from .scope import PLACES, Scope
+from .values import NoValue, checked, evaluate
+
+_LONGEST = 1_000  # characters of one option
+_COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
+
+
+class OptionError(Exception):
+    """An option that cannot be read; `text()` shows where, as for a model."""
+
+    def __init__(self, source: Source, diagnostic: Diagnostic):
+        super().__init__(diagnostic.message)
+        self.source, self.diagnostic = source, diagnostic
+
+    def text(self) -> str:
+        """The message, the option with a caret, the hint; without a file's name or line."""
+        _, line, caret, *help = self.diagnostic.text(self.source).split("\n")
+        shown = (part.partition("| ")[2] for part in (line, caret))
+        return "\n".join([self.diagnostic.message, *(f"   {s}" for s in shown), *help])
+
+
+@dataclass(frozen=True)
+class LeftSide:
+    """`q[1]'` is LeftSide("q", 1, 1); without an index and primes LeftSide("q", None, 0), and
+    `r[1].x` is LeftSide("r.x", 1, 0)."""
+
+    name: str
+    index: int | None
+    order: int
+
+    def text(self) -> str:
+        return indexed(self.name, self.index) + "'" * self.order
+
+
+def quantity(
+    text: str,
+    unit: str = "",
+    *,
+    dimensionless: bool = False,
+    values: Mapping[str, int] = {},
+    name: str = "the value",
+) -> Fraction | float:
+    """A value in SI. A number without a unit is in `unit` (SI, as a Model gives it); `values`
+    are sizes that it may use; `name` is what it is for, in messages. Raises OptionError."""
+    source = _source(text)
+    setting = _parsed(source, [Token("UNTIL", "until", start_pos=0, end_pos=0)], [])
+    dimension = NONE if dimensionless else parse_unit(unit).dimension if unit else NONE
+    report = Report()
+    names = Names(report, lambda span: 1, {}, ())
+    names.missing = "a value may use numbers, pi and sizes"
+    for size, value in values.items():
+        facts = Facts(NONE, False, Fraction(value), bare=True)
+        names.table[size] = Entry(size, "size", facts, Span(0, 0))
+    expressions = Expressions(source, report, names, dict(values), dimensionless, False)
+    target = Target(dimension, f"{name} is {described(dimension)}", bare=True)
+    expr, _ = expressions.wanted(setting.value, Scope(PLACES["option"]), target)
+    if report.errors:
+        raise OptionError(source, report.errors[0])
+    try:
+        return checked(evaluate(expr, {}, dict(values)))
+    except NoValue as error:
+        raise OptionError(source, Diagnostic(str(error), expr.span)) from None
+
+
+def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
+    """What `--start` sets: NAME, NAME[index], each with primes. Raises OptionError."""
+    component = _COMPONENT.fullmatch(text)
+    if component:
+        side = left_side(component[1] + component[3], sizes)
+        return replace(side, name=side.name + component[2])
+    source = _source(text)
+    end = len(source.text)
+    tail = [
+        Token("EQUAL", "=", start_pos=end, end_pos=end),
+        Token("NUMBER", Fraction(0), start_pos=end, end_pos=end),
+    ]
+    start = _parsed(source, [Token("START", "start", start_pos=0, end_pos=0)], tail)
+    item = start.items[0]
+    if item.function == "omega" and len(start.items) == 1:
+        return LeftSide(f"omega({item.left.name})", None, item.order)
+    if len(start.items) > 1 or item.function or item.left.range is not None:
+        message = "one coordinate or rate is needed here, e.g. theta, theta', q[1]'"
+        raise OptionError(source, Diagnostic(message, item.span))
+    index = item.left.index
+    try:
+        at = None if index is None else integer(index, sizes)
+    except NotAnInteger as error:
+        raise OptionError(source, Diagnostic(error.message, error.span)) from None
+    return LeftSide(item.left.name, at, item.order)
+
+
+def _source(text: str) -> Source:
+    if len(text) > _LONGEST:
+        source = Source("option", text[:60])
+        raise OptionError(source, Diagnostic(f"more than {_LONGEST} characters", Span(0, 1)))
+    try:
+        source = from_text("option", text)
+    except ModelError as error:
+        raise OptionError(error.source, error.diagnostics[0]) from None
+    if not text.strip():
+        raise OptionError(source, Diagnostic("a value is missing", Span(0, 0)))
+    if "\n" in source.text or "#" in source.text:
+        raise OptionError(source, Diagnostic("one value on one line is needed", Span(0, 1)))
+    return source
+
+
+def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
+    lexed = statements(source)[0]
+    if lexed.errors:
+        raise OptionError(source, lexed.errors[0])
+    lexed.tokens[:0] = before
+    lexed.tokens += after
+    lark, _ = parser()
+    try:
+        statement = lark.parse(lexed.tokens)
+    except UnexpectedToken as error:
+        found = explain(source, lexed, error)
+        message, help = found.message, found.help
+        if message.endswith("takes one item"):  # of the statement that stands around the value
+            message, help = "one value is needed here", ""
+        elif help.startswith(("the form", "e.g.")):
+            help = ""
+        raise OptionError(source, Diagnostic(message, found.span, help)) from None
+    wrong = measure(statement)[1]
+    if wrong is not None:
+        raise OptionError(source, wrong)
+    return statement

@@ -1,0 +1,110 @@
+"""Default values within their bounds, evaluated as the generated C will."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from fractions import Fraction
+
+from ... import limits
+from ... import model as m
+from ...indices import integer
+from .names import Report
+from .values import NoValue, evaluate
+
+
+def check_bounds(
+    parameters: list[m.Parameter],
+    definitions: list[m.Definition],
+    sizes: Mapping[str, int],
+    report: Report,
+) -> None:
+    """Each default is finite and lies within its bounds, lower below upper."""
+    values: dict[object, object] = {}
+    items = sorted([*parameters, *definitions], key=lambda x: x.span.start)
+    for item in items:
+        if isinstance(item, m.Definition):
+            _constant(item, values, sizes)
+            continue
+        bounds = ends_of(item, values, sizes, report)
+        for index in _indices(item, sizes):
+            inner = sizes if index is None else {**sizes, item.range.variable: index}
+            shown = item.name if index is None else f"{item.name}[{index}]"
+            try:
+                value = evaluate(item.default, values, inner)
+            except KeyError:
+                break  # it follows a parameter that has an error
+            except NoValue as error:
+                report.error(f"the default of {shown}: {error}", item.default.span)
+                value = Fraction(1)
+                bounds = None
+            values[item.name if index is None else (item.name, index)] = value
+            if bounds is not None and not within(value, item.bounds, bounds):
+                report.error(
+                    f"the default of {shown} is outside its bounds:"
+                    f" {number(value, item.unit)} is not in {interval(item.bounds, bounds)}",
+                    item.default.span,
+                    f"a bound without a unit is in [{item.unit}]" if item.unit else "",
+                )
+                bounds = None  # one member of a family is enough
+
+
+def _constant(item: m.Definition, values: dict, sizes: Mapping[str, int]) -> None:
+    with suppress(NoValue, KeyError):  # a `let` of the motion, or reported already
+        values[item.name] = evaluate(item.value, values, sizes)
+
+
+def _indices(item: m.Parameter, sizes: Mapping[str, int]):
+    if item.range is None:
+        return [None]
+    lo, hi = integer(item.range.lo, sizes), integer(item.range.hi, sizes)
+    if hi - lo < limits.SAMPLED:
+        return range(lo, hi + 1)
+    half = limits.SAMPLED // 2  # of a longer family, as many at each end
+    return [*range(lo, lo + half), *range(hi - half + 1, hi + 1)]
+
+
+def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):
+    """The bounds' values, None for an infinite one; None for both after an error."""
+    ends = []
+    for end in (item.bounds.lo, item.bounds.hi):
+        try:
+            ends.append(None if end is None else evaluate(end, values, sizes))
+        except KeyError:
+            return None
+        except NoValue as error:
+            report.error(f"a bound of {item.name}: {error}", end.span)
+            return None
+    lo, hi = ends
+    if lo is None or hi is None:
+        return lo, hi
+    if lo > hi or (lo == hi and (item.bounds.lo_open or item.bounds.hi_open)):
+        report.error(
+            f"no value of {item.name} lies in {interval(item.bounds, (lo, hi))}",
+            item.bounds.lo.span.to(item.bounds.hi.span),
+            "the lower bound comes first",
+        )
+        return None
+    return lo, hi
+
+
+def within(value, bounds: m.Bounds, ends) -> bool:
+    lo, hi = ends
+    above = lo is None or (value > lo if bounds.lo_open else value >= lo)
+    below = hi is None or (value < hi if bounds.hi_open else value <= hi)
+    return above and below
+
+
+def number(value, unit: str = "") -> str:
+    return f"{float(value):.12g}" + (f" [{unit}]" if unit else "")
+
+
+def interval(bounds: m.Bounds, ends) -> str:
+    lo, hi = ends
+    return (
+        ("(" if bounds.lo_open else "[")
+        + ("-inf" if lo is None else number(lo))
+        + ", "
+        + ("inf" if hi is None else number(hi))
+        + (")" if bounds.hi_open else "]")
+    )

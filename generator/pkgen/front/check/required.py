@@ -1,0 +1,97 @@
+"""What a model must have, once all of its statements have been checked."""
+
+from __future__ import annotations
+
+from ...source import Span
+from .. import statements as st
+from .shared import Shared
+
+
+class Required:
+    """`broken` are the keywords of statements that could not be read, "" where there is none."""
+
+    def __init__(self, file: st.File, shared: Shared, broken: set[str]) -> None:
+        self.file, self.shared, self.report, self.broken = file, shared, shared.report, broken
+
+    def check(self) -> None:
+        self._sizes()
+        self._required()
+
+    def _required(self) -> None:
+        if not self.file.statements:
+            if not self.file.diagnostics:  # else there was something, but nothing could be read
+                self.report.error(
+                    "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
+                )
+            return
+        first = next(iter(self.file.statements), None)
+        broken = self.broken
+        parts = self.shared.parts
+        at = parts["name"][0].span if parts["name"] else self._first_line()
+        if not parts["name"] and "model" not in broken:
+            self.report.error("the model has no name", at, "the first statement is 'model NAME'")
+        elif parts["name"] and first is not parts["name"][0]:
+            self.report.error("'model' must be the first statement", at)
+        if "" in broken:  # a line that starts with no known word may have been any of these
+            return
+        names = self.shared.names
+        if not names.moving | names.states and not broken & {"coord", "state", "rotation"}:
+            self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
+        has_energy = parts["kinetic"] or parts["lagrangian"]
+        if names.states and not names.moving and not broken & {"coord", "rotation"}:
+            self._states_alone()
+            return
+        if has_energy:
+            return
+        if not broken & {"kinetic", "lagrangian"}:
+            self.report.error(
+                "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
+            )
+
+    def _states_alone(self) -> None:
+        """There is no Lagrangian where nothing has a second derivative."""
+        for statement in self.file.statements:
+            if isinstance(statement, st.Energy):
+                self.report.error(
+                    f"'{statement.keyword}' without any coordinate: states have no inertia",
+                    Span(statement.span.start, statement.span.start + len(statement.keyword)),
+                    "declare a coordinate: coord q [m]; or leave the energies out",
+                )
+
+    def _first_line(self) -> Span:
+        places = [s.span for s in self.file.statements] + [b.span for b in self.file.broken]
+        return min(places, key=lambda s: s.start, default=Span(0, 0))
+
+    def _sizes(self) -> None:
+        known = [s.left.name for s in self.file.statements if isinstance(s, st.SizeOf)]
+        for name in self.shared.given:
+            if name not in known and not self.file.diagnostics:
+                self.report.error(
+                    f"--size {name}: the model has no size '{name}'",
+                    self._first_line(),
+                    f"its sizes are: {', '.join(known)}" if known else "it has no sizes",
+                )
+
+    def inertia(self) -> None:
+        """A light check: every coordinate's rate occurs in an energy. The exact one is derive's."""
+        energies = self.shared.energies
+        has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
+        if not has_kinetic or not all(f.known for f in energies):
+            return
+        with_rate = frozenset().union(*(f.rates for f in energies))
+        for rotation in self.shared.parts["rotation"]:
+            if rotation.name not in with_rate:
+                self.report.error(
+                    f"the rotation '{rotation.name}' has no inertia: no energy contains its rates",
+                    rotation.span,
+                    f"add a kinetic term, e.g. kinetic I/2*dot(omega({rotation.name}),"
+                    f" omega({rotation.name}))",
+                )
+        for coordinate in self.shared.parts["coord"]:
+            if coordinate.name not in with_rate:
+                self.report.error(
+                    f"the coordinate '{coordinate.name}' has no inertia: no energy contains"
+                    f" {coordinate.name}'",
+                    coordinate.span,
+                    f"add a kinetic term, or make it a parameter: param {coordinate.name} = …",
+                )

@@ -1,0 +1,176 @@
+"""`rotation`, and what is started and applied along one.
+
+In the model a rotation is three coordinates of its own, whose rates are its body rates, and four
+states, its quaternion: see check_rotations.py. So a torque is three forces, and a start four.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+
+from ... import model as m
+from ...tree import AXES, Number
+from .. import statements as st
+from .. import units
+from ..units import NONE, si_text
+from .expr import Target
+from .names import Entry, Facts
+from .rotations import attitude, quaternion_names, quaternion_of, rate_names, turn_names
+from .scope import PLACES, Scope
+from .shared import Shared
+from .vectors import component
+
+TURNS = 5  # of a start: more are more terms than anyone writes
+
+
+class Rotations:
+    def __init__(self, shared: Shared) -> None:
+        self.shared, self.expressions = shared, shared.expressions
+        self.report, self.names = shared.report, shared.names
+
+    def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        """`rotation NAME`; a unit or a range is reported, so that `unit` is of no use here."""
+        if item.unit is not None:
+            self.report.error("a rotation has no unit", item.unit.span, f"rotation {item.name}")
+        if item.lo is not None:
+            self.report.error(
+                "a family of rotations cannot be compiled", item.span, "declare them one by one"
+            )
+        facts = Facts(
+            NONE,
+            True,
+            united=True,
+            coordinates=frozenset((item.name,)),
+            turns=(attitude(item.name, item.span),),
+        )
+        self.names.declare(Entry(item.name, "rotation", facts, item.name_span))
+        time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
+        per_time, action = units.over(NONE, time), units.times(energy, time)
+        self.shared.parts["rotation"].append(
+            m.Rotation(
+                item.name,
+                quaternion_names(item.name),
+                rate_names(item.name),
+                turn_names(item.name),
+                tuple(f"p_{item.name}.{axis}" for axis in AXES),
+                si_text(per_time, 1 if time != NONE else 0),
+                si_text(per_time),
+                si_text(action),
+                description,
+                item.span,
+            )
+        )
+
+    def force(self, statement: st.ForceAlong) -> Iterable[m.Force]:
+        """A torque, in body components."""
+        left, scope = statement.left, Scope(PLACES["force"])
+        self._plain(left)
+        needs = "a torque [N*m]" if self.expressions.energy_dimension != NONE else "numbers"
+        target = Target(
+            self.expressions.energy_dimension, f"the torque on {left.name} is a vector of {needs}"
+        )
+        value, facts = self.expressions.wanted_vector(statement.value, scope, target)
+        self.shared.use_inputs(facts)
+        if not facts.vector:
+            return ()
+        return tuple(
+            m.Force(turn, None, None, component(value, k), statement.span)
+            for k, turn in enumerate(turn_names(left.name))
+        )
+
+    def start(
+        self, item: st.StartItem, entry: Entry | None, around: Scope
+    ) -> tuple[m.Start, ...] | None:
+        """`start R = rot(...)` as four starts of numbers, or `start omega(R) = [...]` as three of
+        rates; None where that is wrong, said already."""
+        left = item.left
+        before = len(self.report.errors)
+        self._plain(left)
+        if item.function not in ("", "omega"):
+            self.report.error(
+                f"a start gives {left.name} or omega({left.name}), not {item.function}", item.span
+            )
+        elif entry is not None and entry.kind != "rotation":
+            self.report.error(
+                f"omega is of a rotation; '{left.name}' is none",
+                item.span,
+                f"its rate is {left.name}'",
+            )
+        elif item.order:
+            self.report.error(
+                f"the rates of a rotation are omega({left.name})",
+                item.span,
+                f"start omega({left.name}) = [x, y, z]",
+            )
+        of_rates = item.function or item.order  # R' gives rates, if under a wrong name
+        values = self._rates(item, around) if of_rates else self._attitude(item, around)
+        if len(self.report.errors) > before or entry is None or not values:
+            return None
+        if item.function:
+            return tuple(
+                m.Start(turn, None, None, 1, value, item.span)
+                for turn, value in zip(turn_names(left.name), values, strict=True)
+            )
+        return tuple(
+            m.Start(number, None, None, 0, value, item.span)
+            for number, value in zip(quaternion_names(left.name), values, strict=True)
+        )
+
+    def _rates(self, item: st.StartItem, around: Scope):
+        dimension = units.over(NONE, self.expressions.time_dimension)
+        target = Target(dimension, f"omega({item.left.name}) is a vector of rates", bare=True)
+        value, facts = self.expressions.wanted_vector(item.value, around, target)
+        return [component(value, k) for k in range(len(AXES))] if facts.vector else None
+
+    def _attitude(self, item: st.StartItem, around: Scope):
+        _, facts = self.expressions.factor(item.value, around)
+        if not facts.turns:
+            if facts.known:
+                self.report.error(
+                    f"{self.expressions.mismatch.text(item.value)} is no rotation",
+                    item.value.span,
+                    f"e.g. start {item.left.name} = rot([1, 0, 0], 0.3)",
+                )
+            return None
+        if len(facts.turns) > TURNS:
+            self.report.error(f"a start of more than {TURNS} turns", item.value.span)
+            return None
+        if any(turn.quaternion is not None for turn in facts.turns):
+            return None  # a rotation is no parameter: said already
+        return quaternion_of(facts.turns, item.value.span)
+
+    def _plain(self, left: st.Left) -> None:
+        if left.index is not None or left.range is not None:
+            self.report.error(f"'{left.name}' is one rotation: it takes no index", left.span)
+
+
+def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
+    """Three, whose rates are the body rates; their own unit is that of an angle, none."""
+    for axis, turn, rate, momentum in zip(
+        AXES, rotation.turns, rotation.rates, rotation.momenta, strict=True
+    ):
+        yield m.Coordinate(
+            turn,
+            None,
+            "",
+            rotation.rate_unit,
+            rotation.momentum_unit,
+            rotation.description or f"body rate about {axis}",
+            rotation.span,
+            rate,
+            momentum,
+        )
+
+
+def states_of(rotation: m.Rotation) -> Iterable[m.State]:
+    """Four pure numbers w, x, y, z."""
+    for number in rotation.quaternion:
+        what = rotation.description or "of its unit quaternion, body to space"
+        yield m.State(number, None, "", rotation.per_time, what, rotation.span)
+
+
+def identity(rotation: m.Rotation) -> m.Start:
+    """What is started nowhere else."""
+    one = Number(Fraction(1), rotation.span)
+    return m.Start(rotation.quaternion[0], None, None, 0, one, rotation.span)

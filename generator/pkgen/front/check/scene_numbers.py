@@ -1,0 +1,135 @@
+"""Values of a model's parameters and constants, and of what a scene says in these."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Mapping
+from fractions import Fraction
+
+from ... import limits
+from ...indices import assignments, integer
+from ...model import Assignment, Model, Parameter
+from ...source import Span
+from ...tree import Expr
+from .values import NoValue, evaluate
+
+ROUND_OFF = 2.0**-52  # the smallest 'rtol': below it steps would be halved for ever
+BYTES = 20  # of a number as text
+Number = Fraction | float
+Key = tuple[str, int | None]  # a name and the index of a member
+
+
+def has_row(t: float, every: float | None, until: float) -> bool:
+    """Whether a member of a swarm has a row at t: at the ends, and as often as is recorded."""
+    if t in (0, until):
+        return True
+    if every is None:
+        return False
+    off = abs(t / every - round(t / every)) * every
+    return off <= 8 * sys.float_info.epsilon * until
+
+
+def too_much(rows: float, numbers: int, members: int | None) -> str:
+    """What is said of rows that no disk would hold; `members`: of several together."""
+    total = rows * numbers * (members or 1)
+    if total <= limits.WRITTEN:
+        return ""
+    each = f"{members:,} members of " if members is not None else ""
+    gigabytes = total * BYTES * 1e-9
+    count, size = (f"{x:,.0f}" if x < 1e15 else f"{x:.3g}" for x in (rows, gigabytes))
+    return f"{each}{count} rows of {numbers:,} numbers are some {size} GB"
+
+
+def within_bounds(model: Model, item: Parameter, index: int | None, value: float) -> bool:
+    """Whether a parameter may have the value, the others having their defaults."""
+    values, bounds = Values(model, {(item.name, index): value}), item.bounds
+    loop = {**values.sizes, **({} if index is None else {item.range.variable: index})}
+    lo, hi = (
+        end if expr is None else values.number(item.name, expr, loop)
+        for end, expr in ((-math.inf, bounds.lo), (math.inf, bounds.hi))
+    )
+    above = value > lo if bounds.lo_open else value >= lo
+    return above and (value < hi if bounds.hi_open else value <= hi)
+
+
+class WrongValue(Exception):
+    """What a scene says has no value, or a wrong one; `span` is its place."""
+
+    def __init__(self, message: str, span: Span):
+        super().__init__(message)
+        self.span = span
+
+
+class Values:
+    """`given` are parameters that the scene does not set."""
+
+    def __init__(self, model: Model, given: Mapping[Key, float]):
+        self.model, self.given = model, dict(given)
+        self.sizes = {size.name: size.value for size in model.sizes}
+        self.values: dict[object, Number] = {}
+        self.set({})
+
+    def set(self, more: Mapping[Key, float]) -> None:
+        """Computes all values anew, parameters in `more` set beside those given at first."""
+        given = {**more, **self.given}
+        self.values.clear()
+        items = (*self.model.parameters, *self.model.definitions)
+        for item in sorted(items, key=lambda x: x.span.start):
+            if isinstance(item, Parameter):
+                self._parameter(item, given)
+            elif item.range is None and item.index is None:
+                self._keep(item.name, item.value, self.sizes)
+
+    def members(self, item: Parameter) -> list[tuple[int | None, object]]:
+        """The indices that are evaluated, with the keys of their values."""
+        if item.range is None:
+            return [(None, item.name)]
+        lo, hi = (integer(end, self.sizes) for end in (item.range.lo, item.range.hi))
+        return [(i, (item.name, i)) for i in range(lo, hi + 1)] if hi - lo < limits.SAMPLED else []
+
+    def _parameter(self, item: Parameter, given: Mapping[Key, float]) -> None:
+        for index, key in self.members(item):
+            if (item.name, index) in given:
+                self.values[key] = given[item.name, index]
+            else:
+                loop = {} if index is None else {item.range.variable: index}
+                self._keep(key, item.default, {**self.sizes, **loop})
+
+    def _keep(self, key: object, expr: Expr, loop: Mapping[str, int]) -> None:
+        try:
+            self.values[key] = evaluate(expr, self.values, loop)
+        except (NoValue, KeyError):  # a definition of the motion, or a value that C reports
+            self.values.pop(key, None)
+
+    def assigned(self, item: Assignment) -> list[tuple[int | None, float]]:
+        if item.range is None:
+            index = None if item.index is None else integer(item.index, self.sizes)
+            return [(index, self.number(item.name, item.value, self.sizes))]
+        return [
+            (loop[item.range.variable], self.number(item.name, item.value, loop))
+            for loop in assignments((item.range,), self.sizes)
+        ]
+
+    def number(self, name: str, expr: Expr, loop: Mapping[str, int] | None = None) -> float:
+        try:
+            return float(evaluate(expr, self.values, self.sizes if loop is None else loop))
+        except KeyError as missing:
+            message = f"{name}: the value of {missing} is not known here"
+            raise WrongValue(message, expr.span) from None
+        except NoValue as error:
+            raise WrongValue(f"{name}: {error}", expr.span) from None
+
+    def positive(self, name: str, expr: Expr | None) -> float | None:
+        return self._checked(name, expr, lambda x: x > 0, "must be positive")
+
+    def not_negative(self, name: str, expr: Expr | None) -> float | None:
+        return self._checked(name, expr, lambda x: x >= 0, "cannot be negative")
+
+    def _checked(self, name: str, expr: Expr | None, good, must: str) -> float | None:
+        if expr is None:
+            return None
+        found = self.number(name, expr)
+        if not good(found):
+            raise WrongValue(f"{name}: {must}", expr.span)
+        return found

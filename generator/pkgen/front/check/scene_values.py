@@ -1,0 +1,143 @@
+"""What a scene sets, as numbers: within bounds, positive, in the time that it runs.
+
+Numbers here are those of the model as it stands; options of the command line may give others, and
+`scene.py` and the C check again.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from ...indices import integer
+from ...model import Model, Parameter, Record, Scene
+from ...source import Span
+from ...tree import Expr
+from .names import Report
+from .params import ends_of, interval, number, within
+from .scene_numbers import ROUND_OFF, Values, WrongValue, has_row, too_much
+
+
+def check_scene_values(model: Model, report: Report) -> None:
+    for scene in model.scenes:
+        _Numbers(model, scene, report).check()
+
+
+SHORTEST = 10 * sys.float_info.epsilon  # a step and an interval, of the whole time: as in main.c
+
+
+class _Numbers:
+    def __init__(self, model: Model, scene: Scene, report: Report) -> None:
+        self.model, self.scene, self.report = model, scene, report
+        self.values = Values(model, {})
+
+    def check(self) -> None:
+        self._assignments()
+        scene, values = self.scene, self.values
+        until = self._of(lambda: values.positive("until", scene.until))
+        self._interval("step", scene.step, until)
+        self._rtol()
+        every = None
+        if scene.record is not None:
+            every = self._interval("every", scene.record.every, until)
+            self._rows(scene.record, every, until)
+        for item in scene.expects:
+            self._of(lambda item=item: values.not_negative("within", item.within))
+            at = self._of(lambda item=item: values.not_negative("at", item.at))
+            if at is not None and until is not None and at > until:
+                self.report.error(
+                    f"t = {number(at)} is not reached: the scene runs until {number(until)}",
+                    item.at.span,
+                    "expect it earlier, or run longer",
+                )
+            elif scene.swarm and at and until and not has_row(at, every, until):
+                self.report.error(
+                    f"members of a swarm have no row at t = {number(at)}",
+                    item.at.span,
+                    "expect it at a recorded time",
+                )
+
+    def _interval(self, name: str, expr: Expr | None, until: float | None) -> float | None:
+        """A part of the time that the scene runs."""
+        found = self._of(lambda: self.values.positive(name, expr))
+        if found is None or until is None:
+            return found
+        if found > until:
+            self.report.error(
+                f"'{name}' is {number(found)}: the scene runs no longer than {number(until)}",
+                expr.span,
+            )
+        elif found < SHORTEST * until:
+            least = number(SHORTEST * until)
+            self.report.error(f"'{name}' is below the round-off of the time, {least}", expr.span)
+        return found
+
+    def _rows(self, record: Record, every: float | None, until: float | None) -> None:
+        """No disk would hold what somebody asks for by mistake."""
+        if until is None or (every and every < SHORTEST * until):  # said already
+            return
+        members, swarm = None, self.scene.swarm
+        if swarm is not None:
+            lo, hi = (integer(end, self.values.sizes) for end in (swarm.lo, swarm.hi))
+            members = hi - lo + 1
+        said = too_much(until / every + 1 if every else 1, len(record.columns) + 1, members)
+        if said and swarm is not None:
+            self.report.error(said, swarm.span, "take fewer members")
+        elif said:
+            self.report.error(said, record.every.span, "take a longer interval")
+
+    def _rtol(self) -> None:
+        expr = self.scene.rtol
+        rtol = self._of(lambda: self.values.positive("rtol", expr))
+        if rtol is not None and rtol < ROUND_OFF:
+            self.report.error(
+                f"no double is that exact; the smallest 'rtol' is {ROUND_OFF:.1e}", expr.span
+            )
+        elif rtol is not None and rtol >= 1:
+            self.report.error(
+                "an 'rtol' of 1 or more controls nothing: it is relative to what moves",
+                expr.span,
+                "e.g. rtol 1e-9",
+            )
+
+    def _of(self, value: Callable[[], float | None]) -> float | None:
+        try:
+            return value()
+        except WrongValue as wrong:
+            self.report.error(str(wrong), wrong.span)
+            return None
+
+    def _assignments(self) -> None:
+        """In the order written, as they are set."""
+        parameters = {p.name: p for p in self.model.parameters}
+        given: dict = {}
+        outside: set[str] = set()  # a parameter is reported once
+        for item in self.scene.assignments:
+            if item.varies:
+                continue
+            for index, value in self._of(lambda item=item: self.values.assigned(item)) or ():
+                if item.name in parameters:
+                    given[item.name, index] = value
+            self.values.set(given)
+        for item in self.scene.assignments:
+            if item.name in parameters and item.name not in outside:
+                message = "{} is set outside its bounds"
+                if self._outside(parameters[item.name], item.span, message):
+                    outside.add(item.name)
+        for parameter in self.model.parameters:
+            if given and parameter.follows and parameter.name not in outside:
+                message = "this puts {}, which follows it, outside its bounds"
+                self._outside(parameter, self.scene.assignments[-1].span, message)
+
+    def _outside(self, parameter: Parameter, span: Span, message: str) -> bool:
+        ends = ends_of(parameter, self.values.values, self.values.sizes, self.report)
+        for index, key in self.values.members(parameter):
+            value = self.values.values.get(key)
+            if ends is None or value is None or within(value, parameter.bounds, ends):
+                continue
+            shown = parameter.name if index is None else f"{parameter.name}[{index}]"
+            bounds = interval(parameter.bounds, ends)
+            value = number(value, parameter.unit)
+            self.report.error(f"{message.format(shown)}: {value} is not in {bounds}", span)
+            return True
+        return False

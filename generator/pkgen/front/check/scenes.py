@@ -1,0 +1,217 @@
+"""Scenes, clause by clause: names, units, members, and what cannot stand together.
+
+What a scene gives the model is in `check_given.py`, numbers and events in `check_settings.py`,
+expectations in `check_expects.py`; `check_scene_values.py` computes what is a number already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from ... import model as m
+from ...indices import NotAnInteger, indexed, integer
+from ...source import Span
+from ...tree import Call, Component, Expr, Name, Prime
+from .. import statements as st
+from ..units import NONE
+from .dynamics import Dynamics
+from .expects import Expects
+from .given import Given
+from .rotations import quaternion_names
+from .scope import PLACES, Scope
+from .settings import Settings
+from .shared import Shared
+from .vectors import by_component, component_name
+
+
+class Scenes:
+    def __init__(self, shared: Shared, dynamics: Dynamics) -> None:
+        self.shared, self.dynamics = shared, dynamics
+        self.report, self.expressions = shared.report, shared.expressions
+        self.settings = Settings(shared)
+        self.expects = Expects(shared, self.settings)
+
+    def check(self, scene: st.Scene) -> None:
+        if any(s.name == scene.name for s in self.shared.parts["scene"]):
+            self.report.error(f"there is a scene '{scene.name}' already", scene.name_span)
+        if not scene.clauses:
+            self.report.error(
+                f"the scene '{scene.name}' is empty",
+                scene.name_span,
+                "say what it runs, e.g. until 10",
+            )
+        swarms = [c for c in scene.clauses if isinstance(c, st.Swarm)]
+        for clause in swarms[1:]:
+            self.second("swarm", clause.span)
+        one = _Scene(self, Given(self.shared, self.dynamics, swarms[0].range if swarms else None))
+        for clause in scene.clauses:
+            one.clause(clause)
+        self.shared.parts["scene"].append(one.made(scene))
+
+    def second(self, keyword: str, span: Span) -> None:
+        self.report.error(f"a scene has one '{keyword}'; this is the second", span)
+
+
+class _Scene:
+    """One scene while its clauses are read."""
+
+    def __init__(self, scenes: Scenes, given: Given) -> None:
+        self.scenes, self.given = scenes, given
+        self.settings, self.report = scenes.settings, scenes.report
+        self.until: Expr | None = None
+        self.accuracy: Expr | None = None
+        self.method, self.step, self.rtol = "", None, None
+        self.method_span: Span | None = None
+        self.record: m.Record | None = None
+        self.expects: list[m.Expect] = []
+        self.seen: set[str] = set()
+
+    def clause(self, clause: st.Clause) -> None:
+        help = ""
+        if isinstance(clause, st.Record):
+            help = "the rows' column in front says which member it is, without being recorded"
+        if not isinstance(clause, st.StartAt) and self.given.swarm_of(_expressions(clause), help):
+            return
+        if isinstance(clause, _ONCE):
+            keyword = getattr(clause, "keyword", type(clause).__name__.lower())
+            if keyword in self.seen:
+                self.scenes.second(keyword, clause.span)
+            self.seen.add(keyword)
+        _READ[type(clause)](self, clause)
+
+    def _assign(self, clause: st.Assign) -> None:
+        (self.given.set if clause.keyword == "set" else self.given.hold)(clause)
+
+    def _setting(self, clause: st.Setting) -> None:
+        if clause.keyword == "until":
+            self.until = self.settings.time("until", clause.value)
+        else:
+            self.accuracy = self.settings.accuracy(clause.value)
+            self._one_of_both(clause.span)
+
+    def _method(self, clause: st.Method) -> None:
+        self.method, self.method_span = clause.name, clause.name_span
+        self.settings.method(clause)
+        self.step = self.settings.time("step", clause.step)
+        if clause.rtol is not None:
+            self.rtol = self.settings.setting("rtol", clause.rtol, NONE)[0]
+        self._one_of_both(clause.span)
+
+    def _one_of_both(self, span: Span) -> None:
+        if {"accuracy", "method"} <= self.seen:
+            self.report.error(
+                "'accuracy' and 'method' in one scene: with an accuracy pkgen chooses the method",
+                span,
+                "leave one of them out",
+            )
+
+    def _expect(self, clause: st.Expect) -> None:
+        self.expects += self.scenes.expects.check(clause)
+
+    # record
+
+    def _record(self, clause: st.Record) -> None:
+        columns: dict[str, m.Definition] = {}
+        for column in (column for item in clause.items for column in self._columns(item)):
+            if column.name in columns:
+                self.report.error(f"'{column.name}' is recorded already", column.span)
+            columns[column.name] = column
+        event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
+        self.record = m.Record(
+            columns=tuple(columns.values()),
+            every=self.settings.time("every", clause.every),
+            at=event,
+            span=clause.span,
+        )
+
+    def _columns(self, item: Expr) -> Iterable[m.Definition]:
+        """One, of a vector three, none after an error."""
+        shared = self.scenes.shared
+        value, facts = self.scenes.expressions.factor(item, Scope(PLACES["record"]))
+        if facts.turns and facts.turns[0].name and isinstance(item, Name):
+            numbers = quaternion_names(item.id)
+            return (
+                m.Definition(x, None, None, Name(x, None, item.span), "", "", item.span)
+                for x in numbers
+            )
+        value, facts = self.scenes.expressions.check(item, Scope(PLACES["record"]))
+        inner, order, axis = item, 0, None
+        while isinstance(inner, Prime):
+            inner, order = inner.of, order + 1
+        if isinstance(inner, Component):
+            inner, axis = inner.of, inner.axis
+        if isinstance(inner, Call) and inner.function == "omega" and facts.known:
+            inner = Name(f"omega({min(facts.coordinates)})", None, inner.span)
+        if not isinstance(inner, Name):
+            self.report.error(
+                "a record takes names, not expressions",
+                item.span,
+                "give it a name: observe NAME = …",
+            )
+            return ()
+        if not facts.known:
+            return ()
+        if inner.id == "t":
+            self.report.error("'t' is the first column of every record", item.span)
+            return ()
+        try:
+            index = None if inner.index is None else integer(inner.index, shared.sizes)
+        except NotAnInteger:  # reported
+            return ()
+        name = inner.id if axis is None else component_name(inner.id, axis)
+        name, unit = indexed(name, index), shared.shown_unit(value, facts)
+        column = m.Definition(name, None, None, value, unit, "", item.span)
+        columns = by_component(column) if facts.vector else (column,)
+        return (replace(c, name=c.name + "'" * order) for c in columns)
+
+    # all of it
+
+    def made(self, scene: st.Scene) -> m.Scene:
+        self.given.finish()
+        if "until" not in self.seen:
+            self.scenes.expects.without_until(self.expects)
+        return m.Scene(
+            scene.name,
+            scene.description,
+            assignments=tuple(self.given.assignments),
+            starts=tuple(self.given.starts),
+            until=self.until,
+            method=self.method,
+            step=self.step,
+            rtol=self.rtol,
+            record=self.record,
+            span=scene.span,
+            holds=tuple(self.given.holds),
+            accuracy=self.accuracy,
+            swarm=self.given.swarm,
+            expects=tuple(self.expects),
+            method_span=self.method_span,
+        )
+
+
+_ONCE = (st.Setting, st.Method, st.Record)
+_READ: dict[type, Callable[[_Scene, st.Clause], None]] = {
+    st.StartAt: lambda scene, clause: scene.given.start(clause),
+    st.Assign: _Scene._assign,
+    st.Setting: _Scene._setting,
+    st.Method: _Scene._method,
+    st.Record: _Scene._record,
+    st.Swarm: lambda scene, clause: None,  # read before the others
+    st.Expect: _Scene._expect,
+}
+
+
+def _expressions(clause: st.Clause) -> tuple[Expr | None, ...]:
+    match clause:
+        case st.Assign(items=items):
+            return tuple(value for _, value in items)
+        case st.Setting(value=value):
+            return (value,)
+        case st.Method(step=step, rtol=rtol):
+            return step, rtol
+        case st.Record(items=items, every=every, at=at):
+            return (*items, every, at)
+        case st.Expect(a=a, b=b, within=within, at=at):
+            return a, b, within, at
+    return ()

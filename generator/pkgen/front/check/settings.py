@@ -1,0 +1,103 @@
+"""Settings of a scene: times, tolerances, an accuracy, a method; and the events that it names."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+
+from ...methods import METHODS
+from ...tree import Expr, Name
+from .. import statements as st
+from .. import units
+from ..units import NONE
+from .expr import Checked, Target
+from .names import KIND_TEXT
+from .scope import PLACES, Scope
+from .shared import Shared
+
+# What a result can be exact to in double precision, its own rounding and that of its formula.
+FINEST = 2.0**-51
+
+
+class Settings:
+    def __init__(self, shared: Shared) -> None:
+        self.shared, self.report = shared, shared.report
+        self.names, self.expressions = shared.names, shared.expressions
+
+    def setting(
+        self, name: str, value: Expr, dimension: units.Dimension, place: str = "setting"
+    ) -> Checked:
+        scope = Scope(PLACES[place])
+        target = Target(dimension, f"'{name}' is {units.described(dimension)}", bare=True)
+        return self.expressions.wanted(value, scope, target)
+
+    def time(self, name: str, value: Expr | None) -> Expr | None:
+        """In a model without units a time may have its unit all the same."""
+        if value is None:
+            return None
+        if self.expressions.time_dimension == NONE:
+            new, facts = self.expressions.check(value, Scope(PLACES["setting"]))
+            if facts.dimension == units.TIME:
+                return new
+        return self.setting(name, value, self.expressions.time_dimension)[0]
+
+    def accuracy(self, value: Expr) -> Expr:
+        new, facts = self.setting("accuracy", value, NONE, "accuracy")
+        if facts.value is None:
+            return new
+        if not facts.value > 0:
+            self.report.error("'accuracy' must be positive", value.span, "e.g. accuracy 1e-9")
+        elif facts.value < FINEST:
+            self.report.error(
+                f"an accuracy of {float(facts.value):.3g} is below round-off",
+                value.span,
+                f"doubles allow {FINEST:.1e} at best; 1e-12 is much already",
+            )
+        elif facts.value > 1:
+            self.report.error(
+                "an accuracy above 1 promises nothing: it is relative to the quantity's size",
+                value.span,
+                "e.g. accuracy 1e-6",
+            )
+        return new
+
+    def method(self, clause: st.Method) -> None:
+        """Which there is, with the settings that it takes."""
+        name, method = clause.name, METHODS.get(clause.name)
+        if method is None:
+            near = get_close_matches(name, METHODS, 1, 0.6)
+            help = f"did you mean '{near[0]}'?" if near else "'pkgen methods' lists them"
+            self.report.error(f"there is no method '{name}'", clause.name_span, help)
+            return
+        if method.fixed and clause.step is None:
+            self.report.error(
+                f"{name} has a fixed step: say how long it is",
+                clause.span,
+                f"e.g. method {name} step 0.01",
+            )
+        if clause.rtol is not None and "adaptive" not in method.traits:
+            why = "has a fixed step" if method.fixed else "is exact"
+            self.report.error(
+                f"{name} {why}: 'rtol' is for adaptive methods", clause.rtol.span, "leave it out"
+            )
+
+    def event(self, at: Expr, clause: str) -> str:
+        """The name of an event, "" after an error."""
+        events = {e.name for e in self.shared.parts["event"]}
+        if isinstance(at, Name) and at.index is None and at.id in events:
+            return at.id
+        if isinstance(at, Name) and self.names.table.get(at.id) is None:
+            near = get_close_matches(at.id, sorted(events), 1, 0.6)
+            help = f"the events are: {', '.join(sorted(events))}" if events else ""
+            help = help or f"declare it: event {at.id}: EXPRESSION rising"
+            self.report.error(
+                f"unknown event '{at.id}'", at.span, f"did you mean '{near[0]}'?" if near else help
+            )
+            return ""
+        kind = ""
+        if isinstance(at, Name):
+            kind = f"; '{at.id}' is {KIND_TEXT[self.names.table[at.id].kind]}"
+        self.report.error(f"'{clause}' takes an event{kind}", at.span, _HELP.get(clause, ""))
+        return ""
+
+
+_HELP = {"record … at": "'until' gives a duration, 'every' an interval"}

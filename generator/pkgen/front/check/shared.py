@@ -1,0 +1,221 @@
+"""What the checks of all statements share: the tables, the parts collected, left sides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+from ...indices import integer
+from ...source import Span
+from ...tree import Expr, Name, Quantity, Range
+from .. import statements as st
+from .. import units
+from ..units import NONE, Dimension, si_text
+from ..units import described as described_dimension
+from .expr import Expressions
+from .names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
+from .scope import PLACES, Scope
+
+_PART_NAMES = """
+    name size param coord ends input definitions kinetic potential lagrangian dissipation force
+    observe conserve event start scene state rate rotation constraint
+"""
+_PARTS = tuple(_PART_NAMES.split())
+
+
+@dataclass(frozen=True)
+class Variable:
+    """What was declared: its family, its unit, and whether the name was free."""
+
+    family: Range | None
+    dimension: Dimension
+    angle: int
+    new: bool
+
+
+class Shared:
+    """One for each model; the checks of statements hold it and fill `parts`."""
+
+    def __init__(
+        self, expressions: Expressions, report: Report, names: Names, given: dict[str, int]
+    ) -> None:
+        self.expressions, self.report, self.names = expressions, report, names
+        self.indices, self.sizes = expressions.indices, expressions.sizes
+        self.given = given  # sizes set on the command line
+        self.parts: dict[str, list] = {key: [] for key in _PARTS}
+        self.energies: list[Facts] = []  # of kinetic, potential and lagrangian
+        self.inputs: dict[str, int] = {}  # the highest derivative of each that occurs
+        self.sound: set[Span] = set()  # of parameters and constants without errors
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Kinds of names that have starts, and families with ends."""
+        others = {"state": self.names.states, "rotation": self.names.rotations}
+        return ("coordinate", *(kind for kind, names in others.items() if names))
+
+    def use_inputs(self, facts: Facts) -> None:
+        for name, order in facts.inputs.items():
+            self.inputs[name] = max(order, self.inputs.get(name, 0))
+
+    def left_scope(self, left: st.Left, place: str) -> tuple[Scope, Members | None]:
+        """The scope of a definition's right side, and the members that it defines."""
+        scope = Scope(PLACES[place], name=left.name)
+        if left.range is not None:
+            inner = self.indices.enter((left.range,), scope)
+            if inner is None:
+                return scope, Members()
+            lo, hi = inner.loops[0].interval
+            return inner, Members((lo, hi)) if lo <= hi else Members()
+        if left.index is None:
+            return scope, None
+        if place == "param":
+            self._no_family(left)
+            return scope, None
+        index = self.indices.value(left.index, scope)
+        return scope, Members((index, index)) if index is not None else Members()
+
+    def _no_family(self, left: st.Left) -> None:
+        """`param m[kg] = 1` or `param m[1] = 1`."""
+        name, index = left.name, left.index
+        if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
+            self.report.error(
+                f"'{name}[{index.id}]': a bracket that touches a name is an index",
+                left.span,
+                f"a unit stands after the value: param {name} = 1 [{index.id}]",
+            )
+        else:
+            self.report.error(
+                "a family of parameters is declared with its range",
+                left.span,
+                f"e.g. param {name}[i = 1..N] = …",
+            )
+
+    def family(
+        self, item: st.Declared
+    ) -> tuple[tuple[int, int] | None, Members | None, Range | None] | None:
+        """The ends, members and range of what is declared, all None of what is no family; None
+        after an error."""
+        if item.lo is None:
+            return None, None, None
+        ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
+        if ends is None:
+            self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
+            return None
+        return ends, Members(ends), Range("i", item.lo, item.hi, item.span)
+
+    def variable(
+        self, item: st.Declared, unit: units.Unit | None, kind: str, **own: frozenset[str]
+    ) -> Variable | None:
+        """Declare a coordinate or a state; `own` is the member of its facts that has its name."""
+        found = self.family(item)
+        if found is None:
+            return None
+        ends, members, family = found
+        dimension = None if unit is None else unit.dimension
+        united = dimension is not None and unit is not units.ONE
+        facts = Facts(dimension, united=united, known=unit is not None, **own)
+        new = self.names.declare(Entry(item.name, kind, facts, item.name_span, members, ends))
+        return Variable(family, dimension or NONE, 0 if unit is None else unit.angle, new)
+
+    def named(
+        self, left: st.Left, what: str, kinds: tuple[str, ...] = ("coordinate",)
+    ) -> Entry | None:
+        """What a left side names, of the kinds that `what` is for."""
+        entry = self.names.table.get(left.name)
+        if entry is None:
+            near = {n: e.kind for n, e in self.names.table.items() if e.kind in kinds}
+            noun = " or ".join(k for k in kinds if k in near.values()) or kinds[0]
+            if left.name in self.names.later:
+                self.names.unknown(left.name, name_span(left))
+            elif left.name not in self.names.reported:
+                self.names.reported.add(left.name)
+                self.report.error(
+                    f"unknown {noun} '{left.name}'",
+                    name_span(left),
+                    _nearest(left.name, list(near), noun),
+                )
+            return None
+        if entry.kind == "poisoned":
+            return None
+        if entry.kind not in kinds:
+            self.report.error(
+                f"'{left.name}' is {KIND_TEXT[entry.kind]}: {what} is for"
+                f" {' and '.join(f'{kind}s' for kind in kinds)}",
+                name_span(left),
+                _instead(entry, kinds),
+            )
+            return None
+        return entry
+
+    def member_scope(self, left: st.Left, entry: Entry | None, scope: Scope) -> Scope | None:
+        """The scope of `force q[i = 1..N] = …` and the like in `scope`; the members must be
+        coordinates."""
+        if entry is None:
+            if left.range is not None:
+                return self.indices.enter((left.range,), scope)
+            return scope
+        index = left.index
+        if left.range is not None:
+            scope = self.indices.enter((left.range,), scope)
+            if scope is None:
+                return None
+            index = Name(left.range.variable, None, left.range.span)
+        named = Name(left.name, index, left.span)
+        named_scope = replace(scope, name="=")
+        family = entry
+        if entry.members is not None:
+            family = replace(entry, members=Members(self.range_of(left.name)), kind="member")
+        before = len(self.report.errors)
+        self.indices.member(named, family, named_scope)
+        return scope if len(self.report.errors) == before else None
+
+    def range_of(self, name: str) -> tuple[int, int]:
+        declared = (*self.parts["coord"], *self.parts["state"])
+        family = next(c.range for c in declared if c.name == name)
+
+        return integer(family.lo, self.sizes), integer(family.hi, self.sizes)
+
+    def no_vector(self, left: st.Left, kind: str) -> None:
+        self.report.error(
+            f"the {kind} '{left.name}' is a vector; it must be a number",
+            left.span,
+            "'let' defines vectors; otherwise take a component (.x, .y, .z)",
+        )
+
+    def shown_unit(self, written: Expr, facts: Facts) -> str:
+        """The SI unit for display, in radians where the author said so."""
+        dimension = facts.dimension or NONE
+        if isinstance(written, Quantity):
+            unit = self.expressions.parsed(written.unit)
+            if unit is not None and unit.dimension == dimension:
+                return unit.shown
+        return si_text(dimension)
+
+    def poison(self, left: st.Left) -> None:
+        self.names.declare(Entry(left.name, "poisoned", UNKNOWN, name_span(left)))
+
+
+def name_span(left: st.Left) -> Span:
+    return Span(left.span.start, left.span.start + len(left.name))
+
+
+def _instead(entry: Entry, kinds: tuple[str, ...]) -> str:
+    """What is written for a name of another kind."""
+    if entry.kind == "state":
+        return f"what changes a state is its rate: rate {entry.name} = …"
+    if entry.kind == "coordinate" and kinds == ("state",):
+        return "Lagrange's equations give its rate; add to them by 'force'"
+    return "--set gives a parameter another value" if entry.kind == "parameter" else ""
+
+
+def _nearest(name: str, known: list[str], noun: str) -> str:
+
+    near = get_close_matches(name, known, 1, 0.6)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    nouns = noun.replace(" or ", "s and ")
+    return f"the {nouns}s are: {', '.join(known[:12])}" if known else ""
+
+
+def described(facts: Facts) -> str:
+    return "" if facts.dimension is None else described_dimension(facts.dimension)

@@ -1,0 +1,89 @@
+"""`state` and `rate`: first-order variables, each with exactly one rate."""
+
+from __future__ import annotations
+
+from ... import model as m
+from ...indices import integer
+from .. import statements as st
+from .. import units
+from ..units import NONE, si_text
+from .expr import Target
+from .names import Members
+from .scope import PLACES, Scope
+from .shared import Shared
+
+
+class States:
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.report, self.names = shared.report, shared.names
+        self.expressions = shared.expressions
+        self.given: dict[str, Members] = {}  # of each state the members that have a rate
+        self.wrong: set[str] = set()  # states of which nobody knows what rates they have
+
+    def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
+        found = self.shared.variable(item, unit, "state", states=frozenset((item.name,)))
+        if found is None:
+            return
+        if not found.new:
+            self.wrong.add(item.name)
+        per_time = units.over(found.dimension, self.expressions.time_dimension)
+        own = unit.shown if unit else si_text(found.dimension, found.angle)
+        shown = own, si_text(per_time, found.angle)
+        self.shared.parts["state"].append(
+            m.State(item.name, found.family, *shown, description, item.span)
+        )
+
+    def rate(self, statement: st.Define) -> None:
+        left, scope = statement.left, Scope(PLACES["rate"])
+        entry = self.shared.named(left, "a rate", ("state",))
+        scope = self.shared.member_scope(left, entry, scope)
+        if entry is None or scope is None or entry.facts.dimension is None:
+            self.wrong.add(left.name)
+            self.expressions.check(statement.value, scope or Scope(PLACES["rate"]))
+            return
+        self._once(statement)
+        dimension = units.over(entry.facts.dimension, self.expressions.time_dimension)
+        needs = "a number" if dimension == NONE else f"[{si_text(dimension)}]"
+        target = Target(dimension, f"the rate of {left.name} needs {needs}")
+        value, facts = self.expressions.wanted(statement.value, scope, target)
+        self.shared.use_inputs(facts)
+        self.shared.parts["rate"].append(
+            m.Rate(left.name, left.index, left.range, value, statement.span)
+        )
+
+    def _once(self, statement: st.Define) -> None:
+        left, sizes = statement.left, self.shared.sizes
+        lo = hi = 0
+        if left.range is not None:
+            lo, hi = (integer(end, sizes) for end in (left.range.lo, left.range.hi))
+        elif left.index is not None:
+            lo = hi = integer(left.index, sizes)
+        if lo > hi:  # a family of none
+            return
+        given = self.given.setdefault(left.name, Members())
+        if given.touch(lo, hi):
+            what = f"'{left.name}'"
+            if left.range is not None or left.index is not None:
+                what = f"'{left.name}[{lo}]'" if lo == hi else f"some of '{left.name}[{lo}..{hi}]'"
+            self.report.error(
+                f"{what} has its rate already", left.span, "a state has one rate: add them up"
+            )
+        given.add(lo, hi)
+
+    def finish(self) -> None:
+        """No state is left without a rate."""
+        for state in self.shared.parts["state"]:
+            if state.name in self.wrong:
+                continue
+            given = self.given.get(state.name, Members())
+            lo, hi = (0, 0) if state.range is None else self.shared.range_of(state.name)
+            if given.hold(lo, hi):
+                continue
+            missing, say = state.name, f"rate {state.name} = …"
+            if state.range is not None:
+                first = next(i for i in range(lo, hi + 1) if not given.hold(i, i))
+                missing = f"{state.name}[{first}]"
+                whole = f"rate {state.name}[i = {lo}..{hi}] = …"
+                say = f"rate {missing} = …" if given.intervals else whole
+            self.report.error(f"the state '{missing}' has no rate", state.span, f"add '{say}'")

@@ -1,0 +1,95 @@
+"""Vectors and rotations as what they stand for: components, and turns of a vector.
+
+An output that is a vector is three outputs, `r.x`, `r.y` and `r.z`; its name stands for a vector of
+these. A rotation is the row of turns that it consists of, rot(AXIS, ANGLE) or a declared attitude,
+the leftmost done last; it stands alone only where it is a start, so that rotate(AXIS, ANGLE,
+VECTOR) and attitude(QUATERNION, VECTOR) are all that is left of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ...model import Definition
+from ...source import Span
+from ...tree import AXES, COMPONENTS, Call, Component, Expr, Multiply, Name, Sum, Vector
+from .names import Facts, Report, Turns
+
+EXAMPLE = "rot([0, 0, 1], angle)*r"
+
+
+def component(vector: Expr, axis: int) -> Expr:
+    """Of a checked vector; of one that is written out the item itself, and of a sum the sum of
+    components, which can stay a loop."""
+    if isinstance(vector, Vector):
+        return vector.items[axis]
+    if isinstance(vector, Sum):
+        return replace(vector, body=component(vector.body, axis))
+    return Component(vector, axis, vector.span)
+
+
+def component_name(name: str, axis: int) -> str:
+    return f"{name}.{COMPONENTS[axis]}"
+
+
+def by_component(definition: Definition) -> Iterator[Definition]:
+    """An output that is a vector as three that are numbers."""
+    for axis in range(len(AXES)):
+        name, value = component_name(definition.name, axis), component(definition.value, axis)
+        yield replace(definition, name=name, value=value)
+
+
+def output_vector(expr: Name) -> Vector:
+    """What the name of such an output stands for."""
+    names = (replace(expr, id=component_name(expr.id, axis)) for axis in range(len(AXES)))
+    return Vector(tuple(names), expr.span)
+
+
+def turned(expr: Multiply, factors: list[Expr], facts: list[Facts], report: Report) -> Expr | None:
+    """A product in which there are rotations, or, where they turn nothing, a rotation: None, its
+    turns being those of `turns_of`. Raises ValueError where it is neither, said already."""
+    last = max(i for i, f in enumerate(facts) if f.turns)
+    vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
+    numbers = [i for i, f in enumerate(facts) if not f.vector and not f.turns]
+    under = next((i for i, f in enumerate(facts) if f.turns and expr.exponents[i] < 0), None)
+    if under is not None:
+        report.error(
+            "division by a rotation",
+            expr.factors[under].span,
+            "its inverse is inverse(R)",
+        )
+    elif vectors and vectors[0] < last:
+        report.error(
+            "a rotation stands before the vector that it turns",
+            expr.factors[vectors[0]].span,
+            f"e.g. {EXAMPLE}",
+        )
+    elif numbers and not vectors:
+        report.error(
+            "a rotation is not multiplied by a number",
+            expr.factors[numbers[0]].span,
+            f"it turns a vector: {EXAMPLE}",
+        )
+    elif not vectors:
+        return None
+    else:
+        vector = applied(turns_of(facts), factors[vectors[0]], expr.span)
+        left = [i for i in range(len(factors)) if i in numbers or i in vectors]
+        rest = tuple(vector if i in vectors else factors[i] for i in left)
+        exponents = tuple(expr.exponents[i] for i in left)
+        return vector if len(rest) == 1 else Multiply(rest, exponents, expr.span)
+    raise ValueError
+
+
+def applied(turns: Turns, vector: Expr, span: Span) -> Expr:
+    """The vector as they turn it."""
+    for turn in reversed(turns):
+        if turn.quaternion is not None:
+            vector = Call("attitude", (turn.quaternion, vector), span)
+        else:
+            vector = Call("rotate", (turn.axis, turn.angle, vector), span)
+    return vector
+
+
+def turns_of(facts: list[Facts]) -> Turns:
+    return tuple(turn for part in facts for turn in part.turns)

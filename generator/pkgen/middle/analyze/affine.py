@@ -1,0 +1,50 @@
+"""Whether the equations of motion are linear with constant coefficients: v' = A q + B v + c."""
+
+from __future__ import annotations
+
+from ...equations import Equations
+from ...graph.differentiate import reachable
+from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op
+from ...graph.normal import Normal
+
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
+
+
+def affine(equations: Equations, normal: Normal) -> bool:
+    """Of a system with constant M: whether f and the rates of states are affine in q, v and the
+    states, with nothing else that varies in it. As it is written, or in its normal form."""
+    g = equations.graph
+    moving = [*equations.force, *equations.state_rates]
+    varying = {
+        node: bool(g.depends[node] & STATE)
+        for node in reachable(g, moving, VARIABLE)
+        if g.op[node] is Op.SYMBOL
+    }
+    return all(is_affine(g, [node], varying) or _expanded(g, normal, node) for node in moving)
+
+
+def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:
+    """Whether nodes are sums of symbols of the state, each times a constant, as they stand.
+
+    `symbols` are those that vary, true where they belong to the state.
+    """
+    affine = dict(symbols)  # of what varies
+    for node in reachable(g, nodes):
+        op = g.op[node]
+        varying = [affine[a] for a in g.args[node] if a in affine]
+        if varying:
+            linear = op is Op.ADD or (op is Op.MULTIPLY and len(varying) == 1)
+            affine[node] = linear and all(varying)
+    return all(affine.get(node, True) for node in nodes)
+
+
+def _expanded(g: Graph, normal: Normal, node: Node) -> bool:
+    polynomial = normal(node)
+    if polynomial is None:
+        return False
+    for monomial in polynomial:
+        varying = [(base, e) for base, e in monomial if g.depends[base] & VARIABLE]
+        symbols = all(g.op[b] is Op.SYMBOL and g.depends[b] & STATE for b, _ in varying)
+        if not symbols or sum(e for _, e in varying) > 1 or any(e < 0 for _, e in varying):
+            return False
+    return True

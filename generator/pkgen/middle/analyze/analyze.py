@@ -1,0 +1,168 @@
+"""Equations -> Structure: what can be proved about a system. A false fact is one not proved.
+
+A proof is that a symbol does not occur: in an expression as it stands, or in its normal form,
+from which whatever drops out by an identity is gone (a bead's let that turns with Omega t has no
+t in its Lagrangian). Where an expression is too large for a normal form, the first must do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...equations import Equations, Structure
+from ...functions import FUNCTIONS
+from ...graph.differentiate import reachable
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
+from ...graph.normal import WORK, Normal
+from ...graph.residues import Varying
+from .affine import affine
+from .coupling import blocks_of, influences, mass_band, mass_blocks, ties
+from .mass import definite, singular
+from .proofs import claims_of
+from .symmetries import symmetries
+
+RATES = BIT[Kind.RATE]
+STATES = BIT[Kind.STATE]
+TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
+
+
+def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = False) -> Structure:
+    """The facts of enum pk_fact and others. What takes longer has to be asked for: by `symmetric`
+    what Noether's theorem gives, by `with_claims` the outcome of each `conserve`."""
+    seen = _Seen(equations.graph)
+    n = len(equations.coordinates)
+    triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
+    constant = not seen.occurs(triangle, VARIABLE)
+    bound = equations.constraints
+    applied = equations.applied if bound is None else bound.free_applied
+    unforced = all(node == ZERO for node in applied)
+    of_motion = [equations.lagrangian, *applied]
+    # What states do to L and the forces changes with time, however that comes about; but those that
+    # are an attitude are where the body is.
+    untouched = not seen.occurs(of_motion, STATES, equations.quaternions)
+    steady = not seen.occurs(of_motion, TIME_OR_INPUT)
+    kept = [] if bound is None else [*bound.positions, *bound.residual, *equations.applied]
+    autonomous = steady and not seen.occurs([*equations.state_rates, *kept], TIME_OR_INPUT)
+    moving = [*equations.force, *equations.state_rates]
+    jumping = _jumping(equations)
+    smooth = _smooth(equations) and not equations.jolted
+    coupled = mass_blocks(equations)
+    influence = influences(equations, coupled)
+    return Structure(
+        mass_constant=constant,
+        mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
+        quadratic=not seen.occurs(triangle, RATES),
+        separable=constant and not seen.occurs(moving, RATES | STATES),
+        autonomous=autonomous,
+        conservative=n > 0
+        and unforced
+        and steady
+        and untouched
+        and not jumping
+        and (bound is None or bound.workless),
+        variational=unforced and not equations.states and bound is None,
+        smooth=smooth,
+        switched=not smooth
+        and bool(equations.switches)
+        and all(x.held for x in equations.switches),
+        cyclic=_cyclic(equations, seen, jumping),
+        affine=constant and autonomous and affine(equations, seen.normal),
+        definite=definite(equations),
+        singular=singular(equations),
+        mass_blocks=coupled,
+        mass_band=mass_band(equations),
+        influences=influence,
+        blocks=blocks_of(influence, coupled),
+        claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
+        symmetries=symmetries(equations, coupled, influence)
+        if symmetric
+        and n
+        and untouched
+        and not jumping
+        and not equations.jolted
+        and not equations.attitudes
+        and bound is None
+        else None,
+    )
+
+
+class _Seen:
+    """What expressions depend on, as far as it can be seen with a bounded amount of work."""
+
+    def __init__(self, g: Graph):
+        self.graph = g
+        self.normal = Normal(g, work=2 * WORK)
+        self.varying = Varying(g)
+
+    def atoms(self, node: Node) -> list[Node]:
+        """The node's atoms where it has a normal form; else the node itself."""
+        polynomial = self.normal(node)
+        if polynomial is None:
+            return [node]
+        return sorted({base for monomial in polynomial for base, _ in monomial})
+
+    def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
+        """Whether a symbol of one of these kinds, of number `first` or a later one, occurs in any
+        of the nodes."""
+        g = self.graph
+        nodes = [node for node in nodes if g.depends[node] & mask]
+        if first:
+            atoms = [atom for node in nodes for atom in self.atoms(node)]
+            below = (g.data[n] for n in reachable(g, atoms, mask) if g.op[n] is Op.SYMBOL)
+            return any(symbol.index >= first for symbol in below)
+        return any(self.varying(node, mask) for node in nodes) or any(
+            g.depends[atom] & mask for node in nodes for atom in self.atoms(node)
+        )
+
+
+def _jumping(equations: Equations) -> frozenset[int]:
+    """The coordinates, and after them states, inside a step of the Lagrangian (a sign: from the
+    rate of an abs).
+
+    The derivative of a step is taken as 0, so the force that does work where L jumps is not
+    there: the energy is no constant of this motion, nor is the momentum one of the model.
+    """
+    g = equations.graph
+    jumps = [
+        node
+        for node in reachable(g, [equations.lagrangian], VARIABLE)
+        if g.op[node] is Op.CALL and g.data[node] in ("step", "sign")
+    ]
+    first = {Kind.COORDINATE: 0, Kind.RATE: 0, Kind.STATE: len(equations.coordinates)}
+    return frozenset(
+        first[g.data[node].kind] + g.data[node].index
+        for node in reachable(g, jumps, VARIABLE)
+        if g.op[node] is Op.SYMBOL and g.data[node].kind in first
+    )
+
+
+def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple[bool, ...]:
+    """No coordinate q_i in L up to an identity, and nothing applied along it."""
+    g = equations.graph
+    n = len(equations.coordinates)
+    free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
+    free -= ties(equations).keys()  # whatever force a constraint has
+    open_ = {i for i in free if equations.gradient[i] != ZERO}
+    acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
+    # Of a body rate the "gradient" is all of p'; no coordinate stands for it in L.
+    acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
+    if open_ - acting:
+        atoms = seen.atoms(equations.lagrangian)
+        acting |= {
+            g.data[node].index
+            for node in reachable(g, atoms, BIT[Kind.COORDINATE])
+            if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
+        } & open_
+    return tuple(i in free and i not in acting for i in range(n))
+
+
+def _smooth(equations: Equations) -> bool:
+    """No abs, min, max or step anywhere in the motion, nor what they turn into."""
+    g = equations.graph
+    outputs = [*equations.pdot, *equations.force, *equations.state_rates]
+    outputs += [entry for row in equations.mass for entry in row]
+    return all(
+        FUNCTIONS[g.data[node]].smooth
+        for node in reachable(g, outputs, VARIABLE)
+        if g.op[node] is Op.CALL
+    )

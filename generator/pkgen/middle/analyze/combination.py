@@ -1,0 +1,63 @@
+"""A row as a combination of the rows of M with numbers, found modulo a prime.
+
+If w = M x with numbers x, then w.a = x.f along M a = f, and the accelerations need not be known:
+so it is for the momentum of a body that is turned or shifted as a whole.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ...graph.graph import Graph, Node
+from ...graph.normal import Normal
+from ...graph.residues import PRIME, Residues
+
+DENOMINATORS = range(1, 13)
+LARGEST = 1_000  # numerator of such a number
+
+
+def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fraction] | None:
+    """The numbers x with M x = w, proved by normal forms; None where there are none, or where that
+    is not seen."""
+    found = _solved(Residues(g), rows, wanted)
+    numbers = [_number(x) for x in found or ()]
+    if found is None or None in numbers:
+        return None
+    normal = Normal(g)
+    for row, entry in zip(rows, wanted, strict=True):
+        made = g.sum(g.multiply(g.number(x), m) for x, m in zip(numbers, row, strict=True))
+        if normal(g.subtract(entry, made)) != {}:
+            return None
+    return numbers
+
+
+def _solved(residue: Residues, rows: list[list[Node]], wanted: list[Node]) -> list[int] | None:
+    table = [
+        [residue(entry) for entry in (*row, right)] for row, right in zip(rows, wanted, strict=True)
+    ]
+    if any(None in row for row in table):
+        return None
+    n = len(rows)
+    for k in range(n):
+        pivot = next((i for i in range(k, n) if table[i][k]), None)
+        if pivot is None:
+            return None
+        table[k], table[pivot] = table[pivot], table[k]
+        inverse = pow(table[k][k], -1, PRIME)
+        table[k] = [x * inverse % PRIME for x in table[k]]
+        for i in range(n):
+            factor = table[i][k]
+            if i != k and factor:
+                table[i] = [
+                    (x - factor * y) % PRIME for x, y in zip(table[i], table[k], strict=True)
+                ]
+    return [row[n] for row in table]
+
+
+def _number(residue: int) -> Fraction | None:
+    for denominator in DENOMINATORS:
+        top = residue * denominator % PRIME
+        top = top - PRIME if top > PRIME // 2 else top
+        if abs(top) <= LARGEST:
+            return Fraction(top, denominator)
+    return None

@@ -1,0 +1,259 @@
+"""`conserve`: each claim is proved, refuted, or neither, and these are never confused.
+
+Proved: its time derivative along the equations of motion is zero by exact arithmetic alone.
+Refuted: at a state that is shown it is not zero, by more than any rounding can explain.
+Not proved: neither; then how far it holds at the states that were tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from ...equations import Claim, Equations, Indices
+from ...graph.balls import Balls
+from ...graph.differentiate import reachable
+from ...graph.evaluate import evaluate
+from ...graph.exact import Exact
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.normal import Normal
+from ...graph.ranges import Ranges
+from ...graph.substitute import substituted
+from ...graph.wording import wording
+from ...model import Model
+from ...source import Diagnostic, ModelError
+from ..attitudes import on_sphere
+from ..points.guards import DIVISOR, about, bounds_of, dangerous, squared, zeros
+from ..points.samples import Sample, samples, started
+from .along import Along
+
+PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
+SHOWN = 12  # values of a counterexample
+VISIBLE = 1e-300
+OFF = 1e-6  # of its terms: no rounding of doubles, nor of a start that is on constraints but for it
+NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
+# Whose derivative does not say where they jump.
+_BRANCHED = {"abs", "min", "max", "sqrt", "asin", "acos", "atan"}  # one of several values
+_JUMPING = {"step": "step jumps", "sign": "sign jumps", "atan2": "atan2 jumps by 2 pi"}
+
+
+def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Claim, ...]:
+    """The outcome of each `conserve`; `blocks` are those of M, and L is `jumping` at a step."""
+    if not equations.conserved:
+        return ()
+    along = Along(equations, blocks)
+    ranges = Ranges(along.graph, [bounds_of(along.graph, x) for x in equations.parameters])
+    exact = Exact(along.graph, ranges=ranges)
+    return tuple(
+        _claim(along, exact, quantity.name, node, jumping)
+        for quantity, node in zip(equations.conserved_names, equations.conserved, strict=True)
+    )
+
+
+def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> Claim:
+    g = along.graph
+    anywhere = along.terms(node)
+    terms = along.on_constraints(anywhere)
+    obstacle = "L jumps at a step" if jumping else _jumps(along, exact.ranges, node)
+    obstacle = obstacle or _jolted(along, node)
+    proof = "" if obstacle else vanishes(g, exact, terms)
+    attitudes = tuple(a for a in along.equations.attitudes if a.numbers)
+    if not proof and attitudes:
+        # Elsewhere than at length 1 there is no attitude: neither a proof nor its opposite.
+        terms = substituted(g, terms, on_sphere(g, attitudes))
+        proof = "" if obstacle else vanishes(g, exact, terms)
+    if proof:
+        return Claim(name, PROVED, proof)
+    bound = along.equations.constraints
+    if bound is not None and bound.holonomic:
+        return _at_the_start(along, name, anywhere, obstacle)
+    tried = _Tried(along, name, terms)
+    if tried.against is not None:
+        return Claim(name, REFUTED, tried.counterexample())
+    return Claim(name, OPEN, "; ".join(x for x in (obstacle, tried.how_far()) if x))
+
+
+def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
+    """Why the sum is zero, or "" where that is not seen."""
+    total = g.sum(terms)
+    if total == ZERO:
+        return "term by term"
+    if Normal(g)(total) == {}:
+        return "by its normal form"
+    if exact.is_zero(total):
+        return "by its numerator, angles, roots and signs taken apart"
+    return ""
+
+
+def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
+    """Why a quantity may jump, which its derivative does not say. One that is continuous and whose
+    derivative vanishes beside kinks is constant. |x|/x is not, nor is atan(1/x) + atan(x)."""
+    g = along.graph
+    below = reachable(g, [node], VARIABLE)
+    calls = {g.data[n] for n in below if g.op[n] is Op.CALL}
+    jumps = sorted(_JUMPING[function] for function in calls & _JUMPING.keys())
+    if jumps:
+        return jumps[0]
+    roots = any(g.op[n] is Op.POWER and g.data[n].denominator > 1 for n in below)
+    if not roots and not calls & _BRANCHED:
+        return ""
+    e = along.equations
+    motion = _divisors(
+        g, ranges, [*e.force, *sum(e.mass, ()), *(e.acceleration or ()), *e.state_rates]
+    )
+    for zero in _divisors(g, ranges, [node]) - motion:
+        return f"it may jump where {wording(g, about(g, zero), names(e))} vanishes"
+    return ""
+
+
+def _jolted(along: Along, node: Node) -> str:
+    """Why it may jump where rates do. What is made of momenta that no impulse is along, and of the
+    energy where nothing moves by itself, does not."""
+    g, e = along.graph, along.equations
+    if not e.jolted:
+        return ""
+    rows = e.constraints.rows if e.constraints is not None else ()
+    timeless = all(x.slope_t == ZERO and any(x.slope) for x in e.jolted)
+    held = e.constraints is None or e.constraints.workless
+    kept = {
+        rest
+        for rest, (_, i) in along.leaves.items()
+        if (i is None and timeless and held)
+        or (i is not None and not any(x.slope[i] for x in e.jolted) and not any(r[i] for r in rows))
+    }
+    seen, stack = set(), [node]
+    while stack:
+        n = stack.pop()
+        if n in kept or n in seen or not g.depends[n] & BIT[Kind.RATE]:
+            continue
+        seen.add(n)
+        stack += g.args[n]
+        if g.op[n] is Op.SYMBOL:
+            at = ", ".join(x.quantity.name for x in e.jolted)
+            return f"{names(e)(g.data[n])} jumps where {at} vanishes"
+    return ""
+
+
+def _divisors(g: Graph, ranges: Ranges, nodes: list[Node]) -> set[Node]:
+    """What may vanish and is divided by: where the motion does that, it ends."""
+    divisors = [base for base, use in dangerous(g, ranges, nodes) if use == DIVISOR]
+    found = {zero for base in divisors for zero, _ in zeros(g, ranges, base)}
+    return found | {square for zero in found for square in squared(g, zero)}
+
+
+def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> Claim:
+    """Of a claim on holonomic constraints, which at other states would have to be solved for."""
+    e = along.equations
+    try:
+        start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
+        rate, *parts = evaluate(along.graph, [along.graph.sum(terms), *terms], start)
+    except KeyError:  # an input, or an acceleration that is not solved for
+        return Claim(name, OPEN, "; ".join(x for x in (obstacle, NOWHERE) if x))
+    size = sum(map(abs, parts))
+    says = f"d{name}/dt = {rate:.4g}, where its terms are {size:.4g} in size, at the start"
+    if abs(rate) > OFF * size:
+        return Claim(name, REFUTED, says)
+    return Claim(name, OPEN, "; ".join(x for x in (obstacle, f"{NOWHERE}; {says}") if x))
+
+
+class _Tried:
+    """A derivative's terms at some states, and the one that speaks most against it."""
+
+    def __init__(self, along: Along, name: str, terms: list[Node]):
+        self.along, self.name = along, name
+        self.against: Sample | None = None
+        self.count, self.relative, self.held = 0, 0, False
+        self.balls = balls = Balls()
+        total = along.graph.sum(terms)
+        best: tuple = ()
+        for sample in samples(along.equations, balls, along.graph, terms):
+            rate, *parts = balls.values(along.graph, [total, *terms], sample.values)
+            if rate is None or None in parts:
+                continue
+            self.count += 1
+            # Rounding tells how large the parts of a term are of which nothing is left.
+            size = sum(part.most for part in parts)
+            most = max(size, rate.rad / balls.tiny)
+            self.relative = max(self.relative, rate.most / most if most else 0)
+            self.held |= not sample.varied and not rate.least > 0
+            # Easier to check are parameters at their defaults, and a rate that a double can hold.
+            rank = (not sample.varied, rate.least > VISIBLE, rate.least / most if most else 0)
+            if rate.least > 0 and rank > best:
+                best, self.against, self.rate, self.size = rank, sample, rate.mid, size
+
+    def counterexample(self) -> str:
+        values = list(self._named(self.against))
+        if len(values) > SHOWN:
+            values[SHOWN:] = [f"and {len(values) - SHOWN} more"]
+        at = ", ".join(values)
+        rate, size = self._number(self.rate), self._number(self.size)
+        text = f"d{self.name}/dt = {rate}, where its terms are {size} in size"
+        text += f", at {at}" if at else ""
+        if self.held and self.against.varied:
+            text += " (it does hold with the parameters' defaults: should they be const?)"
+        return text
+
+    def how_far(self) -> str:
+        if not self.count:
+            return "it has a value at no state tried"
+        if not self.relative:
+            return f"d{self.name}/dt is 0 at {self.count} states tried"
+        return (
+            f"at {self.count} states tried |d{self.name}/dt| is below "
+            f"{self._number(self.relative)} of the size of its terms"
+        )
+
+    def _number(self, x: Any) -> str:
+        """Whether or not a double can hold it."""
+        return self.balls.mp.nstr(x, 4)
+
+    def _named(self, sample: Sample) -> Iterable[str]:
+        name = names(self.along.equations)
+        chosen = dict(sample.chosen)
+        for at in (a for a in self.along.equations.attitudes if a.numbers):
+            w, *vector = (Symbol(Kind.STATE, k) for k in at.numbers)
+            if not chosen.keys() & set(vector):
+                continue
+            a = [chosen.get(symbol, 0) for symbol in vector]
+            below = 1 + sum(x * x for x in a)
+            chosen |= {s: 2 * x / below for s, x in zip(vector, a, strict=True)}
+            chosen[w] = 2 / below - 1
+        for symbol, value in chosen.items():
+            yield f"{name(symbol)} = {float(value):.10g}"
+
+
+def names(e: Equations) -> Callable[[Symbol], str]:
+    """What symbols are called."""
+    rows = {
+        Kind.COORDINATE: e.coordinates,
+        Kind.RATE: e.rates,
+        Kind.INPUT: e.inputs,
+        Kind.PARAMETER: [slot.quantity for slot in e.parameters],
+        Kind.STATE: e.states,
+    }
+
+    def name(symbol: Symbol) -> str:
+        if symbol.kind is Kind.TIME:
+            return "t"
+        row = rows[symbol.kind]
+        if symbol.index >= len(row):  # the derivative of an input's last one
+            return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
+        return row[symbol.index].name
+
+    return name
+
+
+def check_claims(model: Model, claims: tuple[Claim, ...]) -> None:
+    """Raises ModelError with those that are not proved."""
+    findings = []
+    for item, claim in zip(model.conserved, claims, strict=True):
+        if claim.outcome == REFUTED:
+            message = f"'{claim.name}' is not constant: {claim.says}"
+        elif claim.outcome == OPEN:
+            message = f"that '{claim.name}' is constant is not proved: {claim.says}"
+        else:
+            continue
+        help = f"to watch it, say 'observe {claim.name}'; only what is proved can be conserved"
+        findings.append(Diagnostic(message, item.span, help))
+    if findings:
+        raise ModelError(model.source, findings)

@@ -1,0 +1,195 @@
+"""Constants of the motion by Noether's theorem, the symmetries solved for.
+
+Sought are the point transformations
+
+    t -> t + s tau,  q_i -> q_i + s xi_i,    xi_i = a_i + sum_j B_ij q_j + c_i t,  tau = d0 + d1 t
+
+that change L dt, with the work of applied forces, by a total derivative dG, G(q, t) a polynomial.
+Each makes I = sum xi_i p_i - tau h - G constant, and along the equations of motion
+
+    dI/dt = sum xi_i p_i' + sum p_i dxi_i/dt - tau dh/dt - h dtau/dt - dG/dt,
+    dh/dt = v.(Q - dD/dv) - dL/dt,
+
+without any acceleration in it. So that dI/dt = 0 is a linear equation in a, B, c, d and the
+coefficients of G for each monomial in what varies, with coefficients in the parameters.
+Reference: P. J. Olver, Applications of Lie Groups to Differential Equations, 2nd edition, 4.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...equations import Equations, Indices, Invariant, Symmetries
+from ...graph.exact import Exact
+from ...graph.graph import MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...graph.normal import Monomial, Normal, Polynomial, TooMuch, product
+from ...graph.nullspace import Row, Vector, null_space
+from ...graph.wording import wording
+from .along import Along
+from .coupling import blocks_of
+from .symmetries_ansatz import KINDS, Unknown, ansatz
+from .symmetries_blocks import BLOCK, block_energies
+
+WORK = 100_000  # products of two terms
+ENTRIES = 60_000  # of the matrix
+
+
+def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> Symmetries:
+    """What is found; `coupled` are the blocks of M, `influences` those of Structure."""
+    along = Along(equations, coupled)
+    g = along.graph
+    unknowns, searched = ansatz(len(equations.coordinates), equations.mass, influences)
+    columns = _columns(equations, along, unknowns)
+    if columns is None:
+        return Symmetries(g, (), "", ())
+    alone = [k for k, column in enumerate(columns) if not column]
+    others = [k for k, column in enumerate(columns) if column]
+    found: list[Vector] = [{k: {(): 1}} for k in alone]
+    rows = _rows(g, [columns[k] for k in others])
+    why = "the model is large"
+    try:
+        solved = null_space(rows, len(others)) if sum(map(len, rows)) <= ENTRIES else None
+    except ModuleNotFoundError:  # what is found stands in comments: C must not need SymPy
+        solved, why = None, "SymPy, which solves for the others, is not installed"
+    if solved is None:
+        searched = f"shifts of time and of single coordinates only: {why}"
+    for vector in solved or ():
+        found.append({others[k]: entry for k, entry in vector.items()})
+    said = _Said(equations, g, unknowns)
+    invariants = [said.invariant(vector) for vector in found]
+    known = {x.name for x in invariants}
+    invariants += block_energies(equations, along, blocks_of(influences, coupled), known)
+    order = [_TIME, BLOCK, _CYCLIC, _POINT]
+    invariants.sort(key=lambda x: (order.index(x.reason), len(x.terms)))
+    return Symmetries(g, tuple(said.parameters), searched, tuple(invariants))
+
+
+def _columns(
+    equations: Equations, along: Along, unknowns: list[Unknown]
+) -> list[Polynomial] | None:
+    """What each unknown adds to dI/dt, all times one factor."""
+    g = along.graph
+    n = len(equations.coordinates)
+
+    def symbols(kind: str) -> list[Monomial]:
+        return [((g.symbol(Symbol(kind, i)), 1),) for i in range(n)]
+
+    q, v, t = symbols(Kind.COORDINATE), symbols(Kind.RATE), ((g.symbol(Symbol(Kind.TIME)), 1),)
+    nodes = [*equations.pdot, *equations.momenta, equations.energy]
+    nodes += [g.negate(along.energy_rate()), ONE]
+    exact = Exact(g, WORK)
+    # Where one denominator for all is too much work, fewer terms are seen to be equal.
+    made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
+    if made is None:
+        return None
+    exact = Exact(g, WORK)
+    pdot, p, (h, gained, one) = made[:n], made[n : 2 * n], made[2 * n :]
+
+    def times(polynomial: Polynomial, *factors: Monomial) -> Polynomial:
+        for factor in factors:
+            polynomial = exact.multiplied(polynomial, {factor: 1})
+        return polynomial
+
+    def minus(polynomial: Polynomial) -> Polynomial:
+        return {m: -c for m, c in polynomial.items()}
+
+    by_kind: dict[str, Callable[[int, int], Polynomial]] = {
+        "a": lambda i, j: pdot[i],
+        "B": lambda i, j: exact.added(times(pdot[i], q[j]), times(p[i], v[j])),
+        "c": lambda i, j: exact.added(times(pdot[i], t), p[i]),
+        "d0": lambda i, j: gained,
+        "d1": lambda i, j: exact.added(times(gained, t), minus(h)),
+        # Less the time derivative of G.
+        "t": lambda i, j: minus(one),
+        "tt": lambda i, j: minus(exact.added(times(one, t), times(one, t))),
+        "q": lambda i, j: minus(times(one, v[i])),
+        "qt": lambda i, j: minus(exact.added(times(one, v[i], t), times(one, q[i]))),
+        "qq": lambda i, j: minus(exact.added(times(one, v[i], q[j]), times(one, v[j], q[i]))),
+    }
+    try:
+        return [by_kind[u.kind](u.i, u.j) for u in unknowns]
+    except TooMuch:
+        return None
+
+
+def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
+    """The equations, one for each monomial in what varies."""
+    rows: dict[Monomial, Row] = {}
+    for k, column in enumerate(columns):
+        for monomial, coefficient in column.items():
+            fixed = tuple(f for f in monomial if not g.depends[f[0]] & VARIABLE)
+            free = tuple(f for f in monomial if g.depends[f[0]] & VARIABLE)
+            rows.setdefault(free, {}).setdefault(k, {})[fixed] = coefficient
+    return [_whole(rows[monomial]) for monomial in sorted(rows)]
+
+
+def _whole(row: Row) -> Row:
+    """An equation times what makes all its coefficients polynomials in the parameters."""
+    least: dict[Node, int] = {}
+    for coefficient in row.values():
+        for monomial in coefficient:
+            for base, e in monomial:
+                least[base] = min(e, least.get(base, 0))
+    shift = tuple((base, -e) for base, e in sorted(least.items()) if e < 0)
+    if not shift:
+        return row
+    return {k: {product(m, shift): c for m, c in x.items()} for k, x in row.items()}
+
+
+_TIME, _CYCLIC, _POINT = "time shift", "cyclic coordinate", "symmetry"
+
+
+class _Said:
+    """Solutions as invariants."""
+
+    def __init__(self, equations: Equations, g: Graph, unknowns: list[Unknown]):
+        self.graph, self.unknowns = g, unknowns
+        self.normal = Normal(g)
+        n = len(equations.coordinates)
+        self.q = [quantity.name for quantity in equations.coordinates]
+        self.parameters = [slot.quantity.name for slot in equations.parameters]
+        self.p = [quantity.name for quantity in equations.momenta_names]
+        self.nodes = {"t": g.symbol(Symbol(Kind.TIME)), "energy": equations.energy}
+        self.nodes |= {self.q[i]: g.symbol(Symbol(Kind.COORDINATE, i)) for i in range(n)}
+        self.nodes |= dict(zip(self.p, equations.momenta, strict=True))
+
+    def invariant(self, vector: Vector) -> Invariant:
+        g = self.graph
+        entries = [(self.unknowns[k], self.normal.plain(x)) for k, x in sorted(vector.items())]
+        kinds = [u.kind for u, _ in entries]
+        if "d0" in kinds:  # the energy with a plus sign
+            entries = [(u, g.negate(x)) for u, x in entries]
+        terms, shifts = [], []
+        order = list(KINDS)
+        for u, x in sorted(entries, key=lambda e: (-order.index(e[0].kind), e[0].j, e[0].i)):
+            meaning = KINDS[u.kind]
+            signed = x if meaning.sign > 0 else g.negate(x)
+            terms.append((signed, meaning.factors(u, self.q, self.p)))
+            if meaning.along:
+                factors, by = meaning.along(u, self.q)
+                shifts.append((x if "d0" not in kinds else g.negate(x), factors, by))
+        node = g.sum(g.multiply(x, g.product(self.nodes[f] for f in names)) for x, names in terms)
+        generator = joined(
+            [self._text(x, [*factors, f"d/d{by}"], " ") for x, factors, by in shifts]
+        )
+        name = joined([self._text(x, list(names), "*") for x, names in terms])
+        reason = {("d0",): _TIME, ("a",): _CYCLIC}.get(tuple(kinds), _POINT)
+        return Invariant(name, reason, generator, tuple(terms), node)
+
+    def _text(self, coefficient: Node, names: list[str], times: str) -> str:
+        counted = {name: names.count(name) for name in names}
+        names = [name if k == 1 else f"{name}^{k}" for name, k in counted.items()]
+        if coefficient in (ONE, MINUS_ONE):
+            return ("-" if coefficient == MINUS_ONE else "") + times.join(names)
+        text = wording(self.graph, coefficient, self._symbol)
+        if self.graph.op[coefficient] is Op.ADD:
+            text = f"({text})"
+        return times.join([text, *names])
+
+    def _symbol(self, symbol: Symbol) -> str:
+        return self.parameters[symbol.index]
+
+
+def joined(terms: list[str]) -> str:
+    """Terms as a sum."""
+    return " + ".join(terms).replace("+ -", "- ")

@@ -1,0 +1,64 @@
+"""Energies of blocks of coordinates that do not influence each other.
+
+Where L is a sum of such that each depend on one block, time may be shifted for one block alone.
+With h of it, dh/dt = sum v_i Q_i - dL/dt over the block, where it need not vanish for the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from ...equations import Equations, Indices, Invariant
+from ...graph.exact import Exact
+from ...graph.graph import ONE, Graph, Kind, Node, Symbol
+from ...graph.normal import Normal
+from ..motion import STATE
+from ..smaller import symbols_in
+from .along import Along
+from .proofs import vanishes
+
+BLOCK = "time shift of a block"
+WORK = 20_000  # products of two terms
+TERMS = 2_000
+NAMED = 4  # coordinates
+
+
+def block_energies(
+    e: Equations, along: Along, blocks: Indices, known: Collection[str]
+) -> Iterator[Invariant]:
+    """Those that are constant, but for what is a function of one momentum that is `known` to be."""
+    g = along.graph
+    for block, lagrangian in _split(g, e.lagrangian, blocks):
+        if any(i >= len(e.momenta) for i in block):  # a state, whose rate is no power
+            continue
+        if len(block) == 1 and e.momenta_names[block[0]].name in known:
+            continue
+        v = {i: g.symbol(Symbol(Kind.RATE, i)) for i in block}
+        power = g.sum(g.multiply(v[i], e.applied[i]) for i in block)
+        if vanishes(g, Exact(g), [power, g.negate(along.explicit(lagrangian))]):
+            names = [e.coordinates[i].name for i in block]
+            shown = names if len(names) <= NAMED else [names[0], "...", names[-1]]
+            name = f"energy({', '.join(shown)})"
+            virial = g.sum(g.multiply(v[i], e.momenta[i]) for i in block)
+            node = g.subtract(virial, lagrangian)
+            yield Invariant(name, BLOCK, "d/dt", ((ONE, (name,)),), node)
+
+
+def _split(g: Graph, lagrangian: Node, blocks: Indices) -> Iterator[tuple[tuple[int, ...], Node]]:
+    """The part of L of each block, where there are several and it has one."""
+    normal = Normal(g, work=WORK, terms=TERMS)
+    polynomial = normal(lagrangian) if len(blocks) > 1 else None
+    if polynomial is None:
+        return
+    of = {i: block for block in blocks for i in block}
+    parts: dict[tuple[int, ...], list[Node]] = {block: [] for block in blocks}
+    mixed = set()
+    for monomial, coefficient in polynomial.items():
+        bases = [base for base, _ in monomial]
+        found = {of[s.index] for s in symbols_in(g, bases, STATE)}
+        for block in found:
+            parts[block].append(normal.term(monomial, coefficient))
+        mixed |= found if len(found) > 1 else set()
+    for block, terms in parts.items():
+        if block not in mixed:
+            yield block, g.total(terms)

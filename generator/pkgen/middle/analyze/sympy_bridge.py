@@ -1,0 +1,137 @@
+"""Graph -> SymPy, object by object: no text is ever parsed on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from functools import cache
+from typing import TYPE_CHECKING
+
+from ...equations import Equations
+from ...functions import FUNCTIONS
+from ...graph.differentiate import reachable
+from ...graph.graph import Graph, Kind, Node, Op, Symbol
+
+if TYPE_CHECKING:
+    import sympy
+
+COMBINED = 80  # operations, up to which products of sines become sines of sums
+COMBINED_COORDINATES = 8  # n^2 entries of M would take minutes
+
+
+def text(equations: Equations, node: Node, limit: int) -> str:
+    """The expression in the model's names; of one with more operations than `limit`, its size."""
+    found = expression(equations, node, limit)
+    if isinstance(found, int):
+        return f"({found} operations)"
+    return plain(found)
+
+
+def plain(expr: sympy.Expr) -> str:
+    """In the words of the language."""
+    return _printer().doprint(expr).replace("**", "^")
+
+
+@cache
+def _printer():
+    from sympy.printing.str import StrPrinter
+
+    class Printer(StrPrinter):
+        def _print_Abs(self, expr) -> str:
+            return f"abs({self._print(expr.args[0])})"
+
+        def _print_Heaviside(self, expr) -> str:
+            return f"step({self._print(expr.args[0])})"
+
+        def _print_Exp1(self, expr) -> str:
+            return "exp(1)"
+
+        def _print_Max(self, expr) -> str:
+            return self._nested("max", expr.args)
+
+        def _print_Min(self, expr) -> str:
+            return self._nested("min", expr.args)
+
+        def _nested(self, name: str, args) -> str:
+            """SymPy has one of many arguments, the language of two."""
+            first, *rest = args
+            other = self._nested(name, rest) if len(rest) > 1 else self._print(rest[0])
+            return f"{name}({self._print(first)}, {other})"
+
+    return Printer()
+
+
+def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int:
+    """The same as an object of SymPy, or as a number of operations."""
+    import sympy as sp
+    from sympy.simplify.fu import TR10i
+
+    size = written_size(equations.graph, node)
+    if size > limit:
+        return size
+    names = {
+        Kind.PARAMETER: [slot.quantity.name for slot in equations.parameters],
+        Kind.COORDINATE: [quantity.name for quantity in equations.coordinates],
+        Kind.RATE: [quantity.name for quantity in equations.rates],
+        Kind.INPUT: [quantity.name for quantity in equations.inputs],
+        Kind.MOMENTUM: [quantity.name for quantity in equations.momenta_names],
+        Kind.TIME: ["t"],
+        Kind.STATE: [quantity.name for quantity in equations.states],
+    }
+    (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))
+    if size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES:
+        expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
+    return expr
+
+
+def written_size(g: Graph, node: Node) -> int:
+    """Operations of an expression written out, what is shared counted each time."""
+    sizes: dict[Node, int] = {}
+    for n in reachable(g, [node]):
+        sizes[n] = sum(sizes[a] for a in g.args[n]) + (len(g.args[n]) > 0)
+    return sizes[node]
+
+
+def to_sympy(
+    g: Graph, nodes: Iterable[Node], symbol: Callable[[Symbol], sympy.Expr]
+) -> list[sympy.Expr]:
+    """The nodes as SymPy expressions, `symbol` giving those of the symbols.
+
+    `reciprocal` becomes 1/x: what it says at 0 is lost.
+    """
+    import sympy as sp
+
+    nodes = list(nodes)
+    functions: dict[str, Callable[..., sp.Expr]] = {
+        name: getattr(sp, name) for name in FUNCTIONS if hasattr(sp, name)
+    } | {
+        "abs": sp.Abs,
+        "min": sp.Min,
+        "max": sp.Max,
+        "step": lambda x: sp.Heaviside(x, 1),
+        "pow": sp.Pow,
+        "reciprocal": lambda x: 1 / x,
+    }
+
+    def made(node: Node) -> sp.Expr:
+        op, data = g.op[node], g.data[node]
+        args = [known[a] for a in g.args[node]]
+        if op is Op.NUMBER:
+            return _rational(data)
+        if op is Op.SYMBOL:
+            return sp.pi if data.kind is Kind.PI else symbol(data)
+        if op is Op.ADD:
+            return sp.Add(*args)
+        if op is Op.MULTIPLY:
+            return sp.Mul(*args)
+        if op is Op.POWER:
+            return sp.Pow(args[0], _rational(data))
+        return functions[data](*args)
+
+    def _rational(value: Fraction) -> sp.Rational:
+        return sp.Rational(value.numerator, value.denominator)
+
+    known: dict[Node, sp.Expr] = {}
+    for node in reachable(g, nodes):
+        known[node] = made(node)
+    return [known[node] for node in nodes]

@@ -1,0 +1,1 @@
+"""A Model to its Equations: Lagrangian, constraints, first-order variables, events, switches."""

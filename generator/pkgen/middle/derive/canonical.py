@@ -1,0 +1,97 @@
+"""The canonical form: H(q, p) and its gradients, from L of second degree in the rates.
+
+With L = v.M v/2 + b.v - U, where M, b and U depend on q and t alone,
+
+    p = M v + b,    v = M^-1 (p - b),    H = v.(p - b)/2 + U,
+    dH/dp = v,      dH/dq = -dL/dq  at that v.
+
+Reference: L. D. Landau, E. M. Lifshitz, Mechanics, 3rd edition, section 40.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+from ...equations import Equations, Hamiltonian, Structure
+from ...graph.collect import THOROUGH, fewest, settled
+from ...graph.differentiate import reachable
+from ...graph.graph import ZERO, Graph, Kind, Node
+from ...graph.solve import solve
+from ...graph.substitute import substituted
+from ...source import Span
+from ..quantities import error, symbols
+
+
+def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
+    """The equations with H in them; raises ModelError where it has no closed form."""
+    if not structure.quadratic:
+        raise error(
+            equations.model,
+            "there is no canonical form: M depends on the rates, so they are no function of q and"
+            " p that can be written down",
+            _energy_span(equations),
+            "H(q, p) needs a Lagrangian of second degree in the rates",
+        )
+    for declared, what, help in (
+        (
+            equations.model.rotations,
+            "body rates are the rates of no coordinates",
+            "with Euler angles as coordinates there is one",
+        ),
+        (
+            equations.model.constraints,
+            "a constraint leaves q and p no freedom of their own",
+            "with coordinates that fulfil it by themselves there is one",
+        ),
+    ):
+        if declared:
+            message = f"there is no canonical form: {what}"
+            raise error(equations.model, message, declared[0].span, help)
+    if equations.states:
+        raise error(
+            equations.model,
+            "there is no canonical form: states have no momenta",
+            equations.model.states[0].span,
+            "leave out what is a state, or hold it in a scene",
+        )
+    g, n = equations.graph, len(equations.coordinates)
+    rates, momenta = symbols(g, Kind.RATE, n), symbols(g, Kind.MOMENTUM, n)
+    at_rest = dict.fromkeys(rates, ZERO)
+    *linear, potential = substituted(g, [*equations.momenta, equations.energy], at_rest)
+    excess = tuple(map(g.subtract, momenta, linear))
+    solution = solve(g, equations.mass, excess)
+    if solution is None:
+        raise error(
+            equations.model,
+            f"there is no canonical form of {n} coordinates that M couples so much: written out"
+            " it is too long",
+            equations.model.span,
+            "make its families smaller",
+        )
+    v, pivots = solution
+    twice = g.sum(map(g.multiply, v, excess))
+    energy = g.add(g.multiply(g.number(Fraction(1, 2)), twice), potential)
+    moving = dict(zip(rates, v, strict=True))
+    forces = [*map(g.negate, equations.gradient), *equations.applied]
+    slope_and_applied = substituted(g, forces, moving)
+    entries = _short(g, [*v, *slope_and_applied])
+    return replace(
+        equations,
+        hamiltonian=Hamiltonian(
+            energy=_short(g, [energy])[0],
+            by_p=tuple(entries[:n]),
+            by_q=tuple(entries[n : 2 * n]),
+            applied=tuple(entries[2 * n :]),
+            pivots=pivots,
+        ),
+    )
+
+
+def _short(g: Graph, nodes: list[Node]) -> list[Node]:
+    return fewest(g, settled(g, nodes)) if len(reachable(g, nodes)) <= THOROUGH else nodes
+
+
+def _energy_span(equations: Equations) -> Span:
+    model = equations.model
+    return (*model.lagrangian, *model.kinetic)[0].span

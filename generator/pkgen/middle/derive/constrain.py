@@ -1,0 +1,172 @@
+"""Constraints on the graph: the motion with the forces that keep it on them.
+
+Rows J v + j0 = 0 of the rates, of which the holonomic ones are the rates of phi(t, q) = 0. By
+d'Alembert the force is J^T lambda; J a + (J v + j0)' = 0 at a = 0 aside, the index reduced to 1,
+gives with M a = f
+
+    S lambda = -(J M^-1 f + gamma),   S = J M^-1 J^T,   gamma = the rate of J v + j0 where nothing
+    accelerates
+
+and a = M^-1 (f + J^T lambda). With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and
+rates then drift off the constraints by the error of each step alone; the runtime puts them back
+(src/project.c). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
+section VII.1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ...equations import Constraints, Matrix, Quantity, Row
+from ...graph.differentiate import Forward, gradient
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
+from ...graph.normal import Normal
+from ...graph.solve import Factors, SingularMass, Solution, elimination_order, factors, solve
+from ...source import Span
+from ..motion import RATES, Motion
+from ..quantities import symbols
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What a model states, a row each constraint: the `holonomic` ones, which come first, as
+    phi(t, q), and all as J v + j0, which of those is the rate of phi."""
+
+    names: tuple[Quantity, ...]  # of the multipliers, in the unit of a force along q over J's
+    holonomic: int
+    positions: Row  # phi, in the unit of a side; as many as are holonomic
+    residual: Row  # J v + j0, in that unit over time, of a rolling in that of a side
+    spans: tuple[Span, ...]  # of the statements
+
+
+class CannotConstrain(Exception):
+    """Why rows cannot be solved for; `row` is the one at fault, None if none is. The message goes
+    on after "the constraint 'NAME'", or stands by itself where there is none."""
+
+    def __init__(self, message: str, row: int | None = None, help: str = ""):
+        super().__init__(message)
+        self.message, self.row, self.help = message, row, help
+
+
+def constrain(
+    g: Graph, motion: Motion, rows: Rows, rate_of: Callable[[Node], Node]
+) -> tuple[Motion, Solution, Constraints]:
+    """The motion with J^T lambda in what is applied, in pdot and in f; its accelerations with the
+    pivots of M, both by coordinate; and the rows with their multipliers and what is without them.
+    `rate_of` gives the time derivative of a coordinate, a state, t or an input. Raises
+    CannotConstrain where a row is not affine in the rates or has none, where rows depend on each
+    other everywhere, and where M or S cannot be solved in straight-line code."""
+    n = len(motion.force)
+    v = symbols(g, Kind.RATE, n)
+    J = tuple(_row(g, rows, k, v) for k in range(len(rows.residual)))
+    coasting = Forward(
+        g, VARIABLE, lambda node: ZERO if g.data[node].kind is Kind.RATE else rate_of(node)
+    )
+    gamma = [coasting(node) for node in rows.residual]
+    order, _ = elimination_order(g, motion.mass)
+    factored = factors(g, motion.mass, order)
+    if factored is None:
+        raise CannotConstrain("M is not positive definite: constraints cannot be solved for")
+    multipliers, solution, pivots = _solved(g, motion, factored, J, gamma)
+    binding = [g.sum(map(g.multiply, column, multipliers)) for column in zip(*J, strict=True)]
+    applied, pdot, force = (
+        tuple(map(g.add, row, binding)) for row in (motion.applied, motion.pdot, motion.force)
+    )
+    found = Constraints(
+        names=rows.names,
+        holonomic=rows.holonomic,
+        positions=rows.positions,
+        rows=J,
+        residual=rows.residual,
+        multipliers=multipliers,
+        pivots=pivots,
+        free_applied=motion.applied,
+        free_pdot=motion.pdot,
+        free_force=motion.force,
+        spans=rows.spans,
+        workless=_workless(g, rows, J, v),
+    )
+    return replace(motion, applied=applied, pdot=pdot, force=force), solution, found
+
+
+def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
+    """The derivatives by the rates, which may not depend on rates again."""
+    by = gradient(g, rows.residual[k], RATES)
+    found = tuple(by.get(rate, ZERO) for rate in v)
+    if any(g.depends[node] & RATES for node in found):
+        normal = Normal(g)
+        forms = (normal(node) for node in found)
+        found = tuple(
+            node if form is None else normal.plain(form)
+            for node, form in zip(found, forms, strict=True)
+        )
+        if any(g.depends[node] & RATES for node in found):
+            raise CannotConstrain(
+                "is not affine in the rates", k, "d'Alembert's principle has rows J q' + j0 = 0"
+            )
+    if all(node == ZERO for node in found):
+        raise CannotConstrain("holds or fails whatever the motion: no rate is left in it", k)
+    return found
+
+
+def _solved(
+    g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node]
+) -> tuple[Row, Solution, tuple[tuple[Node, Node], ...]]:
+    """The multipliers, the accelerations with the pivots of M, and the pivots of S."""
+    columns = [factored.forward(g, row) for row in J]
+    force = factored.forward(g, motion.force)
+
+    def product(a: list[Node], b: list[Node]) -> Node:
+        return g.sum(
+            g.multiply(inverse, g.multiply(x, y))
+            for x, y, inverse in zip(a, b, factored.inverses, strict=True)
+            if x != ZERO and y != ZERO
+        )
+
+    count = len(J)
+    S = [[ZERO] * count for _ in range(count)]
+    for i in range(count):
+        for j in range(i + 1):
+            S[i][j] = S[j][i] = product(columns[i], columns[j])
+    wanted = tuple(
+        g.negate(g.add(product(column, force), own))
+        for column, own in zip(columns, gamma, strict=True)
+    )
+    try:
+        found = solve(g, tuple(map(tuple, S)), wanted)
+    except SingularMass as singular:
+        raise CannotConstrain(
+            "depends on the others wherever they hold: it is redundant, or contradicts them",
+            singular.coordinate,
+            "leave it out",
+        ) from None
+    if found is None:
+        raise CannotConstrain(
+            "too many constraints hang together to be solved for in straight-line code",
+            None,
+            "use coordinates that fulfil some of them by themselves",
+        )
+    multipliers, of_rows = found
+    z = [
+        g.add(f, g.sum(map(g.multiply, (column[i] for column in columns), multipliers)))
+        for i, f in enumerate(force)
+    ]
+    pivots: list[Node] = [ZERO] * len(force)
+    for row, pivot in zip(factored.order, factored.pivots, strict=True):
+        pivots[row] = pivot
+    diagonal = (S[k][k] for k in range(count))
+    beside = tuple(zip(of_rows, diagonal, strict=True))
+    return multipliers, (factored.backward(g, z), tuple(pivots)), beside
+
+
+def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:
+    """Whether the rows are J v = 0, and neither they nor phi know the time."""
+    normal = Normal(g)
+    timeless = BIT[Kind.TIME] | BIT[Kind.INPUT]
+    if any(g.depends[node] & timeless for node in (*rows.residual, *rows.positions)):
+        return False
+    for row, residual in zip(J, rows.residual, strict=True):
+        rest = g.subtract(residual, g.sum(map(g.multiply, row, v)))
+        if rest != ZERO and normal(rest) != {}:
+            return False
+    return True

@@ -1,0 +1,153 @@
+"""Whether a model starts where its constraints hold, and whether there they say more than one
+another.
+
+The numbers are those of the model's own starts and defaults; what options give is checked by the
+runtime by the same rules (src/constraint.c). With an input nobody knows what holds before it is
+given. Rates of metres and of radians compare as their kinetic energies do, by M: its diagonal is
+enough of it.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+
+from ...equations import Attitude, ParameterSlot, Row
+from ...graph.differentiate import gradient
+from ...graph.evaluate import evaluate
+from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from ...graph.rounding import sizes
+from ...source import Diagnostic
+from ..points.samples import started
+from .constrain import Rows
+
+EPS = sys.float_info.epsilon
+WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
+DEBRIS = 64 * EPS  # beside the largest number of the start: what rounding leaves of a zero
+DEPENDENT = math.sqrt(16 * EPS)  # left of a row without its parts along others; squared, a pivot
+
+
+@dataclass(frozen=True)
+class Start:
+    """Numbers of the start, and by each rate what one unit of it is in the metric of M."""
+
+    values: dict[Symbol, float]
+    unit: dict[Node, float]
+    far: float  # the largest coordinate there, with attitudes 1
+    fast: float
+
+
+def wrong_starts(
+    g: Graph,
+    c: Rows | None,
+    parameters: tuple[ParameterSlot, ...],
+    starts: tuple[Row, Row, Row],
+    lagrangian: Node,
+    attitudes: tuple[Attitude, ...],
+) -> list[Diagnostic]:
+    """Each constraint that the start breaks; if none, the first that others make superfluous.
+    `starts` are of coordinates, their rates, and states."""
+    if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
+        return []
+    start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
+    rows = [_row(g, node, start) for node in c.residual]
+    broken = [
+        _broken(c, k, *found)
+        for k, row in enumerate(rows)
+        if (found := _residual(g, c, k, row, start)) is not None
+    ]
+    dependent = _dependent(rows)
+    if dependent is None:
+        return broken
+    k, others = dependent
+    names = " and ".join(f"'{_name(c, i)}'" for i in others) or "nothing"
+    if broken:
+        message = f"'{_name(c, k)}' contradicts {names}: they leave the same rates no freedom"
+        return [*broken, Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], "leave one out")]
+    if not others:
+        message = f"the {_kind(c, k)} '{_name(c, k)}' has no force at the start: its row is 0 there"
+        return [Diagnostic(message, c.spans[k], "start elsewhere, or write it another way")]
+    message = f"the {_kind(c, k)} '{_name(c, k)}' follows from {names} at the start: redundant"
+    help = "leave it out: of forces that do the same, none is determined"
+    return [Diagnostic(message, c.spans[k], help)]
+
+
+def _start(
+    g: Graph, values: dict[Symbol, float], lagrangian: Node, attitudes: tuple[Attitude, ...]
+) -> Start:
+    turning = {i for a in attitudes for i in a.rates}
+    unit, far, fast = {}, 0.0, 0.0
+    for rate, slope in gradient(g, lagrangian, BIT[Kind.RATE]).items():
+        own = gradient(g, slope, BIT[Kind.RATE]).get(rate, ZERO)
+        (inertia,) = evaluate(g, [own], values)
+        unit[rate] = math.sqrt(inertia) if 0 < inertia < math.inf else 1.0
+        i = g.data[rate].index
+        place = 1.0 if i in turning else abs(values[Symbol(Kind.COORDINATE, i)])
+        far = max(far, unit[rate] * place)
+        fast = max(fast, unit[rate] * abs(values[g.data[rate]]))
+    return Start(values, unit, far, fast)
+
+
+def _residual(
+    g: Graph, c: Rows, k: int, row: dict[Node, float], start: Start
+) -> tuple[float, bool] | None:
+    """What is not 0, and whether it is of rates; `row` is in units of M."""
+    slope = math.fsum(map(abs, row.values()))
+    nodes = [(c.residual[k], slope * start.fast, True)]
+    if k < c.holonomic:
+        nodes.insert(0, (c.positions[k], slope * start.far, False))
+    for node, largest, of_rates in nodes:
+        found, terms = evaluate(g, [node, *sizes(g, [node])], start.values)
+        if not abs(found) <= WRITTEN * terms + DEBRIS * largest:
+            return found, of_rates
+    return None
+
+
+def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
+    name, kind = _name(c, k), _kind(c, k)
+    what = "its rate is" if of_rates and k < c.holonomic else "left minus right is"
+    return Diagnostic(
+        f"the start breaks the {kind} '{name}': {what} {found:.6g}, not 0",
+        c.spans[k],
+        "start rates along it" if of_rates else "start where it holds",
+    )
+
+
+def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
+    """The entries of J by the rate, in units of M."""
+    by = gradient(g, residual, BIT[Kind.RATE])
+    entries = evaluate(g, by.values(), start.values)
+    return {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
+
+
+def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
+    """The first row that others before it make, and which; by Gram-Schmidt with each row's own
+    combination of those before."""
+    basis: list[tuple[list[float], dict[int, float]]] = []
+    rates = sorted(set().union(*rows))
+    for k, row in enumerate(rows):
+        left, made = [row.get(rate, 0.0) for rate in rates], {k: 1.0}
+        size = math.hypot(*left)
+        if not math.isfinite(size):
+            return None
+        for _ in range(2):  # twice is enough: Kahan and Parlett
+            for other, of in basis:
+                along = math.fsum(a * b for a, b in zip(left, other, strict=True))
+                left = [a - along * b for a, b in zip(left, other, strict=True)]
+                for i, x in of.items():
+                    made[i] = made.get(i, 0.0) - along * x
+        rest = math.hypot(*left)
+        if rest <= DEPENDENT * size:
+            largest = max((abs(x) for i, x in made.items() if i != k), default=0.0)
+            return k, [i for i in sorted(made) if i != k and abs(made[i]) > DEPENDENT * largest]
+        basis.append(([a / rest for a in left], {i: x / rest for i, x in made.items()}))
+    return None
+
+
+def _name(c: Rows, k: int) -> str:
+    return c.names[k].name.removeprefix("lambda_")
+
+
+def _kind(c: Rows, k: int) -> str:
+    return "constraint" if k < c.holonomic else "rolling"

@@ -1,0 +1,82 @@
+"""`constraint` and `rolling` entered into the graph: rows of equations between rates, by name."""
+
+from __future__ import annotations
+
+from ...equations import Constraints, Quantity
+from ...graph.graph import BIT, Kind, Node
+from ...graph.normal import Normal
+from ...source import ModelError
+from ...tree import Expr, names
+from ..expand.expand import Expander
+from ..quantities import error, indexed
+from .constrain import CannotConstrain, Rows
+
+MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
+
+
+def rows_of(x: Expander) -> Rows | None:
+    """The holonomic ones first, each kind in the order in which they are declared."""
+    found: dict[bool, list[tuple]] = {True: [], False: []}
+    normal = Normal(x.graph)
+    for item in x.model.constraints:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                node = x.scalar(item.value, loop)
+                name = indexed(item.name, index)
+                if not x.graph.depends[node] & MOVES:
+                    held = names(item.value) and not _of_the_free(x, item.value)
+                    if held and normal(node) == {}:
+                        continue  # what a scene holds fulfils it
+                    message = f"the constraint '{name}' holds or fails whatever the motion"
+                    help = (
+                        "state its other components one by one" if "." in name else "leave it out"
+                    )
+                    help = "hold what it ties as it says" if held else help
+                    raise error(x.model, message, item.span, help)
+                rate = x.derivative(node) if item.holonomic else node
+                quantity = Quantity(f"lambda_{name}", item.unit, item.description)
+                found[item.holonomic].append((quantity, node, rate, item.span))
+    rows = [*found[True], *found[False]]
+    if not rows:
+        return None
+    quantities, nodes, rates, spans = zip(*rows, strict=True)
+    holonomic = len(found[True])
+    return Rows(quantities, holonomic, nodes[:holonomic], rates, spans)
+
+
+def _of_the_free(x: Expander, value: Expr) -> bool:
+    """Whether something that is not held is named in it, by itself or in a definition."""
+    definitions = {item.name: item.value for item in x.model.definitions}
+    seen, waiting = set(), set(names(value))
+    while waiting:
+        name = waiting.pop()
+        seen.add(name)
+        if name in definitions:
+            waiting |= names(definitions[name]) - seen
+    return bool(seen & (x.coordinates.keys() | x.states.keys()))
+
+
+def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelError:
+    """The same with the row's name and place in the text; the first row's place where none is at
+    fault."""
+    if wrong.row is None:
+        return error(x.model, wrong.message, rows.spans[0], wrong.help)
+    name = rows.names[wrong.row].name.removeprefix("lambda_")
+    kind = "constraint" if wrong.row < rows.holonomic else "rolling"
+    return error(x.model, f"the {kind} '{name}' {wrong.message}", rows.spans[wrong.row], wrong.help)
+
+
+def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
+    """The nodes of lambda_NAME under that name and index, for outputs and events; of rows that are
+    not there, as a scene holds what they tie, none."""
+    known = {} if constraints is None else _multipliers(constraints)
+    for item in x.model.constraints:
+        for index, _ in x.unrolled(item.index, item.range):
+            name = f"lambda_{item.name}"
+            if indexed(name, index) in known:
+                x.define(name, index, known[indexed(name, index)])
+
+
+def _multipliers(constraints: Constraints) -> dict[str, Node]:
+    names = (q.name for q in constraints.names)
+    return dict(zip(names, constraints.multipliers, strict=True))

@@ -1,0 +1,322 @@
+"""Model -> Equations: Lagrange's equations on the expression graph.
+
+One reverse sweep over L gives p = dL/dv and dL/dq; one sparse forward sweep a rate gives a column
+of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyond L and M O(N^2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ... import limits
+from ...equations import Equations, Guard, ParameterSlot, Quantity, Row
+from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
+from ...graph.solve import SingularMass, solve
+from ...graph.substitute import substituted
+from ...model import Model, Parameter
+from ...source import Diagnostic, ModelError, Span
+from ..expand.expand import Expander, NeedsDerivative
+from ..motion import PARTICLES, Energies, Motion, Wanted
+from ..particles.masses import Given
+from ..particles.particles import particles_of
+from ..quantities import error, families, indexed, input_quantities, quantities
+from .constrain import CannotConstrain
+from .constraint_start import wrong_starts
+from .constraints import cannot_constrain, define_multipliers, rows_of
+from .first_order import define_built_in, rates_of_states, solvable
+from .impulses import check_rates
+from .lagrange import Derived, derived, guards, located, naming
+
+
+def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
+    """The equations of motion; of the kernels not in `kernels` (None: all) the costly are skipped.
+    `unrolled` says why families are not loops, for models that are too large so.
+
+    An input grows a derivative whenever the equations turn out to need one.
+    """
+    _check_size(model, unrolled)
+    orders = [item.order for item in model.inputs]
+    while True:
+        try:
+            return _derive(model, kernels, tuple(orders))
+        except NeedsDerivative as needed:
+            item = model.inputs[needed.position]
+            orders[needed.position] += 1
+            if orders[needed.position] > limits.DEPTH:
+                raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+
+
+def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...]) -> Equations:
+    x = Expander(model, orders)
+    energies = _energies(x)
+    wanted = Wanted(kernels)
+    rates = rates_of_states(x, energies)
+    forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
+    parameters = _parameters(x)
+    start_q, start_v, state_start = starts = _starts(x)
+    rows = rows_of(x)
+    wrong = wrong_starts(x.graph, rows, parameters, starts, energies.lagrangian, x.attitudes)
+    if wrong:
+        raise ModelError(model.source, wrong)
+    bodies = None
+    if wanted.named(PARTICLES):
+        bodies = particles_of(x, energies, Given(parameters, start_q, state_start))
+    with x.statement(model.span):
+        try:
+            found = derived(
+                x.graph,
+                energies,
+                forces,
+                lambda node: rates.get(x.derivative(node), x.derivative(node)),
+                wanted,
+                lambda motion: _check_inertia(x, motion),
+                tuple(rates.values()),
+                x.attitudes,
+                rows,
+            )
+            too_large = not solvable(x.graph, found.motion)
+        except SingularMass as singular:
+            raise _singular(x, singular.coordinate) from None
+        except CannotConstrain as wrong:
+            raise cannot_constrain(x, rows, wrong) from None
+    if too_large:
+        raise error(
+            model,
+            "a momentum depends on a state, and M is too large to be inverted",
+            model.span,
+            "with states in the kinetic energy no more than some 20 coordinates can be coupled",
+        )
+    primes = x.primes[:]  # of outputs they say what is seen, not how it moves
+    outputs = _outputs(x, found, rates)
+    names = x.coordinates
+    declared = model.coordinates
+    states = quantities(model.states, x.states, "{}", "unit")
+    coordinates = quantities(declared, names, "{}", "unit")
+    inputs = input_quantities(model, orders)
+    check_rates(model, x.graph, primes, naming(parameters, coordinates, inputs, states))
+    ends: tuple[Guard, ...] = ()
+    if wanted("guard"):
+        ends = guards(x.graph, found, parameters, coordinates, inputs, states)
+    equations = Equations(
+        model=model,
+        graph=x.graph,
+        parameters=parameters,
+        coordinates=coordinates,
+        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
+        momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
+        inputs=inputs,
+        observed_names=outputs.observed_names,
+        conserved_names=outputs.conserved_names,
+        event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
+        guards=ends,
+        observed=outputs.observed,
+        conserved=outputs.conserved,
+        events=_events(x, found, rates),
+        start_q=start_q,
+        start_v=start_v,
+        states=states,
+        state_start=state_start,
+        particles=bodies,
+        attitudes=x.attitudes,
+        **found.fields(),
+    )
+    return located(equations)
+
+
+# -- the statements ------------------------------------------------------------------------------
+
+
+def _energies(x: Expander) -> Energies:
+    model, g = x.model, x.graph
+    for item in model.definitions:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                x.define(item.name, index, x.value(item.value, loop))
+    totals: dict[str, Node] = {}
+    for kind in ("kinetic", "potential", "lagrangian", "dissipation"):
+        totals[kind] = ZERO
+        for expr in getattr(model, kind):
+            with x.statement(expr.span):
+                totals[kind] = g.add(totals[kind], x.scalar(expr))
+    kinetic, potential = totals["kinetic"], totals["potential"]
+    with x.statement(model.span):
+        whole = g.add(g.subtract(kinetic, potential), totals["lagrangian"])
+    stated = bool(model.lagrangian)
+    return Energies(
+        lagrangian=whole,
+        kinetic=None if stated else kinetic,
+        potential=None if stated else potential,
+        dissipation=totals["dissipation"],
+    )
+
+
+def _parameters(x: Expander) -> tuple[ParameterSlot, ...]:
+    return tuple(slot for item in x.model.parameters for slot in _slots(x, item))
+
+
+def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
+    family = x.parameters[item.name]
+    slots = []
+    with x.statement(item.span):
+        for position, index in enumerate(family.members):
+            loop = dict(x.sizes)
+            if index is not None:
+                loop[item.range.variable] = index
+            lo, hi = item.bounds.lo, item.bounds.hi
+            slots.append(
+                ParameterSlot(
+                    quantity=Quantity(indexed(item.name, index), item.unit, item.description),
+                    family=item.name,
+                    position=position,
+                    length=0 if index is None else len(family.members),
+                    default=x.scalar(item.default, loop),
+                    follows=item.follows,
+                    lo=None if lo is None else x.scalar(lo, loop),
+                    hi=None if hi is None else x.scalar(hi, loop),
+                    lo_open=item.bounds.lo_open,
+                    hi_open=item.bounds.hi_open,
+                )
+            )
+    return slots
+
+
+def _starts(x: Expander) -> tuple[Row, Row, Row]:
+    """Of the coordinates, their rates, and the states."""
+    count = x.count
+    values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count)
+    for item in x.model.starts:
+        is_state = item.name in x.states
+        family = (x.states if is_state else x.coordinates)[item.name]
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                if not family.has(index):
+                    what = "state" if is_state else "coordinate"
+                    raise error(x.model, f"no {what} '{indexed(item.name, index)}'", item.span)
+                value = x.scalar(item.value, loop)
+                if not x.graph.is_constant(value):
+                    message = "an initial value may use parameters and numbers only"
+                    raise error(x.model, message, item.value.span)
+                values[2 if is_state else item.order][family.flat(index)] = value
+    return tuple(values[0]), tuple(values[1]), tuple(values[2])
+
+
+def _check_size(model: Model, unrolled: str) -> None:
+    found = families(model, (*model.coordinates, *model.states))
+    count = sum(family.count for family in found.values())
+    if count**2 > limits.UNROLLED and found:
+        largest = max(found.values(), key=lambda family: family.count)
+        what = "coordinates and states" if model.states else "coordinates"
+        message = f"{count:,} {what}: M alone has more than {limits.UNROLLED:,} entries"
+        why = f", which cannot stay loops: {unrolled}" if unrolled else ""
+        raise error(model, message, largest.span, f"make its families smaller{why}")
+
+
+def _check_inertia(x: Expander, motion: Motion) -> None:
+    findings = []
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members:
+            row = motion.mass[family.flat(index)]
+            if all(entry == ZERO for entry in row):
+                name = indexed(item.name, index)
+                rate = item.rate or f"{name}'"
+                message = f"'{name}' has no inertia: L does not contain the square of {rate}"
+                help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
+                if item.rate:
+                    message = f"'{rate}' has no inertia: L does not contain its square"
+                    help = "a body has a moment of inertia about each of its axes"
+                findings.append(Diagnostic(message, item.span, help))
+                break
+    if findings:
+        raise ModelError(x.model.source, findings)
+
+
+def _singular(x: Expander, coordinate: int) -> ModelError:
+    """Only a combination of the coordinates has inertia: (x' + y')^2."""
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members:
+            if family.flat(index) == coordinate:
+                name = item.rate or indexed(item.name, index)
+                message = f"'{name}' has no inertia of its own: the mass matrix is singular"
+                help = "the coordinates can move together without kinetic energy: leave one out"
+                return ModelError(x.model.source, [Diagnostic(message, item.span, help)])
+    raise AssertionError(coordinate)
+
+
+def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:
+    """May use what outputs may, and so come after them."""
+    nodes = []
+    for item in x.model.events:
+        with x.statement(item.span):
+            node = _solved(x, x.scalar(item.value), found, rates, item.span)
+            if not x.graph.depends[node] & VARIABLE:
+                message = f"the event '{item.name}' never happens: its expression is constant"
+                raise error(x.model, message, item.value.span)
+            nodes.append(node)
+    return tuple(nodes)
+
+
+def _generalized_forces(x: Expander) -> list[Node]:
+    forces = [ZERO] * x.count
+    for item in x.model.forces:
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                family = x.coordinates[item.name]
+                if not family.has(index):
+                    raise error(x.model, f"no coordinate '{indexed(item.name, index)}'", item.span)
+                i = family.flat(index)
+                forces[i] = x.graph.add(forces[i], x.scalar(item.value, loop))
+    return forces
+
+
+# -- outputs -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Outputs:
+    observed_names: tuple[Quantity, ...]
+    conserved_names: tuple[Quantity, ...]
+    observed: Row
+    conserved: Row
+
+
+def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> _Outputs:
+    define_built_in(x, derived.energies, derived.energy, derived.motion.momenta)
+    define_multipliers(x, derived.constraints)
+    x.solved = rates
+    found: dict[str, tuple[list[Quantity], list[Node]]] = {}
+    for kind in ("observed", "conserved"):
+        names, nodes = found[kind] = [], []
+        for item in getattr(x.model, kind):
+            with x.statement(item.span):
+                for index, loop in x.unrolled(item.index, item.range):
+                    node = _solved(x, x.scalar(item.value, loop), derived, rates, item.span)
+                    x.define(item.name, index, node)
+                    names.append(Quantity(indexed(item.name, index), item.unit, item.description))
+                    nodes.append(node)
+    return _Outputs(
+        observed_names=tuple(found["observed"][0]),
+        conserved_names=tuple(found["conserved"][0]),
+        observed=tuple(found["observed"][1]),
+        conserved=tuple(found["conserved"][1]),
+    )
+
+
+def _solved(
+    x: Expander, node: Node, found: Derived, rates: Mapping[Node, Node], span: Span
+) -> Node:
+    """An output as a function of t, q and v: with what rates of states and accelerations are."""
+    g, swap = x.graph, rates
+    if not g.depends[node] & (BIT[Kind.ACCELERATION] | BIT[Kind.STATE]):
+        return node
+    if g.depends[node] & BIT[Kind.ACCELERATION]:
+        motion = found.motion
+        known = found.solution or solve(g, motion.mass, motion.force)
+        if known is None:
+            message = "the accelerations of so many coupled coordinates are no outputs"
+            raise error(x.model, message, span, "they are solved for by a loop; see docs/limits.md")
+        swap = {g.symbol(Symbol(Kind.ACCELERATION, i)): a for i, a in enumerate(known[0])}
+        swap |= rates
+    return substituted(g, [node], swap)[0]

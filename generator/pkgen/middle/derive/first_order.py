@@ -1,0 +1,73 @@
+"""The rates of a model's states, as nodes: they may use the energies and momenta, which are known
+before any equation of motion is, and the rates of other states."""
+
+from __future__ import annotations
+
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from ...graph.solve import solve
+from ...source import Span
+from ..expand.expand import Expander
+from ..motion import STATE, Energies, Motion
+from ..quantities import error, indexed, symbols
+from .states import Circular, resolved
+
+
+def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
+    """What the symbol of each state's rate stands for, in the order of the states."""
+    if not x.states:
+        return {}
+    g = x.graph
+    by = gradient(g, energies.lagrangian, STATE)
+    v = symbols(g, Kind.RATE, x.count)
+    momenta = tuple(by.get(rate, ZERO) for rate in v)
+    energy = g.subtract(g.sum(map(g.multiply, v, momenta)), energies.lagrangian)
+    define_built_in(x, energies, energy, momenta)
+    rates: list[Node] = [ZERO] * x.state_count
+    places: list[Span] = [x.model.span] * x.state_count
+    for attitude in x.attitudes:
+        for k in attitude.numbers:
+            rates[k] = x.derivative(g.symbol(Symbol(Kind.STATE, k)))
+    for item in x.model.rates:
+        family = x.states[item.name]
+        with x.statement(item.span):
+            for index, loop in x.unrolled(item.index, item.range):
+                k = family.flat(index)
+                rates[k], places[k] = x.scalar(item.value, loop), item.span
+    try:
+        found = resolved(g, tuple(rates))
+    except Circular as circular:
+        names = [n for f in x.states.values() for n in (indexed(f.name, i) for i in f.members)]
+        first = circular.cycle[0]
+        cycle = " needs ".join(f"{names[k]}'" for k in (*circular.cycle, first))
+        raise error(
+            x.model,
+            f"the rate of '{names[first]}' is defined by itself: {cycle}",
+            places[first],
+            "solve these equations for the rates, and write what comes out",
+        ) from None
+    return dict(sorted(found.items(), key=lambda pair: g.data[pair[0]].index))
+
+
+def solvable(g: Graph, motion: Motion) -> bool:
+    """Whether M a = f can be written out where states.py needs that: where a momentum has a state
+    in it."""
+    if not any(g.depends[p] & BIT[Kind.STATE] for p in motion.momenta):
+        return True
+    return solve(g, motion.mass, motion.force) is not None
+
+
+def define_built_in(
+    x: Expander, energies: Energies, energy: Node, momenta: tuple[Node, ...]
+) -> None:
+    """T, V, L, the energy and the momenta, under the names that the author has not given away."""
+    own = {item.name for item in x.model.definitions}
+    built_in = {"T": energies.kinetic, "V": energies.potential}
+    built_in |= {"L": energies.lagrangian, "energy": energy}
+    for name, node in built_in.items():
+        if node is not None and name not in own:
+            x.define(name, None, node)
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members:
+            x.define(item.momentum or "p_" + item.name, index, momenta[family.flat(index)])

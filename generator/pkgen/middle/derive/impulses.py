@@ -1,0 +1,272 @@
+"""Impulses: switches across which the Lagrangian, or the row of a constraint, jumps itself.
+
+What is smooth but for one such surface s(q, t) = 0 is the limit of smooth equations whose ramp gets
+shorter. During it q stands still, and Hamilton's principle in space and time gives the corner
+condition of Weierstrass and Erdmann: with p = dL/dv, h = v.p - L and rows J v + j0 = 0,
+
+    p+ - p- = alpha ds/dq + J^T Lambda,   h+ - h- = -(alpha ds/dt + Lambda.j0),   J v+ + j0 = 0
+
+with J and j0 those behind it; of a surface s(t) alpha is 0, and nothing is said of h. So a
+prescribed motion that bends keeps p while v jumps, a potential that jumps lets through or turns
+back. The runtime solves that (src/impulse.c). Here is found which switches may need it: those
+across which L, phi or J v + j0 are not proved to be continuous. Where they are nothing changes.
+
+References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
+Nonsmooth Mechanics, 3rd ed., Springer 2016, chapters 1 and 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from ...equations import Equations, Quantity, Switch
+from ...graph.differentiate import gradient, reachable
+from ...graph.exact import Exact
+from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.normal import Normal
+from ...graph.residues import Varying
+from ...graph.substitute import rebuilt, substituted
+from ...graph.wording import wording
+from ...model import Model
+from ...source import Span
+from ..attitudes import slopes
+from ..quantities import error
+from .switches import Surfaces, argument_of, free
+
+OF_ENERGY, OF_ROLLING = 1, 2  # what may jump: L or a row of positions; a row of rates alone
+_PLACES = BIT[Kind.COORDINATE]
+_JUMPING = ("step", "sign")
+
+
+def arguments_of(g: Graph, nodes: Iterable[Node]) -> list[Node]:
+    """Those at whose zeros a node may jump."""
+    calls = (n for n in reachable(g, nodes, VARIABLE) if g.op[n] is Op.CALL)
+    found = dict.fromkeys(argument_of(g, n) for n in calls if g.data[n] in _JUMPING)
+    return [x for x in found if g.depends[x] & VARIABLE]
+
+
+class Across:
+    """What is proved of nodes where an argument vanishes, on a copy of their graph."""
+
+    def __init__(self, g: Graph):
+        self.graph = g.copy()
+        self.normal = Normal(self.graph)
+        self.exact = Exact(self.graph)
+        self.varying = Varying(self.graph)
+        self.surfaces = Surfaces(self.graph)
+
+    def jump(self, node: Node, argument: Node) -> Node:
+        """What a node is above less what it is below, at the zero; ZERO if that is proved."""
+        parts = [self._jump(part, argument) for part in _terms(self.graph, node)]
+        total = self.graph.sum(parts)
+        return ZERO if self._is_zero(total) else total
+
+    def surely(self, jump: Node, argument: Node) -> bool:
+        """Whether a jump is proved to be one."""
+        g = self.graph
+        solved = not g.depends[jump] & VARIABLE or bool(self._zero(argument)[1])
+        return solved and (g.value(jump) or self.varying.is_nonzero(jump)) not in (None, 0, False)
+
+    def _is_zero(self, node: Node) -> bool:
+        return node == ZERO or self.normal(node) == {} or self.exact.is_zero(node)
+
+    def _jump(self, node: Node, argument: Node) -> Node:
+        g = self.graph
+        below = reachable(g, [node], VARIABLE)
+        if not any(self._side(n, argument) and g.data[n] in _JUMPING for n in below):
+            return ZERO
+        known, solved = self._zero(argument)
+        try:
+            above, under = (self._held(node, argument, side, known | solved) for side in (1, -1))
+        except ZeroDivisionError:
+            return ONE
+        jump = g.subtract(above, under)
+        return ZERO if self._is_zero(jump) else jump
+
+    def _side(self, node: Node, argument: Node) -> int:
+        """1 or -1 of a call that the argument decides, as its own has that sign or the other."""
+        own, sign = self.surfaces.of_call(node)
+        if not sign:
+            return 0
+        surface, side = self.surfaces(argument)
+        return sign * side * (own == surface)
+
+    def _zero(self, argument: Node) -> tuple[dict[Node, Node], dict[Node, Node]]:
+        """What vanishes; and one symbol by the others, where the argument is linear in one."""
+        g = self.graph
+        known = {argument: ZERO, g.negate(argument): ZERO}
+        by = gradient(g, argument, VARIABLE)
+        for symbol, slope in by.items():
+            if slope != ZERO and not g.depends[slope] & VARIABLE:
+                (rest,) = substituted(g, [argument], {symbol: ZERO})
+                return known, {symbol: g.negate(g.divide(rest, slope))}
+        return known, {}
+
+    def _held(self, node: Node, argument: Node, side: int, new: dict[Node, Node]) -> Node:
+        g = self.graph
+        new = dict(new)
+        for n in reachable(g, [node]):
+            if n in new:
+                continue
+            args, own = [new[a] for a in g.args[n]], side * self._side(n, argument)
+            if own and g.data[n] == "step":
+                new[n] = ONE if own > 0 else ZERO
+            elif own and g.data[n] == "sign":
+                new[n] = g.number(own)
+            elif own:  # abs, or the second of two equal ones
+                new[n] = args[1] if len(args) > 1 else ZERO
+            else:
+                same = all(a == b for a, b in zip(args, g.args[n], strict=True))
+                new[n] = n if same else rebuilt(g, n, args)
+        return new[node]
+
+
+def _terms(g: Graph, node: Node) -> list[Node]:
+    """What a sum is of, with the scale in front of it multiplied out: each has few switches."""
+    found, stack = [], [(ONE, node)]
+    while stack:
+        factor, n = stack.pop()
+        scale, rest = g.split(n)
+        if g.op[n] is Op.ADD:
+            stack += [(factor, a) for a in g.args[n]]
+        elif scale != ONE and g.op[rest] is Op.ADD and not g.depends[scale] & VARIABLE:
+            stack.append((g.multiply(factor, scale), rest))
+        else:
+            found.append(g.multiply(factor, n))
+    return found
+
+
+class NoRate(Exception):
+    """The equations need a derivative of an input that they did not need before."""
+
+
+class _Refused(Exception):
+    def __init__(self, message: str, help: str = "", span: Span | None = None):
+        super().__init__(message)
+        self.message, self.help, self.span = message, help, span
+
+
+def with_impulses(
+    e: Equations,
+    known: tuple[Switch, ...],
+    name: Callable[[Symbol], str],
+    rate_of: Callable[[Node], Node],
+) -> tuple[Switch, ...]:
+    """The switches of the motion, marked where they have an impulse, and those behind them that
+    have nothing else. Raises ModelError where no motion follows."""
+    c = e.constraints
+    rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
+    jumping = [e.lagrangian, *e.momenta, *rows]
+    if not arguments_of(e.graph, jumping):
+        return known
+    across, found, marked = Across(e.graph), {}, []
+    surfaces = across.surfaces
+    places = {surfaces(x.node)[0]: x.node for x in known}
+    loose = {
+        surfaces.of_call(n)[0]
+        for n in free(across.graph, jumping)
+        if across.graph.data[n] in _JUMPING
+    }
+    for node in arguments_of(across.graph, jumping):
+        surface, _ = surfaces(node)
+        argument = places.setdefault(surface, node)
+        if surface in found:
+            continue
+        text = wording(across.graph, argument, name)
+        try:
+            kind = _kind(e, across, argument, text)
+            if kind and surface in loose:
+                raise _Refused(
+                    f"L or a constraint jumps where {text} vanishes, in a root, a power or a"
+                    " logarithm: of that neither side is known",
+                    "put the jump outside of it: sqrt(4*step(x)) is 2*step(x)",
+                )
+            slope, of_time = _slopes(e, argument, text, rate_of) if kind else ((), ZERO)
+            found[surface] = Switch(Quantity(text, "", ""), argument, kind, slope, of_time)
+        except _Refused as wrong:
+            span = wrong.span or _span(e)
+            raise error(e.model, wrong.message, span, wrong.help) from None
+    marked = [replace(found.pop(surfaces(x.node)[0], x), held=x.held) for x in known]
+    return (*marked, *(x for x in found.values() if x.impulse))
+
+
+def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
+    g, c = across.graph, e.constraints
+    of_rates = bool(g.depends[argument] & BIT[Kind.RATE])
+    energies = [e.lagrangian, *(e.momenta if of_rates else ())]
+    found = OF_ENERGY if any(across.jump(x, argument) != ZERO for x in energies) else 0
+    if found and of_rates:
+        raise _Refused(
+            f"L or a momentum jumps where {text} vanishes: what its rates do there is not defined",
+            "a step or a sign of a rate may stand in a force or a dissipation, not in an energy",
+        )
+    for k in range(len(c.residual) if c is not None else 0):
+        row, span = c.names[k].name.removeprefix("lambda_"), c.spans[k]
+        holonomic = k < c.holonomic
+        at = f"where {text} vanishes"
+        jump = across.jump(c.positions[k], argument) if holonomic else ZERO
+        if jump != ZERO and across.surely(jump, argument):
+            message = f"the constraint '{row}' jumps {at}: no motion follows it"
+            raise _Refused(message, "let it bend, as max(0, x) does, or be steep, as tanh is", span)
+        turns = [ZERO] if holonomic else [across.jump(x, argument) for x in c.rows[k]]
+        if any(across.surely(x, argument) for x in turns if x != ZERO):
+            message = f"what multiplies the rates in the rolling '{row}' jumps {at}"
+            raise _Refused(f"{message}: what the motion does there depends on how", "", span)
+        if jump != ZERO or any(turns) or across.jump(c.residual[k], argument) != ZERO:
+            if of_rates:
+                raise _Refused(f"'{row}' jumps {at}, which has rates in it", "", span)
+            found |= OF_ENERGY if holonomic else OF_ROLLING
+    return found
+
+
+def _slopes(
+    e: Equations, argument: Node, text: str, rate_of: Callable[[Node], Node]
+) -> tuple[tuple[Node, ...], Node]:
+    """The derivatives by the coordinates, along body rates, and by t where those do not vanish."""
+    g, count = e.graph, len(e.coordinates)
+    beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
+    by = gradient(g, argument, _PLACES | beside)
+    turning = slopes(g, e.attitudes, by)
+    places = (g.symbol(Symbol(Kind.COORDINATE, i)) for i in range(count))
+    slope = tuple(turning.get(i, by.get(place, ZERO)) for i, place in enumerate(places))
+    rate = ZERO
+    for symbol, x in by.items() if any(node != ZERO for node in slope) else ():
+        kind, index = g.data[symbol].kind, g.data[symbol].index
+        if kind is Kind.COORDINATE or (kind is Kind.STATE and index < e.quaternions):
+            continue
+        if kind is Kind.STATE:
+            raise _Refused(
+                f"L or a constraint jumps where {text} vanishes, which has a state in it"
+            )
+        try:
+            rate = g.add(rate, g.multiply(x, rate_of(symbol)))
+        except NoRate as no:
+            raise _Refused(
+                f"L or a constraint jumps where {text} vanishes, and the rate of {no} is not known",
+                "give the input as a function of t by `set`",
+            ) from None
+    return slope, rate
+
+
+def _span(e: Equations) -> Span:
+    """Of the energy, which is where it jumps."""
+    model = e.model
+    found = (*model.potential, *model.kinetic, *model.lagrangian)
+    return found[0].span if found else model.span
+
+
+def check_rates(
+    model: Model, g: Graph, taken: list[tuple[Node, Span]], name: Callable[[Symbol], str]
+) -> None:
+    """Raises ModelError where the rate was taken of what jumps: there it has none."""
+    if not arguments_of(g, [node for node, _ in taken]):
+        return
+    across = Across(g)
+    for node, span in taken:
+        for argument in arguments_of(across.graph, [node]):
+            if across.jump(node, argument) != ZERO:
+                text = wording(across.graph, argument, name)
+                message = f"the rate is taken here of what jumps where {text} vanishes"
+                help = "let it bend, as max(0, x) does, or be steep, as tanh is"
+                raise error(model, message, span, help)

@@ -1,0 +1,211 @@
+"""Lagrange's equations of what stands on the graph: L, the forces, and names.
+
+`derive` makes a model into a Frame, `reduce` makes a smaller Frame of one; what is derived from it
+is the same for both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ...equations import Attitude, Constraints, Equations, Guard, ParameterSlot, Quantity, Row
+from ...graph.collect import THOROUGH, fewest, settled
+from ...graph.differentiate import reachable
+from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
+from ...graph.solve import Solution
+from ..motion import (
+    Energies,
+    Motion,
+    Wanted,
+    energy_of,
+    jacobians_of,
+    linear_of,
+    motion_of,
+    shorter,
+    shortest,
+)
+from ..points.guards import guards_of
+from .constrain import Rows, constrain
+from .impulses import NoRate, with_impulses
+from .marks import marks_of
+from .switches import switches_of
+
+
+@dataclass(frozen=True)
+class Derived:
+    """What follows from L and the forces; fields() are those of Equations."""
+
+    motion: Motion
+    solution: Solution | None
+    energies: Energies
+    written: Node  # L as it was given
+    energy: Node
+    jacobians: tuple
+    linear: object
+    state_rates: Row
+    free: Motion  # what moves where no constraint holds it
+    constraints: Constraints | None
+
+    def fields(self) -> dict[str, object]:
+        motion, energies = self.motion, self.energies
+        return {
+            "lagrangian": energies.lagrangian,
+            "kinetic": energies.kinetic,
+            "potential": energies.potential,
+            "written": self.written,
+            "energy": self.energy,
+            "momenta": motion.momenta,
+            "gradient": motion.gradient,
+            "applied": motion.applied,
+            "pdot": motion.pdot,
+            "mass": motion.mass,
+            "force": motion.force,
+            "acceleration": self.solution[0] if self.solution else None,
+            "pivots": self.solution[1] if self.solution else None,
+            "p_q": self.jacobians[0],
+            "pdot_q": self.jacobians[1],
+            "pdot_v": self.jacobians[2],
+            "linear": self.linear,
+            "state_rates": self.state_rates,
+            "constraints": self.constraints,
+        }
+
+
+def derived(
+    g: Graph,
+    energies: Energies,
+    forces: Row,
+    rate_of: Callable[[Node], Node],
+    wanted: Wanted,
+    check: Callable[[Motion], None] = lambda _: None,
+    states: Row = (),
+    attitudes: tuple[Attitude, ...] = (),
+    rows: Rows | None = None,
+) -> Derived:
+    """The motion in the form of fewest operations; `check` sees it as derived and as simplified.
+    `states` are the rates of the states, with which states.py makes Jacobians too; `rows` are what
+    the model's constraints say.
+
+    Raises SingularMass, CannotConstrain, and what `check` does.
+    """
+    raw = motion_of(g, energies, forces, rate_of, attitudes)
+    check(raw)
+    motion, solution = shortest(g, raw, wanted)
+    check(motion)
+    free, constraints = motion, None
+    if rows is not None:
+        motion, solution, constraints = constrain(g, motion, rows, rate_of)
+    jacobians, linear = (None, None, None), None
+    if wanted("jacobian") and not states:
+        jacobians = jacobians_of(g, motion)
+    if wanted.linear(len(forces)) and not states:
+        linear = linear_of(g, motion)
+    energy = energy_of(g, energies, motion, wanted)
+    shown = shorter(g, energies, wanted)
+    rates = states
+    if states and len(reachable(g, states)) <= THOROUGH:
+        rates = tuple(fewest(g, settled(g, list(states))))
+    return Derived(
+        motion,
+        solution,
+        shown,
+        energies.lagrangian,
+        energy,
+        jacobians,
+        linear,
+        rates,
+        free,
+        constraints,
+    )
+
+
+def guards(
+    g: Graph,
+    found: Derived,
+    parameters: tuple[ParameterSlot, ...],
+    coordinates: tuple[Quantity, ...],
+    inputs: tuple[Quantity, ...],
+    states: tuple[Quantity, ...] = (),
+) -> tuple[Guard, ...]:
+    """Where these equations end, in the names of their quantities."""
+    motion = found.free
+    acceleration, pivots = found.solution or (motion.force, None)
+    if found.constraints is not None:  # that rows stay apart is the runtime's to watch
+        acceleration = motion.force
+    outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
+    outputs += found.state_rates
+    name = naming(parameters, coordinates, inputs, states)
+    return guards_of(g, parameters, motion.mass, outputs, pivots, name)
+
+
+def located(equations: Equations) -> Equations:
+    """With the switches of the motion and of the quadratures, those where rates jump, and marks."""
+    e = equations
+    outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
+    outputs += e.state_rates
+    name = naming(e.parameters, e.coordinates, e.inputs, e.states)
+    switches = with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
+    if e.constraints is not None:
+        outputs += [*e.constraints.positions, *e.constraints.residual]
+    return replace(e, switches=switches, marks=marks_of(e.graph, outputs, name))
+
+
+def naming(
+    parameters: tuple[ParameterSlot, ...],
+    coordinates: tuple[Quantity, ...],
+    inputs: tuple[Quantity, ...],
+    states: tuple[Quantity, ...],
+) -> Callable[[Symbol], str]:
+    """What symbols are called."""
+    names = {
+        Kind.PARAMETER: [slot.quantity.name for slot in parameters],
+        Kind.COORDINATE: [q.name for q in coordinates],
+        Kind.RATE: [q.name + "'" for q in coordinates],
+        Kind.INPUT: [q.name for q in inputs],
+        Kind.TIME: ["t"],
+        Kind.STATE: [q.name for q in states],
+    }
+
+    def name(symbol: Symbol) -> str:
+        return names[symbol.kind][symbol.index]
+
+    return name
+
+
+def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equations:
+    """The equations anew from their L and what is applied, for the coordinates that they name."""
+    g, wanted = equations.graph, Wanted(kernels)
+    energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
+    e = equations
+    forces, rows = e.applied, None
+    if e.constraints is not None:
+        c = e.constraints
+        forces, rows = c.free_applied, Rows(c.names, c.holonomic, c.positions, c.residual, c.spans)
+    found = derived(
+        g, energies, forces, _rate_of(e), wanted, lambda _: None, e.state_rates, e.attitudes, rows
+    )
+    ends: tuple[Guard, ...] = ()
+    if wanted("guard"):
+        ends = guards(g, found, e.parameters, e.coordinates, e.inputs, e.states)
+    return located(replace(equations, **found.fields(), guards=ends))
+
+
+def _rate_of(equations: Equations) -> Callable[[Node], Node]:
+    g = equations.graph
+    inputs = {q.name: i for i, q in enumerate(equations.inputs)}
+
+    def rate_of(node: Node) -> Node:
+        symbol = g.data[node]
+        if symbol.kind is Kind.COORDINATE:
+            return g.symbol(Symbol(Kind.RATE, symbol.index))
+        if symbol.kind is Kind.TIME:
+            return g.number(1)
+        if symbol.kind is Kind.STATE:
+            return equations.state_rates[symbol.index]
+        following = equations.inputs[symbol.index].name + "'"
+        if following not in inputs:
+            raise NoRate(equations.inputs[symbol.index].name)
+        return g.symbol(Symbol(Kind.INPUT, inputs[following]))
+
+    return rate_of

@@ -1,0 +1,244 @@
+"""First-order variables, the states: x' = g(t, q, v, x).
+
+While a model is entered, the rate of state k of n is a symbol too, number n + k of its kind, for a
+definition may use it before anyone knows what it is. `resolved` puts in what it is.
+
+Every method of the runtime solves q' = v, M a = f. So in C a state is the rate of a coordinate of
+its own: v is the state, a its rate, and q its integral, which nothing depends on and nobody sees.
+`as_rates` adds these after the n coordinates of the model, with M the unit matrix there. Where a
+momentum p depends on a state (a rocket's mass), dp/dv would have an entry of it, and would not be
+symmetric: then the equations are handed on solved, with p = v, M = 1 and f = a.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
+from ...graph.differentiate import reachable
+from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.rounding import sizes
+from ...graph.solve import solve
+from ...graph.substitute import substituted
+from ..motion import Motion, Wanted, jacobians_of, linear_of
+from ..quantities import symbols
+
+STATES = BIT[Kind.STATE]
+
+
+class Circular(Exception):
+    """The rates of these states, each in that of the one before, the first in that of the last."""
+
+    def __init__(self, cycle: Sequence[int]):
+        super().__init__(cycle)
+        self.cycle = tuple(cycle)
+
+
+def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
+    """What each symbol of a rate stands for, with no such symbol in it. Raises Circular."""
+    count = len(rates)
+    found: dict[Node, Node] = {}
+    for first in range(count):
+        path = [first]
+        while path:
+            k = path[-1]
+            waiting = [
+                i for i in _rates_in(g, rates[k], count) if rate_of_state(g, i, count) not in found
+            ]
+            if not waiting:
+                (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
+                path.pop()
+            elif waiting[0] in path:
+                raise Circular(path[path.index(waiting[0]) :])
+            else:
+                path.append(waiting[0])
+    return found
+
+
+def rate_of_state(g: Graph, k: int, count: int) -> Node:
+    """The symbol of the rate of state k of so many."""
+    return g.symbol(Symbol(Kind.STATE, count + k))
+
+
+def _rates_in(g: Graph, node: Node, count: int) -> list[int]:
+    below = (g.data[n] for n in reachable(g, [node], STATES) if g.op[n] is Op.SYMBOL)
+    return sorted(symbol.index - count for symbol in below if symbol.index >= count)
+
+
+# -- for the C -----------------------------------------------------------------------------------
+
+
+def with_inertia_of_states(e: Equations) -> bool:
+    """Whether a momentum depends on a state."""
+    return any(e.graph.depends[node] & STATES for node in e.momenta)
+
+
+def as_rates(
+    e: Equations, structure: Structure, kernels: frozenset[str] | None
+) -> tuple[Equations, Structure]:
+    """Equations of coordinates alone, of which the last ones' rates are the states; and what C has
+    of rotations and constraints, with or without states: `unbound`, `inertia` and `terms`. Matrices
+    are n + count square then, of so many states. Every call is of equations that are not so yet."""
+    if not e.states and not e.attitudes:
+        if e.constraints is None and not e.jolted:
+            return e, structure
+        pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
+        terms = _terms(e.graph, e.constraints)
+        return replace(e, unbound=(e.momenta, pdot), inertia=e.mass, terms=terms), structure
+    g, count = e.graph, len(e.states)
+    n = len(e.coordinates)
+    own = symbols(g, Kind.RATE, n + count)[n:]
+    swap = dict(zip(symbols(g, Kind.STATE, count), own, strict=True))
+
+    def there(nodes: Iterable[Node]) -> Row:
+        return tuple(substituted(g, nodes, swap))
+
+    rates = there(e.state_rates)
+    solved = with_inertia_of_states(e)
+    acceleration = e.acceleration
+    if solved and acceleration is None:
+        acceleration = (solve(g, e.mass, e.force) or (None,))[0]
+        assert acceleration is not None, "derive() refuses what is too large"
+    acceleration = None if acceleration is None else (*there(acceleration), *rates)
+    motion = _solved(g, acceleration) if solved else _beside(g, e, rates, there)
+    wanted = Wanted(kernels)
+    jacobians = (None, None, None)
+    if wanted("jacobian"):
+        jacobians = jacobians_of(g, motion, lagrangian=False)
+    single = there([x for x in (e.lagrangian, e.energy, e.written)])
+    own = _unbound(g, e, there, rates)
+    constraints = _constraints(e.constraints, there, count)
+    whole = replace(
+        e,
+        unbound=own,
+        constraints=constraints,
+        terms=_terms(g, constraints),
+        coordinates=(*e.coordinates, *(_integral(q) for q in e.states)),
+        rates=(*e.rates, *e.states),
+        momenta_names=(*e.momenta_names, *e.states),
+        lagrangian=single[0],
+        energy=single[1],
+        written=single[2],
+        kinetic=None if e.kinetic is None else there([e.kinetic])[0],
+        potential=None if e.potential is None else there([e.potential])[0],
+        momenta=motion.momenta,
+        gradient=motion.gradient,
+        applied=motion.applied,
+        pdot=motion.pdot,
+        mass=motion.mass,
+        force=motion.force,
+        acceleration=acceleration,
+        pivots=None if e.pivots is None else (*there(e.pivots), *[ONE] * count),
+        inertia=_with_unit(_matrix(e.mass, there), count) if solved or own else None,
+        p_q=jacobians[0],
+        pdot_q=jacobians[1],
+        pdot_v=jacobians[2],
+        linear=linear_of(g, motion) if wanted.linear(n + count) else None,
+        guards=tuple(replace(x, node=there([x.node])[0]) for x in e.guards),
+        switches=tuple(_switch(x, there, count) for x in e.switches),
+        marks=tuple(_switch(x, there, count) for x in e.marks),
+        observed=there(e.observed),
+        conserved=there(e.conserved),
+        events=there(e.events),
+        quadratures=there(e.quadratures),
+        start_q=(*e.start_q, *[ZERO] * count),
+        start_v=(*e.start_v, *e.state_start),
+        states=(),
+        state_rates=(),
+        state_start=(),
+        n_states=count + len(e.turning),
+    )
+    return whole, _facts(structure, count, solved)
+
+
+def _integral(state: Quantity) -> Quantity:
+    """The coordinate that nobody sees."""
+    return Quantity(f"integral of {state.name}", "", "of no use: v has the state")
+
+
+def _switch(x: Switch, there, count: int) -> Switch:
+    node, slope_t, *slope = there((x.node, x.slope_t, *x.slope))
+    slope += [ZERO] * count if slope else []
+    return replace(x, node=node, slope_t=slope_t, slope=tuple(slope))
+
+
+def _matrix(matrix: Matrix, there) -> Matrix:
+    return tuple(there(row) for row in matrix)
+
+
+def _solved(g: Graph, acceleration: Row) -> Motion:
+    n = len(acceleration)
+    none = (ZERO,) * n
+    return Motion(
+        symbols(g, Kind.RATE, n), none, acceleration, acceleration, _unit(n), acceleration
+    )
+
+
+def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
+    """Lagrange's equations, and beside them x' = g."""
+    n, count = len(e.coordinates), len(rates)
+    none = (ZERO,) * count
+    return Motion(
+        (*there(e.momenta), *symbols(g, Kind.RATE, n + count)[n:]),
+        (*there(e.gradient), *none),
+        (*there(e.applied), *rates),
+        (*there(e.pdot), *rates),
+        _with_unit(_matrix(e.mass, there), count),
+        (*there(e.force), *rates),
+    )
+
+
+def _with_unit(mass: Matrix, count: int) -> Matrix:
+    """M, and beside it the unit matrix of so many."""
+    n, none = len(mass), (ZERO,) * count
+    return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
+
+
+def _unbound(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
+    """p and pdot without the forces of constraints, where there are rotations or constraints."""
+    if not e.quaternions and e.constraints is None and not e.jolted:
+        return None
+    pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
+    n, count = len(e.coordinates), len(rates)
+    own = symbols(g, Kind.RATE, n + count)[n:]
+    return (*there(e.momenta), *own), (*there(pdot), *rates)
+
+
+def _constraints(constraints: Constraints | None, there, count: int) -> Constraints | None:
+    if constraints is None:
+        return None
+    c = constraints
+    return replace(
+        c,
+        positions=there(c.positions),
+        rows=tuple((*there(row), *(ZERO,) * count) for row in c.rows),
+        residual=there(c.residual),
+        multipliers=there(c.multipliers),
+        pivots=tuple((*there(pair),) for pair in c.pivots),
+    )
+
+
+def _terms(g: Graph, constraints: Constraints | None) -> tuple[Row, Row] | None:
+    if constraints is None:
+        return None
+    c = constraints
+    found = sizes(g, (*c.positions, *c.residual))
+    return found[: c.holonomic], found[c.holonomic :]
+
+
+def _unit(n: int) -> Matrix:
+    return tuple(tuple(ONE if i == j else ZERO for j in range(n)) for i in range(n))
+
+
+def _facts(structure: Structure, count: int, solved: bool) -> Structure:
+    facts = replace(structure, cyclic=(*structure.cyclic, *(False,) * count))
+    if not solved:
+        return facts
+    return replace(
+        facts,
+        mass_constant=True,
+        mass_diagonal=True,
+        quadratic=True,
+        cyclic=(False,) * len(facts.cyclic),
+    )

@@ -1,0 +1,1 @@
+"""Expressions of a model as nodes of the graph, families written out."""

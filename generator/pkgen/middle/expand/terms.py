@@ -1,0 +1,211 @@
+"""Expressions as nodes: the table EXPAND has a function for each class of `tree.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from ... import limits
+from ...graph.constants import undefined
+from ...graph.graph import ONE, ZERO, Graph, Node
+from ...indices import assignments
+from ...tree import (
+    COMPONENTS,
+    Add,
+    Call,
+    Component,
+    Expr,
+    Multiply,
+    Name,
+    Negate,
+    Number,
+    Power,
+    Prime,
+    Quantity,
+    Sum,
+    Vector,
+)
+from ..attitudes import rotated
+from ..quantities import error
+
+if TYPE_CHECKING:
+    from .expand import Expander
+
+Vector3 = tuple[Node, ...]
+Value = Node | Vector3
+Loop = dict[str, int]
+
+
+def _each(function: Callable[..., Node], *values: Value) -> Value:
+    """A function of scalars component by component."""
+    if isinstance(values[0], tuple):
+        return tuple(function(*items) for items in zip(*values, strict=True))
+    return function(*values)
+
+
+def _number(x: Expander, expr: Number, loop: Loop) -> Value:
+    return x.graph.number(expr.value)
+
+
+def _prime(x: Expander, expr: Prime, loop: Loop) -> Value:
+    value = x.value(expr.of, loop)
+    x.primes += [(node, expr.span) for node in (value if isinstance(value, tuple) else (value,))]
+    with x.statement(expr.span):
+        return _each(x.derivative, value)
+
+
+def _component(x: Expander, expr: Component, loop: Loop) -> Value:
+    value = x.value(expr.of, loop)
+    if not isinstance(value, tuple) or expr.axis >= len(value):
+        raise error(x.model, f"there is no component .{COMPONENTS[expr.axis]} here", expr.span)
+    return value[expr.axis]
+
+
+def _negate(x: Expander, expr: Negate, loop: Loop) -> Value:
+    return _each(x.graph.negate, x.value(expr.of, loop))
+
+
+def _add(x: Expander, expr: Add, loop: Loop) -> Value:
+    result: Value | None = None
+    for term, sign in zip(expr.terms, expr.signs, strict=True):
+        value = x.value(term, loop)
+        if sign < 0:
+            value = _each(x.graph.negate, value)
+        if result is None:
+            result = value
+            continue
+        if _size(result) != _size(value):
+            raise error(x.model, "a vector can only be added to one of its length", term.span)
+        result = _each(x.graph.add, result, value)
+    return result
+
+
+def _size(value: Value) -> int:
+    return len(value) if isinstance(value, tuple) else 0
+
+
+def _multiply(x: Expander, expr: Multiply, loop: Loop) -> Value:
+    g = x.graph
+    result: Value = ONE
+    for factor, exponent in zip(expr.factors, expr.exponents, strict=True):
+        value = x.value(factor, loop)
+        if isinstance(value, tuple) and (isinstance(result, tuple) or exponent < 0):
+            raise error(
+                x.model, "vectors are multiplied by dot or cross, and never divided by", factor.span
+            )
+        if exponent < 0:
+            if value == ZERO:
+                raise error(x.model, "division by zero", factor.span)
+            value = g.power(value, -1)
+        if isinstance(value, tuple):
+            result, value = value, result
+        result = _each(lambda a, b=value: g.multiply(a, b), result)
+    return result
+
+
+def _power(x: Expander, expr: Power, loop: Loop) -> Value:
+    g = x.graph
+    base, exponent = x.scalar(expr.base, loop), x.scalar(expr.exponent, loop)
+    constant = g.value(exponent)
+    number = g.value(base)
+    if constant is None:
+        # Such a power has no derivative: ln of the base is in it.
+        if number is not None and (number < 0 or (number == 0 and not g.is_constant(exponent))):
+            what = "zero" if number == 0 else "a negative number"
+            raise x.refused(f"{what} to a power that varies is not differentiable", expr.span)
+        return g.call("pow", base, exponent)
+    if abs(constant) > limits.EXPONENT:
+        raise error(
+            x.model, f"an exponent beyond {limits.EXPONENT:,} in magnitude", expr.exponent.span
+        )
+    if number == 0 and constant < 0:
+        raise error(x.model, "division by zero", expr.span)
+    if number is not None and number < 0 and constant.denominator != 1:
+        raise error(x.model, "a negative number has no real power like this", expr.span)
+    return g.power(base, constant)
+
+
+def _call(x: Expander, expr: Call, loop: Loop) -> Value:
+    values = [x.value(argument, loop) for argument in expr.arguments]
+    if expr.function == "rotate":
+        if all(item == ZERO for item in values[0]):
+            raise error(x.model, "the axis of a rotation has no length", expr.span)
+        return _rotate(x.graph, *values)
+    if expr.function == "attitude":
+        return rotated(x.graph, *values)
+    if expr.function in _VECTOR:
+        for value, argument in zip(values, expr.arguments, strict=True):
+            if _size(value) == 0 or _size(value) != _size(values[0]):
+                raise error(x.model, f"{expr.function} takes vectors", argument.span)
+        if expr.function == "cross" and _size(values[0]) != 3:
+            raise error(x.model, "cross takes vectors of three components", expr.span)
+        return _VECTOR[expr.function](x.graph, *values)
+    for value, argument in zip(values, expr.arguments, strict=True):
+        if isinstance(value, tuple):
+            raise error(x.model, "a vector where a single value is needed", argument.span)
+    numbers = [x.graph.value(value) for value in values]
+    if None not in numbers:
+        wrong = undefined(expr.function, numbers)
+        if wrong:
+            raise error(x.model, wrong, expr.span)
+    return x.graph.call(expr.function, *values)
+
+
+def _dot(g: Graph, a: Vector3, b: Vector3) -> Node:
+    return g.sum(g.multiply(i, j) for i, j in zip(a, b, strict=True))
+
+
+def _cross(g: Graph, a: Vector3, b: Vector3) -> Vector3:
+    return tuple(
+        g.subtract(g.multiply(a[i], b[j]), g.multiply(a[j], b[i]))
+        for i, j in ((1, 2), (2, 0), (0, 1))
+    )
+
+
+def _norm(g: Graph, a: Vector3) -> Node:
+    return g.call("sqrt", _dot(g, a, a))
+
+
+def _rotate(g: Graph, axis: Vector3, angle: Node, a: Vector3) -> Vector3:
+    """Rodrigues' formula: c a + s n x a + (1 - c) n (n.a), n the unit vector along the axis."""
+    unit = g.power(_norm(g, axis), -1)
+    n = tuple(g.multiply(unit, i) for i in axis)
+    c, s = g.call("cos", angle), g.call("sin", angle)
+    along = g.multiply(g.subtract(ONE, c), _dot(g, n, a))
+    return tuple(
+        g.sum((g.multiply(c, i), g.multiply(s, j), g.multiply(along, k)))
+        for i, j, k in zip(a, _cross(g, n, a), n, strict=True)
+    )
+
+
+def _sum(x: Expander, expr: Sum, loop: Loop) -> Value:
+    result: Value | None = None
+    for inner in assignments(expr.ranges, loop):
+        value = x.value(expr.body, inner)
+        result = value if result is None else _each(x.graph.add, result, value)
+    return ZERO if result is None else result
+
+
+def _vector(x: Expander, expr: Vector, loop: Loop) -> Value:
+    return tuple(x.scalar(item, loop) for item in expr.items)
+
+
+def _quantity(x: Expander, expr: Quantity, loop: Loop) -> Value:
+    raise AssertionError("check folds units in")
+
+
+_VECTOR = {"dot": _dot, "cross": _cross, "norm": _norm}
+EXPAND: dict[type, Callable[[Expander, Expr, Loop], Value]] = {
+    Number: _number,
+    Name: lambda x, expr, loop: x.name(expr, loop),
+    Prime: _prime,
+    Component: _component,
+    Negate: _negate,
+    Add: _add,
+    Multiply: _multiply,
+    Power: _power,
+    Call: _call,
+    Sum: _sum,
+    Vector: _vector,
+    Quantity: _quantity,
+}

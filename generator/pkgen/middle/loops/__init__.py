@@ -1,0 +1,1 @@
+"""Equations of families of any length, derived once for a general member."""

@@ -1,0 +1,119 @@
+"""The bodies of terms at i = m, and as seen from the rows of the members in them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from ...graph.affine import ROW, Affine, extremes
+from ...graph.graph import Node
+from .expand import LoopExpander
+from .loops import Group, Limit, PairForce, Part, Slot, Total, Unrolled
+from .pairs import M
+from .slots import slots_of
+from .terms import Term
+
+
+@dataclass
+class Gathered:
+    """What the terms of L, D and the forces add up to, by family and by scalar coordinate."""
+
+    gradient: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
+    momenta: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
+    pdot: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
+    force: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
+    entries: dict[tuple[str, str, int], list[Part]] = field(
+        default_factory=lambda: defaultdict(list)
+    )
+    border: dict[tuple[str, str], list[Part]] = field(default_factory=lambda: defaultdict(list))
+    corner: dict[tuple[str, str], Total] = field(default_factory=dict)
+    of_scalar: dict[tuple[str, str], Total] = field(default_factory=dict)  # quantity, name
+    pairs: list[PairForce] = field(default_factory=list)  # of L
+    drags: list[PairForce] = field(default_factory=list)  # of D
+    limits: list[Limit] = field(default_factory=list)
+    wraps: dict[str, int] = field(default_factory=dict)
+
+
+class Bodies:
+    """Enters bodies, and notes what sizes must fulfil for every member in them to be there."""
+
+    def __init__(self, x: LoopExpander, found: Gathered):
+        self.x = x
+        self.found = found
+
+    def views(self, term: Term) -> Iterator[tuple[str, Affine, Node]]:
+        """(family, offset, body) for each family slot: the body as seen from that slot's row."""
+        body = self.at_row(term)
+        for slot in slots_of(self.x, [body]):
+            if slot.kind not in ("q", "v") or slot.at is None:
+                continue
+            twin = Slot("q" if slot.kind == "v" else "v", slot.name, slot.at)
+            if slot.kind == "v" and twin in slots_of(self.x, [body]):
+                continue  # seen already
+            if not term.ranges:
+                yield slot.name, slot.at, body
+                continue
+            shift = slot.at - M
+            yield slot.name, shift, term.at(self.x, M - shift)
+        self.x.members.clear()
+
+    def at_row(self, term: Term) -> Node:
+        """The body at i = m; that its slots are within reach is made sure of."""
+        values = (M,) if term.ranges else ()
+        self.x.members.clear()
+        body = term.at(self.x, *values)
+        lo = hi = length = None
+        if term.ranges:
+            (_, lo, hi) = term.ranges[0]
+            length = hi - lo
+        at = {ROW: (lo, hi)} if term.ranges else {}
+        self.found.limits += self.x.limits_of(length, at)
+        for slot in slots_of(self.x, [body]):
+            if slot.kind in ("q", "v") and slot.at is not None and term.ranges:
+                self._relative(slot)
+                self.in_reach(slot, lo, hi)
+        return body
+
+    def _relative(self, slot: Slot) -> None:
+        if slot.at.factor(ROW) == 0:
+            raise Unrolled(f"a sum reaches the one member {slot.name}[{slot.at.text()}] throughout")
+        if slot.at.factor(ROW) != 1 or not (slot.at - M).is_constant:
+            reached = f"{slot.name}[{slot.at.text({ROW: 'i'})}]"
+            raise Unrolled(f"a sum reaches {reached} from its index i")
+
+    def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
+        """That the member is there, or a given one beyond an end; how far a family wraps."""
+        if slot.kind not in ("q", "v") or slot.at is None or lo is None:
+            return
+        group = self.x.coordinates[slot.name]
+        first, last = extremes(slot.at, {ROW: (lo, hi)})
+        below, above = first - group.lo, group.hi - last
+        if group.periodic:
+            for beyond in (-below, -above):
+                if beyond.is_constant:
+                    known = self.found.wraps.get(slot.name, 0)
+                    self.found.wraps[slot.name] = max(known, beyond.constant)
+                else:
+                    self.found.limits.append(Limit(-beyond, hi - lo))
+            return
+        self.found.limits.append(Limit(below + _given(group, -1), hi - lo))
+        self.found.limits.append(Limit(above + _given(group, 1), hi - lo))
+
+    def scalars(self, body: Node) -> list[str]:
+        return list(
+            dict.fromkeys(
+                slot.name
+                for slot in slots_of(self.x, [body])
+                if slot.kind in ("q", "v") and slot.at is None
+            )
+        )
+
+
+def _given(group: Group, side: int) -> int:
+    """How many cells beyond an end are given, without a gap."""
+    at = {index for index, _ in group.ends}
+    count = 0
+    while (group.lo - (count + 1) if side < 0 else group.hi + (count + 1)) in at:
+        count += 1
+    return count

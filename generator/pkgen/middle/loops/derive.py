@@ -1,0 +1,225 @@
+"""Model -> LoopEquations: Lagrange's equations, families as loops; or Unrolled with a reason."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ... import limits
+from ...graph.affine import ROW, variable
+from ...graph.graph import ZERO
+from ...model import Model
+from ...source import Diagnostic, ModelError
+from ..derive.impulses import Across, arguments_of
+from ..expand.expand import NeedsDerivative
+from ..quantities import error, indexed
+from .bodies import Gathered
+from .expand import LoopExpander, size_values
+from .facts import facts_of, total_nodes
+from .guards import guards_of
+from .loops import Band, Limit, LoopEquations, Row, Total, Unrolled, Vector
+from .rows import Gather
+from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
+from .terms import Term, terms
+
+
+def derive_loops(model: Model) -> LoopEquations:
+    """The equations of motion with every family kept as a loop. Raises Unrolled."""
+    if model.constraints:
+        raise Unrolled("a model with constraints has its families written out")
+    if model.states:
+        raise Unrolled("a model with states has its families written out")
+    sized = set(size_values(model))
+    orders = [item.order for item in model.inputs]
+    while True:
+        try:
+            x = LoopExpander(model, tuple(orders))
+            if not any(
+                group.is_family and {n for n, _ in group.count.terms} & sized
+                for group in x.coordinates.values()
+            ):
+                raise Unrolled("no family of coordinates has a length that depends on a size")
+            return _derive(x)
+        except NeedsDerivative as needed:
+            item = model.inputs[needed.position]
+            orders[needed.position] += 1
+            if orders[needed.position] > limits.DEPTH:
+                raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+
+
+def _derive(x: LoopExpander) -> LoopEquations:
+    model, gather = x.model, Gather(x)
+    if model.events:
+        raise Unrolled(f"'{model.events[0].name}' is an event")
+    found: dict[str, list[tuple[Term, int]]] = {}
+    for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
+        found[kind] = []
+        for expr in getattr(model, kind):
+            with x.statement(expr.span):
+                for term in terms(x, expr):
+                    gather.lagrangian(term, sign)
+                    found[kind].append((term, 1))
+    for expr in model.dissipation:
+        with x.statement(expr.span):
+            for term in terms(x, expr):
+                gather.dissipation(term)
+    _forces(x, gather)
+    stated = bool(model.lagrangian)
+    negative = [(term, -1) for term, _ in found["potential"]]
+    whole = [*found["kinetic"], *negative, *found["lagrangian"]]
+    energy = Total()
+    for term, sign in whole:
+        if len(term.ranges) == 2:
+            opposite = gather.total([(term, -sign)])
+            energy = Total(energy.constant, energy.parts, (*energy.pairs, *opposite.pairs))
+        else:
+            energy = gather.with_energy(energy, term, sign)
+    kinetic = None if stated else gather.total(found["kinetic"])
+    potential = None if stated else gather.total(found["potential"])
+    lagrangian = gather.total(whole)
+    vectors = {
+        what: _vector(x, gather.found, what) for what in ("gradient", "momenta", "pdot", "force")
+    }
+    mass = _band(gather.found)
+    _check_inertia(x, mass)
+    outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
+    observed = outputs.nodes(model.observed)
+    conserved = outputs.nodes(model.conserved)
+    x.sums = None
+    starts = starts_of(x, gather)
+    defaults = defaults_of(x, gather)
+    result = LoopEquations(
+        model=model,
+        graph=x.graph,
+        slots=(),
+        coordinates=tuple(x.coordinates.values()),
+        parameters=tuple(x.parameters.values()),
+        orders=x.orders,
+        gradient=vectors["gradient"],
+        momenta=vectors["momenta"],
+        pdot=vectors["pdot"],
+        force=vectors["force"],
+        mass=mass,
+        kinetic=kinetic,
+        potential=potential,
+        lagrangian=lagrangian,
+        energy=energy,
+        sums=tuple(outputs.totals),
+        observed=observed,
+        conserved=conserved,
+        given=given_of(x),
+        defaults=defaults,
+        bounds=bounds_of(x),
+        starts=starts,
+        limits=_limits(x, gather.found.limits),
+        wraps=gather.found.wraps,
+    )
+    _check_points(x, result)
+    _check_jumps(x, result)
+    result = replace(result, facts=facts_of(x, gather, result))
+    guards, pivots = guards_of(x, gather, result)
+    return replace(result, guards=guards, pivots=pivots, slots=tuple(x.slots))
+
+
+def _forces(x: LoopExpander, gather: Gather) -> None:
+    for item in x.model.forces:
+        with x.statement(item.span):
+            lo = hi = None
+            loop = dict(x.sizes)
+            if item.range is not None:
+                lo, hi = x.index(item.range.lo, loop), x.index(item.range.hi, loop)
+                loop[item.range.variable] = variable(ROW)
+            elif item.index is not None:
+                lo = hi = x.index(item.index, loop)
+            node = x.scalar(item.value, loop)
+            at = {} if lo is None else {ROW: (lo, hi)}
+            gather.found.limits += x.limits_of(None if lo is None else hi - lo, at)
+            if lo is not None:
+                group = x.coordinates[item.name]
+                gather.found.limits += [
+                    Limit(lo - group.lo, hi - lo),
+                    Limit(group.hi - hi, hi - lo),
+                ]
+            gather.force(item.name, lo, hi, node)
+
+
+def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
+    rows = getattr(found, what)
+    pairs = list(found.pairs) if what in ("gradient", "pdot", "force") else []
+    pairs += found.drags if what in ("pdot", "force") else []
+    return Vector(
+        rows={g.name: Row(tuple(rows[g.name])) for g in x.coordinates.values() if g.is_family},
+        totals={
+            g.name: found.of_scalar.get((what, g.name), Total())
+            for g in x.coordinates.values()
+            if not g.is_family
+        },
+        pairs=tuple(p for p in pairs if p.by_row or p.by_other or p.by_scalar),
+    )
+
+
+def _band(found: Gathered) -> Band:
+    return Band(
+        {key: Row(tuple(parts)) for key, parts in found.entries.items() if parts},
+        {key: Row(tuple(parts)) for key, parts in found.border.items() if parts},
+        dict(found.corner),
+    )
+
+
+def _check_inertia(x: LoopExpander, mass: Band) -> None:
+    findings = []
+    for group in x.coordinates.values():
+        name = group.name
+        there = (name, name, 0) in mass.entries if group.is_family else (name, name) in mass.corner
+        if not there:
+            shown = indexed(name, None) + ("[i]" if group.is_family else "")
+            message = f"'{shown}' has no inertia: L does not contain the square of {shown}'"
+            help = f"give it a kinetic energy, or make '{name}' a param or an input"
+            findings.append(Diagnostic(message, group.declared.span, help))
+    if findings:
+        raise ModelError(x.model.source, findings)
+
+
+def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
+    """What a size must fulfil, as far as it is not plain; families have a member at least."""
+    sizes = size_values(x.model)
+    wanted = [Limit(g.count - 1, None) for g in x.coordinates.values() if g.is_family]
+    kept: dict[Limit, None] = {}
+    for limit in [*wanted, *found]:
+        unless = limit.unless
+        if unless is not None and unless.is_constant:
+            if unless.constant < 0:
+                continue
+            limit = Limit(limit.needs, None)
+            unless = None
+        if limit.needs.is_constant and limit.needs.constant >= 0:
+            continue
+        met = limit.needs.value(sizes) >= 0 or (unless is not None and unless.value(sizes) < 0)
+        if not met:
+            raise Unrolled(f"a sum reaches outside unless {limit.needs.text()} >= 0")
+        kept[limit] = None
+    plain = {limit.needs for limit in kept if limit.unless is None}
+    return tuple(k for k in kept if k.unless is None or k.needs not in plain)
+
+
+def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
+    """Impulses are of single coordinates: nobody locates the switches of loops."""
+    ends = [node for values in result.given.values() for node in values[:2]]
+    if arguments_of(x.graph, ends):
+        raise Unrolled("the motion of a fixed end bends or jumps")
+    bodies, across = [*total_nodes([result.lagrangian]), *(node for node, _ in x.primes)], None
+    for argument in arguments_of(x.graph, bodies):
+        across = across or Across(x.graph)
+        if any(across.jump(node, argument) != ZERO for node in bodies):
+            raise Unrolled("L jumps at a step, so that rates do")
+
+
+def _check_points(x: LoopExpander, result: LoopEquations) -> None:
+    """A term about one member is kept out of the interior, so it must be near an end."""
+    rows = [(name, row) for name, row in result.force.rows.items()]
+    rows += [(key[0], row) for key, row in result.mass.entries.items()]
+    for name, row in rows:
+        group = x.coordinates[name]
+        for part in row.parts:
+            near = (part.hi - group.lo).is_constant or (group.hi - part.lo).is_constant
+            if part.is_point and not near:
+                raise Unrolled(f"a term is about {name}[{part.lo.text()}], far from the ends")

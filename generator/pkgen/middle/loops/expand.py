@@ -1,0 +1,291 @@
+"""A model's expressions as nodes whose symbols are slots: members at a distance from a row."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager, nullcontext
+
+from ... import limits
+from ...graph.affine import LOOPS, Affine, affine, extremes, variable
+from ...graph.differentiate import Forward
+from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
+from ...graph.magnitudes import Magnitudes
+from ...indices import NotAnInteger
+from ...model import Coordinate, Definition, Model, Parameter
+from ...source import Span
+from ...tree import Expr, Name, Sum, children
+from ..expand.expand import NeedsDerivative
+from ..expand.terms import EXPAND, Value
+from ..quantities import error, input_index
+from .loops import Group, Limit, Slot, Total, Unrolled
+
+Loop = dict[str, Affine]
+# The domain of a slot's symbol: what is known before the loops begin can be hoisted.
+_KINDS = {
+    "q": Kind.COORDINATE,
+    "v": Kind.RATE,
+    "param": Kind.PARAMETER,
+    "size": Kind.PARAMETER,
+    "input": Kind.INPUT,
+    "index": Kind.INPUT,
+    "sum": Kind.INPUT,
+    "flux": Kind.INPUT,
+    "w": Kind.INPUT,
+    "d": Kind.RATE,
+}
+_BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
+
+
+def domain(slot: Slot) -> str:
+    """The kind of a slot's symbol."""
+    if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
+        return Kind.INPUT  # another value in each row: not to be hoisted
+    return _KINDS[slot.kind]
+
+
+class LoopExpander:
+    """Holds the graph and its slots; in the place of `Expander` for what `terms.py` has."""
+
+    def __init__(self, model: Model, orders: tuple[int, ...]):
+        self.model = model
+        self.orders = orders
+        self.graph = Graph(limits.UNROLLED)
+        self.slots: list[Slot] = []
+        self.primes: list[tuple[Node, Span]] = []
+        self._known: dict[Slot, Node] = {}
+        self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
+        self.coordinates = {c.name: self._group(c) for c in model.coordinates}
+        self.parameters = {p.name: self._group(p) for p in model.parameters}
+        self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
+        self.definitions: dict[str, list[Definition]] = {}
+        for item in model.definitions:
+            self.definitions.setdefault(item.name, []).append(item)
+        self.outputs: dict[str, Node] = {}  # built-in names of outputs, and those defined
+        self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
+        self.sums: list[Total] | None = None  # where sums may stand in any expression
+        self.make_total = None  # set by loops_outputs: Sum expression -> Total
+        self.members: list[tuple[Affine, Affine, Affine, Span]] = []  # of lets: lo, hi, index
+        self._defining: list[str] = []
+        self._visits = 0
+        self._magnitudes = Magnitudes(self.graph)
+
+    def _group(self, item: Coordinate | Parameter) -> Group:
+        if item.range is None:
+            return Group(item, None, None)
+        lo, hi = self.index(item.range.lo, self.sizes), self.index(item.range.hi, self.sizes)
+        ends, periodic = [], False
+        for end in self.model.ends:
+            if end.name != item.name or not isinstance(item, Coordinate):
+                continue
+            if end.kind == "periodic":
+                periodic = True
+            elif end.at is not None:
+                ends.append((self.index(end.at, self.sizes), end))
+            else:
+                ends.append(
+                    (lo - 1 if end.index is not None and _below(self, end, lo) else hi + 1, end)
+                )
+        return Group(item, lo, hi, tuple(ends), periodic)
+
+    def index(self, expr: Expr, loop: Loop) -> Affine:
+        try:
+            return affine(expr, loop)
+        except NotAnInteger as wrong:
+            raise Unrolled(
+                f"an index is not a sum of sizes and a loop variable: {wrong.message}"
+            ) from None
+
+    def statement(self, span: Span) -> AbstractContextManager:
+        """What the unrolled model reports at a place has a reason of its own here."""
+        return nullcontext()
+
+    # -- slots --------------------------------------------------------------------------------
+
+    def slot(self, kind: str, name: str, at: Affine | None = None) -> Node:
+        slot = Slot(kind, name, at)
+        node = self._known.get(slot)
+        if node is None:
+            node = self.graph.symbol(Symbol(domain(slot), len(self.slots)))
+            self.slots.append(slot)
+            self._known[slot] = node
+        return node
+
+    def slot_of(self, node: Node) -> Slot | None:
+        data = self.graph.data[node]
+        if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
+            return self.slots[data.index]
+        return None
+
+    def number(self, at: Affine) -> Node:
+        """An index expression as a number."""
+        g = self.graph
+        total = g.number(at.constant)
+        for name, factor in at.terms:
+            kind = "index" if name in LOOPS else "size"
+            total = g.add(total, g.multiply(g.number(factor), self.slot(kind, name)))
+        return total
+
+    # -- expressions --------------------------------------------------------------------------
+
+    def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
+        value = self.value(expr, self.sizes if loop is None else loop)
+        if isinstance(value, tuple):
+            raise Unrolled("vectors are summed where loops add numbers")
+        return value
+
+    def value(self, expr: Expr, loop: Loop) -> Value:
+        self._visits += 1
+        if self._visits > limits.VISITS:
+            raise Unrolled("its expressions are too large")
+        if isinstance(expr, Sum):
+            return self._sum(expr, loop)
+        value = EXPAND[type(expr)](self, expr, loop)
+        for node in value if isinstance(value, tuple) else (value,):
+            self.check_magnitude(node, expr.span)
+        return value
+
+    def check_magnitude(self, node: Node, span: Span) -> None:
+        """That a double can hold its constants."""
+        wrong = self._magnitudes.wrong(node)
+        if wrong:
+            raise error(self.model, wrong, span)
+
+    def refused(self, message: str, span: Span) -> Exception:
+        """What is to be raised of an exponent that may be an index, a number once unrolled."""
+        return Unrolled(message)
+
+    def _sum(self, expr: Sum, loop: Loop) -> Node:
+        if self.sums is None:
+            raise Unrolled(
+                "a sum stands where loops have none: in a function, a product of sums, a start, "
+                "a parameter or an end"
+            )
+        if any(a.factor(v) for a in loop.values() for v in LOOPS):
+            raise Unrolled("a sum stands inside another one's function")
+        self.sums.append(self.make_total(expr))
+        return self.slot("sum", str(len(self.sums) - 1))
+
+    def name(self, expr: Name, loop: Loop) -> Value:
+        name = expr.id
+        index = None if expr.index is None else self.index(expr.index, loop)
+        if index is None and name in loop:
+            return self.number(loop[name])
+        if name in self.coordinates:
+            return self.coordinate(name, index)
+        if name in self.parameters:
+            if index is not None:
+                self._reach(self.parameters[name], index, expr.span)
+            return self.slot("param", name, index)
+        if name in self.inputs:
+            flat = input_index(self.orders, self.inputs[name], 0)
+            return self.slot("input", str(flat))
+        if name in self.definitions:
+            return self._definition(name, index, expr.span)
+        if name in self.outputs:
+            if index is not None:
+                raise Unrolled(f"'{name}' is an output of each member")
+            return self.outputs[name]
+        if name in _BUILT_IN:
+            return self.graph.symbol(_BUILT_IN[name])
+        raise Unrolled(f"'{name}' is not known in a loop")
+
+    def _definition(self, name: str, index: Affine | None, span: Span) -> Value:
+        """A `let`, its expression entered where it is used."""
+        if name in self._defining:
+            raise Unrolled(f"'{name}' is defined by its own members: a recursion over the index")
+        found = self.definitions[name]
+        if index is not None and len(found) > 1:
+            raise Unrolled(f"'{name}' is defined piece by piece")
+        item = found[-1]
+        inner = dict(self.sizes)
+        if item.range is not None:
+            inner[item.range.variable] = index
+            lo, hi = self.index(item.range.lo, inner), self.index(item.range.hi, inner)
+            self.members.append((lo, hi, index, span))
+        elif item.index is not None:
+            raise Unrolled(f"'{name}' is defined member by member")
+        self._defining.append(name)
+        try:
+            return self.value(item.value, inner)
+        finally:
+            self._defining.pop()
+
+    def _reach(self, group: Group, index: Affine, span: Span) -> None:
+        self.members.append((group.lo, group.hi, index, span))
+
+    def coordinate(self, name: str, index: Affine | None) -> Node:
+        """A coordinate; a given member that is named outside loops by what it is given as."""
+        group = self.coordinates[name]
+        if index is None or any(index.factor(v) for v in LOOPS):
+            return self.slot("q", name, index)
+        for at, end in group.ends:
+            if at == index:
+                if end.kind == "fixed":
+                    return self.scalar(end.value)
+                return self.slot("q", name, group.lo if at == group.lo - 1 else group.hi)
+        if group.periodic:
+            below, above = index - group.lo, group.hi - index
+            if below.is_constant and below.constant < 0:
+                index = index + group.count
+            elif above.is_constant and above.constant < 0:
+                index = index - group.count
+        self.members.append((group.lo, group.hi, index, group.declared.span))
+        return self.slot("q", name, index)
+
+    def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
+        """What the sizes must fulfil for members met since to be there; forgets them."""
+        found = []
+        for lo, hi, index, _ in self.members:
+            first, last = extremes(index, at)
+            found += [Limit(first - lo, length), Limit(hi - last, length)]
+        self.members.clear()
+        return found
+
+    # -- derivatives in time ------------------------------------------------------------------
+
+    def _rate_of(self, node: Node) -> Node:
+        slot = self.slot_of(node)
+        if slot is None:
+            return ONE  # t
+        if slot.kind == "q":
+            return self.slot("v", slot.name, slot.at)
+        if slot.kind == "input":
+            return self.next_input(slot)
+        if slot.kind == "sum":
+            raise Unrolled("the rate of a sum is an output")
+        if slot.kind in ("v", "w", "d"):
+            raise Unrolled("an output has an acceleration")
+        return ZERO
+
+    def next_input(self, slot: Slot) -> Node:
+        last = -1
+        for position, order in enumerate(self.orders):
+            last += order + 1
+            if int(slot.name) == last:
+                raise NeedsDerivative(position)
+            if int(slot.name) < last:
+                break
+        return self.slot("input", str(int(slot.name) + 1))
+
+
+def unlike_loops(size: str) -> str:
+    """A size's name as a variable of index expressions."""
+    return f"{size}'" if size in LOOPS else size
+
+
+def _below(x: LoopExpander, end, lo: Affine) -> bool:
+    return end.index < lo.value(size_values(x.model))
+
+
+def size_values(model: Model) -> dict[str, int]:
+    return {unlike_loops(size.name): size.value for size in model.sizes}
+
+
+def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> bool:
+    """Whether there is a sum in an expression or in a `let` that it uses."""
+    if isinstance(expr, Sum):
+        return True
+    if isinstance(expr, Name):
+        if expr.id in x.definitions and expr.id not in seen:
+            return any(has_sum(x, d.value, seen | {expr.id}) for d in x.definitions[expr.id])
+        return False
+    return any(has_sum(x, part, seen) for part in children(expr))

@@ -1,0 +1,81 @@
+"""What is proved of a model whose families are loops; see enum pk_fact. False: not proved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...functions import FUNCTIONS
+from ...graph.differentiate import reachable
+from ...graph.graph import BIT, Kind, Node, Op
+from ..analyze.affine import is_affine
+from .expand import LoopExpander
+from .loops import Facts, LoopEquations, Total, Vector
+from .rows import Gather
+from .slots import slots_of
+
+
+def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
+    entries = [
+        part.node
+        for row in (*e.mass.entries.values(), *e.mass.border.values())
+        for part in row.parts
+    ]
+    entries += total_nodes(e.mass.corner.values())
+    forces = [*vector_nodes(e.force)]
+    energies = total_nodes([e.lagrangian])
+    constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
+    steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
+    smooth = all(
+        FUNCTIONS[x.graph.data[node]].smooth
+        for node in reachable(x.graph, [*energies, *forces])
+        if x.graph.op[node] is Op.CALL
+    )
+    jumps = any(
+        x.graph.op[node] is Op.CALL and x.graph.data[node] in ("step", "sign")
+        for node in reachable(x.graph, energies)
+    )
+    return Facts(
+        mass_constant=constant,
+        mass_diagonal=e.mass.is_diagonal,
+        quadratic="v" not in _kinds(x, entries),
+        separable=constant and "v" not in _kinds(x, forces),
+        autonomous=steady,
+        conservative=not gather.applied and steady and not jumps,
+        variational=not gather.applied,
+        smooth=smooth,
+        affine=constant and steady and _affine(x, forces),
+    )
+
+
+def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
+    """Whether each is a sum of positions and rates, each times a constant, as it stands."""
+    g = x.graph
+    slots = ((node, x.slot_of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
+    symbols = {
+        node: slot.kind in ("q", "v", "d")
+        for node, slot in slots
+        if slot is not None and slot.kind not in ("param", "size", "index")
+    }
+    return is_affine(g, nodes, symbols)
+
+
+def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
+    found = {slot.kind for slot in slots_of(x, nodes)}
+    if any(x.graph.depends[node] & BIT[Kind.TIME] for node in nodes):
+        found.add("t")
+    return found
+
+
+def total_nodes(totals: Iterable[Total]) -> list[Node]:
+    found = []
+    for total in totals:
+        found += [total.constant, *(p.node for p in total.parts), *(p.node for p in total.pairs)]
+    return found
+
+
+def vector_nodes(vector: Vector) -> list[Node]:
+    found = [part.node for row in vector.rows.values() for part in row.parts]
+    found += total_nodes(vector.totals.values())
+    for pair in vector.pairs:
+        found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar) for _, node in side]
+    return found

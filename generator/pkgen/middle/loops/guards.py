@@ -1,0 +1,209 @@
+"""Where the equations of families kept as loops end: guards with a value for each member.
+
+What bodies divide by, or take a root or a logarithm of, is found as in guards.py, once for a body
+and the range of its index. Each member has a value of its own: in the least of them a member that
+passes through zero within a step would hide behind another one that is always nearer.
+
+A pivot of M is not one expression where M is a band, nor a diagonal entry where several sums add to
+it with ranges of their own: then all pivots, as the acceleration finds them, are guards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ...graph.affine import OTHER, ROW, Affine
+from ...graph.collect import settled
+from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from ...graph.ranges import INF, Range, Ranges
+from ...graph.wording import wording
+from ..points.guards import COORDINATES, DIVISOR, about, dangerous, squared, zeros
+from .expand import LoopExpander, unlike_loops
+from .loops import Group, LoopEquations, LoopGuard, PairPart, Part, Slot, Total
+from .pairs import M
+from .rows import Gather
+from .slots import shifted, slots_of
+
+MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME]
+_PRIMES = {"v": "'", "d": "'"}
+_Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
+_Guarded = tuple[_Over, Node]
+
+
+def guards_of(
+    x: LoopExpander, gather: Gather, e: LoopEquations
+) -> tuple[tuple[LoopGuard, ...], bool]:
+    """The guards, those of the chart first; and whether the pivots of M are guards too."""
+    return _Guards(x, gather, e).found()
+
+
+class _Guards:
+    def __init__(self, x: LoopExpander, gather: Gather, e: LoopEquations):
+        self.x, self.gather, self.e, self.g = x, gather, e, x.graph
+        self.ranges = Ranges(x.graph, [])
+        self.ranges.known.update(_known(x, e))
+
+    def found(self) -> tuple[tuple[LoopGuard, ...], bool]:
+        charts, pivots = self._charts()
+        motions: dict[_Guarded, str] = {}
+        for over, output in self._outputs():
+            for base, use in dangerous(self.g, self.ranges, [output]):
+                for node, _ in zeros(self.g, self.ranges, base):
+                    found = self._canonical(over, node)
+                    if self._moves(node) and (found not in motions or use == DIVISOR):
+                        motions[found] = use
+        kept = dict.fromkeys(charts, COORDINATES)
+        kept |= {found: use for found, use in motions.items() if found not in kept}
+        roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
+        for root in roots:  # r, not r^2 too
+            kept.pop(root, None)
+        guards = [
+            LoopGuard(self._text(node), kept[over, node], self._terms(over, node))
+            for over, node in self._distinct(kept)
+        ]
+        return tuple(guards), pivots
+
+    def _distinct(self, found: Iterable[_Guarded]) -> list[_Guarded]:
+        """Those that are not another one or its negative: two rows see a body in two ways."""
+        kept: list[_Guarded] = []
+        for over, node in found:
+            same = [
+                ways(node, other)
+                for there, other in kept
+                if there == over
+                for ways in (self.g.subtract, self.g.add)
+            ]
+            if ZERO not in settled(self.g, same):
+                kept.append((over, node))
+        return kept
+
+    # -- where they are found -----------------------------------------------------------------
+
+    def _outputs(self) -> Iterator[tuple[_Over, Node]]:
+        """Whatever the acceleration computes, with the range of its index."""
+        e = self.e
+        rows = [*e.force.rows.values(), *e.mass.entries.values(), *e.mass.border.values()]
+        totals = [*e.force.totals.values(), *e.mass.corner.values()]
+        for part in (part for item in (*rows, *totals) for part in item.parts):
+            yield (part.lo, part.hi), part.node
+        for total in totals:
+            yield (), total.constant
+        for nodes in e.given.values():
+            yield from (((), node) for node in nodes)
+        for pair in e.force.pairs:
+            over = (pair.lo, pair.hi, pair.first, pair.last)
+            for _, node in (*pair.by_row, *pair.by_other, *pair.by_scalar):
+                yield over, node
+
+    def _charts(self) -> tuple[dict[_Guarded, None], bool]:
+        """The factors of a diagonal M's entries that may vanish; and whether its pivots are to be
+        watched as they are."""
+        e = self.e
+        found: dict[_Guarded, None] = {}
+        if e.facts.mass_constant:
+            return found, False
+        if not e.mass.is_diagonal:
+            return found, True
+        pivots = False
+        for group in e.coordinates:
+            entry = self._single(group)
+            if entry is None:
+                pivots |= not self._positive(group)
+                continue
+            over, node = entry
+            for factor, _ in zeros(self.g, self.ranges, node):
+                if self._moves(factor):
+                    found[self._canonical(over, factor)] = None
+        return found, pivots
+
+    def _single(self, group: Group) -> _Guarded | None:
+        """The diagonal entry of M as one expression, with its range; None: it is none."""
+        if not group.is_family:
+            total = self.e.mass.corner[group.name, group.name]
+            return None if total.parts or total.pairs else ((), total.constant)
+        parts = self.e.mass.entries[group.name, group.name, 0].parts
+        over = (parts[0].lo, parts[0].hi)
+        if any((part.lo, part.hi) != over for part in parts):
+            return None
+        return over, self.g.sum(part.node for part in parts)
+
+    def _positive(self, group: Group) -> bool:
+        """Whether no part of the diagonal entry is negative, and one everywhere is positive."""
+        if not group.is_family:
+            total = self.e.mass.corner[group.name, group.name]
+            always, parts = [total.constant], total.parts
+        else:
+            parts = self.e.mass.entries[group.name, group.name, 0].parts
+            always = [part.node for part in parts if _covers(part, group)]
+        return all(self.ranges(part.node).not_negative for part in parts) and any(
+            self.ranges(node).positive for node in always
+        )
+
+    # -- what they are ------------------------------------------------------------------------
+
+    def _moves(self, node: Node) -> bool:
+        moving = ("input", "w")
+        return bool(self.g.depends[node] & MOVES) or any(
+            slot.kind in moving for slot in slots_of(self.x, [node])
+        )
+
+    def _canonical(self, over: _Over, node: Node) -> _Guarded:
+        """The same with i the least index in it: rows see a body from each of its members."""
+        slots = slots_of(self.x, [node])
+        members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
+        if len(over) != 2:
+            return over, node
+        if not members:
+            return (over if any(slot.kind == "index" for slot in slots) else ()), node
+        least = min([(at - M).constant for at in members if (at - M).is_constant], default=0)
+        lo, hi = over
+        return (lo + least, hi + least), shifted(self.g, node, -least, self.x.slots, self._symbol)
+
+    def _symbol(self, slot: Slot) -> Node:
+        return self.x.slot(slot.kind, slot.name, slot.at)
+
+    def _terms(self, over: _Over, node: Node) -> Total:
+        if not over:
+            return Total(node)
+        if len(over) == 2:
+            return Total(ZERO, (Part(*over, node, self.gather.inner(node)),))
+        return Total(ZERO, (), (PairPart(*over, node),))
+
+    def _text(self, node: Node) -> str:
+        sizes = {unlike_loops(size.name): size.name for size in self.e.model.sizes}
+        shown = sizes | {ROW: "i", OTHER: "j"}
+
+        def name(symbol: Symbol) -> str:
+            if symbol.kind is Kind.TIME:
+                return "t"
+            slot = self.x.slots[symbol.index]
+            if slot.kind == "index":
+                return shown[slot.name]
+            at = "" if slot.at is None else f"[{slot.at.text(shown).replace(' ', '')}]"
+            return slot.name + at + _PRIMES.get(slot.kind, "")
+
+        return wording(self.g, about(self.g, node), name)
+
+
+def _covers(part: Part, group: Group) -> bool:
+    before, behind = group.lo - part.lo, part.hi - group.hi
+    return all(x.is_constant and x.constant >= 0 for x in (before, behind))
+
+
+def _known(x: LoopExpander, e: LoopEquations) -> dict[Node, Range]:
+    """The ranges of parameters, those of a family's members too, and of sizes and indices."""
+    g, found = x.graph, {}
+    bounds = dict(zip(x.parameters, e.bounds, strict=True))
+    for slot in list(x.slots):
+        if slot.kind == "param":
+            given, own = x.parameters[slot.name].declared.bounds, bounds[slot.name]
+            lo, hi = _number(g, own.lo, -INF), _number(g, own.hi, INF)
+            found[x.slot("param", slot.name, slot.at)] = Range(lo, hi, given.lo_open, given.hi_open)
+        elif slot.kind == "size":
+            found[x.slot("size", slot.name, slot.at)] = Range(1)
+    return found
+
+
+def _number(g: Graph, node: Node | None, otherwise: float) -> float:
+    value = None if node is None else g.value(node)
+    return otherwise if value is None else float(value)

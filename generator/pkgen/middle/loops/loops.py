@@ -1,0 +1,266 @@
+"""What the derivation of a model hands on whose families stay loops: rows and totals.
+
+L is a sum of terms, each a sum over i = lo..hi of one body. Its derivative by a cell m of a family
+gathers what the bodies around it say,
+
+    row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d slot_c at i = m - c
+
+so a row is a few parts, each with its guard; where all guards hold and no end is near, one
+expression without any condition is left, the interior. A cell beyond an end (a ghost) is a
+function of t (`fixed`), its neighbour (`free`) or wraps (`periodic`); by the chain rule its own
+row, guards and all, is added to the row of the cell that it stands for. That holds for every
+length of a family down to one member.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from ...equations import Claim, Symmetries
+from ...graph.affine import Affine
+from ...graph.graph import Graph, Node
+from ...model import Coordinate, End, Model, Parameter
+
+
+class Unrolled(Exception):
+    """The model's families cannot stay loops; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """What a symbol of the graph stands for.
+
+    kind: "q", "v", "w" (the acceleration of a cell that is given as a function of t, 0 of a
+    coordinate), "d" (the rate of a coordinate, 0 of a given cell), "param", "size", "index",
+    "input", "sum". `at` is the index of a family's member.
+    """
+
+    kind: str
+    name: str
+    at: Affine | None = None
+
+
+@dataclass(frozen=True)
+class Group:
+    """A declared coordinate: one scalar (lo is None) or a family lo..hi, and its ends."""
+
+    declared: Coordinate | Parameter
+    lo: Affine | None
+    hi: Affine | None
+    ends: tuple[tuple[Affine, End], ...] = ()  # each given index outside the family
+    periodic: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.declared.name
+
+    @property
+    def is_family(self) -> bool:
+        return self.lo is not None
+
+    @property
+    def count(self) -> Affine:
+        return Affine(1) if self.lo is None else self.hi - self.lo + 1
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one body, seen from one offset, adds to a row: only where lo <= m <= hi.
+
+    `inner` is the same away from the ends, where no given cell is in reach.
+    """
+
+    lo: Affine
+    hi: Affine
+    node: Node
+    inner: Node | None = None
+
+    @property
+    def is_point(self) -> bool:
+        """Over a few cells however long the family is."""
+        length = self.hi - self.lo
+        return length.is_constant and length.constant <= 8
+
+
+@dataclass(frozen=True)
+class Row:
+    """A quantity with a value for each cell of a family."""
+
+    parts: tuple[Part, ...] = ()
+
+
+@dataclass(frozen=True)
+class PairPart:
+    """A double sum over m = lo..hi and j = first..last; nodes by what they add to.
+
+    `first` and `last` may contain m. Each pair is met once.
+    """
+
+    lo: Affine
+    hi: Affine
+    first: Affine
+    last: Affine
+    node: Node
+
+
+@dataclass(frozen=True)
+class Total:
+    """A quantity with one value: a constant part, single sums, double sums."""
+
+    constant: Node = 0
+    parts: tuple[Part, ...] = ()
+    pairs: tuple[PairPart, ...] = ()
+
+
+@dataclass(frozen=True)
+class PairForce:
+    """The derivatives of one double sum by the cells and the scalar coordinates in it."""
+
+    lo: Affine
+    hi: Affine
+    first: Affine
+    last: Affine
+    by_row: tuple[tuple[str, Node], ...]  # family, derivative by its member m
+    by_other: tuple[tuple[str, Node], ...]  # by its member j
+    by_scalar: tuple[tuple[str, Node], ...]
+
+
+@dataclass(frozen=True)
+class Vector:
+    """A quantity with a value for each coordinate."""
+
+    rows: dict[str, Row]  # by family
+    totals: dict[str, Total]  # by scalar coordinate
+    pairs: tuple[PairForce, ...] = ()
+
+
+@dataclass(frozen=True)
+class Band:
+    """M as rows: entry (family, other, d) is M of cell m of one and m + d of the other;
+    `border` is of a scalar coordinate with a family's cell m, `corner` of two scalars."""
+
+    entries: dict[tuple[str, str, int], Row]
+    border: dict[tuple[str, str], Row]
+    corner: dict[tuple[str, str], Total]
+
+    @property
+    def is_diagonal(self) -> bool:
+        off_corner = any(a != b for a, b in self.corner)
+        return not (self.border or off_corner) and all(
+            d == 0 and f == g for f, g, d in self.entries
+        )
+
+
+@dataclass(frozen=True)
+class Assigned:
+    """Members lo..hi of a declared name take the value of a node, m being the index."""
+
+    name: str
+    order: int  # 1: of a rate
+    lo: Affine | None
+    hi: Affine | None
+    node: Node
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A size is large enough where `needs` >= 0, or where the range `unless` is empty."""
+
+    needs: Affine
+    unless: Affine | None  # its length - 1
+
+
+@dataclass(frozen=True)
+class Facts:
+    mass_constant: bool
+    mass_diagonal: bool
+    quadratic: bool
+    separable: bool
+    autonomous: bool
+    conservative: bool
+    variational: bool
+    smooth: bool
+    affine: bool
+    claims: tuple[Claim, ...] = ()
+    symmetries: Symmetries | None = None  # None: not asked for
+    switched: bool = False  # switches of members of a family are not located
+
+    @property
+    def smooth_in_pieces(self) -> bool:
+        return self.smooth or self.switched
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """Where the members of a declared parameter may lie; nodes in its index m."""
+
+    lo: Node | None
+    hi: Node | None
+
+
+@dataclass(frozen=True)
+class LoopGuard:
+    """The equations end where one of `terms` vanishes, each for itself: a member's, a pair's, or a
+    constant. `name` is the expression in i, of a pair in i and j; `use` as of a Guard."""
+
+    name: str
+    use: str
+    terms: Total
+
+
+@dataclass(frozen=True)
+class LoopEquations:
+    model: Model
+    graph: Graph
+    slots: tuple[Slot, ...]
+    coordinates: tuple[Group, ...]
+    parameters: tuple[Group, ...]
+    orders: tuple[int, ...]  # derivatives of each input that occur
+
+    gradient: Vector
+    momenta: Vector
+    pdot: Vector
+    force: Vector
+    mass: Band
+    kinetic: Total | None
+    potential: Total | None
+    lagrangian: Total
+    energy: Total
+    sums: tuple[Total, ...]  # of the outputs, in the order of their symbols
+    observed: tuple[Node, ...]
+    conserved: tuple[Node, ...]
+    # The value of each given cell beyond an end and its first two derivatives, by its End.
+    given: dict[tuple[str, Affine], tuple[Node, Node, Node]]
+    defaults: tuple[Assigned, ...]  # one for each declared parameter
+    bounds: tuple[Bounded, ...]
+    starts: tuple[Assigned, ...]
+    limits: tuple[Limit, ...]
+    wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
+    facts: Facts | None = None
+    guards: tuple[LoopGuard, ...] = ()
+    pivots: bool = False  # those of M are guards too, before the others
+
+    def group(self, name: str) -> Group:
+        return next(g for g in self.coordinates if g.name == name)
+
+    @property
+    def families(self) -> tuple[Group, ...]:
+        return tuple(g for g in self.coordinates if g.is_family)
+
+    @property
+    def scalars(self) -> tuple[Group, ...]:
+        return tuple(g for g in self.coordinates if not g.is_family)
+
+    @property
+    def count(self) -> Affine:
+        total = Affine()
+        for group in self.coordinates:
+            total = total + group.count
+        return total
+
+
+def all_parts(vectors: list[Vector]) -> Iterator[Part]:
+    for vector in vectors:
+        for row in vector.rows.values():
+            yield from row.parts

@@ -1,0 +1,65 @@
+"""Double sums: the body at m and j, each pair once, its derivatives by what is at both ends."""
+
+from __future__ import annotations
+
+from ...graph.affine import OTHER, ROW, Affine, extremes, variable
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
+from .expand import LoopExpander
+from .loops import Limit, PairForce, Unrolled
+from .slots import slots_of
+from .terms import Term
+
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+RATES = BIT[Kind.RATE]
+M, J = variable(ROW), variable(OTHER)
+
+
+def signed(g: Graph, node: Node, sign: int) -> Node:
+    return node if sign > 0 else g.multiply(MINUS_ONE, node)
+
+
+def pair_ranges(term: Term) -> tuple[Affine, Affine, Affine, Affine]:
+    (own, lo, hi), (_, first, last) = term.ranges
+    return lo, hi, first.replaced({own: M}), last.replaced({own: M})
+
+
+def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
+    x.members.clear()
+    body = term.at(x, M, J)
+    lo, hi, first, last = pair_ranges(term)
+    # A pair is met where both ranges are not empty; the extremes over m are for those.
+    at = {OTHER: (first, last), ROW: (lo, hi)}
+    limits += x.limits_of(hi - lo, at)
+    for slot in slots_of(x, [body]):
+        if slot.kind not in ("q", "v") or slot.at is None:
+            continue
+        if slot.at not in (M, J):
+            raise Unrolled("a pair sum reaches beside its own members")
+        group = x.coordinates[slot.name]
+        low, high = (lo, hi) if slot.at == M else (first, last)
+        _within(low - group.lo, group.hi - high, lo, hi, limits)
+    return body
+
+
+def _within(below: Affine, above: Affine, lo: Affine, hi: Affine, limits: list[Limit]) -> None:
+    for needs in (below, above):
+        least, _ = extremes(needs, {ROW: (lo, hi)})
+        limits.append(Limit(least, hi - lo))
+
+
+def pair_force(
+    x: LoopExpander, term: Term, sign: int, drag: bool, limits: list[Limit]
+) -> PairForce:
+    body = signed(x.graph, pair_body(x, term, limits), sign)
+    if x.graph.depends[body] & RATES and not drag:
+        raise Unrolled("a pair sum has rates in it: M would be dense")
+    kind = "v" if drag else "q"
+    by = gradient(x.graph, body, RATES if drag else STATE)
+    sides: dict[Affine | None, list[tuple[str, Node]]] = {M: [], J: [], None: []}
+    for slot in slots_of(x, [body]):
+        if slot.kind == kind:
+            node = by.get(x.slot(kind, slot.name, slot.at), ZERO)
+            if node != ZERO:
+                sides[slot.at].append((slot.name, node))
+    return PairForce(*pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None]))

@@ -1,0 +1,222 @@
+"""Terms -> rows: each body differentiated by the slots in it, seen from the row of each slot."""
+
+from __future__ import annotations
+
+from ...graph.affine import LOOPS, Affine
+from ...graph.differentiate import Forward, gradient
+from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node
+from ..motion import degree
+from .bodies import Bodies, Gathered
+from .expand import LoopExpander
+from .loops import PairPart, Part, Total, Unrolled
+from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
+from .slots import slots_of, substitute
+from .terms import Term
+
+
+class Gather:
+    """Enters terms one after the other."""
+
+    def __init__(self, x: LoopExpander):
+        self.x = x
+        self.g = x.graph
+        self.found = Gathered()
+        self.bodies = Bodies(x, self.found)
+        self.moving = frozenset(
+            name
+            for name, group in x.coordinates.items()
+            for _, end in group.ends
+            if end.kind == "fixed"
+            and x.graph.depends[x.scalar(end.value)] & (BIT[Kind.TIME] | BIT[Kind.INPUT])
+        )
+        self._coast = Forward(x.graph, VARIABLE, self._coasting)
+        self.applied = False  # whether there are forces that L does not have
+
+    # -- terms --------------------------------------------------------------------------------
+
+    def lagrangian(self, term: Term, sign: int) -> None:
+        """Adds sign * term to L."""
+        if len(term.ranges) == 2:
+            self.found.pairs.append(pair_force(self.x, term, sign, False, self.found.limits))
+            return
+        found = self.found
+        for family, shift, body in self.bodies.views(term):
+            at = M if term.ranges else shift
+            by = gradient(self.g, signed(self.g, body, sign), STATE)
+            slope, momentum = self._by(by, "q", family, at), self._by(by, "v", family, at)
+            force = self.g.subtract(slope, self._coast(momentum))
+            for rows, node in (
+                (found.gradient, slope),
+                (found.pdot, slope),
+                (found.momenta, momentum),
+                (found.force, force),
+            ):
+                self._add(rows[family], term, shift, node)
+            self._mass(term, family, shift, momentum)
+        body = self.bodies.at_row(term)
+        by = gradient(self.g, signed(self.g, body, sign), STATE)
+        for name in self.bodies.scalars(body):
+            slope, momentum = self._by(by, "q", name, None), self._by(by, "v", name, None)
+            force = self.g.subtract(slope, self._coast(momentum))
+            for what, node in (
+                ("gradient", slope),
+                ("pdot", slope),
+                ("momenta", momentum),
+                ("force", force),
+            ):
+                self._total(what, name, term, node)
+            tangents = gradient(self.g, momentum, RATES)
+            for other in self.bodies.scalars(body):
+                node = self._by(tangents, "v", other, None)
+                if node != ZERO:
+                    key = (name, other)
+                    self.found.corner[key] = self._with(
+                        self.found.corner.get(key, Total()), term, node
+                    )
+
+    def dissipation(self, term: Term) -> None:
+        """Adds the force -dD/dv."""
+        if len(term.ranges) == 2:
+            self.applied = True
+            self.found.drags.append(pair_force(self.x, term, -1, True, self.found.limits))
+            return
+        for family, shift, body in self.bodies.views(term):
+            at = M if term.ranges else shift
+            node = self._by(gradient(self.g, signed(self.g, body, -1), RATES), "v", family, at)
+            self._add(self.found.pdot[family], term, shift, node)
+            self._add(self.found.force[family], term, shift, node)
+        body = self.bodies.at_row(term)
+        self.applied |= body != ZERO
+        by = gradient(self.g, signed(self.g, body, -1), RATES)
+        for name in self.bodies.scalars(body):
+            node = self._by(by, "v", name, None)
+            self._total("pdot", name, term, node)
+            self._total("force", name, term, node)
+
+    def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
+        """Adds a generalized force along the members lo..hi."""
+        self.applied |= node != ZERO
+        for slot in slots_of(self.x, [node]):
+            self.bodies.in_reach(slot, lo, hi)
+        for what in ("pdot", "force"):
+            if lo is None:
+                total = self.found.of_scalar.get((what, name), Total())
+                self.found.of_scalar[what, name] = Total(
+                    self.g.add(total.constant, node), total.parts
+                )
+            else:
+                self._append(getattr(self.found, what)[name], Part(lo, hi, node))
+
+    def energy(self, term: Term, sign: int) -> tuple[Node, Node]:
+        """What a term of L adds to h = v.p - L: at the ends, and inside."""
+        body = signed(self.g, self.bodies.at_row(term), sign)
+        if self.g.depends[body] & RATES == 0:
+            node = self.g.negate(body)
+            return node, node
+        by = gradient(self.g, body, RATES)
+        work = self.g.negate(body)
+        moving = False
+        for symbol, node in by.items():
+            slot = self.x.slot_of(symbol)
+            given = slot.name in self.moving and slot.at is not None and bool(term.ranges)
+            moving |= given
+            rate = self.x.slot("d", slot.name, slot.at) if given else symbol
+            work = self.g.add(work, self.g.multiply(rate, node))
+        inner = body if degree(self.g, body) == 2 else self.inner(work)
+        return (work if moving else inner), inner
+
+    def total(self, found: list[tuple[Term, int]]) -> Total:
+        """The sum of terms as it is."""
+        result = Total()
+        for term, sign in found:
+            if len(term.ranges) == 2:
+                body = signed(self.g, pair_body(self.x, term, self.found.limits), sign)
+                lo, hi, first, last = pair_ranges(term)
+                pair = PairPart(lo, hi, first, last, body)
+                result = Total(result.constant, result.parts, (*result.pairs, pair))
+            else:
+                result = self._with(result, term, signed(self.g, self.bodies.at_row(term), sign))
+        return result
+
+    def with_energy(self, total: Total, term: Term, sign: int) -> Total:
+        node, inner = self.energy(term, sign)
+        if not term.ranges:
+            return Total(self.g.add(total.constant, node), total.parts, total.pairs)
+        (_, lo, hi) = term.ranges[0]
+        return Total(total.constant, (*total.parts, Part(lo, hi, node, inner)), total.pairs)
+
+    # -- parts --------------------------------------------------------------------------------
+
+    def inner(self, node: Node) -> Node:
+        """Away from the ends: no given cell is near."""
+        values = {}
+        for slot in slots_of(self.x, [node]):
+            symbol = self.x.slot(slot.kind, slot.name, slot.at)
+            if slot.kind == "w":
+                values[symbol] = ZERO
+            elif slot.kind == "d":
+                values[symbol] = self.x.slot("v", slot.name, slot.at)
+        return substitute(self.g, node, values) if values else node
+
+    def _append(self, parts: list[Part], part: Part) -> None:
+        if part.node != ZERO:
+            parts.append(Part(part.lo, part.hi, part.node, self.inner(part.node)))
+
+    def _add(self, parts: list[Part], term: Term, shift: Affine, node: Node) -> None:
+        if term.ranges:
+            (_, lo, hi) = term.ranges[0]
+            self._append(parts, Part(lo + shift, hi + shift, node))
+        else:
+            self._append(parts, Part(shift, shift, self._seen_from(node, shift)))
+
+    def _seen_from(self, node: Node, place: Affine) -> Node:
+        """Members named outside loops, near the one at `place`, at their distance from it."""
+        values = {}
+        for slot in slots_of(self.x, [node]):
+            if slot.at is not None and (slot.at - place).is_constant:
+                at = M + (slot.at - place)
+                values[self.x.slot(slot.kind, slot.name, slot.at)] = self.x.slot(
+                    slot.kind, slot.name, at
+                )
+        return substitute(self.g, node, values) if values else node
+
+    def _with(self, total: Total, term: Term, node: Node) -> Total:
+        if not term.ranges:
+            return Total(self.g.add(total.constant, node), total.parts, total.pairs)
+        parts = list(total.parts)
+        (_, lo, hi) = term.ranges[0]
+        self._append(parts, Part(lo, hi, node))
+        return Total(total.constant, tuple(parts), total.pairs)
+
+    def _total(self, what: str, name: str, term: Term, node: Node) -> None:
+        key = (what, name)
+        self.found.of_scalar[key] = self._with(self.found.of_scalar.get(key, Total()), term, node)
+
+    def _mass(self, term: Term, family: str, shift: Affine, momentum: Node) -> None:
+        if momentum == ZERO:
+            return
+        for symbol, node in gradient(self.g, momentum, RATES).items():
+            slot = self.x.slot_of(symbol)
+            if node == ZERO:
+                continue
+            if slot.at is None:
+                self._add(self.found.border[slot.name, family], term, shift, node)
+                continue
+            distance = slot.at - (M if term.ranges else shift)
+            if not distance.is_constant:
+                raise Unrolled("the inertia of two members far apart is coupled")
+            key = (family, slot.name, distance.constant)
+            self._add(self.found.entries[key], term, shift, node)
+
+    def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
+        return by.get(self.x.slot(kind, name, at), ZERO)
+
+    def _coasting(self, node: Node) -> Node:
+        """The time derivative of a symbol where nothing accelerates but what is given."""
+        slot = self.x.slot_of(node)
+        if slot is not None and slot.kind == "v":
+            relative = slot.at is not None and any(slot.at.factor(v) for v in LOOPS)
+            if relative and slot.name in self.moving:
+                return self.x.slot("w", slot.name, slot.at)
+            return ZERO
+        return self.x.derivative(node)

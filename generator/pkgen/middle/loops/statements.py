@@ -1,0 +1,135 @@
+"""What a model with loops states beside its energies: outputs, starts, parameters, given ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...graph.affine import LOOPS, ROW, Affine, variable
+from ...graph.graph import BIT, ZERO, Kind, Node
+from ...model import Definition
+from ...tree import Name, children
+from ..quantities import error
+from .expand import LoopExpander
+from .loops import Assigned, Bounded, Total, Unrolled
+from .rows import Gather
+from .slots import slots_of
+from .terms import terms
+
+
+class Outputs:
+    """`observe` and `conserve`: expressions in which sums are values computed before."""
+
+    def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
+        self.x, self.gather = x, gather
+        self.totals: list[Total] = []
+        x.sums = self.totals
+        x.make_total = self._total
+        named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
+        named |= {"p_" + name: total for name, total in momenta.totals.items()}
+        used = {name for item in (*x.model.observed, *x.model.conserved) for name in _names(item)}
+        for name, total in named.items():
+            if total is not None and name in used:
+                self.totals.append(total)
+                x.outputs[name] = x.slot("sum", str(len(self.totals) - 1))
+
+    def _total(self, expr) -> Total:
+        return self.gather.total([(term, 1) for term in terms(self.x, expr)])
+
+    def nodes(self, items: tuple[Definition, ...]) -> tuple[Node, ...]:
+        found = []
+        for item in items:
+            with self.x.statement(item.span):
+                if item.range is not None or item.index is not None:
+                    raise Unrolled(f"'{item.name}' is an output for each index")
+                node = self.x.scalar(item.value)
+                for slot in slots_of(self.x, [node]):
+                    self.gather.found.limits += self.x.limits_of(None, {})
+                    assert slot.at is None or not any(slot.at.factor(v) for v in LOOPS)
+                self.x.outputs[item.name] = node
+                found.append(node)
+        return tuple(found)
+
+
+def _names(item: Definition) -> Iterable[str]:
+    waiting = [item.value]
+    while waiting:
+        expr = waiting.pop()
+        waiting.extend(children(expr))
+        if isinstance(expr, Name):
+            yield expr.id
+
+
+def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
+    found = []
+    for item in x.model.starts:
+        with x.statement(item.span):
+            lo = hi = None
+            loop = dict(x.sizes)
+            if item.range is not None:
+                lo, hi = x.index(item.range.lo, loop), x.index(item.range.hi, loop)
+                loop[item.range.variable] = variable(ROW)
+            elif item.index is not None:
+                lo = hi = x.index(item.index, loop)
+            node = x.scalar(item.value, loop)
+            bad = [s for s in slots_of(x, [node]) if s.kind in ("q", "v", "input", "sum")]
+            if bad or x.graph.depends[node] & BIT[Kind.TIME]:
+                message = "an initial value may use parameters and numbers only"
+                raise error(x.model, message, item.value.span)
+            group = x.coordinates[item.name]
+            if lo is not None:
+                x.members.append((group.lo, group.hi, lo, item.span))
+                x.members.append((group.lo, group.hi, hi, item.span))
+            at = {} if lo is None else {ROW: (lo, hi)}
+            gather.found.limits += x.limits_of(None if lo is None else hi - lo, at)
+            found.append(Assigned(item.name, item.order, lo, hi, node))
+    return tuple(found)
+
+
+def defaults_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
+    found = []
+    for group in x.parameters.values():
+        item = group.declared
+        with x.statement(item.span):
+            loop = dict(x.sizes)
+            if group.is_family:
+                loop[item.range.variable] = variable(ROW)
+            node = x.scalar(item.default, loop)
+            at = {ROW: (group.lo, group.hi)} if group.is_family else {}
+            gather.found.limits += x.limits_of(None, at)
+            found.append(Assigned(group.name, 0, group.lo, group.hi, node))
+    return tuple(found)
+
+
+def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
+    found = []
+    for group in x.parameters.values():
+        item = group.declared
+        loop = dict(x.sizes)
+        if group.is_family:
+            loop[item.range.variable] = variable(ROW)
+        ends = [
+            None if end is None else x.scalar(end, loop) for end in (item.bounds.lo, item.bounds.hi)
+        ]
+        found.append(Bounded(*ends))
+    x.members.clear()
+    return tuple(found)
+
+
+def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
+    """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
+    far = {
+        slot.name
+        for slot in x.slots
+        if slot.kind in ("v", "d", "w") and slot.at is not None and slot.at != variable(ROW)
+    }
+    found = {}
+    for group in x.coordinates.values():
+        for at, end in group.ends:
+            if end.kind != "fixed":
+                continue
+            with x.statement(end.span):
+                value = x.scalar(end.value)
+                rate = x.derivative(value) if group.name in far else ZERO
+                needed = any(s.kind == "w" and s.name == group.name for s in x.slots)
+                found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
+    return found

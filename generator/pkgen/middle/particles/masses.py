@@ -1,0 +1,221 @@
+"""Masses m of given places with M = sum of m J^T J, the mass matrix of T = sum of m/2 |r'|^2.
+
+Which places have one is found in numbers, at some states about the start and with parameters about
+their defaults: the first places that make M, others left out. Each mass is then solved for as an
+expression, with the coordinates at numbers (angles at 0, others at 0, 1 or 2), since it does not
+depend on them: all that is left is made of parameters.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+from ...equations import ParameterSlot, Row
+from ...graph.differentiate import reachable
+from ...graph.evaluate import evaluate
+from ...graph.graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.substitute import substituted
+from ..points.samples import defaults
+
+Entries = dict[tuple[int, int], Node]  # of a symmetric matrix, i <= j, without zeros
+Masses = list[tuple[list[int], Node]]  # the places, any of which would do, and what is there
+STATES = 5
+SAME = 1e-8  # relative, of numbers that are equal but for rounding
+ANGLES = ("sin", "cos", "tan")
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a model is at where it is looked at in numbers."""
+
+    parameters: tuple[ParameterSlot, ...]
+    start_q: Row
+    start_states: Row
+
+
+def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> Masses | None:
+    """None where there are no such masses, or one is negative."""
+    draw = random.Random(2385)
+    fixed = {s: _about(draw, value, 4) for s, value in defaults(g, given.parameters).items()}
+    chosen = _in_numbers(g, mass, squares, _states(g, draw, [mass, *squares], fixed, given))
+    if chosen is None:
+        return None
+    solved = _as_expressions(g, mass, [squares[alike[0]] for alike in chosen], fixed)
+    return solved and list(zip(chosen, solved, strict=True))
+
+
+# -- in numbers ----------------------------------------------------------------------------------
+
+
+def _states(
+    g: Graph,
+    draw: random.Random,
+    matrices: list[Entries],
+    fixed: dict[Symbol, float],
+    given: Given,
+) -> list[dict[Symbol, float]]:
+    """Values of all that occurs, at states about the start, the later the nearer."""
+    start = {}
+    for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states)):
+        for i, value in enumerate(evaluate(g, row, fixed)):
+            start[Symbol(kind, i)] = value if math.isfinite(value) else 0.0
+    symbols = _symbols(g, matrices)
+    found = []
+    for k in range(STATES):
+        values = dict(fixed)
+        for symbol in symbols:
+            values[symbol] = _about(draw, start.get(symbol, 0.0), 4**k)
+        found.append(values)
+    return found
+
+
+def _about(draw: random.Random, at: float, part: int) -> float:
+    """Up to a part of it more or less; more than 0, which is special."""
+    return at * (1 + draw.uniform(-1, 1) / part) or draw.uniform(0.1, 1) / part
+
+
+def _symbols(g: Graph, matrices: list[Entries]) -> list[Symbol]:
+    nodes = [node for matrix in matrices for node in matrix.values()]
+    below = reachable(g, nodes, VARIABLE)
+    return sorted(g.data[node] for node in below if g.op[node] is Op.SYMBOL)
+
+
+def _in_numbers(
+    g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]
+) -> list[list[int]] | None:
+    """Places at which there are masses, those alike together."""
+    import numpy as np
+
+    a, b = _rows(g, mass, squares, states)
+    size = np.linalg.norm(b)
+    if not size > 0:
+        return None
+    groups: list[list[int]] = []
+    basis: list[np.ndarray] = []
+    for k, column in enumerate(a.T):
+        length = np.linalg.norm(column)
+        same = [group for group in groups if _near(a[:, group[0]], column)]
+        if same:
+            same[0].append(k)
+            continue
+        rest = column / (length or 1.0)
+        for _ in range(2):  # twice is enough
+            for unit in basis:
+                rest = rest - (unit @ rest) * unit
+        if np.linalg.norm(rest) > SAME:
+            basis.append(rest / np.linalg.norm(rest))
+            groups.append([k])
+    if not groups:
+        return None
+    first = a[:, [group[0] for group in groups]]
+    scale = np.linalg.norm(first, axis=0)
+    found = np.linalg.lstsq(first / scale, b, rcond=None)[0]
+    if not np.linalg.norm(first @ (found / scale) - b) <= SAME * size:
+        return None
+    kept = [k for k in range(len(groups)) if abs(found[k]) > SAME * size]
+    if any(found[k] < 0 for k in kept):
+        return None
+    return [groups[k] for k in kept]
+
+
+def _near(a, b) -> bool:
+    import numpy as np
+
+    return bool(np.linalg.norm(a - b) <= SAME * np.linalg.norm(a))
+
+
+def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]):
+    """The equations a m = b, an entry at a state each, of one size; where all in it is finite."""
+    import numpy as np
+
+    matrices = [*squares, mass]
+    at = sorted({place for matrix in matrices for place in matrix})
+    nodes = [matrix.get(place, ZERO) for place in at for matrix in matrices]
+    rows = [np.reshape(evaluate(g, nodes, values), (len(at), len(matrices))) for values in states]
+    every = np.concatenate(rows)
+    largest = np.abs(every).max(axis=1)
+    good = (largest > 0) & (largest < np.inf)  # nor nan
+    every = every[good] / largest[good, None]
+    return every[:, :-1], every[:, -1]
+
+
+# -- as expressions ------------------------------------------------------------------------------
+
+
+def _as_expressions(
+    g: Graph, mass: Entries, squares: list[Entries], fixed: dict[Symbol, float]
+) -> list[Node] | None:
+    """The masses in parameters."""
+    rows = [row for others in (0, 1, 2) for row in _at_numbers(g, mass, squares, others)]
+    rows = _independent(g, rows, fixed)
+    return _eliminated(g, rows, fixed) if rows else None
+
+
+def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) -> list[Row]:
+    """The equations with angles at 0 and other coordinates at a number: the coefficients of each
+    mass, and what their sum is."""
+    matrices = [*squares, mass]
+    below = reachable(g, [node for matrix in matrices for node in matrix.values()], VARIABLE)
+    calls = [node for node in below if g.op[node] is Op.CALL and g.data[node] in ANGLES]
+    angles = set(reachable(g, [a for node in calls for a in g.args[node]], VARIABLE))
+    swap = {
+        node: g.number(0 if node in angles else others) for node in below if g.op[node] is Op.SYMBOL
+    }
+    rows = []
+    for place in sorted({place for matrix in matrices for place in matrix}):
+        try:
+            row = substituted(g, [matrix.get(place, ZERO) for matrix in matrices], swap)
+        except ArithmeticError:  # a division by zero: no place to be
+            continue
+        if any(node != ZERO for node in row[:-1]):
+            rows.append(tuple(row))
+    return rows
+
+
+def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Row]:
+    """As many as there are masses, the simplest first; none if there are not so many."""
+    import numpy as np
+
+    count = len(rows[0]) - 1 if rows else 0
+    rows = sorted(rows, key=lambda row: (sum(n != ZERO for n in row[:-1]), len(reachable(g, row))))
+    basis: list[np.ndarray] = []
+    chosen = []
+    for row in rows:
+        *coefficients, whole = evaluate(g, row, fixed)
+        length = np.linalg.norm(coefficients)
+        if len(chosen) == count or not (length > 0 and math.isfinite(whole)):
+            continue
+        rest = np.array(coefficients) / length
+        for _ in range(2):
+            for unit in basis:
+                rest = rest - (unit @ rest) * unit
+        if np.linalg.norm(rest) > SAME:
+            basis.append(rest / np.linalg.norm(rest))
+            chosen.append(row)
+    return chosen if len(chosen) == count else []
+
+
+def _eliminated(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Node]:
+    """The solution of as many independent equations as unknowns, the simplest first."""
+    count = len(rows)
+    waiting = [list(row) for row in rows]
+    order = []
+    while waiting:
+        row = waiting.pop(0)
+        sizes = [abs(value) for value in evaluate(g, row[:-1], fixed)]
+        k = sizes.index(max(sizes))
+        order.append((k, row))
+        for other in waiting:
+            if other[k] == ZERO:
+                continue
+            times = g.divide(other[k], row[k])
+            for j in range(count + 1):
+                other[j] = g.subtract(other[j], g.multiply(times, row[j]))
+            other[k] = ZERO
+    found = [ZERO] * count
+    for k, row in reversed(order):
+        known = g.sum(g.multiply(row[j], found[j]) for j in range(count) if j != k)
+        found[k] = g.divide(g.subtract(row[-1], known), row[k])
+    return found

@@ -1,0 +1,129 @@
+"""The particles of a model: masses and places whose sum of m/2 |r'|^2 is its kinetic energy.
+
+They are proposed by the text of the energy (particles_text.py), or from the places that the model
+names (particles_places.py), and proved on the graph. Where L has more terms with rates than
+squares, of a frame that turns or of a magnetic field, theirs are those of second degree; places
+whose sum has the linear ones too, as those beside the stars, go before others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+
+from ...equations import Matrix, Particles
+from ...graph.differentiate import Forward, gradient
+from ...graph.exact import Exact
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Symbol
+from ..expand.expand import Expander
+from ..motion import Energies
+from . import places as particles_places
+from . import text as particles_text
+from .bodies import Body, NoParticles, listed
+from .masses import Given
+
+HELP = (
+    "name the place of each particle, by let or observe, as x = l*sin(theta) and "
+    "y = -l*cos(theta), so that the kinetic energy is the sum of their m/2*(x'^2 + y'^2); of a "
+    "rigid body, record p_ANGLE"
+)
+LINEAR = (
+    "L has other terms linear in the rates, as of a turning frame, in which r' is then measured, "
+    "or of a magnetic field"
+)
+WITHOUT = (
+    "the kinetic energy has other terms without rates, as of a turning frame, in which r' is then "
+    "measured"
+)
+
+
+TURNING = "of a rotation, R*p_R is its angular momentum in space"
+
+
+def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
+    """Of a model; without any, and why, where it is not seen to be of some."""
+    energy = next(iter((*x.model.kinetic, *x.model.lagrangian)), None)
+    span = energy.span if energy else x.model.span
+    if x.model.rotations:
+        return Particles((), (), (), (), why=TURNING, span=span)
+    found: list[Particles] = []
+    refusals: list[NoParticles] = []
+    # A polar r may be of one from another, so places that are named go before.
+    for proposals in (_by_text, particles_places.proposals, _by_polar_text):
+        try:
+            for bodies in proposals(x, energies, given):
+                found.append(_proved(x, energies, bodies))
+                if not found[-1].beyond:
+                    return found[-1]
+        except NoParticles as refusal:
+            refusals.append(refusal)
+    if found:
+        return found[0]
+    return Particles((), (), (), (), why=refusals[0].why, span=span)
+
+
+def _by_text(x: Expander, energies: Energies, given: Given) -> Iterable[list[Body]]:
+    bodies = particles_text.read(x, polar=False)
+    return [bodies] if bodies else []
+
+
+def _by_polar_text(x: Expander, energies: Energies, given: Given) -> Iterable[list[Body]]:
+    bodies = particles_text.read(x, polar=True)
+    return [bodies] if bodies else []
+
+
+def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
+    g = x.graph
+    names = tuple(body.name for body in bodies)
+    if any(g.depends[body.mass] & VARIABLE for body in bodies):
+        raise NoParticles("a mass that varies is of no particle")
+    again = Forward(g, VARIABLE, lambda node: _rate_of(x, node))
+    places: Matrix = tuple(body.place for body in bodies)
+    rates: Matrix = tuple(tuple(map(x.derivative, place)) for place in places)
+    accelerations: Matrix = tuple(tuple(map(again, rate)) for rate in rates)
+    half = g.number(Fraction(1, 2))
+    total = g.sum(
+        g.multiply(g.multiply(half, body.mass), g.power(component, 2))
+        for body, rate in zip(bodies, rates, strict=True)
+        for component in rate
+    )
+    beyond = _beyond(x, energies, total)
+    if beyond is None:
+        raise NoParticles(f"that T is the sum of m/2 r'^2 over {listed(names)} is not proved")
+    masses = tuple(body.mass for body in bodies)
+    return Particles(masses, places, rates, accelerations, names, beyond)
+
+
+def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
+    """What the energy has beside the sum over particles; None if that is not its part of second
+    degree in the rates."""
+    g, kinetic = x.graph, energies.kinetic
+    if kinetic is not None and _is_zero(g, g.subtract(total, kinetic)):
+        return ""
+    # Along rates w the parts of first and second degree of what is left are w.d/dv and (w.d/dv)^2.
+    rest = g.subtract(total, energies.lagrangian if kinetic is None else kinetic)
+    once = _along(x, rest)
+    if not _is_zero(g, _along(x, once)):
+        return None
+    if not _is_zero(g, once):
+        return LINEAR
+    return "" if kinetic is None else WITHOUT
+
+
+def _along(x: Expander, node: Node) -> Node:
+    """w.d/dv of it, any w: a symbol of its own for each rate."""
+    g = x.graph
+    slopes = gradient(g, node, BIT[Kind.RATE]) if g.depends[node] & BIT[Kind.RATE] else {}
+    w = {v: g.symbol(Symbol(Kind.ACCELERATION, g.data[v].index)) for v in slopes}
+    return g.sum(g.multiply(w[v], slope) for v, slope in slopes.items())
+
+
+def _is_zero(g: Graph, node: Node) -> bool:
+    return node == ZERO or Exact(g.copy()).is_zero(node)
+
+
+def _rate_of(x: Expander, node: Node) -> Node:
+    symbol = x.graph.data[node]
+    if symbol.kind is Kind.RATE:
+        return x.graph.symbol(Symbol(Kind.ACCELERATION, symbol.index))
+    return x.derivative(node)

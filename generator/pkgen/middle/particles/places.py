@@ -1,0 +1,140 @@
+"""Particles at the places that a model names, whatever the form of its kinetic energy.
+
+A place is a vector that a `let` defines, or two or three coordinates, definitions and outputs whose
+names say so (bodies.py). Their masses m follow from M = sum of m J^T J, J = dr/dq (masses.py).
+What is found here is proved elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...equations import Row
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ZERO, Graph, Kind, Node
+from ...indices import indexed
+from ...source import ModelError
+from ..expand.expand import Expander
+from ..expand.terms import Value
+from ..motion import Energies
+from .bodies import Body, Key, NoParticles, keys, lengths, listed, places
+from .masses import Entries, Given, Masses, masses_of
+
+RATES, COORDINATES = BIT[Kind.RATE], BIT[Kind.COORDINATE]
+PLACES, COUNT = 100, 150  # of coordinates; so that it takes seconds at most
+ALIKE = 4  # places of one particle that are tried
+
+
+@dataclass(frozen=True)
+class _Place:
+    name: str
+    at: Row  # of three
+    square: Entries  # J^T J
+
+
+def proposals(x: Expander, energies: Energies, given: Given) -> list[list[Body]]:
+    """Which particles those of the kinetic energy could be: of the same masses each time, at
+    places with the same J^T J. Raises NoParticles."""
+    found = _named(x)
+    if not found:
+        raise NoParticles(
+            "it names no place in a plane or in space, and a motion on a line turns about nothing"
+        )
+    if len(found) > PLACES or x.count > COUNT:
+        raise NoParticles(
+            f"its text is no sum of m/2*r'^2, and it has too many places ({len(found)}, of at most "
+            f"{PLACES}) or coordinates ({x.count}, of {COUNT}) to look for one"
+        )
+    mass = _mass(x.graph, energies.lagrangian)
+    if any(x.graph.depends[node] & RATES for node in mass.values()):
+        raise NoParticles("its L is not of the second degree in the rates")
+    for some in (found, [_flat(x.graph, place) for place in found]):
+        made = masses_of(x.graph, mass, [place.square for place in some], given)
+        if made is not None:
+            return list(_bodies(some, made))
+    names = tuple(place.name for place in found)
+    raise NoParticles(
+        f"its kinetic energy is no sum of m/2 r'^2 over places that it names, of {listed(names)}"
+    )
+
+
+def _named(x: Expander) -> list[_Place]:
+    """Places that depend on coordinates and not on rates, in the order of their declarations."""
+    single, vectors = {}, {}
+    for name, index, value in _values(x):
+        if isinstance(value, tuple):
+            vectors[indexed(name, index)] = value
+        else:
+            single[indexed(name, index)] = value, tuple(keys(name, index))
+    items: list[tuple[str, tuple[Key, ...]]] = [(n, known) for n, (_, known) in single.items()]
+    order = list(single)
+    groups = sorted(places(items), key=lambda group: min(map(order.index, group.values())))
+    found = []
+    for group in groups:
+        at = tuple(single[group[axis]][0] if axis in group else ZERO for axis in range(3))
+        found.append(_place(x.graph, f"({', '.join(group.values())})", at))
+    found += [_place(x.graph, name, at) for name, at in vectors.items()]
+    return [place for place in found if place.square]
+
+
+def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
+    """Of coordinates, definitions and outputs those that are lengths and do not go with rates."""
+    known = lengths(x.model)
+    for item in x.model.coordinates:
+        family = x.coordinates[item.name]
+        for index in family.members if item.name in known else ():
+            yield item.name, index, x.coordinate(item.name, index, item.span)
+    for item in (*x.model.definitions, *x.model.observed):
+        if item.name not in known:
+            continue
+        try:
+            with x.statement(item.span):
+                members = [
+                    (index, x.value(item.value, loop))
+                    for index, loop in x.unrolled(item.index, item.range)
+                ]
+        except ModelError:  # of outputs some use what is not known yet: energies, momenta
+            continue
+        for index, value in members:
+            nodes = value if isinstance(value, tuple) else (value,)
+            if not any(x.graph.depends[node] & RATES for node in nodes):
+                yield item.name, index, value
+
+
+def _place(g: Graph, name: str, at: Row) -> _Place:
+    square: Entries = {}
+    for component in at:
+        moves = g.depends[component] & COORDINATES
+        slopes = gradient(g, component, COORDINATES) if moves else {}
+        row = sorted((g.data[q].index, slope) for q, slope in slopes.items() if slope != ZERO)
+        for k, (i, a) in enumerate(row):
+            for j, b in row[k:]:
+                square[i, j] = g.add(square.get((i, j), ZERO), g.multiply(a, b))
+    return _Place(name, at, {at: node for at, node in square.items() if node != ZERO})
+
+
+def _flat(g: Graph, place: _Place) -> _Place:
+    """Without what is named like its third component and may be something else."""
+    names = place.name.split(", ")
+    if len(names) < 3:
+        return place
+    return _place(g, f"{', '.join(names[:2])})", (*place.at[:2], ZERO))
+
+
+def _mass(g: Graph, lagrangian: Node) -> Entries:
+    found: Entries = {}
+    for v, momentum in gradient(g, lagrangian, RATES).items():
+        for w, entry in gradient(g, momentum, RATES).items():
+            i, j = g.data[v].index, g.data[w].index
+            if i <= j and entry != ZERO:
+                found[i, j] = entry
+    return found
+
+
+def _bodies(found: list[_Place], made: Masses) -> Iterator[list[Body]]:
+    """At the first of the places that would do for each mass, then at the second, if any."""
+    most = max(len(alike) for alike, _ in made)
+    for k in range(min(most, ALIKE)):
+        chosen = [(found[alike[min(k, len(alike) - 1)]], mass) for alike, mass in made]
+        yield [Body(mass, place.at, place.name) for place, mass in chosen]

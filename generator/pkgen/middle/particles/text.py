@@ -1,0 +1,254 @@
+"""Particles as the text of `kinetic` or `lagrangian` has them.
+
+Sums are taken apart, factors multiplied out, families unrolled and names of definitions opened,
+down to squares of rates:
+
+    m/2*(x'^2 + y'^2 + z'^2)    m/2*dot(r', r')    m/2*norm(r')^2    m/2*(r'^2 + r^2*phi'^2)
+
+Squares of one mass whose names are those of one place (bodies.py) are of one particle, and so are
+two or three in one bracket that have no names, or, as a guess, are those of polar coordinates.
+What is not of the second degree in the rates is passed over. What is found is proved elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ZERO, Kind, Node
+from ...indices import assignments, indexed, integer
+from ...tree import Add, Call, Component, Expr, Multiply, Name, Negate, Power, Prime, Sum, Vector
+from ..expand.expand import Expander
+from ..expand.terms import Loop
+from .bodies import Body, Key, keys, lengths, places
+
+RATES = BIT[Kind.RATE]
+
+
+class _Unread(Exception):
+    """The text is of another form."""
+
+
+@dataclass(frozen=True)
+class _Square:
+    """factor * (place')^2. `keys` say of which particle it may be; `bracket` counts the sums that
+    it may be together with others in."""
+
+    factor: Node
+    place: Node
+    name: str
+    keys: tuple[Key, ...]
+    named: bool  # by the author, not an expression
+    bracket: int
+
+
+def read(x: Expander, polar: bool) -> list[Body]:
+    """None where the text is of another form."""
+    reader = _Reader(x)
+    squares = []
+    try:
+        for expr in (*x.model.kinetic, *x.model.lagrangian):
+            squares += reader.terms(expr, x.sizes, x.graph.number(1), reader.next())
+        return [*reader.bodies, *_together(x, squares, polar)]
+    except _Unread:
+        return []
+
+
+class _Reader:
+    """Takes the text of the energy apart."""
+
+    def __init__(self, x: Expander):
+        self.x = x
+        self.lengths = lengths(x.model)
+        self.brackets = 0
+        self.bodies: list[Body] = []
+        self.definitions = {}
+        for item in x.model.definitions:
+            for index, loop in x.unrolled(item.index, item.range):
+                self.definitions[item.name, index] = item.value, loop
+
+    def next(self) -> int:
+        self.brackets += 1
+        return self.brackets
+
+    def moves(self, expr: Expr, loop: Loop) -> bool:
+        value = self.x.value(expr, loop)
+        nodes = value if isinstance(value, tuple) else (value,)
+        return any(self.x.graph.depends[node] & RATES for node in nodes)
+
+    def of_first_degree(self, expr: Expr, loop: Loop) -> bool:
+        """In the rates, or without them."""
+        g, node = self.x.graph, self.x.scalar(expr, loop)
+        slopes = gradient(g, node, RATES).values() if g.depends[node] & RATES else ()
+        return not any(g.depends[slope] & RATES for slope in slopes)
+
+    def opened(self, expr: Expr, loop: Loop) -> tuple[Expr, Loop] | None:
+        """What the name of a definition stands for."""
+        if not isinstance(expr, Name):
+            return None
+        at = None if expr.index is None else integer(expr.index, loop)
+        return self.definitions.get((expr.id, at))
+
+    def terms(self, expr: Expr, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
+        g = self.x.graph
+        match expr:
+            case Add(terms=terms, signs=signs):
+                for term, sign in zip(terms, signs, strict=True):
+                    signed = factor if sign > 0 else g.negate(factor)
+                    yield from self.terms(term, loop, signed, bracket)
+            case Negate(of=of):
+                yield from self.terms(of, loop, g.negate(factor), bracket)
+            case Sum(body=body, ranges=ranges):
+                for inner in assignments(ranges, loop):
+                    yield from self.terms(body, inner, factor, self.next())
+            case _ if self.of_first_degree(expr, loop):
+                return
+            case Multiply():
+                yield from self.product(expr, loop, factor, bracket)
+            case Name() if found := self.opened(expr, loop):
+                yield from self.terms(*found, factor, self.next())
+            case Call(function="dot", arguments=(a, b)):
+                if self.x.value(a, loop) != self.x.value(b, loop):
+                    raise _Unread
+                yield from self.vector(a, loop, factor)
+            case Power(base=base, exponent=exponent) if self.x.scalar(exponent, loop) == g.number(
+                2
+            ):
+                yield from self.square(base, loop, factor, bracket)
+            case _:
+                raise _Unread
+
+    def product(self, expr: Multiply, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
+        x, g = self.x, self.x.graph
+        moving = []
+        for part, exponent in zip(expr.factors, expr.exponents, strict=True):
+            if not self.moves(part, loop):
+                factor = g.multiply(factor, g.power(x.scalar(part, loop), exponent))
+            elif exponent < 0:
+                raise _Unread
+            else:
+                moving.append(part)
+        if len(moving) == 2 and x.value(moving[0], loop) == x.value(moving[1], loop):
+            yield from self.square(moving[0], loop, factor, bracket)
+        elif len(moving) == 1:
+            inner = self.next() if isinstance(moving[0], Add) else bracket
+            yield from self.terms(moving[0], loop, factor, inner)
+        else:
+            raise _Unread
+
+    def square(self, base: Expr, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
+        """factor * base^2."""
+        x, g = self.x, self.x.graph
+        match base:
+            case Prime(of=of):
+                name, known = self.named(of, loop)
+                named = isinstance(of, Name | Component)
+                yield _Square(factor, x.scalar(of, loop), name, known, named, bracket)
+                return
+            case Name() if found := self.opened(base, loop):
+                yield from self.square(*found, factor, bracket)
+                return
+            case Negate(of=of):
+                yield from self.square(of, loop, factor, bracket)
+                return
+            case Call(function="norm", arguments=(of,)):
+                yield from self.vector(of, loop, factor)
+                return
+            case Call(function="sqrt", arguments=(of,)):
+                yield from self.terms(of, loop, factor, self.next())
+                return
+            case Multiply(factors=factors, exponents=exponents):
+                moving = [f for f in factors if self.moves(f, loop)]
+                if len(moving) == 1 and exponents[factors.index(moving[0])] > 0:
+                    for part, exponent in zip(factors, exponents, strict=True):
+                        if part is not moving[0]:
+                            raised = g.power(x.scalar(part, loop), 2 * exponent)
+                            factor = g.multiply(factor, raised)
+                    yield from self.square(moving[0], loop, factor, bracket)
+                    return
+        raise _Unread
+
+    def vector(self, expr: Expr, loop: Loop, factor: Node) -> Iterator[_Square]:
+        """factor * expr . expr."""
+        match expr:
+            case Prime(of=of):
+                name, _ = self.named(of, loop)
+                self.bodies.append(_body(self.x, factor, self.x.value(of, loop), name))
+            case Name() if found := self.opened(expr, loop):
+                yield from self.vector(*found, factor)
+            case Vector(items=items):
+                bracket = self.next()
+                for item in items:
+                    if self.moves(item, loop):
+                        yield from self.square(item, loop, factor, bracket)
+            case _:
+                raise _Unread
+
+    def named(self, of: Expr, loop: Loop) -> tuple[str, tuple[Key, ...]]:
+        """What is said of it, and of which places it may be."""
+        text = self.x.model.source.text[of.span.start : of.span.end]
+        match of:
+            case Component(of=whole, axis=axis):
+                return text, ((self.x.value(whole, loop), axis),)
+            case Name(id=name, index=index):
+                at = None if index is None else integer(index, loop)
+                return indexed(name, at), tuple(keys(name, at)) if name in self.lengths else ()
+        return text, ()
+
+
+def _body(x: Expander, half_mass: Node, place: tuple[Node, ...], name: str) -> Body:
+    return Body(x.graph.multiply(x.graph.number(2), half_mass), place, name)
+
+
+def _together(x: Expander, squares: list[_Square], polar: bool) -> list[Body]:
+    found, used = [], set()
+    by_mass = [
+        (k, [((s.factor, shared), axis) for shared, axis in s.keys]) for k, s in enumerate(squares)
+    ]
+    for group in places(by_mass):
+        if used.isdisjoint(group.values()):
+            used |= set(group.values())
+            place = tuple(squares[group[a]].place if a in group else ZERO for a in range(3))
+            names = ", ".join(squares[k].name for k in group.values())
+            found.append(_body(x, squares[min(group.values())].factor, place, f"({names})"))
+    by_bracket: dict[int, list[_Square]] = {}
+    for k, square in enumerate(squares):
+        if k not in used:
+            by_bracket.setdefault(square.bracket, []).append(square)
+    for group in by_bracket.values():
+        body = _unnamed(x, group) or (polar and _polar(x, group))
+        if not body:
+            raise _Unread
+        found.append(body)
+    return found
+
+
+def _unnamed(x: Expander, group: list[_Square]) -> Body | None:
+    same = {square.factor for square in group}
+    if len(same) > 1 or not 2 <= len(group) <= 3 or any(s.named for s in group):
+        return None
+    places_ = tuple(square.place for square in group)
+    names = ", ".join(square.name for square in group)
+    return _body(x, group[0].factor, (*places_, ZERO)[:3], f"({names})")
+
+
+def _polar(x: Expander, group: list[_Square]) -> Body | None:
+    """m/2*(r'^2 + r^2*phi'^2), also + r^2*sin(theta)^2*phi'^2 on a sphere, in that order."""
+    g = x.graph
+    if not 2 <= len(group) <= 3:
+        return None
+    radius, angle = group[0].place, group[1].place
+    half_mass = group[0].factor
+    if group[1].factor != g.multiply(half_mass, g.power(radius, 2)):
+        return None
+    sin, cos = g.call("sin", angle), g.call("cos", angle)
+    name = f"({', '.join(square.name for square in group)})"
+    if len(group) == 2:
+        place = (g.multiply(radius, cos), g.multiply(radius, sin), ZERO)
+        return _body(x, half_mass, place, name)
+    across, turn = g.multiply(radius, sin), group[2].place
+    if group[2].factor != g.multiply(group[1].factor, g.power(sin, 2)):
+        return None
+    flat = (g.multiply(across, g.call(f, turn)) for f in ("cos", "sin"))
+    return _body(x, half_mass, (*flat, g.multiply(radius, cos)), name)

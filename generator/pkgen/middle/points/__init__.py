@@ -1,0 +1,1 @@
+"""Points at which equations are evaluated, and where they are singular."""

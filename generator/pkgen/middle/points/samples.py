@@ -1,0 +1,153 @@
+"""States at which a claim is tried: short decimals, so that a person can check a counterexample."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...equations import Equations, ParameterSlot, Row
+from ...graph.balls import Ball, Balls
+from ...graph.differentiate import reachable
+from ...graph.evaluate import evaluate
+from ...graph.graph import VARIABLE, Graph, Kind, Node, Op, Symbol
+from .guards import bounds_of
+from .solved import accelerations
+
+TRIED = 72  # states, the first half with parameters at their defaults,
+EFFORT = 100_000  # or fewer, for so many values of nodes: some 2 s
+LEAST, MOST = 1e-3, 1e6  # numbers that are looked near
+
+
+@dataclass(frozen=True)
+class Sample:
+    values: dict[Symbol, Ball]
+    chosen: dict[Symbol, Fraction]  # what was not left at its default
+    varied: bool  # a parameter too
+
+
+def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
+    """States for the symbols that occur in the nodes, near the start, about 1, and near constants
+    of the nodes; accelerations that occur are found for them."""
+    draw = random.Random(2385)
+    below = reachable(g, nodes)
+    if any(g.op[n] is Op.SYMBOL and g.data[n].kind is Kind.ACCELERATION for n in below):
+        solved = True
+        below = reachable(g, [*nodes, *equations.force, *sum(equations.mass, ())])
+    else:
+        solved = False
+    found = {g.data[n] for n in below if g.op[n] is Op.SYMBOL}
+    apart = (Kind.PI, Kind.PARAMETER, Kind.ACCELERATION)
+    symbols = sorted(s for s in found if s.kind not in apart)
+    used = {s.index for s in found if s.kind is Kind.PARAMETER}
+    fixed = defaults(equations.graph, equations.parameters)
+    start, numbers = _starts(equations, fixed), _numbers(g, below, fixed)
+    effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)
+    tried = max(2, min(TRIED, EFFORT // effort))
+    for k in range(tried):
+        turn, how = divmod(k, 3)
+        chosen = {}
+        for i, s in enumerate(symbols):
+            at = start.get(s, Fraction(0)) * Fraction(draw.randint(12, 20), 16)
+            at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
+            apart = _apart(draw) / (16, 8, 16)[how]
+            chosen[s] = at + apart or apart  # at 0 things vanish that do not elsewhere
+        varied = {}
+        if k >= tried // 2:
+            varied = _varied(equations, draw, used)
+            chosen |= varied
+        elif not symbols and k:
+            continue
+        values = _parameters(equations, balls, varied)
+        if values is None:
+            continue
+        values |= {s: balls.number(x) for s, x in chosen.items()}
+        more = accelerations(equations, g, balls, values) if solved else {}
+        if more is not None:
+            yield Sample(values | more, chosen, bool(varied))
+
+
+def _apart(draw: random.Random) -> Fraction:
+    return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
+
+
+def defaults(g: Graph, parameters: tuple[ParameterSlot, ...]) -> dict[Symbol, float]:
+    fixed: dict[Symbol, float] = {}
+    for k, slot in enumerate(parameters):
+        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
+    return fixed
+
+
+def started(
+    g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
+) -> dict[Symbol, float]:
+    """The model's own start, of coordinates, their rates, and states, with parameters at their
+    defaults and t = 0."""
+    values = defaults(g, parameters)
+    kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
+    found = {
+        Symbol(kind, i): x
+        for kind, row in zip(kinds, starts, strict=True)
+        for i, x in enumerate(evaluate(g, row, values))
+    }
+    return values | found | {Symbol(Kind.TIME): 0.0}
+
+
+def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fraction]:
+    """What is constant in the nodes: where x - 7 occurs, x is worth a try near 7."""
+    values = evaluate(g, [n for n in below if not g.depends[n] & VARIABLE], fixed)
+    sizes = {abs(_short(value)) for value in values if LEAST < abs(value) < MOST} | {Fraction(8)}
+    return sorted(sign * size for size in sizes for sign in (-1, 1))
+
+
+def _starts(equations: Equations, fixed: dict[Symbol, float]) -> dict[Symbol, Fraction]:
+    """Where the motion begins."""
+    found = {}
+    starts = {
+        Kind.COORDINATE: equations.start_q,
+        Kind.RATE: equations.start_v,
+        Kind.STATE: equations.state_start,
+    }
+    for kind, row in starts.items():
+        for i, value in enumerate(evaluate(equations.graph, row, fixed)):
+            finite = abs(value) < float("inf")  # nor nan
+            found[Symbol(kind, i)] = _short(value) if finite else Fraction(0)
+    return found
+
+
+def _short(value: float) -> Fraction:
+    """To a few digits."""
+    return Fraction(f"{value:.3g}")
+
+
+def _varied(equations: Equations, draw: random.Random, used: set[int]) -> dict[Symbol, Fraction]:
+    """Parameters that have a number as default, elsewhere within their bounds."""
+    g, found = equations.graph, {}
+    for k, slot in enumerate(equations.parameters):
+        value = g.value(slot.default)
+        factor, apart = Fraction(draw.randint(4, 16), 8), Fraction(draw.randint(1, 8), 8)
+        if k not in used or value is None:
+            continue
+        new = value * factor if value else apart
+        bounds = bounds_of(g, slot)
+        numeric = all(end is None or g.value(end) is not None for end in (slot.lo, slot.hi))
+        if numeric and bounds.lo < new < bounds.hi:
+            found[Symbol(Kind.PARAMETER, k)] = new
+    return found
+
+
+def _parameters(
+    equations: Equations, balls: Balls, varied: dict[Symbol, Fraction]
+) -> dict[Symbol, Ball] | None:
+    values: dict[Symbol, Ball] = {}
+    for k, slot in enumerate(equations.parameters):
+        symbol = Symbol(Kind.PARAMETER, k)
+        if symbol in varied:
+            ball = balls.number(varied[symbol])
+        else:
+            (ball,) = balls.values(equations.graph, [slot.default], values)
+        if ball is None:
+            return None
+        values[symbol] = ball
+    return values

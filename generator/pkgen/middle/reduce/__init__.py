@@ -1,0 +1,1 @@
+"""Smaller equations for the same rows: cyclic coordinates, parts that move by themselves."""

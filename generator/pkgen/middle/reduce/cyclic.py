@@ -1,0 +1,114 @@
+"""The reduction of cyclic coordinates: whether one can go, and whether that saves anything. The
+smaller Lagrangian is that of `routh.py`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...equations import Equations
+from ..derive.impulses import NoRate
+from ..motion import COORDINATES
+from ..report import Line
+from ..smaller import symbols_in
+from .reduction import Needs, State, cost
+from .routh import NotReduced, Reduced, routh
+
+# Operations that a method itself takes for each number of the state at an evaluation: from some 7
+# (rk4) to 16 (gauss).
+OF_A_STATE = 10
+
+
+def cyclic(state: State, needs: Needs) -> State:
+    """Cyclic coordinates replaced by their constant momenta (routh.py)."""
+    e, lines = state.equations, []
+    # A momentum of a body frame may be constant, but there is no angle with it.
+    cyclic = enumerate(state.structure.cyclic)
+    found = [i for i, is_cyclic in cyclic if is_cyclic and i not in e.turning]
+    if not found:
+        return state
+    if not state.structure.quadratic:
+        return _not(state, e, found, "L is not of second degree in the rates")
+    used = _used(e)
+    chosen, angles = [], []
+    for i in found:
+        name = e.coordinates[i].name
+        if name in used:
+            lines.append(Line("cyclic", f"{name} kept", f"it is in {used[name]}"))
+        elif name in needs.columns and not needs.quadratures:
+            lines.append(Line("cyclic", f"{name} kept", "the method makes no quadratures"))
+        elif name in needs.columns and state.structure.affine:
+            lines.append(Line("cyclic", f"{name} kept", "a linear system has an exact flow"))
+        else:
+            chosen.append(i)
+            angles += [i] if name in needs.columns else []
+    if len(chosen) == len(e.coordinates) and not e.states:
+        lines.append(Line("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
+        angles = [i for i in angles if i != chosen[0]]
+        chosen = chosen[1:]
+    state = replace(state, report=replace(state.report, lines=(*state.report.lines, *lines)))
+    if not chosen:
+        return state
+    try:
+        reduced = routh(e, chosen, angles)
+        after = _recorded(state, needs, reduced, chosen, angles)
+    except (NotReduced, NoRate) as why:
+        return _not(state, e, chosen, str(why))
+    before, now = cost(e.graph, e), cost(e.graph, after.equations)
+    if now + OF_A_STATE * _states(after.equations) > before + OF_A_STATE * _states(e):
+        return _not(state, e, chosen, f"{now} operations instead of {before}")
+    return after
+
+
+def _states(e: Equations) -> int:
+    """The numbers that a method carries."""
+    return 2 * (len(e.coordinates) + len(e.states)) + len(e.quadratures)
+
+
+def _not(state: State, e: Equations, which: list[int], why: str) -> State:
+    names = ", ".join(e.coordinates[i].name for i in which)
+    lines = (*state.report.lines, Line("cyclic", f"{names} kept", why))
+    return replace(state, report=replace(state.report, lines=lines))
+
+
+def _recorded(
+    state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
+) -> State:
+    """With no more rates of the angles than are recorded, and a line for each."""
+    e, found = state.equations, reduced.equations
+    extra = len(e.observed)
+    keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]
+    found = replace(
+        found,
+        observed_names=tuple(found.observed_names[i] for i in keep),
+        observed=tuple(found.observed[i] for i in keep),
+    )
+    lines = [
+        Line(
+            "cyclic",
+            e.coordinates[i].name,
+            f"{e.momenta_names[i].name} is constant, of the start"
+            + ("; the angle is a quadrature" if i in angles else ""),
+        )
+        for i in chosen
+    ]
+    unused = {e.coordinates[i].name for i in chosen if i not in angles}
+    return state.after(
+        found,
+        *lines,
+        starts={**state.report.starts, **reduced.starts},
+        unused=state.report.unused | unused,
+    )
+
+
+def _used(e: Equations) -> dict[str, str]:
+    """Coordinates in what would have to know them: forces of others, outputs, events."""
+    found: dict[str, str] = {}
+    for what, nodes in (
+        ("a force", e.applied),
+        ("an output that is recorded", [*e.observed, *e.conserved]),
+        ("an event", e.events),
+        ("the rate of a state", e.state_rates),
+    ):
+        for symbol in symbols_in(e.graph, nodes, COORDINATES):
+            found.setdefault(e.coordinates[symbol.index].name, what)
+    return found

@@ -1,0 +1,244 @@
+"""Equations, Structure, Needs -> the same with less, and a Report of what went and why.
+
+A reduction is a function that finds what can go; it stands in REDUCTIONS under the name by which
+it is switched off. What a scene fixes or holds is not there when the equations are derived
+(specialise.py); what nobody calls is left out when they are written (back/kernels.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+from ...equations import Equations, Structure
+from ...graph.graph import BIT, ZERO, Kind
+from ...indices import parted
+from ...model import Model
+from ..analyze.analyze import analyze
+from ..derive.lagrange import derived_again
+from ..motion import STATE
+from ..quantities import symbols
+from ..report import Line, Report
+from ..smaller import smaller, symbols_in
+from .apart import Part, parts_of
+from .cyclic import cyclic
+from .reduction import Needs, State, cost
+
+APART = "apart"  # the reduction that makes parts
+# Of a whole whose parts are integrated apart: what is computed from its state.
+OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
+
+
+@dataclass(frozen=True)
+class Reduced:
+    equations: Equations
+    structure: Structure
+    report: Report
+    parts: tuple[Part, ...]  # none: it is integrated as it is
+
+
+def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
+    """Of the kernels asked for (None: all), those of a whole whose parts are integrated apart."""
+    return OF_WHOLE if kernels is None else kernels & OF_WHOLE
+
+
+def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
+    """And those of its parts."""
+    return None if kernels is None else kernels - (OF_WHOLE - {"canonical"})
+
+
+def reduce(
+    equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
+) -> Reduced:
+    """No more equations than are needed, with the kernels asked for (None: all)."""
+    state = State(equations, structure, Report())
+    for name, reduction in REDUCTIONS.items():
+        if name not in needs.off:
+            state = reduction(state, needs)
+    g, parts, lines = equations.graph, (), state.report.lines
+    # Switches are located in one motion, not in several.
+    if APART not in needs.off and needs.apart and state.structure.smooth:
+        parts = parts_of(state.equations, state.structure, of_a_part(kernels))
+    if parts:
+        names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
+        why = "neither moves the other: integrated apart"
+        lines = (*lines, Line(APART, " | ".join(names), why))
+        kernels = of_the_whole(kernels)
+    lines = (*lines, *_of_itself(state.equations, state.structure))
+    reduced = derived_again(state.equations, kernels)
+    moved = [part.equations for part in parts] or [reduced]
+    report = replace(
+        state.report,
+        lines=lines,
+        coordinates=(_moving(equations), _moving(reduced)),
+        operations=(cost(g, equations), sum(cost(g, e) for e in moved)),
+    )
+    return Reduced(reduced, analyze(reduced), report, parts)
+
+
+def _of_itself(equations: Equations, structure: Structure) -> tuple[Line, ...]:
+    """What follows from the structure, without anything that is left out."""
+    lines = []
+    if structure.mass_constant and equations.coordinates:
+        lines.append(Line("constant mass", "M is constant", "factored once, when prepared"))
+    if structure.affine:
+        why = "stepped by its exact exponential, unless another method is asked for"
+        lines.append(Line("exact", "linear with constant coefficients", why))
+    return tuple(lines)
+
+
+# -- outputs -------------------------------------------------------------------------------------
+
+
+def outputs(state: State, needs: Needs) -> State:
+    """Outputs that are not recorded are not computed, events that nobody asks for not looked for.
+    A claim has been proved, and need not be watched."""
+    e, lines = state.equations, []
+
+    def kept(names: Iterable, what: str, wanted: Callable[[int], bool], why: str) -> list[int]:
+        found = [wanted(i) for i, _ in enumerate(names)]
+        gone = [q.name for q, keep in zip(names, found, strict=True) if not keep]
+        if gone:
+            lines.append(Line("outputs", f"{what} {', '.join(gone)}", why))
+        return [i for i, keep in enumerate(found) if keep]
+
+    observed = kept(
+        e.observed_names,
+        "observed",
+        lambda i: e.observed_names[i].name in needs.columns,
+        "not recorded, so not computed",
+    )
+    conserved = kept(
+        e.conserved_names,
+        "conserved",
+        lambda i: e.conserved_names[i].name in needs.columns,
+        "proved, so not watched",
+    )
+    events = kept(
+        e.event_names,
+        "event",
+        lambda i: e.model.events[i].stop or e.event_names[i].name in needs.events,
+        "nothing is asked of it, and it stops nothing",
+    )
+    if not lines:
+        return state
+
+    def pick(row: tuple, which: list[int]) -> tuple:
+        return tuple(row[i] for i in which)
+
+    return state.after(
+        replace(
+            e,
+            model=replace(e.model, events=pick(e.model.events, events)),
+            observed_names=pick(e.observed_names, observed),
+            observed=pick(e.observed, observed),
+            conserved_names=pick(e.conserved_names, conserved),
+            conserved=pick(e.conserved, conserved),
+            event_names=pick(e.event_names, events),
+            events=pick(e.events, events),
+        ),
+        *lines,
+    )
+
+
+def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[Line, ...]]:
+    """The same of a model whose families are loops."""
+    if "outputs" in needs.off:
+        return model, ()
+    columns = {parted(name)[0] for name in needs.columns}
+    kinds = (
+        ("observed", "observed", "not recorded, so not computed"),
+        ("conserved", "conserved", "proved, so not watched"),
+    )
+    lines = []
+    for field, what, why in kinds:
+        items = getattr(model, field)
+        gone = [item.name for item in items if item.name not in columns]
+        if gone:
+            lines.append(Line("outputs", f"{what} {', '.join(gone)}", why))
+            model = replace(model, **{field: tuple(x for x in items if x.name in columns)})
+    return model, tuple(lines)
+
+
+# -- coordinates without influence ---------------------------------------------------------------
+
+
+def unconnected(state: State, needs: Needs) -> State:
+    """A coordinate or a state in whose absence all that is recorded moves the same is left at its
+    start.
+
+    One that shares a block of M with what is kept is not such a one, though no acceleration
+    depends on it: its inertia has a part in them.
+    """
+    e, facts = state.equations, state.structure
+    kept = set(_wanted(e, needs))
+    waiting = list(kept)
+    while waiting:
+        i = waiting.pop()
+        mates = next(block for block in facts.mass_blocks if i in block)
+        new = {*facts.influences[i], *mates} - kept
+        kept |= new
+        waiting += new
+        if not waiting:
+            waiting = list(_bodies(e, kept) - kept)
+            kept |= set(waiting)
+    g, n = e.graph, len(e.coordinates)
+    gone = [i for i in range(n + len(e.states)) if i not in kept]
+    if not gone or not kept:
+        return state
+    q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
+    x = symbols(g, Kind.STATE, len(e.states))
+    swap = {q[i]: e.start_q[i] for i in gone if i < n} | {v[i]: ZERO for i in gone if i < n}
+    swap |= {x[i - n]: e.state_start[i - n] for i in gone if i >= n}
+    names = [(*e.moving, *(q.name for q in e.states))[i] for i in gone]
+    left = [i for i in sorted(kept) if i < n]
+    states = [i - n for i in sorted(kept) if i >= n]
+    parts = (e.kinetic, e.potential)
+    return state.after(
+        smaller(e, left, swap, e.lagrangian, parts, kept_states=states),
+        Line("unconnected", ", ".join(names), "nothing recorded depends on it"),
+        unused=state.report.unused | frozenset(names),
+    )
+
+
+def _wanted(e: Equations, needs: Needs) -> set[int]:
+    """The coordinates and states of which something is recorded, or which an output or an event
+    contains."""
+    n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events]
+    names = {**_named(e.coordinates), **_named(e.rates)}
+    names |= {q.name: n + i for i, q in enumerate(e.states)}
+    found = {names[column] for column in needs.columns if column in names}
+    if "energy" in needs.columns:
+        found |= set(range(n))
+        nodes.append(e.energy)
+    used = symbols_in(e.graph, nodes, STATE | BIT[Kind.STATE])
+    return found | {s.index + (n if s.kind is Kind.STATE else 0) for s in used}
+
+
+def _bodies(e: Equations, kept: set[int]) -> set[int]:
+    """Of rotations of which something is kept, the rest; but where nothing has to do with any
+    attitude at all, nor with constraints, the body rates alone."""
+    n, found = len(e.coordinates), set()
+    numbers = [{n + k for k in a.numbers} for a in e.attitudes]
+    turned = e.constraints is not None or any(mine & kept for mine in numbers)
+    for a, mine in zip(e.attitudes, numbers, strict=True):
+        if ({*a.rates} | mine) & kept:
+            found |= {*a.rates} | (mine if turned else set())
+    return found
+
+
+def _moving(e: Equations) -> int:
+    """Coordinates and states."""
+    return len(e.coordinates) + len(e.states)
+
+
+def _named(quantities: tuple) -> dict[str, int]:
+    return {q.name: i for i, q in enumerate(quantities)}
+
+
+Reduction = Callable[[State, Needs], State]
+REDUCTIONS: dict[str, Reduction] = {
+    "outputs": outputs,
+    "unconnected": unconnected,
+    "cyclic": cyclic,
+}

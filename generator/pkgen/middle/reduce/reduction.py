@@ -1,0 +1,48 @@
+"""What a reduction is given: what is wanted of a motion, and what earlier ones have left of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...equations import Equations, Structure
+from ...graph.count import operations
+from ...graph.graph import Graph
+from ..analyze.analyze import analyze
+from ..derive.lagrange import derived_again
+from ..report import Line, Report
+
+# What must be known of equations to reduce them.
+ENOUGH = frozenset({"acceleration"})
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What is wanted of a motion. Columns are names as in the head of a CSV: "theta", "phi'"."""
+
+    columns: frozenset[str]
+    events: frozenset[str] = frozenset()
+    quadratures: bool = True  # the method makes them
+    apart: bool = True  # blocks may be integrated apart
+    off: frozenset[str] = frozenset()  # reductions that are not to be made
+
+
+@dataclass(frozen=True)
+class State:
+    """What one reduction hands to the next."""
+
+    equations: Equations
+    structure: Structure
+    report: Report
+
+    def after(self, equations: Equations, *lines: Line, **more: object) -> State:
+        """With other equations, derived again if their coordinates are others."""
+        before = self.equations
+        if (equations.coordinates, equations.states) != (before.coordinates, before.states):
+            equations = derived_again(equations, ENOUGH)
+        report = replace(self.report, lines=(*self.report.lines, *lines), **more)
+        return State(equations, analyze(equations), report)
+
+
+def cost(g: Graph, equations: Equations) -> int:
+    motion = equations.acceleration or (*equations.force, *sum(equations.mass, ()))
+    return operations(g, [*motion, *equations.state_rates, *equations.quadratures])

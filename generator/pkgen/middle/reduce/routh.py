@@ -1,0 +1,136 @@
+"""Routh's reduction: cyclic coordinates replaced by their constant momenta.
+
+With L = v.M v/2 + b.v + L0, its coordinates split into cyclic ones c and the rest r, and
+p_c = M_cc v_c + M_cr v_r + b_c constant, the motion of the rest has the Lagrangian
+
+    R = L - p_c.v_c = v_r.M_rr v_r/2 + b_r.v_r + L0 - y.M_cc^-1 y/2,   y = p_c - b_c - M_cr v_r
+
+and the cyclic rates are v_c = M_cc^-1 y: their coordinates are quadratures, of which only those
+are made that somebody wants. The momenta are parameters that follow from the start, whose values
+are parameters too, so that a start given at run time counts.
+Reference: E. J. Routh, Stability of a Given State of Motion, Macmillan 1877; L. D. Landau,
+E. M. Lifshitz, Mechanics, 3rd edition, section 41.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from ...equations import Equations, Row
+from ...graph.collect import fewest
+from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
+from ...graph.solve import Factors, SingularMass, elimination_order, factors
+from ...graph.substitute import substituted
+from ..quantities import symbols
+from ..smaller import Output, Start, StartParameters, smaller, symbols_in
+
+STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
+
+
+class NotReduced(Exception):
+    """Why these coordinates cannot be reduced; the text says it."""
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """The motion in `equations` is still to be derived again."""
+
+    equations: Equations
+    starts: dict[Start, str]  # the parameters that starts have become
+
+
+def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
+    """The equations without the cyclic coordinates, of which `angles` become quadratures.
+
+    Raises NotReduced. That they are cyclic, and L of second degree in the rates, the caller knows.
+    """
+    g = equations.graph
+    n = len(equations.coordinates)
+    rest = [i for i in range(n) if i not in cyclic]
+    rates = symbols(g, Kind.RATE, n)
+    parameters, momentum = _momenta(equations, cyclic)
+    still = dict.fromkeys(rates, ZERO)
+    offset = substituted(g, equations.momenta, still)
+    (level,) = substituted(g, [equations.lagrangian], still)
+
+    def moving(i: int) -> Node:
+        return g.sum(g.multiply(equations.mass[i][j], rates[j]) for j in rest)
+
+    y = [g.subtract(g.subtract(momentum[i], offset[i]), moving(i)) for i in cyclic]
+    block = tuple(tuple(equations.mass[i][j] for j in cyclic) for i in cyclic)
+    turning, stored = _solved(g, block, tuple(y))
+    kinetic = g.sum(g.multiply(rates[i], moving(i)) for i in rest)
+    lagrangian = g.sum(
+        [
+            g.multiply(g.number(Fraction(1, 2)), g.subtract(kinetic, stored)),
+            *(g.multiply(offset[i], rates[i]) for i in rest),
+            level,
+        ]
+    )
+    # L does not depend on a cyclic coordinate, though a 0 may have to be written for it.
+    swap = {symbol: ZERO for i, symbol in enumerate(symbols(g, Kind.COORDINATE, n)) if i in cyclic}
+    swap |= {rates[i]: rate for i, rate in zip(cyclic, turning, strict=True)}
+    swap |= {equations.momenta[i]: momentum[i] for i in cyclic}
+    turned = dict(zip(cyclic, turning, strict=True))
+    found = smaller(
+        equations,
+        rest,
+        swap,
+        lagrangian,
+        (None, None),
+        [Output(equations.rates[i], turned[i]) for i in cyclic],
+        [(i, turned[i]) for i in angles],
+        {i: parameters.of(Symbol(Kind.COORDINATE, i)) for i in angles},
+    )
+    start = {
+        field: tuple(
+            parameters.node.get(Symbol(kind, i), getattr(equations, field)[i]) for i in rest
+        )
+        for field, kind in (("start_q", Kind.COORDINATE), ("start_v", Kind.RATE))
+    }
+    found = replace(found, parameters=tuple(parameters.slots), **start)
+    return Reduced(found, parameters.starts)
+
+
+def _momenta(
+    equations: Equations, cyclic: Sequence[int]
+) -> tuple[StartParameters, dict[int, Node]]:
+    """Parameters for the momenta, and those for the starts of which these are made."""
+    g = equations.graph
+    nodes = [equations.momenta[i] for i in cyclic]
+    for i, node in zip(cyclic, nodes, strict=True):
+        if g.depends[node] & BIT[Kind.INPUT]:
+            raise NotReduced(f"{equations.momenta_names[i].name} contains an input")
+        if g.depends[node] & BIT[Kind.STATE]:
+            raise NotReduced(f"{equations.momenta_names[i].name} contains a state")
+    parameters = StartParameters(equations)
+    swap = {g.symbol(s): parameters.of(s) for s in symbols_in(g, nodes, STATE)}
+    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # a run starts there
+    at_start = substituted(g, nodes, swap)
+    says = "constant momentum, follows the starts"
+    return parameters, {
+        i: parameters.add(replace(equations.momenta_names[i], description=says), node)
+        for i, node in zip(cyclic, at_start, strict=True)
+    }
+
+
+def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
+    """block^-1 y, and y.block^-1 y as a sum of squares over pivots, which is shortest."""
+    order, _ = elimination_order(g, block)
+    try:
+        found = factors(g, block, order)
+    except SingularMass:
+        found = None
+    if found is None:
+        raise NotReduced("their block of M is singular")
+    # A pivot such as I1 + (I3 - I1) cos^2 - I3 cos^2 is I1 sin^2.
+    pivots = [fewest(g, [pivot])[0] for pivot in found.pivots]
+    inverses = [g.power(pivot, -1) for pivot in pivots]
+    found = Factors(order, found.lower, pivots, inverses)
+    z = found.forward(g, y)
+    squares = (
+        g.multiply(g.power(entry, 2), inverse) for entry, inverse in zip(z, inverses, strict=True)
+    )
+    return found.backward(g, z), g.sum(squares)

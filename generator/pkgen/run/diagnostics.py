@@ -1,0 +1,106 @@
+"""What `pkgen run --diagnose` asks for, and of which models it is; its results are told by
+`diagnostics_text.py`.
+
+They are made in C, runtime/run/diagnose.c; docs/diagnostics.md has their names and keys.
+"""
+
+from __future__ import annotations
+
+from ..back.c.kernels import KERNELS
+from ..back.c.kernels_canonical import CANONICAL
+from ..compiler import Compilation
+from ..middle.motion import LINEAR_OF_FEW, PARTICLES
+from ..middle.particles.bodies import listed
+from ..middle.particles.particles import HELP
+from ..source import Diagnostic
+from ..system.exits import UsageError
+from .values import near
+
+NAMES = (
+    "lyapunov",
+    "reversal",
+    "spectrum",
+    "symplectic",
+    "least_action",
+    "action",
+    "angular_momentum",
+    "lrl",
+    "modes",
+)
+OF_MEMBERS = ("area",)
+OF_REDUCED = ("action",)  # alone, it is of what a scene's reductions leave
+OF_PARTICLES = frozenset(("all", "angular_momentum", "lrl"))
+LINEARISED = frozenset(("all", "lyapunov", "symplectic", "least_action"))  # by `linear`
+
+
+def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
+    """`--diagnose lyapunov,spectrum`, each once, or `all`: those that apply."""
+    if text is None:
+        return ()
+    names = [name.strip() for name in text.split(",")]
+    if ensemble is not None:
+        refuse_several(tuple(names), "for --ensemble")
+    if names == ["all"]:
+        return ("all",)
+    for name in names:
+        if name not in (*NAMES, *OF_MEMBERS):
+            known = [*NAMES, *OF_MEMBERS, "all"]
+            raise UsageError(
+                f"--diagnose {text}: there is no '{name}'; {near(name, known, 'diagnostic')}"
+            )
+    return tuple(name for name in (*NAMES, *OF_MEMBERS) if name in names)
+
+
+def refuse_several(names: tuple[str, ...], what: str) -> None:
+    """All but what is of members together. Raises UsageError."""
+    if set(names) != set(OF_MEMBERS):
+        raise UsageError(f"--diagnose is for one trajectory, not {what}, which has 'area' alone")
+
+
+def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
+    """All of them where `linear` is needed, which a large model leaves out unless it is named; and
+    particles, which every model leaves out, where these are asked for."""
+    wanted = frozenset(KERNELS) - CANONICAL
+    if not OF_PARTICLES.intersection(names):
+        wanted -= {PARTICLES}
+    if not LINEARISED.intersection(names):
+        wanted = wanted - {"linear"} | {LINEAR_OF_FEW}
+    return wanted if {"linear", PARTICLES} & wanted or "modes" in names else None
+
+
+def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> None:
+    """What is of particles of a model that has none, and of members of one motion. Raises
+    UsageError."""
+    if not several and set(OF_MEMBERS).intersection(names):
+        raise UsageError(
+            "--diagnose area is of a closed loop of starts: of a scene with a swarm, or --ensemble"
+        )
+    particles = compilation.equations.particles if PARTICLES in (kernels(names) or ()) else None
+    if particles is None or "all" in names:
+        return
+    of = next(name for name in names if name in OF_PARTICLES)
+    if not compilation.model.coordinates:
+        raise UsageError(f"--diagnose {of} is of particles, and the model has states alone")
+    if not particles.masses:
+        said = f"--diagnose {of} is of particles, and of this model none are seen: {particles.why}"
+        found = Diagnostic(said, particles.span, HELP)
+        raise UsageError(found.text(compilation.model.source))
+    if "lrl" in names and len(particles.masses) > 2:
+        raise UsageError(
+            f"--diagnose lrl is of one particle, or of two about each other; "
+            f"'{compilation.model.name}' has {len(particles.masses)}: {listed(particles.names)}"
+        )
+
+
+def name_places(report: dict, compilation: Compilation) -> None:
+    """In the results of what is of particles: where these are, and what of L is not theirs."""
+    for name, found in report.get("diagnostics", {}).items():
+        if name in OF_PARTICLES and found["status"] == "PK_DONE":
+            particles = compilation.equations.particles
+            found["places"] = list(particles.names)
+            found["beyond"] = particles.beyond or None
+
+
+def of_whole(text: str | None) -> bool:
+    """Whether what is asked for is of the whole motion, so that nothing is reduced."""
+    return text is not None and asked(text) != OF_REDUCED

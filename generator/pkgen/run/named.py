@@ -1,0 +1,212 @@
+"""The quantities of a compiled model by name, families not written out: there may be millions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from ..compiler import Compilation
+from ..equations import Quantity
+from ..indices import indexed, parted
+from ..middle.quantities import families, input_quantities
+from ..model import Coordinate, Model, Parameter
+
+SUGGESTED = 12  # members of a family that a hint goes through
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A declared name: one quantity, or members lo..hi; `first` is the flat index of the first."""
+
+    quantity: Quantity
+    first: int
+    lo: int | None
+    hi: int | None
+
+    def member(self, index: int | None) -> Quantity:
+        name, primes = self.quantity.name.rstrip("'"), self.quantity.name.count("'")
+        shown = indexed(name, index) + "'" * primes
+        return Quantity(shown, self.quantity.unit, self.quantity.description)
+
+    @property
+    def count(self) -> int:
+        return 1 if self.lo is None else self.hi - self.lo + 1
+
+
+class Named:
+    """Name -> (flat index, quantity). Iteration gives names to suggest, of a family the first."""
+
+    def __init__(self, declared: list[Declared]):
+        self.declared = declared
+        self._by_name = {d.quantity.name: d for d in declared}
+
+    def find(self, name: str) -> tuple[Declared, int | None] | None:
+        """What was declared, and the index of the member."""
+        if name in self._by_name and self._by_name[name].lo is None:
+            return self._by_name[name], None
+        base, index = parted(name)
+        found = self._by_name.get(base)
+        if found is None or (found.lo is None) != (index is None):
+            return None
+        if index is not None and not found.lo <= index <= found.hi:
+            return None
+        return found, index
+
+    def __contains__(self, name: str) -> bool:
+        return self.find(name) is not None
+
+    def __getitem__(self, name: str) -> tuple[int, Quantity]:
+        found = self.find(name)
+        if found is None:
+            raise KeyError(name)
+        declared, index = found
+        flat = declared.first + (0 if index is None else index - declared.lo)
+        return flat, declared.member(index)
+
+    def __iter__(self) -> Iterator[str]:
+        for item in self.declared:
+            if item.lo is None:
+                yield item.quantity.name
+            else:
+                for index in range(item.lo, min(item.hi, item.lo + SUGGESTED) + 1):
+                    yield item.member(index).name
+
+    @property
+    def count(self) -> int:
+        return sum(item.count for item in self.declared)
+
+    def columns(self, most: int) -> list[Quantity]:
+        """A quantity a column; of a family of more than `most` members one for all: q[1..N]."""
+        found = []
+        for item in self.declared:
+            if item.lo is None:
+                found.append(item.quantity)
+            elif item.count > most:
+                found.append(item.member(f"{item.lo}..{item.hi}"))  # type: ignore[arg-type]
+            else:
+                found += [item.member(index) for index in range(item.lo, item.hi + 1)]
+        return found
+
+
+def coordinates(compilation: Compilation, rates: bool = False) -> Named:
+    """Those of the equations: a scene may have reduced the model's. Behind the rates stand the
+    states, as they do in C and in every row."""
+    if compilation.looped:
+        return _coordinates(compilation.model, rates)
+    e = compilation.equations
+    return Named(_each((*e.rates, *e.states) if rates else e.seen))
+
+
+def declared(compilation: Compilation) -> Named:
+    """The coordinates and states that the model declares."""
+    model = compilation.declared
+    found = families(model, model.states)
+    states = [
+        _declared(Quantity(s.name, s.unit, s.description), found[s.name]) for s in model.states
+    ]
+    return Named(_coordinates(model, False).declared + states)
+
+
+def states(compilation: Compilation) -> frozenset[str]:
+    """The names of the states that are left."""
+    if compilation.looped:
+        return frozenset()
+    return frozenset(q.name for q in compilation.equations.states)
+
+
+def with_attitudes(compilation: Compilation) -> bool:
+    return not compilation.looped and bool(compilation.equations.attitudes)
+
+
+def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
+    """Of coordinates and rotations, and then of their rates, the order in which a model with
+    rotations declares them: a quaternion stands where its rotation does, not among the states."""
+    model, e = compilation.declared, compilation.equations
+    spans = {item.name: item.span.start for item in model.coordinates}
+    found = {}
+    for q, rate in zip(e.coordinates, e.rates, strict=True):
+        start = spans[parted(q.name)[0]]
+        found |= {q.name: (0, start), rate.name: (1, start)}
+    for rotation in model.rotations:
+        found |= dict.fromkeys(rotation.quaternion, (0, rotation.span.start))
+    return found
+
+
+def has_energy(compilation: Compilation) -> bool:
+    """States alone have none."""
+    return compilation.looped or bool(compilation.equations.coordinates)
+
+
+def _coordinates(model: Model, rates: bool) -> Named:
+    declared = [c for c in model.coordinates if not c.rate]
+    found = families(model, model.coordinates)
+
+    def quantity(c: Coordinate) -> Quantity:
+        unit = c.rate_unit if rates else c.unit
+        return Quantity(c.name + ("'" if rates else ""), unit, c.description)
+
+    return Named([_declared(quantity(c), found[c.name]) for c in declared])
+
+
+def parameters(compilation: Compilation) -> Named:
+    """By flat index; see position() for what the loops of C count."""
+    if not compilation.looped:
+        return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
+    model = compilation.model
+    found = families(model, model.parameters)
+
+    def quantity(p: Parameter) -> Quantity:
+        return Quantity(p.name, p.unit, p.description)
+
+    return Named([_declared(quantity(p), found[p.name]) for p in model.parameters])
+
+
+def quadratures(compilation: Compilation) -> list[Quantity]:
+    return [] if compilation.looped else list(compilation.equations.quadrature_names)
+
+
+def events(compilation: Compilation) -> list[str]:
+    """Those that are looked for."""
+    if compilation.looped:
+        return [event.name for event in compilation.model.events]
+    return [q.name for q in compilation.equations.event_names]
+
+
+def inputs(compilation: Compilation) -> Named:
+    equations = compilation.equations
+    listed = (
+        input_quantities(compilation.model, equations.orders)
+        if compilation.looped
+        else equations.inputs
+    )
+    return Named([Declared(q, i, None, None) for i, q in enumerate(listed)])
+
+
+def observed(compilation: Compilation) -> list[Quantity]:
+    if compilation.looped:
+        return [
+            Quantity(o.name, o.unit, o.description) for o in compilation.equations.model.observed
+        ]
+    return list(compilation.equations.observed_names)
+
+
+def set_parameters(
+    compilation: Compilation,
+    values: Iterable[tuple[int, float]],
+    members: Iterable[tuple[int, int, float]],
+) -> dict[tuple[str, int | None], float]:
+    """What settings set, by name and index; `members` are of families that are loops."""
+    declared = parameters(compilation).declared
+    found = {parted(declared[k].quantity.name): x for k, x in values}
+    for k, position, x in members:
+        found[declared[k].quantity.name, declared[k].lo + position] = x
+    return found
+
+
+def _each(quantities: Iterable[Quantity]) -> list[Declared]:
+    """Each by itself, members of families too."""
+    return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
+
+
+def _declared(quantity: Quantity, family) -> Declared:
+    return Declared(quantity, family.first, family.lo, family.hi)

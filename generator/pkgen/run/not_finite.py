@@ -1,0 +1,52 @@
+"""Which constant of a model is not finite at a run's parameters: 1/m at m = 0."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+
+from ..compiler import Compilation
+from ..graph.evaluate import evaluate, value_of
+from ..graph.graph import VARIABLE, Kind, Op, Symbol
+from ..graph.wording import wording
+
+_SAID = re.compile(r"(run: )what is computed from the parameters is not finite.*")
+
+
+def named(messages: str, compilation: Compilation, given: Iterable[tuple[int, float]]) -> str:
+    """The driver's message, with the constant and the parameters in it."""
+    if not _SAID.search(messages) or compilation.looped:
+        return messages
+    found = _computed(compilation, dict(given))
+    return _SAID.sub(lambda said: said[1] + found, messages) if found else messages
+
+
+def _computed(compilation: Compilation, given: dict[int, float]) -> str:
+    e = compilation.equations
+    g, slots, values = e.graph, e.parameters, {}
+
+    def quantity(symbol: Symbol) -> str:
+        return slots[symbol.index].quantity.name
+
+    known: dict[int, float] = {}
+    below: dict[int, frozenset[int]] = {}
+    for index, slot in enumerate(slots):  # a default follows earlier parameters
+        values[Symbol(Kind.PARAMETER, index)] = given.get(index, 0.0)
+        if index not in given:
+            (values[Symbol(Kind.PARAMETER, index)],) = evaluate(g, [slot.default], values)
+    for node in range(len(g)):
+        if g.depends[node] & VARIABLE:
+            continue
+        known[node] = value_of(g, node, [known[a] for a in g.args[node]], values)
+        below[node] = frozenset().union(*(below[a] for a in g.args[node]))
+        if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.PARAMETER:
+            below[node] = frozenset((g.data[node].index,))
+        if not math.isfinite(known[node]) and below[node]:
+            at = ", ".join(
+                f"{slots[i].quantity.name} = {values[Symbol(Kind.PARAMETER, i)]:.12g}"
+                + (f" [{slots[i].quantity.unit}]" if slots[i].quantity.unit else "")
+                for i in sorted(below[node])
+            )
+            return f"{wording(g, node, quantity)} is not finite at {at}"
+    return ""

@@ -1,0 +1,62 @@
+"""How many rows a run writes: by itself, at most, and what is said of them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from ..compiler import Compilation
+from ..front.check.scene_numbers import too_much
+from ..model import Model, Scene
+from ..system.exits import UsageError
+from . import named
+from .settings import Settings
+
+ROWS = 1000
+NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
+
+
+def interval(until: float, step: float | None, numbers: int) -> float:
+    """Time between rows if none is given: some thousand rows (fewer, of a long family), a fixed
+    step kept as it is."""
+    rows = max(1, min(ROWS, NUMBERS // numbers))
+    return step * math.ceil(until / (rows * step)) if step else until / rows
+
+
+def refuse_too_many(
+    options: argparse.Namespace,
+    model: Model,
+    scene: Scene | None,
+    rows: float,
+    numbers: int,
+    members: int | None,
+) -> None:
+    """No disk would hold what somebody asks for by mistake. `members`: of several together."""
+    said = too_much(rows, numbers, members)
+    if not said:
+        return
+    if options.every is not None:
+        what, advice = f"--every {options.every}", "take a longer interval"
+    elif options.ensemble is not None:
+        what, advice = f"--ensemble {options.ensemble}", "take fewer members"
+    elif scene is not None and scene.swarm is not None:
+        what = f"{model.source.place(scene.swarm.span)}: scene '{scene.name}'"
+        advice = "take fewer members"
+    elif scene is not None and scene.record is not None and scene.record.every is not None:
+        what = f"{model.source.place(scene.record.span)}: scene '{scene.name}'"
+        advice = "take a longer interval"
+    else:
+        what, advice = "--size", "take smaller families"
+    raise UsageError(f"{what}: {said}; {advice}")
+
+
+def note(options: argparse.Namespace, settings: Settings, compilation: Compilation) -> str:
+    """What is to be said of rows that were not asked for and are fewer than one would think."""
+    numbers = sum(named.coordinates(compilation, rates=rates).count for rates in (False, True))
+    if settings.every is None or options.every is not None or numbers * ROWS <= NUMBERS:
+        return ""
+    rows = math.ceil(settings.until / settings.every) + 1
+    return (
+        f"{rows} rows of {numbers:,} numbers, one every {settings.every:.6g}; "
+        "choose by --every how often, and how much, is written"
+    )

@@ -1,0 +1,231 @@
+"""Values, names and assignments in options of the command line, for a given model. Every error is a
+UsageError."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ..compiler import Compilation
+from ..front.check import options_text
+from ..front.check.options_text import OptionError
+from ..front.check.scene_numbers import within_bounds
+from ..indices import hidden, indexed, parted
+from ..system.exits import UsageError
+from . import named
+from .settings import Shown
+from .simulate import columns
+
+
+@dataclass(frozen=True)
+class _Start:
+    order: int  # 0 of a coordinate, 1 of a rate
+    index: int
+    value: float
+
+
+# What pkgen has, and no model.
+_OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option"))
+_NEXT = re.compile(r",\s*(?=[A-Za-z_]\w*(?:\[[^\]]*\])?'*\s*=)")
+
+
+class Values:
+    """Values of options for one model: its units, its sizes, its names."""
+
+    def __init__(self, compilation: Compilation):
+        self.compilation = compilation
+        self.model = compilation.model
+        self.coordinates = named.coordinates(compilation)
+        self.rates = named.coordinates(compilation, rates=True)
+        self.sizes = {size.name: size.value for size in self.model.sizes}
+        self.time = "" if self.model.dimensionless else "s"
+
+    def value(self, option: str, text: str, unit: str, name: str) -> float:
+        try:
+            found = options_text.quantity(
+                text,
+                unit,
+                dimensionless=self.model.dimensionless,
+                values=self.sizes,
+                name=name,
+            )
+        except OptionError as error:
+            given = text if option == f"--{name}" else f"{name}={text}"
+            raise UsageError(f"{option} {given}: {error.text()}") from None
+        if not math.isfinite(found):
+            raise UsageError(f"{option} {text}: {name} must be finite")
+        return float(found)
+
+    def positive(self, option: str, text: str | None, unit: str) -> float | None:
+        if text is None:
+            return None
+        name = option.removeprefix("--")
+        found = self.value(option, text, unit, name)
+        if not found > 0:
+            raise UsageError(f"{option} {text}: {name} must be positive")
+        return found
+
+    def assigned(
+        self,
+        option: str,
+        assignments: list[tuple[str, str]],
+        known: named.Named,
+        others: named.Named,
+    ) -> tuple[tuple[int, float], ...]:
+        """Those of the assignments whose left side is in `known`, as (index, value)."""
+        found = []
+        for left, text in assignments:
+            name = self.flat_name(option, left)
+            if name in known:
+                index, quantity = known[name]
+                found.append((index, self.value(option, text, quantity.unit, name)))
+            elif name not in others:
+                raise UsageError(unknown(option, name, [*known, *others], "parameter or input"))
+        return tuple(found)
+
+    def read(self, sets: list[tuple[str, str]]) -> tuple[list[tuple[str, str]], list[str]]:
+        """`--set`: those of parameters that are there, and what the scene left out; these must be
+        right all the same."""
+        declared = {p.name: p for p in self.compilation.declared.parameters}
+        found, unread = [], []
+        for left, text in sets:
+            name = self.flat_name("--set", left)
+            parameter = declared.get(parted(name)[0])
+            if parameter is None or name not in self.compilation.report.unused:
+                found.append((left, text))
+                continue
+            value = self.value("--set", text, parameter.unit, name)
+            if not within_bounds(self.compilation.declared, parameter, parted(name)[1], value):
+                raise UsageError(f"--set {name}={text}: outside its bounds: {name}")
+            unread.append(name)
+        return found, unread
+
+    def starts(self, given: list[str]) -> tuple[list[_Start], dict[int, float]]:
+        """`--start`: those of coordinates and rates, and those that have become parameters."""
+        report = self.compilation.report
+        parameters = named.parameters(self.compilation)
+        declared = named.declared(self.compilation)
+        found, of_parameters = [], {}
+        for text in given:
+            left, value = assignment("--start", text)
+            side = self.left("--start", left)
+            name = indexed(side.name, side.index)
+            if side.order > 1:
+                raise UsageError(f"--start {left}: a start is a coordinate or its rate")
+            if side.order and name in named.states(self.compilation):
+                raise UsageError(
+                    f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
+                )
+            if (name, side.order) in report.starts:
+                index, quantity = parameters[report.starts[name, side.order]]
+                of_parameters[index] = self.value("--start", value, quantity.unit, left)
+            elif name in self.coordinates:
+                index, quantity = (self.rates if side.order else self.coordinates)[
+                    name + "'" * side.order
+                ]
+                number = self.value("--start", value, quantity.unit, left)
+                found.append(_Start(side.order, index, number))
+            elif name in self.rates:  # a state
+                index, quantity = self.rates[name]
+                found.append(_Start(1, index, self.value("--start", value, quantity.unit, left)))
+            elif name in (numbers := self._numbers_of_rotations()):
+                each = ", ".join(numbers[name])
+                raise UsageError(f"--start {left}: one number an option, of {each}")
+            elif name not in declared:
+                raise UsageError(unknown("--start", name, list(declared), "coordinate"))
+            elif name not in report.unused:
+                raise UsageError(
+                    f"--start {left}: the scene holds {name}; change what it is held at"
+                )
+        return found, of_parameters
+
+    def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
+        """What a rotation and its body rates are started by."""
+        found = {}
+        for r in self.compilation.declared.rotations:
+            found |= {r.name: r.quaternion, f"omega({r.name})": r.rates}
+        return found
+
+    def by_key(
+        self, parameters: named.Named, values: dict[int, float]
+    ) -> dict[tuple[str, int | None], float]:
+        """Values of parameters under their names and indices."""
+        found = {}
+        for item in parameters.declared:
+            for flat, x in values.items():
+                if item.first <= flat < item.first + item.count:
+                    index = None if item.lo is None else item.lo + flat - item.first
+                    found[parted(item.member(index).name)] = x
+        return found
+
+    def shown(self, name: str, option: str = "--record") -> Shown:
+        """A column of the rows, by the index that the driver counts."""
+        kinds = self._kinds()
+        for kind, known in kinds.items():
+            if name in known:
+                index = known.index(name) if isinstance(known, list) else known[name][0]
+                return Shown(kind, index, name)
+        columns = [c for known in kinds.values() for c in known if not hidden(c)]
+        raise UsageError(unknown(option, name, columns, "column"))
+
+    def _kinds(self) -> dict[str, named.Named | list[str]]:
+        """The columns that rows have, by the driver's word for their kind."""
+        return {
+            "q": self.coordinates,
+            "v": self.rates,
+            "observed": [q.name for q in named.observed(self.compilation)],
+            "z": [q.name for q in named.quadratures(self.compilation)],
+            "energy": ["energy"] if named.has_energy(self.compilation) else [],
+        }
+
+    def standard(self) -> list[Shown]:
+        """What rows have of a model with rotations, in the order in which it is declared."""
+        names = [column.name for column in columns(self.compilation, listed=sys.maxsize)[1:]]
+        places = named.places(self.compilation)
+        return [self.shown(name) for name in sorted(names, key=lambda n: places.get(n, (2, 0)))]
+
+    def shown_as(self, text: str) -> Shown:
+        """`--record`: one of the columns that rows have without it."""
+        return self.shown(self.flat_name("--record", text.strip()))
+
+    def left(self, option: str, text: str) -> options_text.LeftSide:
+        try:
+            return options_text.left_side(text, self.sizes)
+        except OptionError as error:
+            raise UsageError(f"{option} {text}: {error.text()}") from None
+
+    def flat_name(self, option: str, text: str) -> str:
+        return self.left(option, text).text()
+
+
+def assignment(option: str, text: str) -> tuple[str, str]:
+    left, equal, right = text.partition("=")
+    if not (equal and left.strip()):
+        raise UsageError(f"{option} {text}: give a name and a value, e.g. {option} g=9.81")
+    parts = _NEXT.split(text)
+    if len(parts) > 1:
+        each = " ".join(f"{option} {part}" for part in parts)
+        raise UsageError(f"{option} {text}: one value an option: {each}")
+    return left.strip(), right.strip()
+
+
+def unknown(option: str, name: str, known: Iterable[str], kind: str) -> str:
+    """What is said of a name that is not there."""
+    who = "there is" if kind in _OF_PKGEN else "the model has"
+    return f"{option} {name}: {who} no such {kind}; {near(name, list(known), kind)}"
+
+
+def near(name: str, known: list[str], kind: str) -> str:
+    """Those that may be meant by a wrong name, or else those that there are."""
+    they = "there are" if kind in _OF_PKGEN else "it has"
+    meant = difflib.get_close_matches(name, known, n=3)
+    if meant:
+        *most, last = (f"'{one}'" for one in meant)
+        return f"did you mean {', '.join(most)}{' or ' if most else ''}{last}?"
+    if not known:
+        return f"{they} none"
+    return f"{they}: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"

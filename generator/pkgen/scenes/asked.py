@@ -1,0 +1,252 @@
+"""What the options of the command line mean for a given model. Every error is a UsageError."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from pathlib import Path
+
+from .. import limits
+from ..compiler import Compilation
+from ..front.check.scene_numbers import ROUND_OFF
+from ..indices import hidden
+from ..methods import METHODS, default_method
+from ..middle.quantities import indexed
+from ..model import Scene
+from ..run import diagnostics, named, rows
+from ..run.settings import PartSettings, Settings, Shown
+from ..run.values import Values, assignment, unknown
+from ..system.exits import UsageError
+from . import model as scene_model
+from . import options as scene_options
+from . import scene
+from . import use as scene_use
+
+UNTIL = 10.0
+RTOL = 1e-10
+UNROLL = 16  # coordinates up to which a run is faster as straight-line code
+THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
+
+
+def sizes(assignments: Iterable[str]) -> dict[str, int]:
+    """`--size N=64`, repeatable."""
+    found = {}
+    for text in assignments:
+        name, equal, value = text.partition("=")
+        digits = value.strip()
+        if not (equal and digits.isascii() and digits.isdecimal()):
+            raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
+        if not digits.strip("0"):
+            raise UsageError(f"--size {text}: a size is at least 1")
+        if name.strip() in found:
+            raise UsageError(f"--size {text}: it is given twice")
+        if len(digits.lstrip("0")) > 10 or int(digits) > limits.FAMILY:
+            raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
+        found[name.strip()] = int(digits)
+    return found
+
+
+def _once(option: str, names: Iterable[str]) -> None:
+    seen = set()
+    for name in names:
+        if name in seen:
+            raise UsageError(f"{option} {name}: it is given twice")
+        seen.add(name)
+
+
+def kernels(text: str | None, known: Iterable[str]) -> frozenset[str] | None:
+    """`--kernels mass,force`."""
+    if text is None:
+        return None
+    wanted = [name.strip() for name in text.split(",")]
+    for name in wanted:
+        if name not in known:
+            raise UsageError(unknown("--kernels", name, list(known), "kernel"))
+    return frozenset(wanted)
+
+
+def output(path: str | None) -> Path | None:
+    if path is None or path == "-":
+        return None
+    if not path.endswith((".csv", ".npy")):
+        raise UsageError(f"-o {path}: the file's name must end in .csv or .npy")
+    return Path(path)
+
+
+def directory(path: str) -> Path:
+    if path == "-":
+        raise UsageError("-o -: give a directory; several files are written")
+    return Path(path)
+
+
+def settings(
+    options: argparse.Namespace,
+    compilation: Compilation,
+    members: int | None = None,
+    chosen: Scene | None = None,
+) -> Settings:
+    """The settings of `pkgen run`, all values in SI: options first, then what the scene says, then
+    defaults. `members` are those of an ensemble or a swarm; None: one trajectory."""
+    values = Values(compilation)
+    rtol = values.positive("--rtol", options.rtol, "")
+    starts, start_parameters = values.starts(options.start)
+    sets = [assignment("--set", text) for text in scene_options.numbers(options)]
+    _once("--set", (values.flat_name("--set", name) for name, _ in sets))
+    lefts = (assignment("--start", text)[0] for text in options.start)
+    _once("--start", (values.flat_name("--start", left) for left in lefts))
+    sets, _ = values.read(sets)
+    parameters, inputs = named.parameters(compilation), named.inputs(compilation)
+    parameters_set = dict(values.assigned("--set", sets, parameters, inputs))
+    inputs_set = dict(values.assigned("--set", sets, inputs, parameters))
+    said = scene.Numbers({}, {})
+    if chosen is not None:
+        given = values.by_key(parameters, parameters_set)
+        said = scene.numbers(compilation.declared, chosen, given)
+        of_scene = {
+            parameters[indexed(name, index)][0]: x
+            for (name, index), x in said.parameters.items()
+            if indexed(name, index) in parameters  # others are folded
+        }
+        parameters_set = {**of_scene, **parameters_set}
+        of_scene = {inputs[n][0]: x for n, x in said.inputs.items() if n in inputs}
+        inputs_set = {**of_scene, **inputs_set}
+    parameters_set |= start_parameters
+    single, of_families = _places(compilation, parameters, tuple(parameters_set.items()))
+    least = ROUND_OFF
+    if rtol is not None and rtol < least and options.atol is None:
+        raise UsageError(
+            f"--rtol {options.rtol}: no double is that exact; the smallest is {least:.1e}"
+        )
+    rtol = rtol or said.rtol or RTOL
+    step = values.positive("--step", options.step, values.time) or said.step
+    until = values.positive("--until", options.until, values.time) or said.until or UNTIL
+    every = values.positive("--every", options.every, values.time) or said.every
+    show, at = _recorded(options, values, chosen)
+    numbers = len(show) + 1
+    if not show:
+        observed = [q for q in named.observed(compilation) if not hidden(q.name)]
+        numbers = values.coordinates.count + values.rates.count + len(observed) + 2
+    if every is None and members is None and at is None:
+        every = rows.interval(until, step, numbers)
+    count = until / every + 1 if every else 1
+    rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
+    method = _method(options, said.method)
+    # No setting of an adaptive method, or of its rows, is meant for one that is exact.
+    free = options.rtol is None and said.rtol is None and step is None and at is None
+    exact = free and members is None and not options.diagnose
+    exact = exact and scene_use.EXACT not in scene_use.switched_off(options.no_reduce)
+    return Settings(
+        method=method or default_method(compilation.equations, compilation.structure, rtol, exact),
+        until=until,
+        every=every,
+        step=step,
+        rtol=rtol,
+        atol=values.positive("--atol", options.atol, ""),
+        iteration=options.iteration,
+        max_steps=_count("--max-steps", options.max_steps),
+        max_step=values.positive("--max-step", options.max_step, values.time),
+        parameters=single,
+        members=of_families,
+        inputs=tuple(inputs_set.items()),
+        start_q=tuple((s.index, s.value) for s in starts if not s.order),
+        start_v=tuple((s.index, s.value) for s in starts if s.order),
+        show=show,
+        at=at,
+        units=options.units,
+        diagnose=diagnostics.asked(options.diagnose),
+        accuracy=None if _author_chooses(options) else said.accuracy,
+        parts=()
+        if method
+        else tuple(
+            PartSettings(
+                default_method(compilation.equations, part.structure, rtol, exact), step, rtol
+            )
+            for part in compilation.parts
+        ),
+    )
+
+
+def unread(options: argparse.Namespace, compilation: Compilation) -> str:
+    """What is said of parameters that are set and that the scene does not read."""
+    values = Values(compilation)
+    _, names = values.read([assignment("--set", text) for text in scene_options.numbers(options)])
+    if not names:
+        return ""
+    scene = options.scene
+    return f"--set {', '.join(names)}: no effect: nothing that scene '{scene}' needs reads it"
+
+
+def _author_chooses(options: argparse.Namespace) -> bool:
+    """Whether the command line says by which method or setting."""
+    return any(x is not None for x in (options.method, options.step, options.rtol, options.atol))
+
+
+def _recorded(
+    options: argparse.Namespace, values: Values, chosen: Scene | None
+) -> tuple[tuple[Shown, ...], int | None]:
+    """The columns of rows (none: all of them), and the event at which rows are."""
+    compilation = values.compilation
+    show = at = None
+    if chosen is not None and chosen.record is not None:
+        at = chosen.record.at or None
+    if options.record is not None:
+        columns = scene_options.columns_of(options, compilation.declared)
+        show = [values.shown_as(text) for text in columns]
+        _once("--record", (column.name for column in show))
+    elif chosen is not None and chosen.record is not None:
+        show = [values.shown(name) for name in scene_model.columns(chosen)]
+    if not show and named.with_attitudes(compilation):
+        show = values.standard()
+    if options.at is not None:
+        at = options.at
+    events = named.events(compilation)
+    if at is not None and at not in events:
+        raise UsageError(unknown("--at", at, events, "event"))
+    return tuple(show or ()), None if at is None else events.index(at)
+
+
+def _method(options: argparse.Namespace, of_scene: str) -> str:
+    """The method asked for, "" if none is."""
+    if options.method is not None and options.method not in METHODS:
+        raise UsageError(unknown("--method", options.method, METHODS, "method"))
+    name = options.method or of_scene
+    if name and "adaptive" not in METHODS[name].traits:
+        for option in ("rtol", "atol", "max_step"):
+            if getattr(options, option) is not None:
+                shown = "--" + option.replace("_", "-")
+                raise UsageError(f"{shown} is for adaptive methods, which {name} is not")
+    return name
+
+
+def threads(options: argparse.Namespace, several: bool) -> int | None:
+    """How many threads an ensemble is to use; None: all there are."""
+    if options.threads is None:
+        return None
+    if not several:
+        raise UsageError("--threads is for --ensemble and swarms: one trajectory has one thread")
+    if options.threads > THREADS_MOST:
+        raise UsageError(f"--threads {options.threads}: {THREADS_MOST} at most")
+    return _count("--threads", options.threads)
+
+
+def _places(
+    compilation: Compilation, parameters: named.Named, values: tuple[tuple[int, float], ...]
+) -> tuple[tuple[tuple[int, float], ...], tuple[tuple[int, int, float], ...]]:
+    """Flat indices of parameters as the driver counts them: single ones, members of families."""
+    if not compilation.looped:
+        return values, ()
+    single, members = [], []
+    for flat, x in values:
+        for k, item in enumerate(parameters.declared):
+            if item.first <= flat < item.first + item.count:
+                if item.lo is None:
+                    single.append((k, x))
+                else:
+                    members.append((k, flat - item.first, x))
+    return tuple(single), tuple(members)
+
+
+def _count(option: str, value: int) -> int:
+    if value <= 0:
+        raise UsageError(f"{option} {value}: must be positive")
+    return value

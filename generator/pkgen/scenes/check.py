@@ -1,0 +1,128 @@
+"""What is wrong with a scene that only its equations show: a method that does not fit them, a drift
+of what is not constant, a motion that cannot be given."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import islice
+
+from ..compiler import STAGES, Compilation, stages
+from ..equations import Equations, Structure
+from ..front.check.expects import calls
+from ..indices import integer
+from ..methods import METHODS, provides
+from ..middle.loops.loops import Facts, LoopEquations
+from ..middle.quantities import ends, indexed, sizes
+from ..middle.report import Report
+from ..model import Model, Scene, Start
+from ..run.methods_table import in_words
+from ..source import Diagnostic, ModelError
+from ..system.exits import UsageError
+from . import asked as parsing
+from . import expects
+from . import model as scene_model
+from . import use as scene_use
+
+# What options make of the model that the scene does not.
+_OTHERWISE = {
+    "no_reduce": "--no-reduce switches reductions off",
+    "set": "--set leaves parameters to the run",
+    "record": "--record asks for other columns",
+    "at": "--at asks for another event",
+    "diagnose": "--diagnose is of the whole motion",
+    "ensemble": "--ensemble has no loops over families",
+}
+
+
+def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
+    """Of a scene as it is written; `given` are sizes other than the file's."""
+    unroll = parsing.UNROLL if scene.swarm is None else None  # as it is run
+    use = scene_use.as_written(scene.name)
+    made = stages(declared.source, given, unroll=unroll, use=use)
+    try:
+        *_, (equations, structure, report) = islice(made, STAGES.index("reduce") + 1)
+    except ModelError as error:
+        return error.diagnostics
+    alike = _alike(declared, scene, report)
+    return [*_unfit(scene, structure), *alike, *_drifting(scene, equations, structure)]
+
+
+def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) -> None:
+    """Of a scene that is run, options beside it. Raises ModelError; UsageError where the scene is
+    right and these are not."""
+    equations, structure = compilation.equations, compilation.structure
+    alone = replace(scene, method="") if options.method else scene
+    compiled = [*_unfit(alone, structure), *_alike(compilation.declared, scene, compilation.report)]
+    found = [*compiled, *_drifting(scene, equations, structure)]
+    if not found:
+        return
+    declared = compilation.declared
+    as_written = wrong(declared, parsing.sizes(options.size), alone)
+    if as_written:
+        raise ModelError(declared.source, as_written)
+    # What is constant in the scene is so without its reductions: it is the same motion.
+    for item in found if options.set else compiled:
+        why = ", ".join(text for name, text in _OTHERWISE.items() if getattr(options, name))
+        place = declared.source.place(item.span)
+        raise UsageError(f"{place}: scene '{scene.name}': {item.message}: {why}")
+
+
+def refuse_method(compilation: Compilation, scene: Scene) -> None:
+    """Of a scene whose C is written. Raises ModelError."""
+    found = [*_unfit(scene, compilation.structure)]
+    if found:
+        raise ModelError(compilation.declared.source, found)
+
+
+def _unfit(scene: Scene, structure: Structure | Facts) -> Iterator[Diagnostic]:
+    if not scene.method:
+        return
+    missing = [f for f in METHODS[scene.method].requires if not provides(structure, f)]
+    if missing:
+        yield Diagnostic(
+            f"{scene.method} needs a system that is {in_words(missing)[0]}, and this is not",
+            scene.method_span,
+            "'pkgen methods' says what each requires, 'pkgen explain' what this model is",
+        )
+
+
+def _drifting(
+    scene: Scene, equations: Equations | LoopEquations, structure: Structure | Facts
+) -> Iterator[Diagnostic]:
+    constant = {"energy": structure.conservative}
+    if isinstance(equations, Equations):
+        names = (p.name for p in equations.momenta_names)
+        constant |= dict(zip(names, structure.cyclic, strict=True))
+    for item in scene.expects:
+        for call in calls(item, "drift"):
+            name = expects.column(call.arguments[0])
+            if constant.get(name, True):
+                continue
+            if name == "energy":
+                message, help = "the energy is not constant here", "record it, or what it loses"
+            else:
+                message, help = f"{name} is not constant here: its coordinate is not cyclic", ""
+            yield Diagnostic(f"drift({name}): {message}", call.span, help)
+
+
+def _alike(declared: Model, scene: Scene, report: Report) -> Iterator[Diagnostic]:
+    """Members of a swarm whose starts have no effect on what is recorded of them."""
+    differ = [s for s in scene.starts if scene_model.of_swarm(scene, s.value)]
+    if not differ or any(_has_effect(declared, start, report) for start in differ):
+        return
+    yield Diagnostic(
+        "all members of the swarm would be the same: nothing recorded depends on the starts that "
+        "differ",
+        scene.swarm.span,
+        "record what differs, or start what is recorded",
+    )
+
+
+def _has_effect(declared: Model, start: Start, report: Report) -> bool:
+    lo, hi = ends(declared, start.range)
+    single = None if start.index is None else integer(start.index, sizes(declared))
+    members = (single,) if lo is None else range(lo, hi + 1)
+    names = (indexed(start.name, index) for index in members)
+    return any(n not in report.unused or (n, start.order) in report.starts for n in names)

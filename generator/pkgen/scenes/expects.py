@@ -1,0 +1,126 @@
+"""`expect`: what a scene promises of its run, as outputs of the model and settings of the driver.
+
+A relation between what moves is measured in C where it is to hold: runtime/run/expect.c. One of
+numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the run is over:
+`expects_judge.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..front.check.expects import OF_RUN, calls
+from ..front.check.scene_numbers import has_row
+from ..middle.quantities import indexed
+from ..model import Expect, Scene
+from ..run.settings import Compared, Settings, Shown, Watched
+from ..source import Source, Span
+from ..system.exits import UsageError
+from ..tree import Expr, Name, Number, Prime
+
+
+def outputs(
+    scene: Scene, has: Callable[[str], bool] = lambda _: False
+) -> dict[str, tuple[Expr, Span]]:
+    """What the model is to have as outputs, under their names; `has` knows what is a column."""
+    found = {}
+    for i, item in enumerate(scene.expects, 1):
+        for k, call in enumerate(calls(item, "drift"), 1):
+            if not _is_energy(call.arguments[0]):
+                found[f"{i}_drift_{k}"] = (call.arguments[0], item.span)
+        if not of_run(item):
+            for side in ("a", "b", "within"):
+                value = getattr(item, side)
+                if value is not None and not has(column(value)):
+                    found[f"{i}_{side}"] = (value, item.span)
+    return found
+
+
+def columns(scene: Scene) -> frozenset[str]:
+    """The names of columns that it compares."""
+    sides = (side for item in scene.expects if not of_run(item) for side in (item.a, item.b))
+    return frozenset(map(column, sides)) - {""}
+
+
+def drifting(scene: Scene) -> frozenset[str]:
+    """The names whose drift is asked for."""
+    drifts = (call for item in scene.expects for call in calls(item, "drift"))
+    return frozenset(column(call.arguments[0]) for call in drifts) - {""}
+
+
+def column(expr: Expr) -> str:
+    """The name of a column, of an expression that is no more than that: x, x', q[2]; or ""."""
+    if isinstance(expr, Prime):
+        of = column(expr.of)
+        return of and of + "'"
+    if not isinstance(expr, Name) or not isinstance(expr.index, Number | None):
+        return ""
+    return indexed(expr.id, None if expr.index is None else int(expr.index.value))
+
+
+def events(scene: Scene) -> frozenset[str]:
+    """Those at which something is expected, or whose time is."""
+    times = (call for item in scene.expects for call in calls(item, "time"))
+    names = {item.event for item in scene.expects if item.event}
+    return frozenset(names | {call.arguments[0].id for call in times})
+
+
+def written(source: Source, item: Expect) -> str:
+    """An expectation as its author has it."""
+    text = " ".join(source.text[item.span.start : item.span.end].split())
+    return f"{text} ({item.component})" if item.component else text
+
+
+def watched(
+    source: Source,
+    scene: Scene,
+    observed: list[str],
+    events: list[str],
+    times: tuple[float | None, ...],
+    shown: Callable[[str], Shown],
+) -> Watched:
+    """`observed` and `events` are those of what was compiled, and `shown` looks up its columns;
+    `times` are those of the expectations."""
+    index = {name: k for k, name in enumerate(observed)}
+    compared, drifts = [], []
+
+    def side(number: int, name: str, value: Expr) -> Shown:
+        own = f"{number}_{name}"
+        return shown(own if own in index else column(value))
+
+    for i, item in enumerate(scene.expects, 1):
+        for k, call in enumerate(calls(item, "drift"), 1):
+            energy = _is_energy(call.arguments[0])
+            drifts.append(None if energy else index[f"{i}_drift_{k}"])
+        if not of_run(item):
+            allowed = None if item.within is None else side(i, "within", item.within)
+            event = events.index(item.event) if item.event else None
+            sides = side(i, "a", item.a), side(i, "b", item.b), allowed
+            text = written(source, item)
+            compared.append(Compared(text, item.relation, *sides, times[i - 1], event))
+    hidden = tuple(index[name] for name in outputs(scene) if name in index)
+    return Watched(tuple(compared), tuple(drifts), hidden)
+
+
+def of_run(item: Expect) -> bool:
+    return any(calls(item, name) for name in OF_RUN)
+
+
+def refuse_of_members(
+    source: Source, scene: Scene, times: tuple[float | None, ...], settings: Settings
+) -> None:
+    """What cannot be expected of many members together. Raises UsageError."""
+    for item, at in zip(scene.expects, times, strict=True):
+        why = _not_of_members(item, at, settings)
+        if why:
+            raise UsageError(f"{source.place(item.span)}: scene '{scene.name}': {why}")
+
+
+def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
+    if at is None or has_row(at, settings.every, settings.until):
+        return ""
+    return f"members have no row at t = {at:.12g}: expect it at a recorded time"
+
+
+def _is_energy(expr: Expr) -> bool:
+    return isinstance(expr, Name) and expr.id == "energy"

@@ -1,0 +1,194 @@
+"""Whether a scene's expectations were met, by what the driver reports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ..front.check.expects import calls
+from ..front.check.scene_numbers import Values, WrongValue
+from ..model import Expect, Model, Scene
+from ..source import Diagnostic, Span
+from ..tree import Call, Expr, Number, replaced, within
+from .expects import of_run, written
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Of one expectation: `value` and `bound` where it was missed most, or least met."""
+
+    text: str
+    span: Span
+    met: bool
+    said: str  # why it is not met
+    value: float | None
+    bound: float | None
+    within: float | None
+    t: float | None
+    member: int | None
+
+    def record(self) -> dict[str, object]:
+        keys = ("text", "met", "said", "value", "bound", "within", "t", "member")
+        return {key: getattr(self, key) for key in keys}
+
+    def diagnostic(self) -> Diagnostic:
+        return Diagnostic(f"expectation missed: {self.said}", self.span)
+
+
+class Judge:
+    """Of a run of a scene; `values` are those of its parameters, `member` names one of several."""
+
+    def __init__(
+        self,
+        model: Model,
+        scene: Scene,
+        values: Values,
+        report: dict,
+        member: Callable[[int], str] | None = None,
+    ):
+        self.model, self.scene, self.values = model, scene, values
+        self.report, self.member = report, member
+        self.constants: dict[Expr, float] = {}  # sides that are the same in all members
+
+    def verdicts(self) -> list[Verdict]:
+        compared = iter(self.report["expects"])
+        drifts = iter(self.report["expect_drifts"])
+        return [
+            self._of_run(item, drifts) if of_run(item) else self._compared(item, next(compared))
+            for item in self.scene.expects
+        ]
+
+    def _verdict(self, item: Expect, met: bool, said: str, **found: float | int | None) -> Verdict:
+        text = written(self.model.source, item)
+        keys = ("value", "bound", "within", "t", "member")
+        return Verdict(text, item.span, met, said, *(found.get(key) for key in keys))
+
+    def _compared(self, item: Expect, found: dict) -> Verdict:
+        if found["count"] == 0:
+            return self._verdict(item, False, self._never(item))
+        absent = self._event(item.event).get("never", 0) if item.event else 0
+        if absent:
+            of = f"in {absent} of {self.report['members']} members"
+            return self._verdict(item, False, f"event '{item.event}' did not happen {of}")
+        met = found["missed"] == 0
+        where = f" at t = {_text(found['t'])}"
+        keep = {key: found[key] for key in ("value", "bound", "t")}
+        if item.relation == "=":
+            keep["within"] = found["within"]
+        if self.member is not None:
+            keep["member"] = found["member"]
+            where += f" of {self.member(found['member'])}"
+        said = "" if met else self._miss(item, where=where, **keep)
+        if not met and found["count"] > 1:
+            said += f"; missed {found['missed']} of {found['count']} times, this the most"
+        if said and item.component:
+            said = f"{item.component}: {said}"
+        return self._verdict(item, met, said, **keep)
+
+    def _never(self, item: Expect) -> str:
+        end = self.report.get("t")
+        ended = "" if end is None else f": the run ended at t = {_text(end)}"
+        if item.event:
+            return f"event '{item.event}' did not happen{ended}"
+        return f"there was no such time{ended}" if item.at is not None else "there was no row"
+
+    def _of_run(self, item: Expect, drifts: Iterator[dict]) -> Verdict:
+        numbers: dict[Call, float | None] = {}
+        member = None
+        for call in calls(item, "drift"):
+            found = next(drifts)
+            numbers[call] = found["max"]
+            member = found["member"] if self.member is not None else None
+        times = {call: self._times(call.arguments[0].id) for call in calls(item, "time")}
+        if not times:
+            return self._worst(item, [(numbers, member)])
+        rows = zip(*times.values(), strict=True)
+        first = self.report.get("first_member", 0)
+        cases = [
+            ({**numbers, **dict(zip(times, row, strict=True))}, first + i)
+            for i, row in enumerate(rows)
+        ]
+        return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
+
+    def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
+        """The case that misses by the most, or is nearest to it: of one run, or of a member."""
+        worst = None
+        for numbers, member in cases:
+            verdict = self._case(item, numbers, member)
+            if verdict.value is None or verdict.bound is None:
+                return verdict
+            d = verdict.value - verdict.bound
+            off = {"<": d, ">": -d, "=": abs(d)}[item.relation]
+            if worst is None or off > worst[0]:
+                worst = off, verdict
+        return worst[1]
+
+    def _case(self, item: Expect, numbers: dict, member: int | None) -> Verdict:
+        where = "" if member is None else f" of {self.member(member)}"
+        for call, number in numbers.items():
+            if number is None and call.function == "time":
+                name = call.arguments[0].id
+                return self._verdict(item, False, f"event '{name}' did not happen{where}")
+            if number is None:
+                return self._verdict(item, False, f"{call.function}(…) is not finite")
+        try:
+            a, b, allowed = (
+                None if e is None else self._number(e, numbers)
+                for e in (item.a, item.b, item.within)
+            )
+        except WrongValue as wrong:
+            return self._verdict(item, False, str(wrong))
+        met = {"<": a < b, ">": a > b, "=": abs(a - b) <= (allowed or 0.0)}[item.relation]
+        keep = {"value": a, "bound": b, "within": allowed, "member": member}
+        said = "" if met else self._miss(item, where, a, b, allowed)
+        return self._verdict(item, met, said, **keep)
+
+    def _event(self, name: str) -> dict:
+        """There is none where the start was refused."""
+        none = {"name": name, "times": []}
+        return next((e for e in self.report["events"] if e["name"] == name), none)
+
+    def _times(self, name: str) -> list[float | None]:
+        """When it first happens: in the run, or in each member."""
+        event = self._event(name)
+        return event["first"] if "first" in event else [*event["times"][:1]] or [None]
+
+    def _number(self, expr: Expr, numbers: dict[Call, float]) -> float:
+        def known(part: Expr) -> Expr | None:
+            if isinstance(part, Call) and part in numbers:
+                return Number(Fraction(numbers[part]), part.span)
+            return None
+
+        if expr in numbers:  # by itself, of many members
+            return numbers[expr]
+        if any(isinstance(part, Call) and part in numbers for part in within(expr)):
+            return self.values.number("expect", replaced(expr, known))
+        if expr not in self.constants:
+            self.constants[expr] = self.values.number("expect", expr)
+        return self.constants[expr]
+
+    def _miss(
+        self,
+        item: Expect,
+        where: str,
+        value: float | None,
+        bound: float | None,
+        within: float | None = None,
+        **_: object,
+    ) -> str:
+        """The value, the bound, and by how much."""
+        if value is None or bound is None:
+            return f"no finite number{where}"
+        off = abs(value - bound)
+        shown = f"{_text(value)}{where}"
+        if within is not None and within < 0:
+            return f"its tolerance is {within:.3g}: it cannot be negative"
+        if item.relation == "=":
+            return f"{shown} is off {_text(bound)} by {off:.3g}, where {within:.3g} is allowed"
+        kind = "below" if item.relation == "<" else "above"
+        return f"{shown} is not {kind} {_text(bound)}: off by {off:.3g}"
+
+
+def _text(x: float) -> str:
+    return f"{x:.12g}"

@@ -1,0 +1,224 @@
+"""What a scene makes of its model before that is compiled: starts, driven inputs, outputs.
+
+Outputs that only an expectation needs are hidden: their names begin with a digit, as no author's
+do, and rows have no column of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+from fractions import Fraction
+
+from ..front.check.options_text import LeftSide, OptionError, left_side
+from ..indices import indexed, integer, parted
+from ..middle.quantities import ends, sizes
+from ..middle.specialise import with_definitions
+from ..model import Constraint, Coordinate, Definition, Input, Model, Record, Scene, Start, State
+from ..tree import AXES, Expr, Name, Number, Prime, names, of_member, replaced
+from . import expects
+
+
+def used(model: Model, scene: Scene, given: Collection[str] = ()) -> Model:
+    """The model with the scene's starts, inputs that it drives, and outputs for what no column has
+    yet. Inputs in `given` are set by an option and so not driven."""
+    held = _held(model, scene)
+    extra: dict[str, Definition] = {}
+
+    def has(name: str) -> bool:
+        return name in extra or (_is_column(model, name) and name.removesuffix("'") not in held)
+
+    for item in scene.record.columns if scene.record else ():
+        if not has(item.name):
+            extra[item.name] = item
+    for name, (value, span) in expects.outputs(scene, has).items():
+        extra[name] = Definition(name, None, None, value, "", "", span)
+    outputs = (replace(item, value=_claims(model, item.value)) for item in extra.values())
+    return replace(
+        _driven(model, scene, given),
+        starts=(*model.starts, *(_first(scene, start) for start in scene.starts)),
+        observed=(*model.observed, *outputs),
+    )
+
+
+def written_out(
+    model: Model, columns: Iterable[str], scene: Scene | None = None
+) -> tuple[str, ...]:
+    """Columns as an option names them: of a vector, each component; the scene's are known too."""
+    recorded = scene.record.columns if scene is not None and scene.record else ()
+    known = {item.name.rstrip("'") for item in (*model.observed, *model.conserved, *recorded)}
+    known |= {f"lambda_{item.name}" for item in model.constraints}
+    known |= {name for r in model.rotations for name in (*r.rates, *r.momenta)}
+    quaternions = {r.name: r.quaternion for r in model.rotations}
+    found: list[str] = []
+    for text in columns:
+        try:
+            side = left_side(text, sizes(model))
+        except OptionError:
+            found.append(text)  # reported where columns are looked up
+            continue
+        if side.name in quaternions and not side.order and side.index is None:
+            found += quaternions[side.name]
+            continue
+        parts = [f"{side.name}.{axis}" for axis in AXES]
+        whole = side.name in known or not known.issuperset(parts)
+        found += [replace(side, name=name).text() for name in ([side.name] if whole else parts)]
+    return tuple(found)
+
+
+def recording(model: Model, scene: Scene, columns: Iterable[str]) -> Scene:
+    """The scene with other columns. A name that can be none is left out: it is reported where
+    columns are looked up among those of the run."""
+    held = _held(model, scene)
+    own = {item.name: item for item in (scene.record.columns if scene.record else ())}
+    found: list[Definition] = []
+    for text in columns:
+        if text in own:
+            found.append(own[text])
+            continue
+        try:
+            side = left_side(text, sizes(model))
+        except OptionError:
+            continue
+        unit = _unit(model, side)
+        name = indexed(side.name, side.index)
+        if unit is None or (name.startswith("p_") and name[2:] in held):
+            continue
+        index = None if side.index is None else Number(Fraction(side.index), scene.span)
+        value: Expr = Name(side.name, index, scene.span)
+        for _ in range(side.order):
+            value = Prime(value, scene.span)
+        name += "'" * side.order
+        found.append(Definition(name, None, None, value, unit, "", scene.span))
+    record = scene.record or Record((), None, "", scene.span)
+    return replace(scene, record=replace(record, columns=tuple(found)))
+
+
+def _unit(model: Model, side: LeftSide) -> str | None:
+    """Of what can be a column, besides outputs, which each run has."""
+    energies = ("L",) if model.lagrangian else ("L", "T", "V")
+    if side.name in energies and side.index is None and not side.order:
+        return "" if model.dimensionless else "J"
+    for item in model.coordinates:
+        units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
+        units[f"p_{item.name}", 0] = item.momentum_unit
+        if item.rate:
+            units = {(item.rate, 0): item.rate_unit, (item.momentum, 0): item.momentum_unit}
+        if (side.name, side.order) in units and _has(model, item, side.index):
+            return units[side.name, side.order]
+    for item in model.states:
+        units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
+        if (side.name, side.order) in units and _has(model, item, side.index):
+            return units[side.name, side.order]
+    multipliers = [replace(item, name=f"lambda_{item.name}") for item in model.constraints]
+    outputs = (*model.conserved, *multipliers)
+    claims = (item for item in outputs if item.name == side.name and not side.order)
+    return next((item.unit for item in claims if _has(model, item, side.index)), None)
+
+
+def _has(
+    model: Model, item: Coordinate | State | Definition | Constraint, index: int | None
+) -> bool:
+    if item.range is not None:
+        lo, hi = ends(model, item.range)
+        return index is not None and lo <= index <= hi
+    own = item.index if isinstance(item, Definition | Constraint) else None
+    return index == (None if own is None else integer(own, sizes(model)))
+
+
+def of_swarm(scene: Scene, value: Expr) -> bool:
+    """Whether a start differs from member to member; that of the model is the first one's."""
+    return scene.swarm is not None and scene.swarm.variable in names(value)
+
+
+def _first(scene: Scene, start: Start) -> Start:
+    if scene.swarm is None:
+        return start
+    return replace(start, value=of_member(start.value, scene.swarm.variable, scene.swarm.lo))
+
+
+def reads(model: Model, scene: Scene) -> frozenset[str]:
+    """What a run of it computes its numbers from, besides what is compiled."""
+    asked = [scene.until, scene.step, scene.rtol, scene.record.every if scene.record else None]
+    asked += [item.value for item in (*scene.assignments, *scene.starts)]
+    asked += [x for item in scene.expects for x in (item.a, item.b, item.within, item.at)]
+    found = {name for expr in asked if expr is not None for name in names(expr)}
+    for item in reversed(model.definitions):
+        if item.name in found:
+            found |= names(item.value)
+    return frozenset(found)
+
+
+def columns(scene: Scene) -> list[str]:
+    """The names of what it records."""
+    return [item.name for item in scene.record.columns] if scene.record else []
+
+
+def needed(scene: Scene) -> frozenset[str]:
+    """What it needs besides what it records. A claim whose drift is expected is watched."""
+    return frozenset(expects.outputs(scene)) | expects.columns(scene) | expects.drifting(scene)
+
+
+def events(scene: Scene) -> frozenset[str]:
+    """Events that it asks about, besides the one at which it records."""
+    return expects.events(scene)
+
+
+def _held(model: Model, scene: Scene) -> set[str]:
+    """The coordinates whose motion is given, and which are recorded as outputs."""
+    known = sizes(model)
+    return {
+        indexed(item.name, None if item.index is None else integer(item.index, known))
+        for item in scene.holds
+    }
+
+
+def _is_column(model: Model, name: str) -> bool:
+    """Whether each run has it. What lies beyond the ends of a family moves as they say: it is no
+    coordinate."""
+    once = name.removesuffix("'")
+    base, index = parted(once)
+    if any(item.rate and name == item.rate for item in model.coordinates):
+        return True
+    for item in model.coordinates:
+        if item.name == base:
+            return "'" not in once and _has(model, item, index)
+    for item in model.states:  # the rate of one is an output
+        if item.name == base:
+            return "'" not in name and _has(model, item, index)
+    return name == once and base in {"energy", *(o.name for o in model.observed)}
+
+
+def _claims(model: Model, value: Expr) -> Expr:
+    """The expression with what is claimed constant written out: claims are no outputs."""
+    claims = {item.name: item for item in model.conserved}
+
+    def written(part: Expr) -> Expr | None:
+        claim = claims.get(part.id) if isinstance(part, Name) else None
+        if claim is None:
+            return None
+        body = claim.value
+        if claim.range is not None:
+            body = of_member(body, claim.range.variable, part.index)
+        return replaced(body, written)
+
+    return replaced(value, written)
+
+
+def _driven(model: Model, scene: Scene, given: Collection[str]) -> Model:
+    """Inputs that the scene gives become definitions, so that their derivatives are theirs."""
+    driven = {
+        item.name: item
+        for item in scene.assignments
+        if item.name in {i.name for i in model.inputs} and item.name not in given
+    }
+    if not driven:
+        return model
+    inputs = {item.name: item for item in model.inputs}
+    lets = [_let(inputs[name], item.value, item.span) for name, item in driven.items()]
+    kept = tuple(item for item in model.inputs if item.name not in driven)
+    return with_definitions(replace(model, inputs=kept), lets)
+
+
+def _let(item: Input, value: Expr, span) -> Definition:
+    return Definition(item.name, None, None, value, item.units[0], item.description, span)

@@ -1,0 +1,113 @@
+"""A scene's part in `pkgen run`: the values of its parameters, its members, what it expects."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+from ..compiler import Compilation
+from ..front.check.check import check_text
+from ..front.check.expects import calls
+from ..front.check.scene_numbers import Values, WrongValue
+from ..front.read import read
+from ..indices import integer
+from ..middle.quantities import sizes
+from ..model import Model, Scene
+from ..run import diagnostics, named
+from ..run import values as option_values
+from ..run.ensemble import Ensemble, settable
+from ..run.settings import Settings
+from ..run.values import assignment
+from ..system.exits import UsageError
+from . import asked as parsing
+from . import expects
+from . import scene as scenes
+from .judge import Judge, Verdict
+
+_SWARM = re.compile(r"^\s*swarm\b", re.MULTILINE)
+
+
+def is_swarm(options: argparse.Namespace) -> bool:
+    """Whether the scene of the command line has many members; its model is compiled for lanes."""
+    if options.scene is None:
+        return False
+    source = read(options.model)
+    if not _SWARM.search(source.text):
+        return False
+    model, _ = check_text(source, parsing.sizes(options.size))
+    return any(s.name == options.scene and s.swarm is not None for s in model.scenes)
+
+
+def refuse_swarm(options: argparse.Namespace, model: Model, scene: Scene) -> None:
+    """What a swarm cannot be together with."""
+    at = model.source.place(scene.swarm.span)
+    if options.ensemble is not None:
+        raise UsageError(f"--ensemble {options.ensemble}: {at}: the scene has a swarm already")
+    if options.diagnose is not None:
+        diagnostics.refuse_several(diagnostics.asked(options.diagnose), f"for a swarm ({at})")
+
+
+def count(model: Model, scene: Scene) -> int:
+    """The members of its swarm."""
+    lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
+    return hi - lo + 1
+
+
+def values(compilation: Compilation, scene: Scene, settings: Settings) -> Values:
+    """Of the parameters that a run has."""
+    given = named.set_parameters(compilation, settings.parameters, settings.members)
+    return scenes.values(compilation.declared, scene, given)
+
+
+def members(
+    options: argparse.Namespace, compilation: Compilation, scene: Scene, settings: Settings
+) -> Ensemble:
+    from .swarm import members
+
+    names = option_values.Values(compilation)
+    given = {names.flat_name("--start", assignment("--start", text)[0]) for text in options.start}
+    found = values(compilation, scene, settings)
+    return members(compilation.declared, scene, found, settable(compilation), given)
+
+
+def watched(
+    compilation: Compilation, scene: Scene, settings: Settings, several: bool
+) -> expects.Watched:
+    """What the driver measures for the scene's expectations. Raises UsageError."""
+    found = values(compilation, scene, settings)
+    try:
+        times = tuple(found.not_negative("at", item.at) for item in scene.expects)
+    except WrongValue as wrong:
+        at = compilation.declared.source.place(wrong.span)
+        raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
+    if several:
+        expects.refuse_of_members(compilation.declared.source, scene, times, settings)
+    observed = [quantity.name for quantity in named.observed(compilation)]
+    shown = option_values.Values(compilation).shown
+    events, source = named.events(compilation), compilation.declared.source
+    return expects.watched(source, scene, observed, events, times, shown)
+
+
+def watch(compilation: Compilation, scene: Scene | None, settings: Settings) -> str:
+    """Whether events of members are looked for, and their first times reported, as the driver reads
+    it: members without any run side by side."""
+    if scene is not None and any(calls(item, "time") for item in scene.expects):
+        return "times"
+    stops = any(event.stop for event in compilation.model.events)
+    expected = scene is not None and any(item.event for item in scene.expects)
+    return "events" if stops or expected or settings.at is not None else ""
+
+
+def verdicts(
+    compilation: Compilation,
+    scene: Scene,
+    settings: Settings,
+    report: dict,
+    ensemble: Ensemble | None,
+) -> list[Verdict]:
+    """Whether what it expects was met; nothing of a run that has no report."""
+    if not scene.expects or "expects" not in report:
+        return []
+    member = ensemble.named if ensemble else None
+    found = values(compilation, scene, settings)
+    return Judge(compilation.declared, scene, found, report, member).verdicts()

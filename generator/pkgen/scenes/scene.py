@@ -1,0 +1,93 @@
+"""`--scene NAME`: what a scene makes of its model, and the numbers that it sets for a run.
+
+A scene's starts and what it records beside coordinates, rates, observed names and the energy are
+compiled with the model. Its numbers are settings of the run, computed here with the parameters'
+values, so that options of the command line can override them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..front.check.scene_numbers import Key, Values, WrongValue
+from ..model import Model, Record, Scene
+from ..run.values import unknown
+from ..source import ModelError, Span
+from ..system.exits import UsageError
+
+
+def chosen(model: Model, name: str) -> Scene:
+    """The scene of that name. Raises UsageError."""
+    scenes = {scene.name: scene for scene in model.scenes}
+    if name not in scenes:
+        raise UsageError(unknown("--scene", name, scenes, "scene"))
+    if scenes[name].misfits:
+        raise ModelError(model.source, list(scenes[name].misfits))
+    return scenes[name]
+
+
+def place(model: Model, span: Span) -> str:
+    return model.source.place(span)
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What a scene sets, in SI; None, "" and nothing where it says nothing."""
+
+    parameters: dict[Key, float]
+    inputs: dict[str, float]
+    until: float | None = None
+    method: str = ""
+    step: float | None = None
+    rtol: float | None = None
+    record: Record | None = None
+    every: float | None = None
+    accuracy: float | None = None
+
+
+def values(model: Model, scene: Scene, given: Mapping[Key, float]) -> Values:
+    """Those of all parameters and constants in a run of the scene; the model is as declared."""
+    names = {p.name for p in model.parameters}
+    found = Values(model, {key: x for key, x in given.items() if key[0] in names})
+    numbers(model, scene, given, found)
+    return found
+
+
+def numbers(
+    model: Model, scene: Scene, given: Mapping[Key, float], found: Values | None = None
+) -> Numbers:
+    """The scene's settings where the command line has set the parameters in `given`; the values by
+    which they are computed are left in `found`."""
+    found = found or Values(model, given)
+    try:
+        return _numbers(found, scene, given)
+    except WrongValue as wrong:
+        at = place(model, wrong.span)
+        raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
+
+
+def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers:
+    parameters: dict[Key, float] = {}
+    inputs: dict[str, float] = {}
+    names = {p.name for p in found.model.parameters}
+    for item in scene.assignments:
+        if item.varies:  # a part of the model, or overridden
+            continue
+        for index, value in found.assigned(item):
+            if item.name not in names:
+                inputs[item.name] = value
+            elif (item.name, index) not in given:
+                parameters[item.name, index] = value
+        found.set(parameters)
+    return Numbers(
+        parameters,
+        inputs,
+        until=found.positive("until", scene.until),
+        method=scene.method,
+        step=found.positive("step", scene.step),
+        rtol=found.positive("rtol", scene.rtol),
+        record=scene.record,
+        every=found.positive("every", scene.record.every) if scene.record else None,
+        accuracy=found.positive("accuracy", scene.accuracy),
+    )

@@ -1,0 +1,259 @@
+"""What a scene makes of its model, from the options of the command line beside it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from ..compiler import Use
+from ..equations import Equations, Structure
+from ..front.check.scene_numbers import Values, WrongValue
+from ..methods import called, carries_quadratures, default_method, in_blocks
+from ..middle.motion import LINEAR_OF_FEW
+from ..middle.reduce.reduce import APART, REDUCTIONS
+from ..middle.reduce.reduction import ENOUGH, Needs
+from ..middle.report import Line
+from ..middle.specialise import folded, held
+from ..model import Model, Scene
+from ..run import diagnostics
+from ..run.values import unknown
+from ..system.exits import UsageError
+from . import model as scene_model
+from . import scene as scenes
+from .options import OPTIONS, is_motion, with_options
+
+FOLD = "fold"
+EXACT = "exact"  # the flow of a linear system, by its exponential
+UNREAD = "unread"  # parameters
+EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT, UNREAD))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What options say beside the scene: other columns, an event, parameters to be set in the run,
+    and reductions that are not to be made."""
+
+    columns: tuple[str, ...] | None
+    event: str | None
+    run_time: frozenset[str]
+    off: frozenset[str]
+    quadratures: bool
+    method: str  # "" without
+    apart: bool
+    judged: bool = True  # what the scene expects is measured
+    rtol: float | None = None
+    steps: bool = False  # a step is given
+    several: bool = False  # members of a file
+
+
+def of_run(options: argparse.Namespace) -> Use | None:
+    """For a run: no more than its rows need; without a scene all, and what options add."""
+    columns = None
+    if options.record is not None:
+        columns = tuple("".join(name.split()) for name in options.record.split(","))
+    if options.scene is None:
+        return _of_options(options, columns)
+    off = switched_off(options.no_reduce)
+    if options.diagnose:
+        off |= {APART}
+    if diagnostics.of_whole(options.diagnose):
+        off |= {*REDUCTIONS}
+    asked = Asked(
+        columns,
+        options.at,
+        _run_time(options),
+        off,
+        True,
+        options.method or "",
+        options.ensemble is None,
+        rtol=_number(options.rtol),
+        steps=options.step is not None,
+        several=options.ensemble is not None,
+    )
+    use = replace(_use(options.scene, asked), declared=with_options(options, columns or ()))
+
+    def kernels(used: Model, made: tuple | None) -> frozenset[str] | None:
+        """Diagnostics, and trials of methods, call others."""
+        scene = _chosen(used, options.scene, asked)
+        own = (options.method, options.step, options.rtol, options.atol)
+        if options.diagnose or (scene.accuracy is not None and not any(own)):
+            return None
+        return _of_method(used, scene, asked, made) | _of_driver(used, scene, asked, made)
+
+    return replace(use, kernels=kernels)
+
+
+def _number(text: str | None) -> float | None:
+    """Of an option that is judged elsewhere."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return None
+
+
+def _of_method(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> frozenset[str]:
+    """What the method of a run calls: the default one, as far as it is known before values are."""
+    method, rtol = asked.method or scene.method, asked.rtol
+    if rtol is None and scene.rtol is not None:
+        with suppress(WrongValue):  # of a parameter: what is chosen is right, if not the fewest
+            rtol = Values(model, {}).number("rtol", scene.rtol)
+    steps = asked.steps or scene.step is not None
+    at = asked.event or (scene.record.at if scene.record else "")
+    several = asked.several or scene.swarm is not None
+    if not method and made is not None:
+        exact = rtol is None and not steps and not at and not several and EXACT not in asked.off
+        method = default_method(*made, rtol or 0.0, exact)
+    found = called(method) if method else called("gauss") | {"mass", LINEAR_OF_FEW}
+    watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
+    if several and not watched and (made is None or _side_by_side(*made, method, steps)):
+        found |= {"members"}
+    return found
+
+
+def _of_driver(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> frozenset[str]:
+    """What a run calls besides: the drift of what is constant, and where M is singular."""
+    found = {"canonical", "conserve"}
+    columns = asked.columns or scene_model.columns(scene)
+    whole = asked.columns is None and scene.record is None
+    structure = made[1] if made else None
+    if whole or "energy" in {*columns, *scene_model.needed(scene)}:
+        found |= {"energy"}
+    if structure is None or structure.conservative:
+        found |= {"energy"}
+    if structure is None or not getattr(structure, "definite", True):
+        found |= {"mass"}
+    return frozenset(found)
+
+
+def _side_by_side(equations: Equations, structure: Structure, method: str, steps: bool) -> bool:
+    """Whether members go in blocks, as in runtime/src/ensemble.c."""
+    alone = equations.quadratures or equations.constraints or equations.switches
+    return in_blocks(method, steps) and not alone
+
+
+def whole(options: argparse.Namespace) -> Use | None:
+    """For charts and maps: all coordinates that the scene does not hold, all parameters."""
+    return _of_options(options, None)
+
+
+def _of_options(options: argparse.Namespace, columns: tuple[str, ...] | None) -> Use | None:
+    """All of a model, or of what a scene makes of it, with columns and motions of inputs."""
+    if options.scene is None and columns is None and not any(map(is_motion, options.set)):
+        return None
+    asked = Asked(columns, None, _run_time(options), EVERY, False, "", False)
+    use = _use(options.scene or OPTIONS, asked, swarm=False)
+    return replace(use, declared=with_options(options, columns or ()))
+
+
+def _run_time(options: argparse.Namespace) -> frozenset[str]:
+    """The parameters and inputs that are set to numbers, when a program runs."""
+    numbers = (text for text in options.set if not is_motion(text))
+    return frozenset(text.partition("=")[0].strip() for text in numbers)
+
+
+def as_written(name: str) -> Use:
+    """For what is to be known of a scene without options; no C is made of it."""
+    use = _use(name, Asked(None, None, frozenset(), frozenset(), True, "", True))
+    return Use(use.model, use.needs, lambda *_: ENOUGH)
+
+
+def of_compile(options: argparse.Namespace) -> Use | None:
+    """For C of a scene."""
+    if options.scene is None:
+        return None
+    more = frozenset({"canonical"}) if options.canonical else frozenset()  # p of the starts
+    return of_scene(options.scene, switched_off(options.no_reduce), more)
+
+
+def of_scene(
+    name: str, off: frozenset[str] = frozenset(), more: frozenset[str] = frozenset()
+) -> Use:
+    """For C to be embedded: named after model and scene, and no more kernels than the scene's
+    method calls, and `more`."""
+    asked = Asked(
+        None, None, frozenset(), off, quadratures=True, method="", apart=True, judged=False
+    )
+    use = _use(name, asked, swarm=True)
+
+    def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
+        model, lines = use.model(declared)
+        return replace(model, name=f"{model.name}_{name}"), lines
+
+    def kernels(used: Model, made: tuple | None) -> frozenset[str]:
+        scene = _chosen(used, name, asked)
+        return _of_method(used, scene, asked, made) | shown(used, scene) | more
+
+    return Use(named, use.needs, kernels, use.reads)
+
+
+def shown(model: Model, scene: Scene) -> frozenset[str]:
+    """The kernels of what it records: all where it says nothing about that."""
+    if scene.record is None:
+        return frozenset({"energy", "conserve"})
+    return frozenset({"energy"} & set(scene_model.columns(scene)))
+
+
+def _divided(model: Model, scene: Scene, columns: Iterable[str]) -> bool:
+    """Whether an accuracy can be promised part by part: not of what may be made of several."""
+    coordinates = {item.name for item in model.coordinates}
+    plain = all(column.rstrip("'").split("[")[0] in coordinates for column in columns)
+    return scene.accuracy is None or (plain and not scene.expects)
+
+
+def switched_off(text: str | None) -> frozenset[str]:
+    """`--no-reduce`, or `--no-reduce=cyclic,fold`."""
+    if text is None:
+        return frozenset()
+    names = frozenset(name.strip() for name in text.split(","))
+    if names == {"all"}:
+        return EVERY
+    for name in sorted(names - EVERY):
+        raise UsageError(unknown("--no-reduce", name, sorted(EVERY), "reduction"))
+    return names
+
+
+def _chosen(model: Model, name: str, asked: Asked) -> Scene:
+    scene = scenes.chosen(model, name)
+    return scene if asked.judged else replace(scene, expects=())
+
+
+def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
+    def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
+        scene = _chosen(declared, name, asked)
+        if scene.swarm is not None and not swarm:
+            place = scenes.place(declared, scene.swarm.span)
+            raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
+        if asked.columns is not None:
+            columns = scene_model.written_out(declared, asked.columns, scene)
+            scene = scene_model.recording(declared, scene, columns)
+        used, lines = scene_model.used(declared, scene, asked.run_time), []
+        if FOLD not in asked.off:
+            used, lines = folded(used, scene, asked.run_time)
+        at = asked.event or (scene.record.at if scene.record else "")
+        used, of_holds = held(used, scene, scene_model.events(scene) | {at})
+        return used, (*lines, *of_holds)
+
+    def needs(used: Model) -> Needs | None:
+        scene = _chosen(used, name, asked)
+        columns = asked.columns and scene_model.written_out(used, asked.columns)
+        if columns is None and scene.record is not None:
+            columns = tuple(scene_model.columns(scene))
+        if columns is None or frozenset(REDUCTIONS) <= asked.off:
+            return None
+        at = asked.event or (scene.record.at if scene.record else "")
+        return Needs(
+            frozenset(columns) | scene_model.needed(scene),
+            frozenset((at,)) | scene_model.events(scene),
+            asked.quadratures and carries_quadratures(asked.method or scene.method),
+            asked.apart and scene.swarm is None and _divided(used, scene, columns),
+            asked.off,
+        )
+
+    def reads(used: Model) -> frozenset[str] | None:
+        if UNREAD in asked.off or asked.several:
+            return None
+        return scene_model.reads(used, scenes.chosen(used, name))
+
+    return Use(model, needs, reads=reads)
