@@ -6,13 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from .equations import Equations, Structure
-from .middle.loops.loops import Facts, LoopEquations
-
-# Measured over the models: above it dop853 takes less time to the same error than gauss.
-GAUSS_RTOL = 1e-5
-EXPONENTIAL_MOST = 64  # coordinates: a step of it is a product with a full matrix
-
 
 @dataclass(frozen=True)
 class Method:
@@ -67,25 +60,6 @@ def provides(structure: object, fact: str) -> bool:
 def carries_quadratures(method: str) -> bool:
     """So do the default methods ("")."""
     return method not in METHODS or "quadrature" in METHODS[method].traits
-
-
-def default_method(
-    equations: Equations | LoopEquations, structure: Structure | Facts, rtol: float, exact: bool
-) -> str:
-    """For all coordinates or those of a part. A linear system with constant coefficients has an
-    exact flow, unless it is large or events are to be found between its rows.
-
-    gauss is the fastest where the equations are smooth and the tolerance is not loose; across a
-    kink its error estimate means nothing. A long chain oscillates faster than it visibly moves, so
-    that the iteration of gauss, not its error, limits its steps, and all its stages do not fit a
-    cache; pair sums have no such neighbours and repay it."""
-    by_gauss = structure.smooth_in_pieces and rtol <= GAUSS_RTOL
-    if isinstance(equations, LoopEquations):
-        return "gauss" if equations.force.pairs and by_gauss else "dop853"
-    few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
-    if exact and structure.affine and few and not equations.events:
-        return "exponential"
-    return "gauss" if by_gauss else "dop853"
 
 
 def in_blocks(method: str, steps: bool) -> bool:

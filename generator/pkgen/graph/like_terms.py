@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from .monomials import Factors, Node, merged
-from .nodes import TERMS, ZERO, Terms
-
-if TYPE_CHECKING:
-    from .graph import Graph
+from .nodes import TERMS, ZERO, Nodes, Terms
 
 Found = dict[Factors, tuple[Node, Node]]  # scale and rest by the monomial of the rest
 
 
-def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
+def merge(g: Nodes, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None:
     """Like terms added, where that leaves no more terms than the longer sum has."""
     if not _may_merge(g, left, right):
         return None
@@ -35,7 +31,7 @@ def merge(g: Graph, left: Terms, right: Terms) -> list[tuple[Node, Node]] | None
     return list(terms.values()) if len(terms) <= bound else None
 
 
-def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
+def _may_merge(g: Nodes, left: Terms, right: Terms) -> bool:
     """Whether the sums have a monomial in common, or one of them a square to merge."""
     factors = g._factors
     known = [factors[r] for _, r in left]
@@ -45,7 +41,7 @@ def _may_merge(g: Graph, left: Terms, right: Terms) -> bool:
     return any([_squared(g, r) for _, r in left])
 
 
-def _squared(g: Graph, rest: Node) -> bool:
+def _squared(g: Nodes, rest: Node) -> bool:
     partner = g._partner
     for base, exponent in g._factors[rest]:  # noqa: SIM110 (this is asked most of all)
         if exponent >= 2 and base in partner:
@@ -53,7 +49,7 @@ def _squared(g: Graph, rest: Node) -> bool:
     return False
 
 
-def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:
+def _merge_squares(g: Nodes, terms: Found, scale: Node, rest: Node) -> bool:
     """R sin^2 + R cos^2 -> R and R - R sin^2 -> R cos^2, whatever the factor R is."""
     for other_key, wanted_scale, new_scale, new_rest in _square_partners(g, scale, rest):
         if other_key in terms and terms[other_key][0] == wanted_scale:
@@ -72,7 +68,7 @@ def _merge_squares(g: Graph, terms: Found, scale: Node, rest: Node) -> bool:
 
 
 def _square_partners(
-    g: Graph, scale: Node, rest: Node
+    g: Nodes, scale: Node, rest: Node
 ) -> Iterator[tuple[Factors, Node, Node, Node]]:
     """(key, scale) of each term that, added to this one, makes the one (scale, rest)."""
     factors = g._factors[rest]
@@ -86,7 +82,7 @@ def _square_partners(
         yield common, g.negate(scale), g.negate(scale), g._product_of(swapped)
 
 
-def _merge_into(g: Graph, terms: Found, scale: Node, rest: Node) -> None:
+def _merge_into(g: Nodes, terms: Found, scale: Node, rest: Node) -> None:
     """Add a term that may itself find like terms."""
     scale, rest = g.multiply(scale, g._scale[rest]), g._rest[rest]
     key = g._factors[rest]

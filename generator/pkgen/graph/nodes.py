@@ -98,6 +98,20 @@ class Nodes:
         for value in (0, 1, -1):
             self.number(value)
 
+    # Constructors that `Graph` has.
+
+    def add(self, a: Node, b: Node) -> Node:
+        raise NotImplementedError
+
+    def multiply(self, a: Node, b: Node) -> Node:
+        raise NotImplementedError
+
+    def negate(self, a: Node) -> Node:
+        raise NotImplementedError
+
+    def _product_of(self, factors: Factors) -> Node:
+        raise NotImplementedError
+
     def __len__(self) -> int:
         return len(self.op)
 

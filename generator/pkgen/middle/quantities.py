@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..equations import Quantity
-from ..graph.graph import Graph, Node, Symbol
+from ..graph.graph import Graph, Kind, Node, Symbol
 from ..indices import indexed, integer
 from ..model import Coordinate, Input, Model, Parameter, State
 from ..source import Diagnostic, ModelError, Span
@@ -135,3 +135,8 @@ def per_second(unit: str) -> str:
 
 def symbols(g: Graph, kind: str, count: int) -> tuple[Node, ...]:
     return tuple(g.symbol(Symbol(kind, i)) for i in range(count))
+
+
+def rate_of_state(g: Graph, k: int, count: int) -> Node:
+    """The symbol of the rate of state k of so many."""
+    return g.symbol(Symbol(Kind.STATE, count + k))

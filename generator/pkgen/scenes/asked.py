@@ -10,10 +10,11 @@ from .. import limits
 from ..compiler import Compilation
 from ..front.check.scene_numbers import ROUND_OFF
 from ..indices import hidden
-from ..methods import METHODS, default_method
+from ..methods import METHODS
 from ..middle.quantities import indexed
 from ..model import Scene
 from ..run import diagnostics, named, rows
+from ..run.default_method import default_method
 from ..run.settings import PartSettings, Settings, Shown
 from ..run.values import Values, assignment, unknown
 from ..system.exits import UsageError

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from ..compiler import Use
 from ..equations import Equations, Structure
 from ..front.check.scene_numbers import Values, WrongValue
-from ..methods import called, carries_quadratures, default_method, in_blocks
+from ..methods import called, carries_quadratures, in_blocks
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
@@ -18,6 +18,7 @@ from ..middle.report import Line
 from ..middle.specialise import folded, held
 from ..model import Model, Scene
 from ..run import diagnostics
+from ..run.default_method import default_method
 from ..run.values import unknown
 from ..system.exits import UsageError
 from . import model as scene_model

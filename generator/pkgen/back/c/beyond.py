@@ -12,17 +12,13 @@ from dataclasses import fields, is_dataclass, replace
 from decimal import Context, Decimal
 from fractions import Fraction
 from sys import float_info
-from typing import TYPE_CHECKING
 
 from ...graph.evaluate import value_of
-from ...graph.graph import Kind, Node, Op
+from ...graph.graph import VARIABLE, Graph, Kind, Node, Op
 from ...graph.magnitudes import may_vanish
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
-
-if TYPE_CHECKING:
-    from .rewrite import Workspace
 
 _FLOAT = 2.0**-126, 2.0**128  # of PK_FLOAT: a loss of digits begins, the largest are beyond
 
@@ -40,10 +36,20 @@ class Beyond(Exception):
         return ModelError(model.source, [Diagnostic(message, far.span, help)])
 
 
+class Tables:
+    """What a graph has in C: its nodes, and whether one depends on parameters alone."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.op = list(graph.op)
+        self.args = list(graph.args)
+        self.data = list(graph.data)
+        self.fixed = [not mask & VARIABLE for mask in graph.depends]
+
+
 class Constants:
     """Looks at the constants of a program as they are written."""
 
-    def __init__(self, work: Workspace) -> None:
+    def __init__(self, work: Tables) -> None:
         self._work = work
         self._values: dict[Node, float | None] = {}  # None: it depends on a parameter
         self.float_too = True  # whether those seen so far are in the range of float

@@ -15,25 +15,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from ...graph.graph import MINUS_ONE, VARIABLE, Graph, Node, Op, Symbol
+from ...graph.graph import MINUS_ONE, Graph, Node, Op, Symbol
 from ...middle.derive.switches import SIDED
-from .beyond import Constants
+from .beyond import Constants, Tables
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
 SIDE = "side"  # the kind of a symbol: of a switch, where code is written alone
 
 
-class Workspace:
+class Workspace(Tables):
     """A private copy of the graph that can grow; hash-consed, but it simplifies nothing."""
 
     def __init__(self, graph: Graph) -> None:
-        self.op = list(graph.op)
-        self.args = list(graph.args)
-        self.data = list(graph.data)
+        super().__init__(graph)
         self._known = graph.tables()
-        # Whether a node depends on parameters alone (or on nothing).
-        self.fixed = [not mask & VARIABLE for mask in graph.depends]
         self.sides: dict[Node, Node] = {}  # of calls that a switch decides: the side
         self._side_leaves: dict[int, Node] = {}
         self.constants = Constants(self)

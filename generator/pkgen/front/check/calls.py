@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...source import Span
@@ -14,18 +13,16 @@ from ...tree import Call, Expr, Multiply, Name, Number, Quantity, Sum, Vector
 from .. import units
 from ..units import NONE, Dimension
 from . import values
+from .checking import Checked, Checking
 from .names import CALLABLE, ROTATIONS, SPECIAL, UNKNOWN, Facts, joined
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
-
-if TYPE_CHECKING:
-    from .expr import Checked, Expressions
 
 
 class Calls:
     """`x` checks the expressions within."""
 
-    def __init__(self, x: Expressions) -> None:
+    def __init__(self, x: Checking) -> None:
         self.x = x
         self.report, self.names = x.report, x.names
         self.indices, self.mismatch = x.indices, x.mismatch

@@ -76,7 +76,12 @@ class _Checker:
             isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
         )
         self.expressions = Expressions(
-            file.source, self.report, self.names, sizes, self.dimensionless, lagrangian
+            file.source,
+            self.report,
+            self.names,
+            sizes,
+            self.dimensionless,
+            lagrangian=lagrangian,
         )
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         definitions, self.states = Definitions(self.shared), States(self.shared)

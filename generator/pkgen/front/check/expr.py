@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
-from ...source import Source, Span
+from ...source import Span
 from ...tree import (
     AXES,
     Add,
@@ -29,17 +28,13 @@ from ...tree import (
     Vector,
 )
 from .. import units
-from ..units import NONE, Dimension, UnitError
-from . import values
+from ..units import NONE, Dimension
 from .calls import Calls
-from .indices import Indices
-from .mismatch import Mismatch
-from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report, joined
+from .checking import Checked, Checking
+from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, joined
 from .operators import Operators
 from .scope import Place, Scope
 from .vectors import EXAMPLE, output_vector
-
-Checked = tuple[Expr, Facts]
 
 
 @dataclass(frozen=True)
@@ -52,23 +47,12 @@ class Target:
     bare: bool = False
 
 
-class Expressions:
-    def __init__(
-        self,
-        source: Source,
-        report: Report,
-        names: Names,
-        sizes: dict[str, int],
-        dimensionless: bool,
-        lagrangian: bool,
-    ) -> None:
-        self.source, self.report, self.names, self.sizes = source, report, names, sizes
-        self.time_dimension = NONE if dimensionless else units.TIME
-        self.energy_dimension = NONE if dimensionless else units.ENERGY
-        self.power_dimension = NONE if dimensionless else units.POWER
+class Expressions(Checking):
+    """The table of what each class of expression means."""
+
+    def __init__(self, *given, lagrangian: bool) -> None:
+        super().__init__(*given)
         self.lagrangian = lagrangian
-        self.indices = Indices(source, report, names, sizes)
-        self.mismatch = Mismatch(source, report, names)
         self.operators = operators = Operators(self)
         calls = Calls(self)
         self._visit: dict[type, Callable[[Expr, Scope], Checked]] = {
@@ -250,32 +234,3 @@ class Expressions:
         self.report.error(
             f"'{expr.id}' is {KIND_TEXT[entry.kind]}: {place.what} cannot use it", expr.span, help
         )
-
-    def constant(self, expr: Expr, compute: Callable[[], Fraction | float]):
-        try:
-            return compute()
-        except values.NoValue as error:
-            self.report.error(str(error), expr.span)
-            return None
-
-    def unit(self, text: str, span: Span) -> units.Unit | None:
-        """Reads a unit; `span` includes its brackets."""
-        try:
-            return units.parse_unit(text)
-        except UnitError as error:
-            start = span.start + 1 + error.start
-            help = error.help
-            if self.indices.is_index(text):
-                help = "an index touches the name before it, without a space: q[i]"
-            self.report.error(
-                error.message, Span(start, max(start + 1, span.start + 1 + error.end)), help
-            )
-            return None
-
-    @staticmethod
-    def parsed(text: str) -> units.Unit | None:
-        """A unit that was reported already if it is wrong."""
-        try:
-            return units.parse_unit(text)
-        except UnitError:
-            return None

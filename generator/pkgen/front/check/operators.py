@@ -6,25 +6,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from ... import limits
 from ...tree import AXES, COMPONENTS, Add, Component, Expr, Multiply, Name, Negate, Power, Prime
 from .. import units
 from ..units import NONE, Dimension
 from . import values
+from .checking import Checked, Checking
 from .names import NO_INPUTS, UNKNOWN, Facts, joined
 from .scope import Scope
 from .vectors import component, turned, turns_of
-
-if TYPE_CHECKING:
-    from .expr import Checked, Expressions
 
 
 class Operators:
     """`x` checks the operands."""
 
-    def __init__(self, x: Expressions) -> None:
+    def __init__(self, x: Checking) -> None:
         self.x, self.time_dimension = x, x.time_dimension
         self.report, self.indices, self.mismatch = x.report, x.indices, x.mismatch
 

@@ -76,7 +76,7 @@ def quantity(
     for size, value in values.items():
         facts = Facts(NONE, False, Fraction(value), bare=True)
         names.table[size] = Entry(size, "size", facts, Span(0, 0))
-    expressions = Expressions(source, report, names, dict(values), dimensionless, False)
+    expressions = Expressions(source, report, names, dict(values), dimensionless, lagrangian=False)
     target = Target(dimension, f"{name} is {described(dimension)}", bare=True)
     expr, _ = expressions.wanted(setting.value, Scope(PLACES["option"]), target)
     if report.errors:

@@ -11,17 +11,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from ...source import Span
 from ...tree import AXES, Add, Call, Component, Expr, Multiply, Name, Negate, Number, Vector
 from .. import units
 from ..units import NONE
+from .checking import Checked, Checking
 from .names import UNKNOWN, Facts, Turn, Turns, joined
 from .vectors import EXAMPLE, applied, component
-
-if TYPE_CHECKING:
-    from .expr import Checked, Expressions
 
 _UNIT = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
@@ -84,7 +81,7 @@ def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tup
 class RotationCalls:
     """`x` checks the arguments."""
 
-    def __init__(self, x: Expressions) -> None:
+    def __init__(self, x: Checking) -> None:
         self.x, self.report, self.mismatch = x, x.report, x.mismatch
         self._of = {
             "rot": self._rot,

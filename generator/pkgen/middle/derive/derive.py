@@ -16,7 +16,8 @@ from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...model import Model, Parameter
 from ...source import Diagnostic, ModelError, Span
-from ..expand.expand import Expander, NeedsDerivative
+from ..expand.expand import Expander
+from ..expand.names import NeedsDerivative
 from ..motion import PARTICLES, Energies, Motion, Wanted
 from ..particles.masses import Given
 from ..particles.particles import particles_of

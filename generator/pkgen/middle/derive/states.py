@@ -17,12 +17,12 @@ from dataclasses import replace
 
 from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
 from ...graph.differentiate import reachable
-from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 from ...graph.rounding import sizes
 from ...graph.solve import solve
 from ...graph.substitute import substituted
 from ..motion import Motion, Wanted, jacobians_of, linear_of
-from ..quantities import symbols
+from ..quantities import rate_of_state, symbols
 
 STATES = BIT[Kind.STATE]
 
@@ -54,11 +54,6 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
             else:
                 path.append(waiting[0])
     return found
-
-
-def rate_of_state(g: Graph, k: int, count: int) -> Node:
-    """The symbol of the rate of state k of so many."""
-    return g.symbol(Symbol(Kind.STATE, count + k))
 
 
 def _rates_in(g: Graph, node: Node, count: int) -> list[int]:

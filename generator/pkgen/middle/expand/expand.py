@@ -1,122 +1,24 @@
-"""A model's expressions as nodes of the graph: names looked up, families and sums unrolled.
-
-A value is one node, or for a vector a tuple of them. A prime is the total time derivative:
-coordinates go over to rates, t to 1, an input to its derivative, a state to its rate.
-"""
+"""A model's expressions as nodes of the graph."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-
 from ... import limits
-from ...equations import Attitude
-from ...graph.differentiate import Forward
-from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
+from ...graph.graph import TooLarge
 from ...graph.magnitudes import Magnitudes
-from ...indices import NotAnInteger, assignments, integer
-from ...model import End, Model
-from ...source import Span
-from ...tree import Expr, Name, Range
-from ..attitudes import rate_of_quaternion
-from ..derive.states import rate_of_state
-from ..quantities import Family, error, families, indexed, input_index, sizes
-from .terms import EXPAND, Loop, Value
+from ...model import Model
+from ...tree import Expr
+from ..quantities import error
+from .names import Loop, Names, Value
+from .terms import EXPAND
 
 
-class NeedsDerivative(Exception):
-    """A derivative of an input occurs that has no symbol yet."""
-
-    def __init__(self, position: int):
-        super().__init__(position)
-        self.position = position
-
-
-class Acceleration(Exception):
-    """The time derivative of a rate."""
-
-
-class Expander:
-    """Holds the graph while the statements of one model are entered into it."""
+class Expander(Names):
+    """Enters one model's expressions, each class of them by its function in EXPAND."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
-        self.model = model
-        self.orders = orders
-        self.graph = Graph(limits.UNROLLED)
-        self.sizes = sizes(model)
-        self.coordinates = families(model, model.coordinates)
-        self.states = families(model, model.states)
-        self.parameters = families(model, model.parameters)
-        self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
-        self.attitudes = tuple(
-            Attitude(self.coordinates[r.turns[0]].first, self.states[r.quaternion[0]].first)
-            for r in model.rotations
-        )
-        self._attitude_of = {k: a for a in self.attitudes for k in a.numbers}
-        self._body_rates = {
-            rate: self.coordinates[turn].first
-            for r in model.rotations
-            for rate, turn in zip(r.rates, r.turns, strict=True)
-        }
-        self.defined: dict[str, dict[int | None, Value]] = {}
-        self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self.solved: Mapping[Node, Node] | None = None  # where accelerations may stand: the rates
-        self._ends = _ends(model, self.coordinates | self.states)
-        self.primes: list[tuple[Node, Span]] = []  # what the rate was taken of, and where
+        super().__init__(model, orders)
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
-
-    @property
-    def count(self) -> int:
-        """Of coordinates, families unrolled."""
-        return sum(family.count for family in self.coordinates.values())
-
-    @property
-    def state_count(self) -> int:
-        return sum(family.count for family in self.states.values())
-
-    # -- statements ---------------------------------------------------------------------------
-
-    @contextmanager
-    def statement(self, span: Span) -> Iterator[None]:
-        """What goes wrong inside is reported, at `span` unless a better place is known."""
-        try:
-            yield
-        except TooLarge:
-            raise error(
-                self.model,
-                "the model is too large once its families and sums are unrolled",
-                span,
-                "make its families smaller",
-            ) from None
-        except NotAnInteger as wrong:
-            raise error(self.model, wrong.message, wrong.span) from None
-        except Acceleration:
-            raise error(
-                self.model,
-                "an acceleration cannot be used here",
-                span,
-                "outputs may use accelerations, all else the first derivatives of coordinates",
-            ) from None
-
-    def unrolled(
-        self, index: Expr | None, range_: Range | None
-    ) -> Iterator[tuple[int | None, Loop]]:
-        """Each member that NAME, NAME[index] or NAME[i = lo..hi] stands for."""
-        if range_ is not None:
-            for loop in assignments((range_,), self.sizes):
-                yield loop[range_.variable], loop
-        else:
-            yield (None if index is None else integer(index, self.sizes)), self.sizes
-
-    def define(self, name: str, index: int | None, value: Value) -> None:
-        self.defined.setdefault(name, {})[index] = value
-
-    def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
-        value = self.value(expr, self.sizes if loop is None else loop)
-        if isinstance(value, tuple):
-            raise error(self.model, "a vector where a single value is needed", expr.span)
-        return value
 
     def value(self, expr: Expr, loop: Loop) -> Value:
         self._visits += 1
@@ -129,105 +31,3 @@ class Expander:
                 at = ", ".join(f"{k} = {v}" for k, v in loop.items() if k not in self.sizes)
                 raise error(self.model, f"{wrong} at {at}" if at else wrong, expr.span)
         return value
-
-    def refused(self, message: str, span: Span) -> Exception:
-        """What is to be raised where an expression cannot be entered."""
-        return error(self.model, message, span)
-
-    # -- names --------------------------------------------------------------------------------
-
-    def name(self, expr: Name, loop: Loop) -> Value:
-        name = expr.id
-        index = None if expr.index is None else integer(expr.index, loop)
-        if index is None and name in loop:
-            return self.graph.number(loop[name])
-        if name in self._body_rates:
-            return self.graph.symbol(Symbol(Kind.RATE, self._body_rates[name]))
-        if name in self.coordinates or name in self.states:
-            return self.coordinate(name, index, expr.span)
-        if name in self.parameters:
-            family = self._member(self.parameters[name], index, expr.span)
-            return self.graph.symbol(Symbol(Kind.PARAMETER, family.flat(index)))
-        if name in self.inputs:
-            flat = input_index(self.orders, self.inputs[name], 0)
-            return self.graph.symbol(Symbol(Kind.INPUT, flat))
-        if name in self.defined:
-            members = self.defined[name]
-            if index not in members:
-                raise error(self.model, f"'{indexed(name, index)}' is not defined", expr.span)
-            return members[index]
-        if name in _BUILT_IN:
-            return self.graph.symbol(_BUILT_IN[name])
-        raise error(self.model, f"unknown name '{name}'", expr.span)
-
-    def coordinate(self, name: str, index: int | None, span: Span) -> Node:
-        """A coordinate or a state, or what the model says about the ends of its family."""
-        kind = Kind.STATE if name in self.states else Kind.COORDINATE
-        family = self.states[name] if name in self.states else self.coordinates[name]
-        if not family.has(index) and index is not None:
-            end = self._ends.get((name, index)) or self._ends.get((name, None))
-            if end is not None and end.kind == "fixed":
-                return self.scalar(end.value)
-            if end is not None and end.kind == "periodic":
-                index = family.lo + (index - family.lo) % (family.hi - family.lo + 1)
-            elif end is not None:
-                index = min(max(index, family.lo), family.hi)
-        self._member(family, index, span, "say `fixed`, `free` or `periodic` about its ends")
-        return self.graph.symbol(Symbol(kind, family.flat(index)))
-
-    def _member(self, family: Family, index: int | None, span: Span, help: str = "") -> Family:
-        if family.has(index):
-            return family
-        if family.lo is None:
-            message = f"'{family.name}' is not a family: it takes no index"
-        elif index is None:
-            message = f"'{family.name}' is a family: it needs an index"
-        else:
-            message = f"'{family.name}[{index}]' is outside {family.lo}..{family.hi}"
-        raise error(self.model, message, span, help if family.lo is not None else "")
-
-    def _rate_of(self, node: Node) -> Node:
-        symbol = self.graph.data[node]
-        if symbol.kind is Kind.TIME:
-            return ONE
-        if symbol.kind is Kind.COORDINATE:
-            return self.graph.symbol(Symbol(Kind.RATE, symbol.index))
-        if symbol.kind is Kind.INPUT:
-            return self.next_input(symbol)
-        if symbol.kind is Kind.STATE and symbol.index in self._attitude_of:
-            attitude = self._attitude_of[symbol.index]
-            return rate_of_quaternion(self.graph, attitude, symbol.index)
-        if symbol.kind is Kind.STATE and symbol.index < self.state_count:
-            return rate_of_state(self.graph, symbol.index, self.state_count)
-        if self.solved is not None and symbol.kind is Kind.RATE:
-            return self.graph.symbol(Symbol(Kind.ACCELERATION, symbol.index))
-        if self.solved is not None and symbol.kind is Kind.STATE:
-            return self.derivative(self.solved[node])
-        raise Acceleration
-
-    def next_input(self, symbol: Symbol) -> Node:
-        """The derivative of an input."""
-        last = -1
-        for position, order in enumerate(self.orders):
-            last += order + 1
-            if symbol.index == last:
-                raise NeedsDerivative(position)
-            if symbol.index < last:
-                break
-        return self.graph.symbol(Symbol(Kind.INPUT, symbol.index + 1))
-
-
-_BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
-
-
-def _ends(model: Model, coordinates: dict[str, Family]) -> dict[tuple[str, int | None], End]:
-    """By family and index; without an index where the whole family wraps."""
-    result: dict[tuple[str, int | None], End] = {}
-    for end in model.ends:
-        family = coordinates[end.name]
-        if end.index is not None or end.kind == "periodic":
-            result[end.name, end.index] = end
-        else:
-            result[end.name, family.lo - 1] = end
-            result[end.name, family.hi + 1] = end
-    return result

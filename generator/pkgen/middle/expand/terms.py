@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ... import limits
 from ...graph.constants import undefined
@@ -27,13 +26,7 @@ from ...tree import (
 )
 from ..attitudes import rotated
 from ..quantities import error
-
-if TYPE_CHECKING:
-    from .expand import Expander
-
-Vector3 = tuple[Node, ...]
-Value = Node | Vector3
-Loop = dict[str, int]
+from .names import Loop, Names, Value, Vector3
 
 
 def _each(function: Callable[..., Node], *values: Value) -> Value:
@@ -43,29 +36,29 @@ def _each(function: Callable[..., Node], *values: Value) -> Value:
     return function(*values)
 
 
-def _number(x: Expander, expr: Number, loop: Loop) -> Value:
+def _number(x: Names, expr: Number, loop: Loop) -> Value:
     return x.graph.number(expr.value)
 
 
-def _prime(x: Expander, expr: Prime, loop: Loop) -> Value:
+def _prime(x: Names, expr: Prime, loop: Loop) -> Value:
     value = x.value(expr.of, loop)
     x.primes += [(node, expr.span) for node in (value if isinstance(value, tuple) else (value,))]
     with x.statement(expr.span):
         return _each(x.derivative, value)
 
 
-def _component(x: Expander, expr: Component, loop: Loop) -> Value:
+def _component(x: Names, expr: Component, loop: Loop) -> Value:
     value = x.value(expr.of, loop)
     if not isinstance(value, tuple) or expr.axis >= len(value):
         raise error(x.model, f"there is no component .{COMPONENTS[expr.axis]} here", expr.span)
     return value[expr.axis]
 
 
-def _negate(x: Expander, expr: Negate, loop: Loop) -> Value:
+def _negate(x: Names, expr: Negate, loop: Loop) -> Value:
     return _each(x.graph.negate, x.value(expr.of, loop))
 
 
-def _add(x: Expander, expr: Add, loop: Loop) -> Value:
+def _add(x: Names, expr: Add, loop: Loop) -> Value:
     result: Value | None = None
     for term, sign in zip(expr.terms, expr.signs, strict=True):
         value = x.value(term, loop)
@@ -84,7 +77,7 @@ def _size(value: Value) -> int:
     return len(value) if isinstance(value, tuple) else 0
 
 
-def _multiply(x: Expander, expr: Multiply, loop: Loop) -> Value:
+def _multiply(x: Names, expr: Multiply, loop: Loop) -> Value:
     g = x.graph
     result: Value = ONE
     for factor, exponent in zip(expr.factors, expr.exponents, strict=True):
@@ -103,7 +96,7 @@ def _multiply(x: Expander, expr: Multiply, loop: Loop) -> Value:
     return result
 
 
-def _power(x: Expander, expr: Power, loop: Loop) -> Value:
+def _power(x: Names, expr: Power, loop: Loop) -> Value:
     g = x.graph
     base, exponent = x.scalar(expr.base, loop), x.scalar(expr.exponent, loop)
     constant = g.value(exponent)
@@ -125,7 +118,7 @@ def _power(x: Expander, expr: Power, loop: Loop) -> Value:
     return g.power(base, constant)
 
 
-def _call(x: Expander, expr: Call, loop: Loop) -> Value:
+def _call(x: Names, expr: Call, loop: Loop) -> Value:
     values = [x.value(argument, loop) for argument in expr.arguments]
     if expr.function == "rotate":
         if all(item == ZERO for item in values[0]):
@@ -178,7 +171,7 @@ def _rotate(g: Graph, axis: Vector3, angle: Node, a: Vector3) -> Vector3:
     )
 
 
-def _sum(x: Expander, expr: Sum, loop: Loop) -> Value:
+def _sum(x: Names, expr: Sum, loop: Loop) -> Value:
     result: Value | None = None
     for inner in assignments(expr.ranges, loop):
         value = x.value(expr.body, inner)
@@ -186,16 +179,16 @@ def _sum(x: Expander, expr: Sum, loop: Loop) -> Value:
     return ZERO if result is None else result
 
 
-def _vector(x: Expander, expr: Vector, loop: Loop) -> Value:
+def _vector(x: Names, expr: Vector, loop: Loop) -> Value:
     return tuple(x.scalar(item, loop) for item in expr.items)
 
 
-def _quantity(x: Expander, expr: Quantity, loop: Loop) -> Value:
+def _quantity(x: Names, expr: Quantity, loop: Loop) -> Value:
     raise AssertionError("check folds units in")
 
 
 _VECTOR = {"dot": _dot, "cross": _cross, "norm": _norm}
-EXPAND: dict[type, Callable[[Expander, Expr, Loop], Value]] = {
+EXPAND: dict[type, Callable[[Names, Expr, Loop], Value]] = {
     Number: _number,
     Name: lambda x, expr, loop: x.name(expr, loop),
     Prime: _prime,

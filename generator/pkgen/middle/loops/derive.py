@@ -10,7 +10,7 @@ from ...graph.graph import ZERO
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..derive.impulses import Across, arguments_of
-from ..expand.expand import NeedsDerivative
+from ..expand.names import NeedsDerivative
 from ..quantities import error, indexed
 from .bodies import Gathered
 from .expand import LoopExpander, size_values

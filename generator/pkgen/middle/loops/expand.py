@@ -13,8 +13,8 @@ from ...indices import NotAnInteger
 from ...model import Coordinate, Definition, Model, Parameter
 from ...source import Span
 from ...tree import Expr, Name, Sum, children
-from ..expand.expand import NeedsDerivative
-from ..expand.terms import EXPAND, Value
+from ..expand.names import NeedsDerivative, Value
+from ..expand.terms import EXPAND
 from ..quantities import error, input_index
 from .loops import Group, Limit, Slot, Total, Unrolled
 

@@ -16,7 +16,7 @@ from ...graph.graph import BIT, ZERO, Graph, Kind, Node
 from ...indices import indexed
 from ...source import ModelError
 from ..expand.expand import Expander
-from ..expand.terms import Value
+from ..expand.names import Value
 from ..motion import Energies
 from .bodies import Body, Key, NoParticles, keys, lengths, listed, places
 from .masses import Entries, Given, Masses, masses_of

@@ -20,7 +20,7 @@ from ...graph.graph import BIT, ZERO, Kind, Node
 from ...indices import assignments, indexed, integer
 from ...tree import Add, Call, Component, Expr, Multiply, Name, Negate, Power, Prime, Sum, Vector
 from ..expand.expand import Expander
-from ..expand.terms import Loop
+from ..expand.names import Loop
 from .bodies import Body, Key, keys, lengths, places
 
 RATES = BIT[Kind.RATE]
