@@ -84,7 +84,7 @@ def compile_program(
 
 def runtime_library(build: Build) -> Path:
     """The runtime's core by the same compiler and flags."""
-    sources = sorted((RUNTIME / "src").glob("*.c"))
+    sources = sorted((RUNTIME / "src").rglob("*.c"))
     digest = _digest([*sources, *_headers()], str(build))
     library = OUTPUT / "programs" / f"runtime-{digest}" / "libpk.a"
     if not library.exists():
@@ -114,7 +114,7 @@ def run(command: list[str]) -> None:
 
 
 def _headers() -> list[Path]:
-    return sorted([*RUNTIME.glob("include/**/*.h"), *RUNTIME.glob("src/*.h")])
+    return sorted([*RUNTIME.glob("include/**/*.h"), *RUNTIME.glob("src/**/*.h")])
 
 
 def _digest(files: list[Path], flags: str) -> str:

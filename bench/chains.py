@@ -107,7 +107,7 @@ def _own(title: str, builds: tuple[Build, ...], n: int, steps: int) -> list[Runn
         shutil.rmtree(folder)
         raise Unavailable("this pkgen unrolls families")
     sources = [FOLDER / "own.c", FOLDER / "main.c", folder / "fput.c"]
-    sources += sorted((RUNTIME / "src").glob("*.c"))
+    sources += sorted((RUNTIME / "src").rglob("*.c"))
     defines = {"PK_RUNTIME": "", "PK_INLINE_SPLITTING": ""}
     extra = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
     make = partial(compile_program, sources=sources, defines=defines, extra=extra)

@@ -177,7 +177,7 @@ def _own(
         raise Unavailable(f"the machine has fewer than {threads} cores")
     folder = generated("double_pendulum")
     sources = [FOLDER / "own.c", FOLDER / "main.c", folder / "double_pendulum.c"]
-    sources += sorted((RUNTIME / "src").glob("*.c")) + sorted((RUNTIME / "omp").glob("*.c"))
+    sources += sorted((RUNTIME / "src").rglob("*.c")) + sorted((RUNTIME / "omp").glob("*.c"))
     defines = {"PK_RUNTIME": "", "PK_INLINE_ERK": "", "PK_INLINE_ENSEMBLE": "", **_defines(scalar)}
     include = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
     # clang's OpenMP library is not part of clang; its builds take part with one thread.

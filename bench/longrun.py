@@ -38,7 +38,7 @@ def measure(effort: Effort, say) -> LongRun:
     periods = 10_000 if effort.starts < 5 else 1_000_000
     folder = OUTPUT / "generated" / "kepler"
     emit(FOLDER / "kepler.lag", folder)
-    sources = [FOLDER / "kepler.c", folder / "kepler.c", *sorted((RUNTIME / "src").glob("*.c"))]
+    sources = [FOLDER / "kepler.c", folder / "kepler.c", *sorted((RUNTIME / "src").rglob("*.c"))]
     build = AS_RUN[0]
     include = ("-std=c11", f"-I{RUNTIME / 'include'}", f"-I{folder}")
     defines = {"PK_RUNTIME": "", "PK_INLINE_GAUSS": ""}

@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 import ast
-import re
+import subprocess
 from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -61,12 +62,6 @@ def _imported(name: str) -> Iterator[str]:
                 yield inner if inner in MODULES else base
 
 
-def _included(path: Path, files: Mapping[str, Path]) -> Iterator[str]:
-    for name in re.findall(r'^#include [<"]([\w./]+)[>"]', path.read_text(), re.M):
-        if name in files:
-            yield name
-
-
 def _room(name: str) -> str:
     folder = MODULES[name].parent.relative_to(PKGEN)
     return MODULES[name].stem if folder == Path() else folder.as_posix()
@@ -74,22 +69,10 @@ def _room(name: str) -> str:
 
 def _circle(arrows: Mapping[str, set[str]]) -> list[str]:
     """The files of one circle; empty without any."""
-    done: set[str] = set()
-    for start in arrows:
-        path: list[str] = []
-        stack = [(start, iter(sorted(arrows[start])))] if start not in done else []
-        path += [start] if stack else []
-        while stack:
-            name, rest = stack[-1]
-            target = next(rest, None)
-            if target is None:
-                stack.pop()
-                done.add(path.pop())
-            elif target in path:
-                return path[path.index(target) :]
-            elif target not in done:
-                path.append(target)
-                stack.append((target, iter(sorted(arrows[target]))))
+    try:
+        TopologicalSorter(arrows).prepare()
+    except CycleError as error:
+        return error.args[1]
     return []
 
 
@@ -97,7 +80,7 @@ PYTHON = {name: set(_imported(name)) - {name} for name in MODULES}
 
 
 def test_a_circle_is_found() -> None:
-    assert _circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["b", "c"]
+    assert _circle({"a": {"b"}, "b": {"c"}, "c": {"b"}})
     assert _circle({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == []
 
 
@@ -112,7 +95,7 @@ def test_arrows_point_down() -> None:
         for target in targets
         if _room(name) != _room(target)
         and FLOOR[_room(target)] >= FLOOR[_room(name)]
-        and not MODULES[target].name == "__init__.py"
+        and MODULES[target].name != "__init__.py"
     ]
     assert wrong == []
 
@@ -120,6 +103,53 @@ def test_arrows_point_down() -> None:
 def test_every_room_is_used_and_has_a_floor() -> None:
     assert {_room(name) for name in MODULES} <= FLOOR.keys() | {"back", "analysis"}
     assert set(FLOOR) <= {_room(name) for name in MODULES}
+
+
+C_FLOORS = """
+core
+constraints explicit implicit variational
+integrate
+events method
+reason
+ensemble diagnose
+"""
+
+
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+    """By each C file of the runtime, those whose functions it calls: the linker's view."""
+    source, folder = ROOT / "runtime" / "src", tmp_path_factory.mktemp("objects")
+    names = {str(i): path for i, path in enumerate(sorted(source.rglob("*.c")))}
+    command = ["gcc", "-c", "-O0", f"-I{ROOT / 'runtime' / 'include'}"]
+    running = [
+        subprocess.Popen([*command, path, "-o", folder / f"{i}.o"]) for i, path in names.items()
+    ]
+    assert not any(child.wait() for child in running)
+    home, uses = {}, {}
+    for i, path in names.items():
+        said = subprocess.run(["nm", "-g", folder / f"{i}.o"], capture_output=True, text=True)
+        symbols = [line.split()[-2:] for line in said.stdout.splitlines()]
+        own = path.relative_to(source).with_suffix("").as_posix()
+        home |= {name: own for kind, name in symbols if kind != "U"}
+        uses[own] = {name for kind, name in symbols if kind == "U"}
+    return {own: {home[name] for name in used & home.keys()} for own, used in uses.items()}
+
+
+def test_no_circle_among_c_files(objects: dict[str, set[str]]) -> None:
+    assert len(objects) > 50 and _circle(objects) == []
+
+
+def test_arrows_of_the_runtime_point_down(objects: dict[str, set[str]]) -> None:
+    floor = {d: i for i, rooms in enumerate(C_FLOORS.split("\n")) for d in rooms.split()}
+    wrong = [
+        f"{one} -> {other}"
+        for one, used in objects.items()
+        for other in used
+        if one.split("/")[0] != other.split("/")[0]
+        and floor[other.split("/")[0]] >= floor[one.split("/")[0]]
+    ]
+    assert wrong == []
+    assert all((ROOT / "runtime/src" / d / "README.md").exists() for d in floor if "/" in d)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@
 
 #include <pk/integrator.h>
 
-#include "../src/internal.h"
+#include "../src/core/internal.h"
 
 static const double TWO_PI = 6.283185307179586476925;
 

@@ -11,7 +11,7 @@
 
 #include <pk/gsl.h>
 
-#include "../src/internal.h"
+#include "../src/core/internal.h"
 
 /* What the fit leaves of a line, beside the largest: no line is looked for below. */
 #define LEAST 1e-13

@@ -8,7 +8,7 @@
 
 #include <pk/gsl.h>
 
-#include "../src/internal.h"
+#include "../src/core/internal.h"
 
 enum { LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
        ROUNDINGS = 4,    /* units in the last place by which a sample may be wrong */

@@ -13,7 +13,7 @@
 
 #include <pk/gsl_equilibria.h>
 
-#include "../src/internal.h"
+#include "../src/core/internal.h"
 
 static const double ZERO = 1e-7; /* of the largest eigenvalue */
 

@@ -9,7 +9,7 @@
 
 #include <pk/gsl_equilibria.h>
 
-#include "../src/internal.h"
+#include "../src/core/internal.h"
 
 static const double SAME = 1e-12; /* of what is to cancel, beside what there is */
 

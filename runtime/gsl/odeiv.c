@@ -20,7 +20,7 @@
 #include <pk/gsl.h>
 #include <pk/linear.h> /* size of work */
 
-#include "../src/internal.h"
+#include "../src/core/internal.h"
 
 struct foreign {
     gsl_odeiv2_system system;

@@ -1,7 +1,7 @@
 /* The registry: one line a method. */
 #include <string.h>
 
-#include "tableau.h"
+#include "core/tableau.h"
 
 static const struct pk_method *const methods[] = {
     &pk_euler, &pk_rk2, &pk_rk3, &pk_rk4,

@@ -3,9 +3,9 @@
 
 #include <pk/constraint.h>
 
-#include "events.h"
-#include "project.h"
-#include "tableau.h"
+#include "events/events.h"
+#include "core/project.h"
+#include "core/tableau.h"
 
 static const char *const bad_argument[] = {
     "",

@@ -6,7 +6,7 @@
 #ifndef TEST_ATTITUDE_SERIES_H
 #define TEST_ATTITUDE_SERIES_H
 
-#include "attitude.h"
+#include "core/attitude.h"
 
 static pk_real series_of_exp(const pk_real *theta, pk_real angle)
 {

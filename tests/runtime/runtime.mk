@@ -8,8 +8,8 @@ RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
 RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
 
 RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/include/pk/step/*.h \
-             runtime/src/*.h runtime/run/*.h tests/runtime/*.h)
-RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c)))
+             runtime/src/*/*.h runtime/run/*.h tests/runtime/*.h)
+RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c runtime/src/*/*.c)))
 RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
 # The one part with OpenMP, where the compiler has it.
 RT_OPENMP := $(shell echo 'int main(void) { return 0; }' | \
@@ -80,7 +80,7 @@ $(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
 # alone are compiled twice: around function pointers, and with the steps inlined.
 RT_QUAD_FLAGS = -std=gnu11 -O1 -Wall -Wextra -Wshadow -Werror -DPK_FLOAT128 -Iruntime/include \
                 -Iruntime/src -Itests/runtime $(RT_EXTRA)
-RT_QUAD = $(patsubst runtime/src/%.c,$(RT_TESTS)/quad.d/%.o,$(sort $(wildcard runtime/src/*.c))) \
+RT_QUAD = $(patsubst runtime/src/%.c,$(RT_TESTS)/quad.d/%.o,$(sort $(wildcard runtime/src/*.c runtime/src/*/*.c))) \
           $(RT_TESTS)/quad.d/order.o
 RT_QUAD_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/quad.d/%.o,$(RT_SYSTEMS_C))
 RT_QUAD_INLINED = $(patsubst tests/runtime/%.c,$(RT_TESTS)/quad.d/inlined/%.o,$(RT_SYSTEMS_C))
@@ -169,7 +169,7 @@ check-runtime-symbols: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
 
 # The same source in the other scalar types (the quad programs are the fourth), headers as C99 and C++.
 RT_SCALARS = $(foreach t,FLOAT LONG_DOUBLE,$(patsubst runtime/src/%.c,$(RT_DIR)/$(t)/%.o,\
-               $(sort $(wildcard runtime/src/*.c))))
+               $(sort $(wildcard runtime/src/*.c runtime/src/*/*.c))))
 $(RT_DIR)/FLOAT/%.o: runtime/src/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_CFLAGS) -DPK_FLOAT -fsyntax-only $< && touch $@

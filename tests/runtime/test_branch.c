@@ -4,7 +4,7 @@
  */
 #include "fixture.h"
 
-#include "gauss.h"
+#include "implicit/gauss.h"
 
 static const char *reason(const struct fixture *f)
 {

@@ -2,7 +2,7 @@
  * the step is longer than its iteration could bear.
  */
 #include "fixture.h"
-#include "generic.h"
+#include "core/generic.h"
 
 #include <pk/step/gauss_stages.h>
 

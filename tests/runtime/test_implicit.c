@@ -2,7 +2,7 @@
  * over long times, decay, and the adaptive one on stiff systems.
  */
 #include "fixture.h"
-#include "tableau.h"
+#include "core/tableau.h"
 
 static const struct pk_gauss *table_of(const char *name)
 {

@@ -5,7 +5,7 @@
  * A pattern must not be NaN alone: `if (!(x > 0))` takes NaN for zero.
  */
 #include "fixture.h"
-#include "internal.h"
+#include "core/internal.h"
 
 #if defined __has_feature
 #if __has_feature(memory_sanitizer)

@@ -5,7 +5,7 @@
 
 #include "fixture.h"
 
-#include "internal.h"
+#include "core/internal.h"
 
 static const char *reason(const struct fixture *f)
 {

@@ -4,7 +4,7 @@
  * SIAM J. Comput. 9 (1980) 706.
  */
 #include "fixture.h"
-#include "tableau.h"
+#include "core/tableau.h"
 
 #include <pk/step/gauss_tables.h>
 

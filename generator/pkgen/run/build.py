@@ -60,7 +60,7 @@ def _build_runtime(tools: Toolchain, directory: Path) -> None:
     (directory / LINK_WITH).write_text(shlex.join(threads), encoding="utf-8")
     for library, parts in libraries.items():
         objects = []
-        for path in (p for part in parts for p in sorted((RUNTIME / part).glob("*.c"))):
+        for path in (p for part in parts for p in sorted((RUNTIME / part).rglob("*.c"))):
             objects.append(f"{path.parent.name}_{path.stem}.o")
             more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
             compile_c(tools, ["-c", *more, str(path), "-o", objects[-1]], directory)

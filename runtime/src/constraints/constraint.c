@@ -1,0 +1,217 @@
+/* Residuals of constraints, the check of a start by them, and both in words; see pk/constraint.h.
+ *
+ * A residual is large or small beside its terms, of which the system knows the sizes. A start is
+ * written with some digits of them; and what should be 0 there may be what rounding left of numbers
+ * as large as the largest, in the metric of M, which knows how metres and radians compare.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include <pk/constraint.h>
+
+#include "../core/project.h"
+
+#define DEBRIS (64 * PK_EPS)                 /* beside the largest number of a start */
+#define WRITTEN pk_max(PK_C(1e-8), DEBRIS) /* of its terms */
+#define SHARE PK_C(1e-6)                   /* of a row in one that depends on it */
+
+size_t pk_constraint_size(const struct pk_problem *problem)
+{
+    if (!problem || !problem->system || problem->system->abi != PK_ABI)
+        return 0;
+    const size_t n = pk_system_count(problem->system, problem->params);
+    return (pk_project_size(problem->system, n) + problem->system->n_inputs + 1) *
+           sizeof(pk_real);
+}
+
+/* In block: the projection's room, and inputs behind it. */
+static enum pk_status begin(struct pk_projection *w, const struct pk_problem *problem, pk_real t,
+                            const pk_real *q, const pk_real *v, void *block, size_t size)
+{
+    if (!problem || !problem->system || problem->system->abi != PK_ABI || !q || !v || !block)
+        return PK_BAD_ARGUMENT;
+    if (size < pk_constraint_size(problem) || (size_t)block % _Alignof(pk_real))
+        return PK_BLOCK_TOO_SMALL;
+    const size_t n = pk_system_count(problem->system, problem->params);
+    pk_real *u = (pk_real *)block + pk_project_size(problem->system, n);
+    memset(u, 0, problem->system->n_inputs * sizeof *u);
+    if (problem->system->n_inputs && problem->input)
+        problem->input(problem->context, t, u);
+    *w = pk_project_parts(problem, n, (pk_real *)block);
+    w->t = t;
+    w->u = u;
+    return PK_DONE;
+}
+
+static pk_real norm_error(const struct pk_projection *w, const pk_real *v, size_t rotation)
+{
+    const pk_real *Q = v + w->m + 4 * rotation;
+    const pk_real norm2 = Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3];
+    return pk_abs(norm2 - 1) / (1 + PK_F(sqrt)(norm2));
+}
+
+enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real t,
+                                       const pk_real *q, const pk_real *v,
+                                       struct pk_residuals *found, void *block, size_t size)
+{
+    struct pk_projection w;
+    const enum pk_status status = begin(&w, problem, t, q, v, block, size);
+    if (status < 0 || !found)
+        return status < 0 ? status : PK_BAD_ARGUMENT;
+    memset(found, 0, sizeof *found);
+    for (size_t r = 0; r < w.system->n_rotations; r++)
+        if (norm_error(&w, v, r) > found->norm)
+            found->norm = norm_error(&w, v, r), found->rotation = r;
+    if (!w.c)
+        return pk_finite(found->norm) ? PK_DONE : PK_NOT_FINITE;
+    pk_project_rows(&w, q, v);
+    pk_project_terms(&w, q, v);
+    found->position_relative = pk_project_worst(w.phi, w.phi_size, w.h, &found->position_row);
+    found->position = w.h ? pk_abs(w.phi[found->position_row]) : 0;
+    found->rate_relative = pk_project_worst(w.rate, w.rate_size, w.c, &found->rate_row);
+    found->rate = pk_abs(w.rate[found->rate_row]);
+    return pk_all_finite(w.phi, w.h) && pk_all_finite(w.rate, w.c) && pk_finite(found->norm)
+               ? PK_DONE
+               : PK_NOT_FINITE;
+}
+
+enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_real t,
+                                         const pk_real *q, const pk_real *v, pk_real *lambda,
+                                         void *block, size_t size)
+{
+    struct pk_projection w;
+    const enum pk_status status = begin(&w, problem, t, q, v, block, size);
+    if (status < 0 || !lambda)
+        return status < 0 ? status : PK_BAD_ARGUMENT;
+    if (!w.c || !w.system->multipliers)
+        return PK_REFUSED;
+    w.system->multipliers(w.params, t, q, v, w.u, lambda);
+    return pk_all_finite(lambda, w.c) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* The row whose residual is no rounding, or `rows`. x are positions, where attitudes count as 1, or
+ * rates. */
+static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
+                     size_t rows, const pk_real *x, int of_rates)
+{
+    pk_real most = 0;
+    for (size_t k = 0; k < w->m; k++) {
+        const pk_real size = k < w->rotation || of_rates ? pk_abs(x[k]) : 1;
+        most = pk_max(most, PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k)) * size);
+    }
+    for (size_t i = 0; i < rows; i++) {
+        pk_real slope = 0;
+        for (size_t k = 0; k < w->m; k++)
+            slope += pk_abs(w->J[i * w->n + k]) / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
+        if (!(pk_abs(residual[i]) <= WRITTEN * terms[i] + DEBRIS * slope * most))
+            return i;
+    }
+    return rows;
+}
+
+static enum pk_status refuse(struct pk_integrator *it, size_t where, pk_real residual)
+{
+    it->where = where;
+    it->detail = residual;
+    return PK_OFF_CONSTRAINTS;
+}
+
+enum pk_status pk_project_start(struct pk_integrator *it)
+{
+    pk_real *q = pk_part(it->state, it->n, PK_Q), *v = pk_part(it->state, it->n, PK_V);
+    int moved;
+    if (!it->project)
+        return PK_DONE;
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    w.t = it->t;
+    w.u = pk_eval_input(it, it->t);
+    for (size_t r = 0; r < w.system->n_rotations; r++)
+        if (!(norm_error(&w, v, r) <= WRITTEN))
+            return refuse(it, 2 * w.c + r, norm_error(&w, v, r));
+    if (!w.c)
+        return pk_project(it, it->t, q, v, NULL, NULL, &moved);
+    w.depends[0] = 0;
+    const size_t singular = pk_project_inertia(&w, q, v);
+    if (singular)
+        return pk_eval_failed(it, it->t, q, v, (int)singular);
+    pk_project_rows(&w, q, v);
+    if (!pk_all_finite(w.J, w.c * w.n))
+        return refuse(it, 0, (pk_real)NAN);
+    const size_t depends = pk_project_factor(&w, w.c);
+    pk_project_terms(&w, q, v);
+    size_t row = broken(&w, w.phi, w.phi_size, w.h, q, 0);
+    if (row < w.h)
+        return refuse(it, row, w.phi[row]);
+    row = broken(&w, w.rate, w.rate_size, w.c, v, 1);
+    if (row < w.c)
+        return refuse(it, w.c + row, w.rate[row]);
+    it->where = depends - 1;
+    return depends ? PK_NO_PROJECTION : pk_project(it, it->t, q, v, NULL, NULL, &moved);
+}
+
+int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size)
+{
+    static const char force[] = "lambda_";
+    const char *name = system->constraints && row < system->n_constraints
+                           ? system->constraints[row].name
+                           : "";
+    if (strncmp(name, force, sizeof force - 1) == 0)
+        name += sizeof force - 1;
+    return *name ? snprintf(text, size, "%s", name) : snprintf(text, size, "number %zu", row + 1);
+}
+
+/* What the row that depends on others does so on: "a, b". */
+static void of_others(const struct pk_integrator *it, char *text, size_t size)
+{
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    char name[96];
+    size_t used = 0;
+    int count = 0;
+    text[0] = 0;
+    if (!w.c || !(w.depends[0] > 0))
+        return;
+    const size_t last = (size_t)w.depends[0] - 1;
+    for (size_t i = 0; i < last && used < size; i++)
+        if (pk_abs(w.depends[1 + i]) > SHARE) {
+            pk_constraint_name(w.system, i, name, sizeof name);
+            used += (size_t)snprintf(text + used, size - used, "%s%s", count++ ? ", " : "", name);
+        }
+}
+
+int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t c = system->n_constraints, row = it->where % (c ? c : 1);
+    const char *what = pk_status_text(it->status);
+    char name[128], others[256], more[400] = "";
+    if (it->where >= 2 * c + system->n_rotations)
+        return snprintf(text, size, "%s; last valid time %.17g", what, (double)it->t);
+    if (it->where >= 2 * c) {
+        const size_t first = it->n - system->n_states + 3 * (it->where - 2 * c);
+        pk_system_name(system, it->problem.params, system->rates, first, name, sizeof name);
+        const char *of = strncmp(name, "omega(", 6) == 0 ? name + 6 : name;
+        return snprintf(text, size, "%s: the quaternion of %.*s is not of unit length, by %.3g",
+                        what, (int)strcspn(of, ")."), of, (double)it->detail);
+    }
+    pk_constraint_name(system, row, name, sizeof name);
+    of_others(it, others, sizeof others);
+    if (it->status == PK_OFF_CONSTRAINTS) {
+        const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+        char last[96];
+        if (w.depends[0] > 0) {
+            pk_constraint_name(system, (size_t)w.depends[0] - 1, last, sizeof last);
+            snprintf(more, sizeof more, "; and %s depends on %s", last,
+                     *others ? others : "nothing that moves");
+        }
+        return snprintf(text, size, "%s: %s%s by %.3g%s", what, name,
+                        it->where >= c ? ", as rates go," : "", (double)it->detail, more);
+    }
+    if (*others)
+        return snprintf(text, size, "%s: %s depends on %s; last valid time %.17g", what, name,
+                        others, (double)it->t);
+    if (pk_project_parts(&it->problem, it->n, it->project).depends[0] > 0)
+        return snprintf(text, size, "%s: nothing that moves enters %s; last valid time %.17g", what,
+                        name, (double)it->t);
+    return snprintf(text, size, "%s: %s is left broken by %.3g; last valid time %.17g", what, name,
+                    (double)it->detail, (double)it->t);
+}

@@ -1,0 +1,246 @@
+/* The return of a step to what its equations keep: unit quaternions, and constraints phi(t, q) = 0
+ * and J v + j0 = 0. The equations of motion keep them (their index was reduced by differentiation),
+ * a step of order p leaves them by O(h^(p+1)), and the way back is that short:
+ *
+ *     q -= M^-1 J^T mu  until  phi = 0         v -= M^-1 J^T nu  with  J v + j0 = 0
+ *
+ * by Newton's method, in the metric of M: to first order no other state on the constraints is
+ * nearer, and the order of the method stays. A quaternion is turned by the rotation vector that its
+ * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps
+ * from its last step are left: they err by as much as the step did, and count h times that.
+ *
+ * A way back that is no longer short says that the step missed something, a steep ramp of phi(t) say,
+ * and is refused: of MOST_OFF tolerances, where the step can be made again, else one as long as the step.
+ *
+ * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
+ * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
+ */
+#include <string.h>
+
+#include "../core/attitude.h"
+#include "../core/project.h"
+
+#define ROUND (PK_EPS / 2)              /* of its terms: as good as zero. More, left each step, drifts */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
+#define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
+#define MOST_OFF PK_C(100.0)            /* the models shipped: 47, and 470 in one run at 1e-3 */
+#define DEPENDENT PK_C(1e-12)           /* at 1e-6 rad from another row no step is left */
+enum { MOST = 20 };                     /* corrections */
+
+int pk_project_dependent(struct pk_integrator *it)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    if (!w.c)
+        return 0;
+    w.t = it->t;
+    w.u = pk_eval_input(it, it->t);
+    if (pk_project_inertia(&w, it->q, it->v))
+        return 0;
+    pk_project_rows(&w, it->q, it->v);
+    if (pk_project_factor(&w, w.c))
+        return 0; /* steps say so themselves */
+    for (size_t row = 0; row < w.c; row++) /* a pivot beside its diagonal: the square of a sine */
+        if (w.A[row * w.c + row] < DEPENDENT * w.mu[row]) {
+            it->where = row;
+            pk_project_explain(&w, w.c, row);
+            return 1;
+        }
+    return 0;
+}
+
+pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which)
+{
+    pk_real most = 0;
+    *which = 0;
+    for (size_t i = 0; i < rows; i++) {
+        const pk_real x = pk_abs(residual[i]);
+        if (!(x > 0) && pk_finite(x))
+            continue;
+        const pk_real ratio = x / (terms[i] + PK_TINY);
+        if (!(ratio <= most)) /* what is no number too */
+            most = ratio, *which = i;
+    }
+    return most;
+}
+
+/* Whether an iteration is done: 1, or has failed: -1. */
+static int judged(pk_real ratio, pk_real before, int count)
+{
+    if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
+        return 1;
+    return !pk_finite(ratio) || count == MOST ? -1 : 0;
+}
+
+static enum pk_status failed(struct pk_integrator *it, size_t where, pk_real residual)
+{
+    it->where = where;
+    it->detail = residual;
+    return PK_NO_PROJECTION;
+}
+
+/* d = M^-1 J^T mu of the first rows, with mu from the residuals. */
+static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows)
+{
+    const size_t singular = pk_project_factor(w, rows);
+    if (singular)
+        return singular;
+    memcpy(w->mu, residual, rows * sizeof *w->mu);
+    pk_ldl_solve(w->A, rows, w->mu);
+    memset(w->d, 0, w->m * sizeof *w->d);
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < w->m; k++)
+            w->d[k] += w->W[i * w->m + k] * w->mu[i];
+    return 0;
+}
+
+static void subtract(pk_real *x, const pk_real *d, pk_real *low, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        pk_real none = 0;
+        x[k] = pk_sum(x[k], -d[k], low ? &low[k] : &none);
+    }
+}
+
+static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
+{
+    for (size_t r = 0; r < w->system->n_rotations; r++, Q += 4) {
+        const pk_real *d = w->d + w->rotation + 3 * r;
+        const pk_real theta[3] = {-d[0], -d[1], -d[2]};
+        pk_real added[4];
+        pk_exponential_added(Q, theta, added);
+        for (size_t i = 0; i < 4; i++)
+            added[i] = -added[i];
+        subtract(Q, added, low ? low + 4 * r : NULL, 4);
+    }
+}
+
+/* d / y's tolerances, over MOST_OFF. */
+static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *d, const pk_real *y,
+                                 size_t first, size_t count)
+{
+    pk_real most = 0;
+    for (size_t k = 0; k < count; k++)
+        most = pk_max(most, pk_abs(d[k]) / pk_tolerance(it, first + k, y[k], y[k]));
+    return most / MOST_OFF;
+}
+
+/* |d| / |h v|, of v at the step's two ends the larger, both in the metric of M = L D L^T. */
+static pk_real beside_way(const struct pk_integrator *it, const struct pk_projection *w)
+{
+    const pk_real h = it->next_t - it->t;
+    const pk_real *ends[2] = {it->v, pk_part(it->next, it->n, PK_V)};
+    pk_real longest = PK_TINY, back = 0;
+    for (size_t i = 0; i < w->h; i++)
+        back += w->mu[i] * w->phi[i];
+    for (int end = 0; end < 2; end++) {
+        pk_real way = 0;
+        for (size_t j = 0; j < w->m; j++) {
+            pk_real x = ends[end][j];
+            for (size_t i = j + 1; i < w->m; i++)
+                x += w->M[i * w->m + j] * ends[end][i];
+            way += w->M[j * w->m + j] * (h * x) * (h * x);
+        }
+        longest = pk_max(longest, way);
+    }
+    return PK_F(sqrt)(pk_abs(back) / longest);
+}
+
+/* Of a first correction: whether it is too long for the error of a step. */
+static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
+               const pk_real *y, size_t first, size_t count)
+{
+    if (!(ratio > NOTICED) || !(it->next_t > it->t || it->next_t < it->t))
+        return 0;
+    if (it->atol && it->method->stage_error) /* of those that advance() tries again */
+        return beside_tolerances(it, w->d, y, first, count) > 1;
+    return first == 0 && beside_way(it, w) > 1;
+}
+
+static enum pk_status positions(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
+                                pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
+{
+    pk_real before = 0;
+    for (int count = 0;; count++) {
+        size_t which;
+        pk_project_rows(w, q, v);
+        const pk_real ratio = pk_project_worst(w->phi, w->phi_size, w->h, &which);
+        const int done = judged(ratio, before, count);
+        w->depends[0] = 0;
+        if (done)
+            return done > 0 ? PK_DONE : failed(it, which, w->phi[which]);
+        const size_t singular = correction(w, w->phi, w->h);
+        if (singular)
+            return failed(it, singular - 1, w->phi[singular - 1]);
+        if (!count && off(it, w, ratio, q, 0, w->rotation))
+            return failed(it, which, w->phi[which]);
+        subtract(q, w->d, low_q, w->rotation);
+        turn_back(w, v + w->m, low_v ? low_v + w->m : NULL);
+        *moved = 1;
+        before = ratio;
+    }
+}
+
+/* J is there; it depends on no rates, so that one correction would do but for rounding. */
+static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
+                            pk_real *v, pk_real *low_v, int *moved)
+{
+    pk_real before = 0;
+    for (int count = 0;; count++) {
+        size_t which;
+        if (count)
+            w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
+        const pk_real ratio = pk_project_worst(w->rate, w->rate_size, w->c, &which);
+        const int done = judged(ratio, before, count);
+        w->depends[0] = 0;
+        if (done)
+            return done > 0 ? PK_DONE : failed(it, w->c + which, w->rate[which]);
+        const size_t singular = correction(w, w->rate, w->c);
+        if (singular)
+            return failed(it, w->c + singular - 1, w->rate[singular - 1]);
+        if (!count && off(it, w, ratio, v, it->n, w->m))
+            return failed(it, w->c + which, w->rate[which]);
+        subtract(v, w->d, low_v, w->m);
+        *moved = 1;
+        before = ratio;
+    }
+}
+
+enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
+                          pk_real *low_q, pk_real *low_v, int *moved)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    *moved = 0;
+    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4) {
+        const int turned = pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+        if (turned < 0)
+            return PK_NOT_FINITE;
+        *moved |= turned;
+    }
+    if (!w.c)
+        return PK_DONE;
+    w.t = t;
+    w.u = pk_eval_input(it, t);
+    const size_t singular = pk_project_inertia(&w, q, v);
+    if (singular)
+        return pk_eval_failed(it, t, q, v, (int)singular);
+    pk_project_terms(&w, q, v);
+    const enum pk_status status = positions(it, &w, q, v, low_q, low_v, moved);
+    return status < 0 ? status : rates(it, &w, q, v, low_v, moved);
+}
+
+enum pk_status pk_project_step(struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
+    int moved = 0;
+    if (!it->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
+        return PK_DONE;
+    const enum pk_status status =
+        pk_project(it, it->next_t, q, v, low_q, it->p ? NULL : low_v, &moved);
+    if (status < 0 || !moved || !it->p)
+        return status;
+    pk_eval_canonical(it, it->next_t, q, v, pk_part(it->next, n, PK_P), it->project + n);
+    memset(low_v, 0, n * sizeof *low_v);
+    return PK_DONE;
+}

@@ -1,0 +1,130 @@
+/* J, and J M^-1 J^T factored: what constraints do to accelerations, corrections and impulses. Where a row
+ * depends on those before it, by how much of each.
+ */
+#include <string.h>
+
+#include "project.h"
+
+static size_t lay_out(struct pk_projection *w, int all, pk_real *base)
+{
+    const size_t n = w->n, c = w->c;
+    const struct pk_slot slots[] = {{&w->d, 2 * n}, /* a correction; momenta and forces of a step */
+                                    {&w->M, n * n}, {&w->J, c * n},     {&w->W, c * n},
+                                    {&w->A, c * c}, {&w->phi, c},       {&w->rate, c},
+                                    {&w->phi_size, c}, {&w->rate_size, c}, {&w->mu, c},
+                                    {&w->depends, 1 + c}};
+    return c || all ? PK_LAY_OUT(base, slots) : pk_lay_out(base, slots, 1);
+}
+
+static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk_real *base, int all)
+{
+    const struct pk_system *system = problem->system;
+    struct pk_projection w = {.system = system, .params = problem->params, .n = n};
+    w.c = system->n_constraints;
+    w.h = system->n_holonomic;
+    w.rotation = n - system->n_states;
+    w.m = w.rotation + 3 * system->n_rotations;
+    lay_out(&w, all, base);
+    return w;
+}
+
+size_t pk_project_room(const struct pk_system *system, size_t n)
+{
+    struct pk_projection w = {.n = n, .c = system->n_constraints};
+    return lay_out(&w, 1, NULL);
+}
+
+size_t pk_project_size(const struct pk_system *system, size_t n)
+{
+    struct pk_projection w = {.n = n, .c = system->n_constraints};
+    return w.c || system->n_rotations ? lay_out(&w, 0, NULL) : 0;
+}
+
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *x)
+{
+    return parts(problem, n, x, 0);
+}
+
+struct pk_projection pk_project_layout(const struct pk_problem *problem, size_t n, pk_real *x)
+{
+    return parts(problem, n, x, 1);
+}
+
+size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
+{
+    const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
+    (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
+    for (size_t i = 1; i < w->m; i++) /* without the columns of quaternions and states */
+        memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
+    return pk_ldl_factor(w->M, w->m);
+}
+
+void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
+{
+    w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
+    if (w->h)
+        w->system->constraint(w->params, w->t, q, v, w->u, w->phi);
+}
+
+void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v)
+{
+    w->system->terms(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
+}
+
+void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
+{
+    pk_real *x = w->depends + 1;
+    w->depends[0] = (pk_real)(row + 1);
+    for (size_t i = 0; i < row; i++) {
+        x[i] = 0;
+        for (size_t k = 0; k < w->m; k++)
+            x[i] += w->J[row * w->n + k] * w->W[i * w->m + k];
+        for (size_t k = 0; k < i; k++)
+            x[i] -= w->A[i * c + k] * x[k];
+    }
+    for (size_t i = row; i-- > 0;) {
+        x[i] /= w->A[i * c + i];
+        for (size_t k = i + 1; k < row; k++)
+            x[i] -= w->A[k * c + i] * x[k];
+    }
+    for (size_t i = 0; i < row; i++)
+        x[i] *= PK_F(sqrt)(w->mu[i] / (w->mu[row] + PK_TINY));
+}
+
+size_t pk_project_factor(struct pk_projection *w, size_t rows)
+{
+    const size_t m = w->m, c = rows;
+    for (size_t i = 0; i < c; i++) {
+        memcpy(w->W + i * m, w->J + i * w->n, m * sizeof *w->W);
+        pk_ldl_solve(w->M, m, w->W + i * m);
+    }
+    for (size_t i = 0; i < c; i++)
+        for (size_t j = 0; j <= i; j++) {
+            pk_real sum = 0;
+            for (size_t k = 0; k < m; k++)
+                sum += w->J[i * w->n + k] * w->W[j * m + k];
+            w->A[i * c + j] = w->A[j * c + i] = sum;
+        }
+    for (size_t i = 0; i < c; i++)
+        w->mu[i] = w->A[i * c + i];
+    const size_t failed = pk_ldl_factor(w->A, c);
+    w->depends[0] = 0;
+    if (failed)
+        pk_project_explain(w, c, failed - 1);
+    return failed;
+}
+
+enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    w.t = it->detail;
+    w.u = it->u;
+    if (!pk_project_inertia(&w, q, v)) {
+        pk_project_rows(&w, q, v);
+        const size_t row = pk_project_factor(&w, w.c);
+        it->where = row ? row - 1 : it->where;
+        if (!row) /* found by the acceleration alone */
+            pk_project_explain(&w, w.c, it->where);
+    }
+    return PK_NO_PROJECTION;
+}

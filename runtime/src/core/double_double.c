@@ -1,0 +1,171 @@
+/* Matrices in twice the precision, and the exponential of one by scaling and squaring:
+ *
+ *     exp(X) = exp(X / 2^s)^(2^s),   exp of the small one by its Taylor series
+ *
+ * On exp - 1, so that what is small beside 1 keeps its digits: D becomes 2 D + D^2. Where the small
+ * one's norm is 1/2, few terms make the series as good as the pairs are, and Paterson's and
+ * Stockmeyer's scheme sums it in few products: the diagonal Pade approximants that are usual need a
+ * solve, whose pairs would be another piece of code.
+ *
+ * References: N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179; A. H. Al-Mohy, N. J. Higham,
+ * SIAM J. Matrix Anal. Appl. 31 (2009) 970; M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2
+ * (1973) 60.
+ */
+#include <string.h>
+
+#include "double_double.h"
+
+enum { POWERS = 4 }; /* of the small matrix, kept */
+
+void pk_pairs_settle(struct pk_pairs x, size_t count)
+{
+    PK_LANE_LOOP
+    for (size_t i = 0; i < count; i++)
+        x.hi[i] = pk_pair_sum(x.hi[i], x.lo[i], &x.lo[i]);
+}
+
+void pk_pairs_add(struct pk_pairs y, pk_real c, pk_real c_lo, struct pk_pairs x, size_t count)
+{
+    PK_LANE_LOOP
+    for (size_t i = 0; i < count; i++)
+        pk_pair_add(&y.hi[i], &y.lo[i], c, c_lo, x.hi[i], x.lo[i]);
+    pk_pairs_settle(y, count);
+}
+
+void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, size_t rows,
+                       size_t m)
+{
+    for (size_t i = 0; i < rows; i++) {
+        pk_real *restrict hi = Y.hi + i * m, *restrict lo = Y.lo + i * m;
+        memset(hi, 0, m * sizeof *hi);
+        memset(lo, 0, m * sizeof *lo);
+        for (size_t k = 0; k < m; k++) {
+            const pk_real a = X.hi[i * m + k], a_lo = X.lo[i * m + k];
+            const pk_real *restrict b = M.hi + k * m, *restrict b_lo = M.lo + k * m;
+            if (!(a > 0) && !(a < 0) && pk_finite(a))
+                continue; /* many are zero: neighbours alone are coupled in chains */
+            PK_LANE_LOOP
+            for (size_t j = 0; j < m; j++)
+                pk_pair_add(&hi[j], &lo[j], a, a_lo, b[j], b_lo[j]);
+        }
+    }
+    pk_pairs_settle(Y, rows * m);
+}
+
+static struct pk_pairs take(pk_real **room, size_t count)
+{
+    const struct pk_pairs x = {*room, *room + count};
+    *room += 2 * count;
+    return x;
+}
+
+static void copy(struct pk_pairs to, struct pk_pairs from, size_t count)
+{
+    memcpy(to.hi, from.hi, count * sizeof *to.hi);
+    memcpy(to.lo, from.lo, count * sizeof *to.lo);
+}
+
+static void clear(struct pk_pairs x, size_t count)
+{
+    memset(x.hi, 0, count * sizeof *x.hi);
+    memset(x.lo, 0, count * sizeof *x.lo);
+}
+
+/* 1/k! from 1/(k-1)! */
+static void divide(pk_real *c, pk_real *c_lo, int k)
+{
+    const pk_real d = (pk_real)k, hi = *c / d, back = hi * d;
+    const pk_real left = (*c - back) - PK_PAIR_REST(hi, d, back);
+    *c = pk_pair_sum(hi, (left + *c_lo) / d, c_lo);
+}
+
+/* How many halvings bring |h| norm to 1/2; then terms of the series at 1/2 down to the pairs'
+ * round-off, beside the first. */
+static int halvings(pk_real size)
+{
+    int s = 0;
+    for (; size > PK_C(0.5); size /= 2)
+        s++;
+    return s;
+}
+
+static int terms(void)
+{
+    int k = 1;
+    for (pk_real term = 1; term > PK_EPS * PK_EPS / 16; k++)
+        term /= (pk_real)(2 * (k + 1));
+    return k;
+}
+
+static pk_real halved(pk_real h, int s)
+{
+    while (s-- > 0)
+        h /= 2;
+    return h;
+}
+
+size_t pk_expm_room(size_t m) { return 2 * m * m * (POWERS + 1); }
+
+enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
+                       pk_real *room)
+{
+    const size_t mm = m * m;
+    struct pk_pairs X[POWERS], T;
+    pk_real c[64], c_lo[64]; /* 1/k!: of __float128's pairs some 50 */
+    if (!pk_finite(pk_abs(h) * norm))
+        return PK_NOT_FINITE;
+    const int s = halvings(pk_abs(h) * norm), last = (terms() + POWERS - 1) / POWERS * POWERS;
+    for (int k = 0; k < POWERS; k++)
+        X[k] = take(&room, mm);
+    T = take(&room, mm);
+    clear(X[0], mm);
+    pk_pairs_add(X[0], halved(h, s), 0, L, mm);
+    for (int k = 1; k < POWERS; k++)
+        pk_pairs_multiply(X[k], X[k - 1], X[0], m, m);
+    c[0] = 1, c_lo[0] = 0;
+    for (int k = 1; k <= last; k++) {
+        c[k] = c[k - 1], c_lo[k] = c_lo[k - 1];
+        divide(&c[k], &c_lo[k], k);
+    }
+    clear(D, mm);
+    for (int first = last - POWERS; first >= 0; first -= POWERS) {
+        if (first < last - POWERS) {
+            pk_pairs_multiply(T, D, X[POWERS - 1], m, m);
+            copy(D, T, mm);
+        }
+        for (int k = 0; k < POWERS; k++)
+            pk_pairs_add(D, c[first + k + 1], c_lo[first + k + 1], X[k], mm);
+    }
+    for (int k = 0; k < s; k++) {
+        pk_pairs_multiply(T, D, D, m, m);
+        pk_pairs_add(T, 2, 0, D, mm);
+        copy(D, T, mm);
+    }
+    return pk_all_finite(D.hi, mm) && pk_all_finite(D.lo, mm) ? PK_DONE : PK_NOT_FINITE;
+}
+
+enum pk_status pk_expm_row(struct pk_pairs x, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
+                           pk_real *room)
+{
+    struct pk_pairs term = take(&room, m), next = take(&room, m);
+    if (!pk_finite(pk_abs(h) * norm))
+        return PK_NOT_FINITE;
+    const int s = halvings(pk_abs(h) * norm), last = terms();
+    const pk_real piece = halved(h, s);
+    pk_real pieces = 1;
+    for (int k = 0; k < s; k++)
+        pieces *= 2;
+    for (; pieces > 0; pieces -= 1) {
+        copy(term, x, m);
+        for (int k = 1; k <= last; k++) {
+            pk_real c = 1, c_lo = 0;
+            divide(&c, &c_lo, k);
+            const pk_real part = c * piece, rest = PK_PAIR_REST(c, piece, part) + c_lo * piece;
+            pk_pairs_multiply(next, term, L, 1, m);
+            clear(term, m);
+            pk_pairs_add(term, part, rest, next, m);
+            pk_pairs_add(x, 1, 0, term, m);
+        }
+    }
+    return pk_all_finite(x.hi, m) ? PK_DONE : PK_NOT_FINITE;
+}

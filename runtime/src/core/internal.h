@@ -1,0 +1,126 @@
+/* What the core's files share beyond what steps need (pk/step/state.h): kernel calls that count
+ * and name their failures, small dense linear algebra. Not installed.
+ */
+#ifndef PK_INTERNAL_H
+#define PK_INTERNAL_H
+
+#include <pk/step/state.h>
+
+/* What a kernel is called with, of systems that are written here. */
+#define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
+#define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
+
+/* it->where of PK_BAD_ARGUMENT. */
+enum {
+    BAD_POINTER = 1,
+    BAD_SYSTEM,
+    BAD_STEP,
+    BAD_TOLERANCE,
+    BAD_STATE,
+    BAD_TIME,
+    BAD_DENSE,
+    BAD_ITERATION,
+    BAD_PARAMS,
+    BAD_SCALE
+};
+
+/* A status with what it is about. */
+static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status status, size_t where)
+{
+    it->where = where;
+    return it->status = status;
+}
+
+/* it->where of PK_NO_CONVERGENCE, and what it->detail is: the last correction of a fixed-point
+ * iteration; the longest step for which Newton's found the solution; the last correction of rates
+ * from momenta. */
+enum { PK_BY_FIXED_POINT, PK_BY_NEWTON, PK_OF_RATES };
+
+/* Memory laid out one part behind the other; without a base they are counted alone, so that a size
+ * is what its layout takes: the number of pk_real. */
+struct pk_slot {
+    pk_real **part;
+    size_t count;
+};
+size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
+#define PK_LAY_OUT(base, slots) pk_lay_out(base, slots, sizeof(slots) / sizeof *(slots))
+/* For a struct of pk_real and int. */
+#define PK_REALS_OF(type) ((sizeof(type) + sizeof(pk_real) - 1) / sizeof(pk_real))
+
+/* Checks before the first step; scratch holds pk_params_reals() numbers. */
+size_t pk_params_reals(const struct pk_system *system);
+enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
+enum pk_status pk_check_options(struct pk_integrator *it);
+/* Facts that a method needs and the system lacks; and where it lacks no more than smoothness across
+ * its switches, or rates jump there, whether their sides are not given. */
+unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method);
+int pk_sides_missing(const struct pk_integrator *it);
+/* A kernel that a method calls and the system was compiled without; NULL: there is none. */
+const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
+
+/* The time of a step towards `limit`, which is not it->t, before it is made: it->next_t and, where
+ * steps are fixed, it->h. And after. */
+enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
+void pk_step_made(struct pk_integrator *it, int fixed);
+
+/* Kernels through the integrator: inputs filled, calls counted, failures named. */
+enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                    const pk_real *v, pk_real *a);
+enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
+                              pk_real *a_t, pk_real *work); /* see pk/linear.h */
+void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                       pk_real *p, pk_real *pdot);
+
+/* Absolute tolerances, it->atol: numbers needed; at a start; after a step. Before each attempt at one
+ * pk_scale_attempt() (pk/step/state.h). */
+size_t pk_scale_size(const struct pk_method *method, size_t n);
+void pk_scale_start(struct pk_integrator *it);
+void pk_scale_step(struct pk_integrator *it);
+/* After an underflow: what has never moved, and is pushed within h, has what h makes of that for its
+ * scale. 1: there is such a coordinate. Else a push that sets in with a jump is never followed, for
+ * errors are all of the motion there. */
+int pk_scale_raise(struct pk_integrator *it, pk_real h);
+
+/* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at
+ * a start; whether a guard is zero there; after a trial step, which is still it->next; and after
+ * one that failed, whether a guard is its cause. */
+size_t pk_guard_size(size_t n_guards, size_t n);
+void pk_guard_start(struct pk_integrator *it);
+enum pk_status pk_guard_here(struct pk_integrator *it);
+enum pk_status pk_guard_step(struct pk_integrator *it);
+enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
+
+/* Forces that may be shorter than a step (marks.c): numbers needed; the limit of a trial step; whether
+ * it passes over too much, and is to be made again up to a nearer one; that it becomes the state. */
+size_t pk_marks_size(const struct pk_system *system, size_t n);
+pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit);
+int pk_marks_reject(struct pk_integrator *it);
+void pk_marks_accept(struct pk_integrator *it);
+/* The cubic of Hermite through q and v at the ends of a step of length h, and its derivative, at x of
+ * 0 .. 1. */
+void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
+                const pk_real *v1, pk_real x, pk_real *q, pk_real *v);
+
+/* Quadratures, which the block begins with: numbers needed; their start; those of a trial step,
+ * still it->next; that it becomes the state. */
+size_t pk_quadrature_size(const struct pk_system *system, size_t n);
+enum pk_status pk_quadrature_start(struct pk_integrator *it);
+enum pk_status pk_quadrature_step(struct pk_integrator *it);
+/* Whether the step is to be made again, shorter, for the quadratures' sake; it->h follows them. */
+int pk_quadrature_rejects(struct pk_integrator *it);
+void pk_quadrature_accept(struct pk_integrator *it);
+/* Those at the begin of the last step of `it` for `side`. */
+void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side);
+
+/* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
+int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
+void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
+/* A = L D L^T in place, A symmetric. 0, or 1 + i where pivot i is not positive, or so small
+ * beside A_ii that it is rounding (PK_PIVOT_MIN, as in generated accelerations). */
+size_t pk_ldl_factor(pk_real *A, size_t n);
+void pk_ldl_solve(const pk_real *A, size_t n, pk_real *x);
+/* A_kk, of what is factored. */
+pk_real pk_ldl_diagonal(const pk_real *A, size_t n, size_t k);
+
+#endif

@@ -1,0 +1,70 @@
+/* Constraints of a state: their residuals, the return to them (project.c), the check of a start and
+ * what failed in words (constraint.c).
+ */
+#ifndef PK_PROJECT_H
+#define PK_PROJECT_H
+
+#include "internal.h"
+
+/* n degrees of freedom, of which the first m have momenta: coordinates and body rates; c rows, of
+ * which h are of positions. */
+struct pk_projection {
+    const struct pk_system *system;
+    const void *params;
+    const pk_real *u;
+    pk_real t;
+    size_t n, m, c, h, rotation; /* rotation: where body rates begin */
+    pk_real *M;                  /* m by m, factored */
+    pk_real *J, *W, *A;          /* J; M^-1 of each row of it; J M^-1 J^T, factored */
+    pk_real *phi, *rate;         /* residuals of position and of the rates */
+    pk_real *phi_size;           /* of the terms that a residual is made of */
+    pk_real *rate_size;
+    pk_real *mu, *d;             /* multipliers; 2 n numbers: a correction, and what is behind it */
+    pk_real *depends;            /* 1 + the row that depends on earlier ones, or 0; by how much */
+};
+
+/* Whether there are rows of rates that are no rates of positions. */
+static inline int pk_rolls(const struct pk_system *system)
+{
+    return system->n_constraints > system->n_holonomic;
+}
+
+/* pk_real of room for a system of n degrees of freedom; 0 where there is nothing to project. */
+size_t pk_project_size(const struct pk_system *system, size_t n);
+/* The same room for any system, also without constraints. */
+size_t pk_project_room(const struct pk_system *system, size_t n);
+struct pk_projection pk_project_layout(const struct pk_problem *problem, size_t n, pk_real *room);
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
+/* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and
+ * the sizes of their terms, which rounding is to be measured by. */
+size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
+void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
+void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
+/* The largest residual beside its terms, or what is no number, and of which row it is. */
+pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
+/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. The
+ * multipliers mu are overwritten. */
+size_t pk_project_factor(struct pk_projection *w, size_t rows);
+/* w->depends: what combination x of the rows before it a row is, (J M^-1 J^T) x = J M^-1 row^T by the
+ * factors of the leading block, of rows c apart; each beside the sizes of both, which mu has squared. */
+void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
+
+/* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether
+ * anything changed. It takes the room it->project. PK_NOT_FINITE, what M is singular for, or
+ * PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with PK_OFF_CONSTRAINTS, of a
+ * start, 2 c + a rotation. */
+enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
+                          pk_real *low_q, pk_real *low_v, int *moved);
+/* The step in it->next, before it becomes the state. */
+enum pk_status pk_project_step(struct pk_integrator *it);
+/* The status of an acceleration that found the constraints dependent, it->where its row, at the time
+ * it->detail. */
+enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
+/* After an underflow: whether constraints all but depend on each other here, it->where on which row. */
+int pk_project_dependent(struct pk_integrator *it);
+/* The state where the integrator starts: refused where it breaks constraints, or they depend on each
+ * other; else moved onto them by what rounding left. */
+enum pk_status pk_project_start(struct pk_integrator *it);
+int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
+
+#endif

@@ -1,0 +1,50 @@
+/* The core's methods and families. */
+#ifndef PK_TABLEAU_H
+#define PK_TABLEAU_H
+
+#include <pk/step/tableau.h>
+
+/* An implicit Runge-Kutta method: nodes, weights, and mu_ij = a_ij / b_j, for q. For p the same, or
+ * the conjugate table mu^_ji = 1 - mu_ij: of each such pair only the larger counts, so that it holds
+ * exactly in floating point, and with it symplecticity. Gauss methods are their own conjugates. */
+struct pk_gauss {
+    int stages;
+    const pk_real *c, *b;
+    const pk_real *mu;
+    int conjugate;
+};
+
+extern const struct pk_gauss pk_radau5_table, pk_radau9_table;
+extern const struct pk_method pk_euler, pk_rk2, pk_rk3, pk_rk4, pk_dopri5, pk_dop853;
+extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4, pk_suzuki4;
+extern const struct pk_method pk_mclachlan4, pk_blanes_moan4, pk_yoshida6, pk_kahan_li6;
+extern const struct pk_method pk_blanes_moan6, pk_yoshida8, pk_kahan_li8;
+extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
+extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
+extern const struct pk_method pk_lobatto2, pk_lobatto3, pk_lobatto4, pk_radau5, pk_radau9;
+extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive, pk_radau_adaptive;
+extern const struct pk_method pk_exponential;
+extern const struct pk_method pk_lie_midpoint, pk_lie_midpoint4, pk_lie_midpoint6;
+extern const struct pk_method pk_rattle, pk_rattle4, pk_rattle6, pk_rkmk4, pk_rkmk8;
+/* Coordinates that it is for: of so many, its matrix takes seconds to make. */
+enum { PK_EXPONENTIAL_MOST = 256 };
+
+/* Kicks and drifts of a splitting method; NULL of any other. */
+const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+/* Stage i of an explicit Runge-Kutta step of h, whose slopes are k. */
+int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
+                      const pk_real *k, int i, struct pk_stage *stage, pk_real *room);
+/* Those of an explicit Runge-Kutta method, adaptive or not. */
+const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
+const struct pk_tableau *pk_erk_table(const struct pk_method *method);
+
+enum { PK_MOST_STAGES = 16 };
+/* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
+int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
+
+size_t pk_gauss_size(const struct pk_method *method, size_t n);
+enum pk_status pk_gauss_init(struct pk_integrator *it);
+enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit);
+int pk_gauss_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
+
+#endif

@@ -1,0 +1,181 @@
+/* Action and period; see pk/action.h. */
+#include <pk/action.h>
+
+#include "../core/internal.h"
+#include "well.h"
+
+enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
+#define SETTLED (32 * PK_EPSILON)  /* relative changes: of rounding, */
+#define NOISE (16384 * PK_EPSILON) /* of sums of many roundings, */
+#define PASSABLE PK_C(1e-6)        /* and of what is told with its error */
+#define LOST PK_C(1e-3)            /* relative error of T by rounding: a separatrix */
+
+/* The relative error of T by one of the energy, at an end: T depends on the logarithm of the force
+ * there, and a rounding moves the end by most epsilon/F. */
+static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
+{
+    const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = pk_well_force(w, q);
+    const pk_real slope = (pk_well_force(w, q + d) - pk_well_force(w, q - d)) / (2 * d);
+    return PK_EPSILON * w->most * pk_abs(slope) / (F * F);
+}
+
+/* One half of a libration, from its end at q inwards, with `nodes` in all. 0: h - W is not
+ * positive. */
+static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amplitude,
+                size_t nodes, pk_real *J, pk_real *T)
+{
+    pk_real U = 0, last = 0;
+    for (size_t j = 0; j < nodes / 2; j++) {
+        const pk_real s = ((pk_real)j + PK_C(0.5)) * (PK_PI / (pk_real)nodes);
+        const pk_real x = PK_F(sin)(s / 2), y = inwards * 2 * amplitude * x * x;
+        U += pk_well_work(w, q, last, y);
+        last = y;
+        const pk_real M = pk_well_mass(w, q + y), dq = amplitude * PK_F(sin)(s);
+        if (!(U > 0 && M > 0))
+            return 0;
+        *J += PK_F(sqrt)(2 * M * U) * dq;
+        *T += PK_F(sqrt)(M / (2 * U)) * dq;
+    }
+    return 1;
+}
+
+/* Once round from q, where h - W is U. */
+static int round_once(const struct pk_well *w, pk_real q, pk_real U, pk_real direction,
+                      size_t nodes, pk_real *J, pk_real *T)
+{
+    const pk_real dq = direction * (PK_TURN / (pk_real)nodes);
+    for (size_t j = 0; j < nodes; j++) {
+        const pk_real y = (pk_real)j * dq, M = pk_well_mass(w, q + y);
+        if (!(U > 0 && M > 0))
+            return 0;
+        *J += PK_F(sqrt)(2 * M * U) + direction * pk_well_linear(w, q + y);
+        *T += PK_F(sqrt)(M / (2 * U));
+        U += pk_well_work(w, q, y, y + dq);
+    }
+    return 1;
+}
+
+static pk_real change(pk_real x, pk_real y) { return pk_abs(x - y) / pk_abs(x); }
+
+static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_real U,
+                 pk_real direction)
+{
+    const int turns = a->orbit == PK_ORBIT_ROTATION;
+    const pk_real amplitude = (a->hi - a->lo) / 2, lost = a->error;
+    pk_real before = PK_INFINITY, now = PK_INFINITY;
+    for (size_t nodes = LEAST; nodes <= MOST; nodes *= 2) {
+        pk_real J = 0, T = 0;
+        const int whole = turns ? round_once(w, q, U, direction, nodes, &J, &T)
+                                : half(w, q + a->lo, 1, amplitude, nodes, &J, &T) &&
+                                      half(w, q + a->hi, -1, amplitude, nodes, &J, &T);
+        if (!whole) /* panels are too long yet */
+            continue;
+        J /= (pk_real)nodes;
+        T *= PK_TURN / (pk_real)nodes;
+        now = PK_F(fmax)(change(J, a->action), change(T, a->period));
+        a->action = J;
+        a->period = T;
+        a->nodes = nodes;
+        a->error = PK_F(fmax)(now, lost);
+        if (a->nodes > LEAST && (now <= SETTLED || (now <= NOISE && now > before / 2)))
+            break;
+        before = now;
+    }
+    if (!(now <= PASSABLE))
+        a->orbit = PK_ORBIT_UNSETTLED;
+}
+
+/* Its ends from the start, or that it turns. */
+static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q, pk_real U,
+                              pk_real direction)
+{
+    const pk_real F = pk_well_force(w, q);
+    struct pk_end ahead, behind = {0, 0, 1};
+    if (!(U > 0)) { /* at rest: the start is an end */
+        const pk_real d = 2 * PK_EPSILON * q;
+        if (!(pk_abs(F) > 2 * pk_abs(pk_well_force(w, q + d) - pk_well_force(w, q - d))))
+            return pk_finite(F) ? PK_ORBIT_EQUILIBRIUM : PK_ORBIT_UNBOUNDED;
+        direction = F > 0 ? 1 : -1;
+    }
+    ahead = pk_well_march(w, q, U, direction);
+    if (ahead.turns) {
+        a->error = PK_EPSILON * w->most / w->least; /* as doubt() */
+        return U > 0 && a->error <= LOST ? PK_ORBIT_ROTATION : PK_ORBIT_SEPARATRIX;
+    }
+    if (U > 0 && ahead.found)
+        behind = pk_well_march(w, q, U, -direction);
+    if (!ahead.found || !behind.found || behind.turns)
+        return PK_ORBIT_UNBOUNDED;
+    a->lo = direction > 0 ? behind.y : ahead.y;
+    a->hi = direction > 0 ? ahead.y : behind.y;
+    const pk_real amplitude = (a->hi - a->lo) / 2;
+    a->error = doubt(w, q + ahead.y, amplitude);
+    if (U > 0)
+        a->error = PK_F(fmax)(a->error, doubt(w, q + behind.y, amplitude));
+    return a->error <= LOST ? PK_ORBIT_LIBRATION : PK_ORBIT_SEPARATRIX;
+}
+
+/* Whether W itself is h at the ends and nowhere above it between, as its integrated force has it: a
+ * hump narrower than a panel hides from that. */
+static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_real q, pk_real h)
+{
+    const struct pk_system *s = w->system;
+    if (!s->energy || a->orbit != PK_ORBIT_LIBRATION)
+        return 1;
+    const pk_real rest = 0, shown = PK_F(sqrt)(PK_EPSILON) * w->most / 256;
+    for (int k = 0; k <= SAMPLES; k++) {
+        const pk_real x = q + a->lo + (a->hi - a->lo) * ((pk_real)k / SAMPLES);
+        const pk_real left = h - s->energy(w->params, w->t, &x, &rest, w->u);
+        const pk_real rounding = pk_abs(h) + pk_abs(x * pk_well_force(w, x));
+        const pk_real slack = shown + 256 * PK_EPSILON * rounding;
+        if (!(left >= -slack) || ((k == 0 || k == SAMPLES) && !(left <= slack)))
+            return 0;
+    }
+    return 1;
+}
+
+enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
+                              const pk_real *q, const pk_real *v, const pk_real *u)
+{
+    const struct pk_system *s = problem->system;
+    struct pk_well w = {s, problem->params, t, u, PK_INFINITY, 0, PK_INFINITY};
+    *found = (struct pk_action){PK_ORBIT_SEVERAL, 0, 0, 0, 0, 0, 0};
+    if (pk_system_count(s, problem->params) != 1)
+        return PK_REFUSED;
+    found->orbit = PK_ORBIT_NO_KERNELS;
+    if (!s->gradient || !s->mass || !s->canonical || s->impulses)
+        return PK_REFUSED;
+    found->orbit = PK_ORBIT_NOT_QUADRATIC;
+    if (!(s->facts & PK_QUADRATIC))
+        return PK_REFUSED;
+    const pk_real direction = *v < 0 ? -1 : 1;
+    w.most = pk_well_mass(&w, *q) * *v * *v / 2;
+    const pk_real U = w.most;
+    const pk_real h = s->energy ? s->energy(w.params, t, q, v, u) : 0;
+    int followed = 0;
+    for (int n = 0; n < TIMES && !followed; n++) {
+        w.most = U;
+        w.least = PK_INFINITY;
+        found->lo = found->hi = 0;
+        found->orbit = orbit_of(found, &w, *q, U, direction);
+        followed = is_followed(found, &w, *q, h);
+        w.longest = (found->hi - found->lo) / (n == 0 ? SAMPLES : 4 * SAMPLES);
+    }
+    if (!followed)
+        found->orbit = PK_ORBIT_UNSETTLED;
+    if (found->orbit == PK_ORBIT_LIBRATION || found->orbit == PK_ORBIT_ROTATION)
+        sums(found, &w, *q, U, direction);
+    found->lo += *q;
+    found->hi += *q;
+    return found->orbit <= PK_ORBIT_ROTATION ? PK_DONE : PK_REFUSED;
+}
+
+const char *pk_orbit_text(enum pk_orbit orbit)
+{
+    static const char *const text[] = {
+#define PK_ORBIT_TEXT(name, words) words,
+        PK_ORBITS(PK_ORBIT_TEXT)
+#undef PK_ORBIT_TEXT
+    };
+    return (unsigned)orbit < PK_ORBIT_COUNT ? text[orbit] : "?";
+}

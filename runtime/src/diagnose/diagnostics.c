@@ -1,0 +1,210 @@
+/* Drift of constants of the motion, online. The slope is by Welford's update of the means and
+ * co-moments, which does not cancel as the sums of t^2 and t x would. Reference: B. P. Welford,
+ * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242.
+ */
+#include <string.h>
+
+#include <pk/diagnostics.h>
+
+#include "../core/internal.h"
+
+#define PK_SQRT2 PK_C(1.41421356237309504880168872420969808)
+
+/* What the evaluation of X may err by, in units of PK_EPSILON S, and how much a rounding a sample
+ * moves it, as a random walk. */
+#define EVALUATION PK_C(16.0)
+#define WALK PK_C(2.0)
+
+void pk_drift_init(struct pk_drift *drift)
+{
+    memset(drift, 0, sizeof *drift);
+}
+
+void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale)
+{
+    if (drift->samples == 0) {
+        drift->first = x;
+        drift->start = t;
+    }
+    const pk_real d = x - drift->first, elapsed = pk_abs(t - drift->start);
+    if (!(drift->edge > 0))
+        drift->edge = elapsed;
+    for (; elapsed > drift->edge && drift->edge > 0; drift->edge *= PK_SQRT2)
+        drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
+    drift->samples++;
+    /* A value that is not a number must show, and go on to show: the first comparison lets it
+     * through, the second (false for a NaN that is held) keeps it. */
+    if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
+        drift->scale = pk_abs(scale);
+    if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
+        drift->max = pk_abs(d);
+    drift->final = d;
+
+    const pk_real count = (pk_real)drift->samples;
+    const pk_real dt = t - drift->mean_t;
+    drift->mean_t += dt / count;
+    drift->mean_x += (d - drift->mean_x) / count;
+    drift->var_t += dt * (t - drift->mean_t);
+    drift->cov += dt * (d - drift->mean_x);
+}
+
+void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x)
+{
+    pk_drift_update_scaled(drift, t, x, pk_abs(x));
+}
+
+static pk_real scaled(const struct pk_drift *drift, pk_real x)
+{
+    if (!(x > 0) && !(x < 0) && pk_finite(x))
+        return drift->scale - drift->scale; /* 0, where X is 0 all along; NaN without a scale */
+    return x / drift->scale + (drift->scale - drift->scale);
+}
+
+pk_real pk_drift_max(const struct pk_drift *drift) { return scaled(drift, drift->max); }
+pk_real pk_drift_final(const struct pk_drift *drift) { return scaled(drift, drift->final); }
+
+pk_real pk_drift_slope(const struct pk_drift *drift)
+{
+    return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
+}
+
+/* Slope of ln max over ln t by least squares; marks first .. last, the last one closed is n - 1. */
+static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
+{
+    const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
+    pk_real xx = 0, xy = 0;
+    for (unsigned long k = first; k <= last; k++) {
+        const pk_real x = (pk_real)(k - first) - middle;
+        xx += x * x;
+        xy += x * PK_F(log)(drift->marks[k % PK_DRIFT_MARKS]);
+    }
+    return count > 1 ? xy / xx / PK_F(log)(PK_SQRT2) : 0;
+}
+
+static enum pk_growth named(pk_real exponent)
+{
+    static const struct {
+        pk_real below;
+        enum pk_growth growth;
+    } table[] = {{PK_C(0.25), PK_GROWTH_BOUNDED},
+                 {PK_C(0.75), PK_GROWTH_RANDOM},
+                 {PK_C(1.5), PK_GROWTH_LINEAR},
+                 {PK_C(2.5), PK_GROWTH_QUADRATIC}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (exponent < table[i].below)
+            return table[i].growth;
+    return PK_GROWTH_FASTER;
+}
+
+enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread)
+{
+    const pk_real max = pk_drift_max(drift), level = PK_EPSILON * EVALUATION;
+    pk_real nowhere, e = 0, s = 0;
+    enum pk_growth growth;
+    const unsigned long n = drift->n_marks;
+    unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
+    /* Round-off shows no law: not while it was all there was, nor zeros, which have no logarithm. */
+    const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
+    const pk_real least = max > level + walk ? level * (drift->scale - drift->max) : 0;
+    while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > least))
+        first++;
+    if (!pk_finite(max)) {
+        e = s = max - max;
+        growth = PK_GROWTH_NO_NUMBER;
+    } else if (!(drift->scale > 0)) {
+        growth = PK_GROWTH_ZERO;
+    } else if (!(max > 0)) {
+        growth = PK_GROWTH_CONSTANT;
+    } else if (n < first + 7) {
+        growth = max <= level ? PK_GROWTH_ROUND_OFF : PK_GROWTH_SHORT;
+    } else {
+        e = exponent_of(drift, first, n - 1);
+        s = pk_abs(exponent_of(drift, (first + n - 1) / 2, n - 1) -
+                   exponent_of(drift, first, (first + n - 1) / 2));
+        growth = named(e);
+        if (max <= level + walk)
+            growth = PK_GROWTH_ROUND_OFF;
+    }
+    *(exponent ? exponent : &nowhere) = e;
+    *(spread ? spread : &nowhere) = s;
+    return growth;
+}
+
+const char *pk_growth_text(enum pk_growth growth)
+{
+    static const char *const text[] = {
+#define PK_GROWTH_TEXT(name, words) words,
+        PK_GROWTHS(PK_GROWTH_TEXT)
+#undef PK_GROWTH_TEXT
+    };
+    return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
+}
+
+/* Momenta are known to be constant where the system has flags that say which. */
+static size_t momenta_of(const struct pk_problem *problem)
+{
+    const struct pk_system *system = problem->system;
+    return system->cyclic && system->canonical ? pk_system_count(system, problem->params) : 0;
+}
+
+static size_t drift_reals(size_t count)
+{
+    return (count * sizeof(struct pk_drift) + sizeof(pk_real) - 1) / sizeof(pk_real);
+}
+
+size_t pk_monitor_size(const struct pk_problem *problem)
+{
+    const struct pk_system *system = problem->system;
+    const size_t n = pk_system_count(system, problem->params);
+    return (drift_reals(momenta_of(problem) + system->n_conserved) + 2 * n +
+            system->n_inputs + system->n_conserved) *
+           sizeof(pk_real);
+}
+
+enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_problem *problem,
+                               void *block, size_t block_size)
+{
+    const struct pk_system *system = problem->system;
+    const size_t n = momenta_of(problem);
+    if (!block || block_size < pk_monitor_size(problem) ||
+        (size_t)block % _Alignof(struct pk_drift))
+        return PK_BLOCK_TOO_SMALL;
+    memset(block, 0, pk_monitor_size(problem));
+    monitor->problem = *problem;
+    monitor->has_energy =
+        (system->facts & PK_CONSERVATIVE) && system->energy && system->canonical;
+    pk_drift_init(&monitor->energy);
+    monitor->momenta = (struct pk_drift *)block;
+    monitor->conserved = monitor->momenta + n;
+    monitor->work = (pk_real *)block + drift_reals(n + system->n_conserved);
+    return PK_DONE;
+}
+
+void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
+                       const pk_real *v)
+{
+    const struct pk_problem *problem = &monitor->problem;
+    const struct pk_system *system = problem->system;
+    const size_t n = pk_system_count(system, problem->params);
+    pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
+
+    if (system->n_inputs && problem->input)
+        problem->input(problem->context, t, u);
+    if (system->canonical)
+        system->canonical(problem->params, t, q, v, u, p, pdot);
+    if (monitor->has_energy) {
+        const pk_real h = system->energy(problem->params, t, q, v, u);
+        pk_real vp = 0;
+        for (size_t i = 0; i < pk_system_coordinates(system, problem->params); i++)
+            vp += v[i] * p[i];
+        pk_drift_update_scaled(&monitor->energy, t, h, pk_abs(vp) + pk_abs(vp - h));
+    }
+    for (size_t i = 0; i < n; i++)
+        if (momenta_of(problem) && system->cyclic[i])
+            pk_drift_update(&monitor->momenta[i], t, p[i]);
+    if (system->n_conserved && system->conserve) {
+        system->conserve(problem->params, t, q, v, u, c);
+        for (size_t i = 0; i < system->n_conserved; i++)
+            pk_drift_update(&monitor->conserved[i], t, c[i]);
+    }
+}

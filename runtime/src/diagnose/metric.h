@@ -1,0 +1,35 @@
+/* Small displacements without units. With M = C C^T at one state and a time tau of the motion
+ *
+ *     Q = C^T dq / sqrt(tau),   P = C^-1 dp sqrt(tau)
+ *
+ * are canonical and all of one unit, whatever those of the coordinates; tau is 1/omega, omega^2 the
+ * Frobenius norm of C^-1 (dr/dq) C^-T. The length of a displacement is |C^T dq/tau|, |C^T dv|, root
+ * of the sum of squares: a velocity times the root of a mass. Not installed.
+ */
+#ifndef PK_METRIC_H
+#define PK_METRIC_H
+
+#include <pk/variation.h>
+
+#include "../core/internal.h"
+
+struct pk_metric {
+    size_t n, seen; /* integrals of states, the last of q, have no length */
+    pk_real tau;
+    pk_real *L; /* M = L D L^T, both in one n by n array */
+};
+
+/* Numbers of L and of the work that the others take. */
+size_t pk_metric_reals(size_t n);
+/* At a state of the motion that `variation` is of; `otherwise` is tau where nothing oscillates. */
+enum pk_status pk_metric_init(struct pk_metric *metric, const struct pk_variation *variation,
+                              pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+                              pk_real otherwise, pk_real *memory);
+/* In place: dq from Q, dp from P, and back. */
+void pk_metric_dq(const struct pk_metric *metric, pk_real *x);
+void pk_metric_dp(const struct pk_metric *metric, pk_real *x);
+void pk_metric_Q(const struct pk_metric *metric, pk_real *x);
+void pk_metric_P(const struct pk_metric *metric, pk_real *x);
+pk_real pk_metric_length(const struct pk_metric *metric, const pk_real *dq, const pk_real *dv);
+
+#endif

@@ -1,0 +1,176 @@
+/* A well; see well.h. */
+#include "well.h"
+
+#include "../core/internal.h"
+#include "../core/root.h"
+
+enum { PANELS = 20000, PARTS = 8, PROBES = 16, PANELS_ROUND = 256 };
+#define FOLLOWED (1024 * PK_EPSILON) /* of the force in a panel, by its parts */
+
+pk_real pk_well_force(const struct pk_well *w, pk_real q)
+{
+    const pk_real rest = 0;
+    pk_real F;
+    w->system->gradient(w->params, w->t, &q, &rest, w->u, &F);
+    return F;
+}
+
+pk_real pk_well_mass(const struct pk_well *w, pk_real q)
+{
+    const pk_real rest = 0;
+    pk_real M;
+    w->system->mass(w->params, w->t, &q, &rest, w->u, &M);
+    return M;
+}
+
+pk_real pk_well_linear(const struct pk_well *w, pk_real q)
+{
+    const pk_real rest = 0;
+    pk_real b, pdot;
+    w->system->canonical(w->params, w->t, &q, &rest, w->u, &b, &pdot);
+    return b;
+}
+
+pk_real pk_well_work(const struct pk_well *w, pk_real q, pk_real a, pk_real b)
+{
+    static const pk_real x[3] = {PK_C(0.23861918608319690863050172168071193542),
+                                 PK_C(0.66120938646626451366139959501990534701),
+                                 PK_C(0.93246951420315202781230155449399460913)};
+    static const pk_real weight[3] = {PK_C(0.46791393457269104738987034398955099481),
+                                      PK_C(0.36076157304813860756983351383771611166),
+                                      PK_C(0.17132449237917034504029614217273289353)};
+    const pk_real half = (b - a) / 2, middle = a + half;
+    pk_real sum = 0;
+    for (int i = 0; i < 3; i++)
+        sum += weight[i] * (pk_well_force(w, q + (middle - half * x[i])) +
+                            pk_well_force(w, q + (middle + half * x[i])));
+    return half * sum;
+}
+
+/* A place on the way: from y on in a direction, where h - W is U. */
+struct place {
+    const struct pk_well *w;
+    pk_real q, y, U, direction;
+};
+
+static enum pk_status left_at(void *context, pk_real distance, pk_real *U)
+{
+    const struct place *p = (const struct place *)context;
+    *U = p->U + pk_well_work(p->w, p->q, p->y, p->y + p->direction * distance);
+    return PK_DONE;
+}
+
+static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
+{
+    const struct place *p = (const struct place *)context;
+    *slope = p->direction * pk_well_force(p->w, p->q + (p->y + p->direction * distance));
+    return PK_DONE;
+}
+
+/* How far on f has become 0, which has not there and has, or has passed it, at `far`; to the last
+ * digit, be `far` a million times as far: where the force nearly vanishes panels begin so long. */
+static pk_real root_of(struct place *p, pk_function f, pk_real far)
+{
+    for (pk_real before = PK_INFINITY; far < before / 2;) {
+        pk_real near = 0, at_near, at_far;
+        before = far;
+        f(p, near, &at_near);
+        f(p, far, &at_far);
+        pk_root(f, p, &near, at_near, &far, at_far, PK_EPSILON * before);
+    }
+    return far;
+}
+
+/* Whether h - W becomes 0 on the next `far`; and there how far it is. It may do so and be positive
+ * again, behind a low barrier: its smallest value is looked for where the force turns about. */
+static int crosses(struct place *p, pk_real far, pk_real at_far, pk_real *least, pk_real *distance)
+{
+    pk_real before, behind, U, to = far;
+    slope_at(p, 0, &before);
+    slope_at(p, far, &behind);
+    if (before < 0 && behind > 0) {
+        to = root_of(p, slope_at, far);
+        left_at(p, to, &U);
+        *least = PK_F(fmin)(*least, U);
+        if (U > 0)
+            to = far;
+        else
+            at_far = U;
+    }
+    if (at_far > 0)
+        return 0;
+    *distance = root_of(p, left_at, to);
+    return 1;
+}
+
+/* Whether M, F and b are those of an angle, and once round takes no work. Where nothing depends on
+ * q that cannot be known. */
+static int is_angle(const struct pk_well *w, pk_real q)
+{
+    pk_real off[3] = {0, 0, 0}, most[3] = {0, 0, 0}, M_lo = PK_INFINITY, round = 0;
+    for (int k = 0; k < PANELS_ROUND; k++)
+        round += pk_well_work(w, q, (pk_real)k * (PK_TURN / PANELS_ROUND),
+                              (pk_real)(k + 1) * (PK_TURN / PANELS_ROUND));
+    for (int k = 0; k < PROBES; k++) {
+        const pk_real x = q + (pk_real)k * PK_C(0.7310585786300049);
+        const pk_real X = x + PK_TURN;
+        const pk_real here[3] = {pk_well_force(w, x), pk_well_mass(w, x), pk_well_linear(w, x)};
+        const pk_real there[3] = {pk_well_force(w, X), pk_well_mass(w, X), pk_well_linear(w, X)};
+        for (int i = 0; i < 3; i++) {
+            off[i] = PK_F(fmax)(off[i], pk_abs(here[i] - there[i]));
+            most[i] = PK_F(fmax)(most[i], pk_abs(here[i]));
+        }
+        M_lo = PK_F(fmin)(M_lo, here[1]);
+    }
+    for (int i = 0; i < 3; i++)
+        if (!(off[i] <= PK_F(sqrt)(PK_EPSILON) * most[i]))
+            return 0;
+    if (!(pk_abs(round) <= PK_F(sqrt)(PK_EPSILON) * PK_TURN * most[0]))
+        return 0;
+    return most[0] > 0 || most[1] - M_lo > PK_F(sqrt)(PK_EPSILON) * most[1];
+}
+
+/* In panels as long as the force is followed in them. */
+struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real direction)
+{
+    struct pk_end end = {0, 0, 0};
+    const pk_real F = pk_abs(pk_well_force(w, q));
+    pk_real y = 0, d = U > 0 && F > 0 ? U / F : pk_abs(q) > 0 ? pk_abs(q) : 1;
+    for (int panel = 0; panel < PANELS && pk_finite(d); panel++) {
+        d = PK_F(fmin)(d, w->longest);
+        const pk_real step = direction * d / PARTS;
+        const pk_real whole = pk_well_work(w, q, y, y + direction * d);
+        pk_real at[PARTS + 1] = {U}, most = w->most;
+        for (int k = 0; k < PARTS; k++) {
+            const pk_real from = y + (pk_real)k * step, to = y + (pk_real)(k + 1) * step;
+            at[k + 1] = at[k] + pk_well_work(w, q, from, to);
+            most = PK_F(fmax)(most, at[k + 1]);
+        }
+        /* Not followed; or from rest so far that it has come back already. */
+        if (!(pk_abs(at[PARTS] - U - whole) <= FOLLOWED * most) || !(at[0] > 0 || at[1] > 0)) {
+            d /= 4;
+            if (!(pk_abs(y) + d / PARTS > pk_abs(y)))
+                return end;
+            continue;
+        }
+        for (int k = 0; k < PARTS; k++) {
+            struct place place = {w, q, y + (pk_real)k * step, at[k], direction};
+            pk_real distance;
+            if (crosses(&place, d / PARTS, at[k + 1], &w->least, &distance)) {
+                end.y = place.y + direction * distance;
+                end.found = 1;
+                return end;
+            }
+        }
+        w->most = most;
+        U = at[PARTS];
+        y += direction * d;
+        d *= 2;
+        if (pk_abs(y) >= PK_TURN && is_angle(w, q)) {
+            end.found = end.turns = 1;
+            return end;
+        }
+    }
+    return end;
+}
+

@@ -1,0 +1,45 @@
+/* What the two routes of an ensemble share: one member after the other (ensemble.c), and blocks of
+ * members in lanes (block.c).
+ */
+#ifndef PK_SRC_ENSEMBLE_H
+#define PK_SRC_ENSEMBLE_H
+
+#include <pk/ensemble.h>
+
+#include "../core/internal.h"
+
+/* The inputs of one member: the context of its problem. */
+struct pk_constant_input {
+    const pk_real *u;
+    size_t count;
+};
+
+struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member);
+int pk_ensemble_stopped(const struct pk_ensemble *e);
+static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
+
+/* A member in the block: its integrator's own memory follows. Members in lanes share one, unless
+ * the system has guards, which each integrator then watches for its lane. */
+struct pk_member {
+    struct pk_integrator it;
+    struct pk_constant_input input;
+};
+size_t pk_member_size(const struct pk_ensemble *e);
+/* How many of them a block has, for steps of W lanes; of 1, another makes steps aside. */
+size_t pk_member_count(const struct pk_ensemble *e, size_t W);
+/* Its integrator alone, and with what is known of the member before the first step. */
+enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, struct pk_member *m);
+enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
+/* The step that its lane has just made by the clock, to next[i * W] and so on, or failed with
+ * `status`: the reason by the guards, if they know one, or PK_DONE, and the member follows. */
+enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
+                              const pk_real *next, size_t W, enum pk_status status);
+
+/* Steps of blocks for any system, PK_LANES members each. */
+extern const struct pk_block_stepper pk_block_steppers[];
+/* Bytes of a block, behind those of its members. */
+size_t pk_block_size(const struct pk_ensemble *e, size_t n, size_t W);
+void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,
+                  size_t count, char *memory);
+
+#endif

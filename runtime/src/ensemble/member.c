@@ -1,0 +1,94 @@
+/* One member of an ensemble: where it starts, and the guards of one whose steps are made in a lane.
+ * Its integrator then makes no step: it is given those of the lane, and watches them as guard.c
+ * says, by the kernels for one state.
+ */
+#include <string.h>
+
+#include "ensemble.h"
+
+struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member)
+{
+    struct pk_problem problem = {.system = e->system};
+    problem.params = (const char *)e->params + member * e->system->params_size;
+    return problem;
+}
+
+int pk_ensemble_stopped(const struct pk_ensemble *e) { return e->stop && e->stop(e->context); }
+
+size_t pk_member_size(const struct pk_ensemble *e)
+{
+    const struct pk_problem problem = pk_ensemble_problem(e, 0);
+    return pk_ensemble_padded(sizeof(struct pk_member)) +
+           pk_ensemble_padded(pk_integrator_size(&problem, e->method));
+}
+
+size_t pk_member_count(const struct pk_ensemble *e, size_t W)
+{
+    return W == 1 ? 2 : e->system->n_guards ? W : 1;
+}
+
+static void constant_input(void *context, pk_real t, pk_real *u)
+{
+    const struct pk_constant_input *input = (const struct pk_constant_input *)context;
+    (void)t;
+    memcpy(u, input->u, input->count * sizeof *u);
+}
+
+enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m)
+{
+    e->done[member] = 0;
+    e->last_t[member] = e->t0;
+    return pk_member_integrator(e, member, m);
+}
+
+enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, struct pk_member *m)
+{
+    struct pk_problem problem = pk_ensemble_problem(e, member);
+    const struct pk_problem first = pk_ensemble_problem(e, 0);
+    const size_t n = pk_system_count(e->system, first.params);
+    memset(m, 0, sizeof *m);
+    if (pk_system_count(e->system, problem.params) != n)
+        return PK_BAD_ARGUMENT;
+    if (e->u) {
+        m->input.count = e->system->n_inputs;
+        m->input.u = e->u + member * m->input.count;
+        problem.input = constant_input;
+        problem.context = &m->input;
+    }
+    const enum pk_status status =
+        pk_integrator_init(&m->it, &problem, e->method, &e->options, e->t0, e->q0 + member * n,
+                           e->v0 + member * n, (char *)m + pk_ensemble_padded(sizeof *m),
+                           pk_integrator_size(&problem, e->method));
+    return status >= 0 && e->z0 && m->it.z
+               ? pk_integrator_set_quadratures(&m->it, e->z0 + member * e->system->n_quadratures)
+               : status;
+}
+
+enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
+                              const pk_real *next, size_t W, enum pk_status status)
+{
+    struct pk_integrator *it = &m->it;
+    const size_t n = it->n;
+    const enum pk_status here = pk_guard_here(it);
+    if (here < 0)
+        return here;
+    it->h = clock->h;
+    it->next_t = clock->next_t;
+    it->direction = clock->direction;
+    if (status < 0)
+        return pk_guard_cause(it, status, 1);
+    for (size_t i = 0; i < n; i++) {
+        pk_part(it->next, n, PK_Q)[i] = next[i * W];
+        pk_part(it->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
+    }
+    status = pk_guard_step(it);
+    if (status < 0)
+        return status;
+    pk_real *left_behind = it->state;
+    it->state = it->next;
+    it->next = left_behind;
+    it->q = pk_part(it->state, n, PK_Q);
+    it->v = pk_part(it->state, n, PK_V);
+    it->t = it->next_t;
+    return PK_DONE;
+}

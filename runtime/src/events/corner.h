@@ -1,0 +1,38 @@
+/* The corner condition at a switch, solved for the rates behind it: corner.c. */
+#ifndef PK_CORNER_H
+#define PK_CORNER_H
+
+#include "events.h"
+#include "../core/project.h"
+
+#define PK_CORNER_ALONG (PK_C(1024.0) * PK_EPS) /* of s_q: so little is left of it beside the rows, or none */
+#define PK_CORNER_WHOLE PK_F(sqrt)(PK_EPS)      /* what a position or a row is off by more by has jumped */
+
+struct corner {
+    struct pk_events *e;
+    struct pk_integrator *it;
+    struct pk_projection w;
+    const pk_real *q, *slope; /* s_q */
+    pk_real slope_t, h0;
+    pk_real *p0, *p, *v, *start, *along, *lambda, *by; /* along = dv/dalpha, by = dLambda/dalpha */
+    pk_real *slopes, *J, *phi, *before, *sides, *first;
+};
+
+struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it);
+void pk_corner_momenta(struct corner *x, const pk_real *v);
+pk_real pk_corner_energy(const struct corner *x, const pk_real *v);
+void pk_corner_rows(struct corner *x, const pk_real *v);
+pk_real pk_corner_speed(const struct corner *x);
+
+/* To the zero of E where s' has a direction: 1, or 0 where there is none; -1: no rates are found. */
+int pk_corner_leave(struct corner *x, pk_real direction, int free);
+
+static inline pk_real pk_corner_dot(const pk_real *a, const pk_real *b, size_t count)
+{
+    pk_real sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+#endif

@@ -1,0 +1,287 @@
+/* Where an event's function crosses zero within a window of a step. The polynomial through samples of
+ * the interpolant only proposes times; nodes are times with true values, by the method itself, and
+ * between two of opposite signs the root is found (root.c). Where the polynomial dips towards zero,
+ * true values follow it down, so that two crossings side by side are seen too.
+ */
+#include <string.h>
+
+#include "events.h"
+#include "../core/root.h"
+
+enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, TURNS = 24, PIECES = 3 };
+#define MARGIN PK_C(0.03125) /* of what g varies by: what an interpolant may be off by */
+#define PI PK_C(3.14159265358979323846264338327950288)
+
+/* That, and what the polynomial lacks of a kink. */
+static pk_real near_zero(const struct pk_shape *shape)
+{
+    return MARGIN * shape->range + (pk_real)shape->order / 2 * shape->tail;
+}
+
+/* One event's function along the window, x from where the step began. */
+struct along {
+    struct pk_events *e;
+    struct pk_integrator *it;
+    const struct pk_shape *shape;
+    size_t k;
+    pk_real x[MOST_NODES], g[MOST_NODES]; /* true values, in order */
+    int count;
+};
+
+/* The polynomial at an angle, 0 where the window begins and pi where it ends; its slope but for a
+ * factor. */
+struct point {
+    pk_real x, g, slope;
+};
+
+static enum pk_status truth(void *context, pk_real x, pk_real *y)
+{
+    struct along *a = (struct along *)context;
+    struct pk_events *e = a->e;
+    pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    const pk_real t = pk_events_time(e, a->it, x);
+    if (!(x < pk_abs(a->it->t - e->from))) {
+        *y = pk_events_end(e, 1)[a->k];
+        return PK_DONE;
+    }
+    if (pk_events_reach(e, a->it, t) < 0)
+        return a->it->status;
+    pk_events_functions(e, a->it, t, e->trial, e->trial + e->n, g);
+    *y = g[a->k];
+    return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
+}
+
+static int opposite(pk_real a, pk_real b) { return !((a > 0 && b > 0) || (a < 0 && b < 0)); }
+
+static void append(struct along *a, pk_real x, pk_real g)
+{
+    if (a->count == MOST_NODES)
+        return;
+    a->x[a->count] = x;
+    a->g[a->count++] = g;
+}
+
+/* The true value at x, unless it is there already. */
+static enum pk_status settle(struct along *a, pk_real x)
+{
+    pk_real g;
+    if (!(x > a->x[a->count - 1]))
+        return PK_DONE;
+    if (truth(a, x, &g) < 0)
+        return a->it->status;
+    append(a, x, g);
+    return PK_DONE;
+}
+
+static struct point at_angle(const struct along *a, pk_real angle)
+{
+    const pk_real c = PK_F(cos)(angle);
+    struct point found = {a->e->at + a->e->width * (1 - c) / 2, a->shape->c[0], 0};
+    pk_real T = c, T_before = 1, U = 1, U_before = 0; /* of Chebyshev's first and second kind */
+    for (int i = 1; i <= a->shape->order; i++) {
+        const pk_real next_T = 2 * c * T - T_before, next_U = 2 * c * U - U_before;
+        found.g += a->shape->c[i] * T;
+        found.slope -= (pk_real)i * a->shape->c[i] * U;
+        T_before = T, T = next_T;
+        U_before = U, U = next_U;
+    }
+    return found;
+}
+
+/* Where the parabola through three points has its vertex. */
+static pk_real vertex(const pk_real *x, const pk_real *g)
+{
+    const pk_real l = x[1] - x[0], r = x[2] - x[1], below = (g[1] - g[0]) / l;
+    const pk_real above = (g[2] - g[1]) / r, bend = (above - below) / (l + r);
+    return (x[0] + x[1]) / 2 - below / (2 * bend);
+}
+
+/* Whether a convex function through three points, the least in the middle, may be zero: not where the
+ * chords, drawn on, stay away from it. */
+static int may_cross(const pk_real *x, const pk_real *g)
+{
+    const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? PK_C(1.0) : PK_C(-1.0);
+    return sign * g[1] <= sign * (g[2] - g[1]) * (l / r) || sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
+}
+
+/* True values down a dip that has its least value near `at`, until one has crossed: by parabolas, and
+ * since it may be a kink by sections of the longer side too. */
+static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
+{
+    pk_real x[3] = {left, at, right}, g[3];
+    if (settle(a, left) < 0)
+        return a->it->status;
+    x[0] = a->x[a->count - 1];
+    g[0] = a->g[a->count - 1];
+    if (!(at > x[0]) || !(right > at))
+        return PK_DONE;
+    if (truth(a, at, &g[1]) < 0 || truth(a, right, &g[2]) < 0)
+        return a->it->status;
+    for (int l = 0; l < REFINEMENTS && !opposite(g[0], g[1]) && may_cross(x, g); l++) {
+        const pk_real longer = x[2] - x[1] > x[1] - x[0] ? x[2] : x[0];
+        pk_real next = l % 3 < 2 ? vertex(x, g) : x[1] + (longer - x[1]) * PK_C(0.382), y;
+        if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
+            next = x[1] + (longer - x[1]) * PK_C(0.382);
+        if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
+            break;
+        if (truth(a, next, &y) < 0)
+            return a->it->status;
+        const int outer = next < x[1] ? 2 : 0; /* the end that the new point replaces */
+        if (opposite(y, g[1]) || pk_abs(y) < pk_abs(g[1])) {
+            x[outer] = x[1];
+            g[outer] = g[1];
+            x[1] = next;
+            g[1] = y;
+        } else {
+            x[2 - outer] = next;
+            g[2 - outer] = y;
+        }
+    }
+    if (!opposite(g[0], g[1]))
+        return PK_DONE;
+    if (x[1] > a->x[a->count - 1])
+        append(a, x[1], g[1]);
+    return settle(a, right);
+}
+
+/* The angle between two, at which the slope changes its sign, where the polynomial has it. */
+static struct point turn(const struct along *a, pk_real from, pk_real to, pk_real sign)
+{
+    struct point found = at_angle(a, from + (to - from) / 2);
+    pk_real low = sign * at_angle(a, from).slope, high = sign * at_angle(a, to).slope;
+    for (int l = 0; l < TURNS; l++) {
+        const pk_real chord = from + (to - from) * low / (low - high);
+        const pk_real angle = l % 3 == 2 ? from + (to - from) / 2 : chord;
+        if (!(angle > from && angle < to))
+            break;
+        found = at_angle(a, angle);
+        if (sign * found.slope < 0)
+            from = angle, low = sign * found.slope;
+        else
+            to = angle, high = sign * found.slope;
+    }
+    return found;
+}
+
+/* What may cross in a piece, from one point of the polynomial to the next. */
+static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct point l,
+                            struct point r, pk_real bow)
+{
+    const pk_real sign = l.g > 0 ? PK_C(1.0) : PK_C(-1.0), margin = near_zero(a->shape);
+    if (opposite(l.g, r.g))
+        return settle(a, l.x) < 0 ? a->it->status : settle(a, r.x);
+    if (pk_min(sign * l.g, sign * r.g) > bow + margin || sign * l.slope >= 0 || sign * r.slope <= 0)
+        return PK_DONE;
+    const struct point least = turn(a, from, to, sign);
+    if (!(sign * least.g < margin))
+        return PK_DONE;
+    /* A kink is beside where the polynomial has it. */
+    const struct point before = at_angle(a, pk_max(2 * from - to, 0));
+    const struct point behind = at_angle(a, pk_min(2 * to - from, PI));
+    return descend(a, sign * before.g > sign * l.g ? before.x : l.x, least.x,
+                   sign * behind.g > sign * r.g ? behind.x : r.x);
+}
+
+/* Between samples j and j + 1 of the polynomial. */
+static enum pk_status interval(struct along *a, int j)
+{
+    const int N = a->shape->order, stride = PK_MOST_SAMPLES / N;
+    const pk_real step = PI / (pk_real)N, from = step * (pk_real)j;
+    const pk_real left = pk_events_sample(a->e, j * stride)[a->k];
+    const pk_real right = pk_events_sample(a->e, (j + 1) * stride)[a->k];
+    const pk_real near = pk_min(pk_abs(left), pk_abs(right));
+    pk_real bow = 0; /* from the chord, at most, by the second derivative */
+    for (int i = 1; i <= N; i++)
+        bow += (pk_real)(i * i) * pk_abs(a->shape->c[i]);
+    bow *= step * step / 8;
+    if (!opposite(left, right) && near > bow + near_zero(a->shape))
+        return PK_DONE;
+    struct point l = at_angle(a, from);
+    l.g = left;
+    l.x = pk_events_node(a->e, j * stride);
+    for (int i = 0; i < PIECES; i++) {
+        const pk_real start = from + step * (pk_real)i / PIECES;
+        const pk_real end = from + step * (pk_real)(i + 1) / PIECES;
+        struct point r = at_angle(a, end);
+        if (i + 1 == PIECES) {
+            r.g = right;
+            r.x = pk_events_node(a->e, (j + 1) * stride);
+        }
+        if (piece(a, start, end, l, r, bow / (PIECES * PIECES)) < 0)
+            return a->it->status;
+        l = r;
+    }
+    return PK_DONE;
+}
+
+/* True values at as many times as show each crossing between two of them. */
+static enum pk_status nodes(struct along *a)
+{
+    const struct pk_events *e = a->e;
+    const struct pk_shape *shape = a->shape;
+    const int stride = PK_MOST_SAMPLES / shape->order;
+    const pk_real end = e->at + e->width, h = pk_abs(a->it->t - e->from);
+    const pk_real last = pk_events_sample(e, PK_MOST_SAMPLES)[a->k];
+    a->count = 0;
+    append(a, shape->last_x, shape->last_g);
+    for (int j = 0; shape->crosses && j < shape->order; j++) {
+        const pk_real left = pk_events_sample(e, j * stride)[a->k];
+        const pk_real right = pk_events_sample(e, (j + 1) * stride)[a->k];
+        if (!pk_finite(left) || !pk_finite(right))
+            continue; /* the interpolant is outside of where g has values */
+        if (shape->clear && interval(a, j) < 0)
+            return a->it->status;
+        if (!shape->clear && opposite(left, right) &&
+            (settle(a, pk_events_node(e, j * stride)) < 0 ||
+             settle(a, pk_events_node(e, (j + 1) * stride)) < 0))
+            return a->it->status;
+    }
+    if (!(end < h) || (pk_finite(last) && (opposite(last, a->g[a->count - 1]) ||
+                                           pk_abs(last) <= MARGIN * shape->range))) {
+        if (settle(a, end) < 0)
+            return a->it->status;
+        if (end < h && a->count > 1 && !(a->g[a->count - 1] > 0 || a->g[a->count - 1] < 0))
+            a->count--; /* what it does behind is seen in the next window */
+    }
+    return PK_DONE;
+}
+
+/* Puts a crossing into the list, behind those that are met before it. */
+static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
+{
+    const struct pk_event *events = a->it->problem.system->events;
+    const int asked = a->k < e->n_events ? events[a->k].direction : 0;
+    size_t at = PK_EVENT_ENTRY * e->listed++;
+    if (asked && asked != direction) {
+        e->listed--;
+        return;
+    }
+    for (; at > 0 && e->list[at - PK_EVENT_ENTRY] > x; at -= PK_EVENT_ENTRY)
+        memcpy(e->list + at, e->list + at - PK_EVENT_ENTRY, PK_EVENT_ENTRY * sizeof *e->list);
+    e->list[at] = x;
+    e->list[at + 1] = (pk_real)a->k;
+    e->list[at + 2] = (pk_real)direction;
+}
+
+enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k)
+{
+    struct along a = {.e = e, .it = it, .k = k, .shape = &e->shapes[k]};
+    const pk_real width = pk_events_width(e, it);
+    if (nodes(&a) < 0)
+        return it->status;
+    for (int j = 1; j < a.count; j++) {
+        pk_real lo = a.x[j - 1], hi = a.x[j];
+        const pk_real before = a.g[j - 1], after = a.g[j];
+        if (!(before > 0 || before < 0) || !opposite(before, after))
+            continue; /* from zero nothing crosses it */
+        if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
+            continue; /* a touch */
+        if ((after > 0 || after < 0) &&
+            pk_root(truth, &a, &lo, before, &hi, after, width) < 0)
+            return it->status;
+        enlist(e, &a, hi, before < 0 ? it->direction : -it->direction);
+    }
+    e->shapes[k].last_x = a.x[a.count - 1];
+    e->shapes[k].last_g = a.g[a.count - 1];
+    return PK_DONE;
+}

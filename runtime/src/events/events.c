@@ -1,0 +1,181 @@
+/* Events: crossings of zero within a step, located by the method itself; see pk/events.h.
+ *
+ * The functions of the events are looked at on an interpolant of the step, which costs no step, or
+ * where a step is too long for it at states by shorter ones (events_look.c). It only proposes times: what is
+ * believed is g at states that a second integrator, the scout, reaches from where the step began.
+ * Between two such times with opposite signs lies a crossing.
+ *
+ * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
+ * Comput. Math. Appl. 39 (2000) 43.
+ */
+#include <string.h>
+
+#include "events.h"
+
+enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
+
+static size_t shapes(size_t count)
+{
+    return (count * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real);
+}
+
+static size_t reals(const struct pk_problem *problem)
+{
+    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t switches = problem->system->n_switches, m = problem->system->n_events + switches;
+    return 6 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + m +
+           shapes(m) + m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
+           (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
+}
+
+size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method)
+{
+    const size_t scout = pk_integrator_size(problem, method);
+    return scout ? scout + reals(problem) * sizeof(pk_real) : 0;
+}
+
+enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it,
+                              void *block, size_t block_size)
+{
+    memset(events, 0, sizeof *events);
+    if (!it || !it->ready || !block)
+        return it && it->status < 0 ? it->status : PK_BAD_ARGUMENT;
+    struct pk_problem own = it->problem;
+    const struct pk_problem *problem = &own;
+    if (block_size < pk_events_size(problem, it->method) || (size_t)block % _Alignof(pk_real))
+        return PK_BLOCK_TOO_SMALL;
+    struct pk_options options = it->options;
+    options.h_min = 0; /* a step to a crossing may be as short as it is near */
+    options.max_steps = 0;
+    events->n = it->n;
+    events->n_events = problem->system->n_events;
+    events->n_switches = problem->system->n_switches;
+    if (pk_events_count(events) == 0)
+        return PK_DONE;
+    const size_t scout = pk_integrator_size(problem, it->method);
+    events->proposes = (it->method->traits & PK_DENSE) != 0;
+    events->dense = events->proposes && it->method->dense_order >= it->method->order;
+    events->shapes = (struct pk_shape *)(void *)((pk_real *)block + scout / sizeof(pk_real));
+    events->q0 = (pk_real *)(void *)events->shapes + shapes(pk_events_count(events));
+    events->v0 = events->q0 + it->n;
+    events->bend = events->v0 + it->n;
+    events->trial = events->bend + 2 * it->n;
+    events->u = events->trial + 2 * it->n;
+    events->g = events->u + problem->system->n_inputs;
+    events->ends = events->g + pk_events_count(events) * (size_t)(PK_MOST_SAMPLES + 2);
+    events->list = events->ends + 2 * pk_events_count(events);
+    events->z0 = events->list + pk_events_count(events) * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
+    events->held = events->z0 + 2 * problem->system->n_quadratures;
+    events->fresh = events->held + events->n_events;
+    memset(events->shapes, 0, reals(problem) * sizeof(pk_real));
+    if (events->n_switches) {
+        events->params = events->fresh + events->n_switches;
+        events->sides = (pk_real *)(void *)((char *)events->params + problem->system->sides);
+        memcpy(events->params, own.params, problem->system->params_size);
+        events->room = (pk_real *)events->params + pk_params_reals(problem->system);
+        own.params = events->params;
+    }
+    return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,
+                              block, scout);
+}
+
+void pk_events_free(struct pk_events *events) { pk_integrator_free(&events->scout); }
+
+static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it, int end,
+                             const pk_real *q, const pk_real *v)
+{
+    pk_real *g = pk_events_end(e, end);
+    pk_events_functions(e, it, it->t, q, v, g);
+    for (size_t k = 0; k < pk_events_count(e); k++)
+        if (!pk_finite(g[k]))
+            return pk_events_not_finite(it, k);
+    for (size_t k = 0; k < e->n_events && !end && e->kept; k++)
+        if (g[k] * e->held[k] < 0 && pk_abs(g[k]) <= pk_abs(e->held[k]))
+            g[k] = e->held[k] > 0 ? PK_TINY : -PK_TINY;
+    return PK_DONE;
+}
+
+static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    it->event = 0;
+    if (it->method->resolved && it->options.h > it->method->resolved(it)) {
+        it->detail = it->method->resolved(it);
+        return it->status = PK_REFUSED;
+    }
+    e->from = it->t;
+    e->listed = 0;
+    e->scout.options.h = it->options.h;
+    memcpy(e->q0, it->q, e->n * sizeof *e->q0);
+    memcpy(e->v0, it->v, e->n * sizeof *e->v0);
+    if (it->z)
+        memcpy(e->z0, it->z, it->problem.system->n_quadratures * sizeof *e->z0);
+    if (at_end(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
+        return it->status;
+    if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
+        return it->status;
+    return at_end(e, it, 1, it->q, it->v) < 0 ? it->status : pk_events_look(e, it);
+}
+
+/* With the sides on which it goes. */
+static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    enum pk_status status = pk_switches_settle(e, it);
+    do {
+        e->again = 0;
+        if (status >= 0)
+            status = try_step(e, it, limit);
+    } while (e->again && status >= 0);
+    return status;
+}
+
+/* A step that a singularity ends has no end to look at, and events may come before it. So the
+ * motion is followed up to there, each step half of what is left. */
+static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
+{
+    const enum pk_status ended = it->status;
+    const pk_real detail = it->detail;
+    const size_t where = it->where;
+    if (!pk_finite(detail) || !((pk_real)it->direction * (detail - e->from) > 0) ||
+        pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
+        it->ready = 0;
+        return it->status = ended;
+    }
+    if (it->z)
+        pk_integrator_set_quadratures(it, e->z0);
+    for (int count = 0; count < HALVINGS; count++) {
+        const enum pk_status status = one_step(e, it, it->t + (detail - it->t) / 2);
+        if (status == PK_STOPPED_EVENT)
+            return status;
+        if (status != PK_DONE)
+            break;
+    }
+    it->ready = 0;
+    it->event = 0;
+    it->where = where;
+    it->detail = detail;
+    return it->status = ended;
+}
+
+enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
+{
+    const void *const given = it->problem.params;
+    if (pk_events_count(e) == 0 || !it->ready)
+        return pk_integrator_step(it, limit);
+    pk_switches_enter(e, it);
+    enum pk_status status = one_step(e, it, limit);
+    if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
+        status = towards_end(e, it);
+    pk_switches_leave(e, it);
+    it->problem.params = given;
+    return status;
+}
+
+enum pk_status pk_events_to(struct pk_events *e, struct pk_integrator *it, pk_real t_end)
+{
+    do {
+        const enum pk_status status = pk_events_step(e, it, t_end);
+        if (status != PK_DONE)
+            return status;
+    } while (it->t < t_end || it->t > t_end);
+    return PK_DONE;
+}

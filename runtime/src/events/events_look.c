@@ -1,0 +1,208 @@
+/* The functions of events over a step, window by window. In each they are looked at in the 9 or 17
+ * points of Chebyshev and Lobatto on an interpolant, which costs no step, or where that is worthless at
+ * states by shorter steps. The polynomials through them show by their last coefficients whether they
+ * are the functions: where one is not, the window is halved. See events.c.
+ *
+ * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters 3
+ * and 8.
+ */
+#include <string.h>
+
+#include "events.h"
+
+enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
+enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* windows of a step; where g has no value */
+enum { NOISE = 8 }; /* that many of the narrowest windows in a row do not show g: none will */
+
+/* Quintic of Hermite through q, v and accelerations at the ends, and its derivative. */
+static void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
+{
+    const pk_real h = it->t - e->from, y = 1 - x;
+    const pk_real *bend0 = e->bend, *bend1 = bend0 + e->n;
+    pk_hermite(e->n, h, e->q0, e->v0, it->q, it->v, x, e->trial, e->trial + e->n);
+    for (size_t i = 0; i < e->n; i++) {
+        const pk_real bend = (bend0[i] * y + bend1[i] * x) / 2;
+        e->trial[i] += x * x * y * y * bend;
+        e->trial[e->n + i] += (2 * x * y * (y - x) * bend +
+                               x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
+    }
+}
+
+/* How much else the motion bends at the ends than the cubic does, h^2 of the second derivative; whether
+ * by so much that half-way it may be off by 1/32 of the rise. */
+static int is_worthless(struct pk_events *e, const struct pk_integrator *it)
+{
+    const pk_real h = it->t - e->from;
+    int worthless = 0;
+    memset(e->bend, 0, 2 * e->n * sizeof *e->bend);
+    for (int end = 0; end < 2; end++) {
+        const pk_real *q = end ? it->q : e->q0, *v = end ? it->v : e->v0;
+        pk_real *bends = e->bend + (end ? e->n : 0);
+        if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, e->trial) < 0) {
+            memset(e->bend, 0, 2 * e->n * sizeof *e->bend);
+            return 0;
+        }
+        for (size_t i = 0; i < e->n; i++) {
+            const pk_real rise = it->q[i] - e->q0[i], v0 = h * e->v0[i], v1 = h * it->v[i];
+            const pk_real bend = end ? 2 * v0 + 4 * v1 - 6 * rise : 6 * rise - 4 * v0 - 2 * v1;
+            const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(v0), pk_abs(v1)) / 4);
+            bends[i] = h * h * e->trial[i] - bend;
+            worthless |= pk_abs(bends[i]) > size + PK_EPS * pk_abs(q[i]);
+        }
+    }
+    return worthless;
+}
+
+/* A sample by the method itself; where it makes no such step there is none. */
+static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t)
+{
+    const size_t where = it->where;
+    const pk_real detail = it->detail;
+    if (pk_events_reach(e, it, t) >= 0)
+        return 1;
+    it->where = where;
+    it->detail = detail;
+    it->status = PK_DONE;
+    return 0;
+}
+
+/* All g at node j; at the ends of the step those of the motion. */
+static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int j)
+{
+    const pk_real h = it->t - e->from, length = pk_abs(h), x = pk_events_node(e, j);
+    const pk_real t = pk_events_time(e, it, x);
+    const size_t bytes = pk_events_count(e) * sizeof(pk_real);
+    if (!(x > 0) || !(x < length)) {
+        memcpy(pk_events_sample(e, j), pk_events_end(e, x > 0), bytes);
+        return PK_DONE;
+    }
+    if (e->proposes) {
+        if (pk_integrator_dense(it, t, e->trial, e->trial + e->n) < 0)
+            return it->status;
+    } else if (!(e->by_steps && reach_sample(e, it, t))) {
+        hermite(e, it, x / length);
+    }
+    pk_events_functions(e, it, t, e->trial, e->trial + e->n, pk_events_sample(e, j));
+    return PK_DONE;
+}
+
+/* What the samples of function k show, every `stride`th. */
+static void fit(struct pk_events *e, size_t k, int stride, int narrow)
+{
+    const int N = SAMPLES / stride;
+    struct pk_shape *shape = &e->shapes[k];
+    pk_real least = pk_events_sample(e, 0)[k], most = least, others = 0, tail = 0, back = 0;
+    int finite = 1;
+    for (int j = 0; j <= SAMPLES; j += stride) {
+        const pk_real g = pk_events_sample(e, j)[k];
+        least = pk_min(least, g);
+        most = pk_max(most, g);
+        finite &= pk_finite(g);
+    }
+    const int far = pk_max(least, -most) > 4 * (most - least); /* on one side, as it is mostly */
+    shape->order = N;
+    shape->range = most - least;
+    shape->clear = far;
+    shape->lost = 0;
+    shape->crosses = !far;
+    if (far || !finite || !pk_finite(shape->range))
+        return;
+    for (int i = 0; i <= N; i++) {
+        pk_real sum = 0;
+        for (int j = 0; j <= N; j++) {
+            const int at = i * j * stride % (2 * SAMPLES);
+            const pk_real g = pk_events_sample(e, j * stride)[k];
+            const pk_real c = pk_events_cosines[at <= SAMPLES ? at : 2 * SAMPLES - at];
+            sum += (j == 0 || j == N ? g / 2 : g) * c;
+        }
+        shape->c[i] = 2 * sum / (pk_real)N / (i == 0 || i == N ? 2 : 1);
+        others += i ? pk_abs(shape->c[i]) : 0;
+        tail += i > N - TAIL ? pk_abs(shape->c[i]) : 0;
+    }
+    shape->crosses = !(pk_abs(shape->c[0]) > others + tail) && shape->range > 0;
+    shape->clear = !shape->crosses || tail <= shape->range / 40;
+    shape->tail = tail;
+    shape->lost = shape->crosses && tail > shape->range / 16;
+    /* A jump is no less one for being looked at closer. */
+    for (int j = 0; j < SAMPLES; j += stride) {
+        const pk_real step = pk_events_sample(e, j + stride)[k] - pk_events_sample(e, j)[k];
+        back += pk_abs(step);
+    }
+    if (narrow && !shape->clear && back < shape->range * PK_C(1.1))
+        shape->jumps = 1;
+}
+
+/* 1: all functions are seen in the window; 0: not. */
+static int look(struct pk_events *e, struct pk_integrator *it, unsigned long parts)
+{
+    int clear = 0;
+    for (int stride = SAMPLES / FEW; !clear && stride >= 1; stride /= 2) {
+        const int first = stride == SAMPLES / FEW;
+        for (int j = first ? 0 : stride; j <= SAMPLES; j += first ? stride : 2 * stride)
+            if (sample(e, it, j) < 0)
+                return 0;
+        clear = 1;
+        for (size_t k = 0; k < pk_events_count(e); k++) {
+            e->shapes[k].jumps = 0;
+            fit(e, k, stride, parts >= MOST_PARTS);
+            if (e->shapes[k].clear && e->shapes[k].in_a_row < NOISE)
+                e->shapes[k].in_a_row = 0;
+            clear &= e->shapes[k].clear || e->shapes[k].in_a_row >= NOISE ||
+                     (!pk_finite(e->shapes[k].range) && parts >= MOST_BEYOND);
+        }
+    }
+    return clear;
+}
+
+static void doubt(struct pk_events *e, const struct pk_integrator *it)
+{
+    for (size_t k = 0; k < pk_events_count(e); k++) {
+        struct pk_shape *shape = &e->shapes[k];
+        if (!shape->lost || shape->jumps || !pk_finite(shape->range))
+            continue;
+        shape->in_a_row++;
+        e->which = k;
+        e->t = pk_events_time(e, it, e->at);
+        e->doubts++;
+        if (e->doubtful)
+            e->doubtful(e->context, e);
+    }
+}
+
+enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real h = pk_abs(it->t - e->from);
+    unsigned long part = 0, parts = 1;
+    e->by_steps = !e->proposes && is_worthless(e, it);
+    e->cut = 0;
+    for (size_t k = 0; k < pk_events_count(e); k++) {
+        e->shapes[k].in_a_row = 0;
+        e->shapes[k].last_x = 0;
+        e->shapes[k].last_g = pk_events_end(e, 0)[k];
+    }
+    while (part < parts) {
+        e->at = h * (pk_real)part / (pk_real)parts;
+        e->width = (part + 1 == parts ? h : h * (pk_real)(part + 1) / (pk_real)parts) - e->at;
+        const int clear = look(e, it, parts);
+        if (it->status < 0)
+            return it->status;
+        if (!clear && parts < MOST_PARTS) {
+            part *= 2, parts *= 2;
+            continue;
+        }
+        if (!clear)
+            doubt(e, it);
+        e->listed = 0;
+        for (size_t k = 0; k < pk_events_count(e); k++)
+            if (pk_events_seek(e, it, k) < 0)
+                return it->status;
+        if (pk_events_report(e, it) != PK_DONE || e->again || e->cut)
+            return it->status;
+        part++;
+        if (parts > 1 && part % 2 == 0)
+            part /= 2, parts /= 2;
+    }
+    e->at_switch = 0;
+    memset(e->held, 0, e->n_events * sizeof *e->held);
+    return it->status = PK_DONE;
+}

@@ -1,0 +1,89 @@
+/* What events and switches are at a time within a step: where the motion is there, the values of their
+ * functions, and the times at which a window is sampled.
+ */
+#include <string.h>
+
+#include "events.h"
+
+/* cos(pi j / 16). */
+const pk_real pk_events_cosines[PK_MOST_SAMPLES + 1] = {
+    PK_C(1.0),
+    PK_C(0.980785280403230449126182236134239036),
+    PK_C(0.923879532511286756128183189396788286),
+    PK_C(0.831469612302545237078788377617905756),
+    PK_C(0.707106781186547524400844362104849039),
+    PK_C(0.555570233019602224742830813948532874),
+    PK_C(0.382683432365089771728459984030398866),
+    PK_C(0.195090322016128267848284868477022240),
+    PK_C(0.0),
+    PK_C(-0.195090322016128267848284868477022240),
+    PK_C(-0.382683432365089771728459984030398866),
+    PK_C(-0.555570233019602224742830813948532874),
+    PK_C(-0.707106781186547524400844362104849039),
+    PK_C(-0.831469612302545237078788377617905756),
+    PK_C(-0.923879532511286756128183189396788286),
+    PK_C(-0.980785280403230449126182236134239036),
+    PK_C(-1.0)};
+
+void pk_switches_values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                        const pk_real *q, const pk_real *v, pk_real *x)
+{
+    const struct pk_problem *p = &it->problem;
+    if (p->system->n_inputs && p->input)
+        p->input(p->context, t, e->u);
+    p->system->switching(e->params, t, q, v, e->u, x);
+}
+
+void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                           const pk_real *q, const pk_real *v, pk_real *g)
+{
+    if (e->n_switches == 0)
+        return;
+    pk_switches_values(e, it, t, q, v, g);
+    const int begins = e->kept && !(t < e->from) && !(t > e->from);
+    for (size_t k = 0; k < e->n_switches; k++)
+        if (pk_abs(g[k]) <= 0 || (begins && pk_switches_impulse(it, k) && g[k] * e->sides[k] < 0))
+            g[k] = PK_TINY * e->sides[k];
+}
+
+void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                      const pk_real *q, const pk_real *v, pk_real *g)
+{
+    const struct pk_problem *p = &it->problem;
+    if (p->system->n_inputs && p->input)
+        p->input(p->context, t, e->u);
+    if (e->n_events)
+        p->system->event(p->params, t, q, v, e->u, g);
+    pk_switches_functions(e, it, t, q, v, g + e->n_events);
+}
+
+enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
+{
+    it->event = k + 1;
+    return it->status = PK_NOT_FINITE;
+}
+
+/* The motion at t within the step, by the method itself. */
+enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
+{
+    struct pk_integrator *scout = &e->scout;
+    const size_t bytes = e->n * sizeof *e->trial;
+    if (!(t < it->t) && !(t > it->t)) {
+        memcpy(e->trial, it->q, bytes);
+        memcpy(e->trial + e->n, it->v, bytes);
+        return PK_DONE;
+    }
+    e->tries++;
+    if (e->dense)
+        return pk_integrator_dense(it, t, e->trial, e->trial + e->n);
+    if (pk_integrator_aside(it, scout, t) < 0)
+        return it->status;
+    memcpy(e->trial, scout->q, bytes);
+    memcpy(e->trial + e->n, scout->v, bytes);
+    return PK_DONE;
+}
+
+pk_real pk_events_node(const struct pk_events *e, int j)
+{
+    return j == PK_MOST_SAMPLES ? e->at + e->width : e->at + e->width * (1 - pk_events_cosines[j]) / 2;
+}

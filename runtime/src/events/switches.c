@@ -1,0 +1,133 @@
+/* Switches: which side of its zero each is held on, and where that changes; see pk/events.h.
+ *
+ * A step is one of the equations of one side throughout, also where its stages or its end lie
+ * beyond the zero; only then is its end cut back to it, by events_report.c. So a method keeps its
+ * order.
+ *
+ * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
+ * ed., Springer 1993, section II.6; of motions that stay on a zero (PK_SLIDING): A. F. Filippov,
+ * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988.
+ */
+#include <string.h>
+
+#include "events.h"
+
+/* So many switchings one upon another, each after less than SHORT of a step that was to be made, or
+ * some units in the last place of t, are no motion. */
+enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
+#define SHORT PK_F(sqrt)(PK_EPS)
+
+void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    if (e->n_switches == 0)
+        return;
+    const size_t bytes = e->n_switches * sizeof *e->sides, behind = system->sides + bytes;
+    char *const copy = (char *)e->params;
+    const char *const given = (const char *)it->problem.params;
+    memcpy(copy, given, system->sides);
+    memcpy(copy + behind, given + behind, system->params_size - behind);
+    it->problem.params = e->params;
+}
+
+/* Whether the step goes on from where the last one has ended, not from a state of the caller's. Then
+ * switches with an impulse keep their sides: on the zero the impulse is to come, and a little behind
+ * it is what a barrier has turned back. */
+static int goes_on(const struct pk_events *e, const struct pk_integrator *it)
+{
+    return e->kept && !(it->t < e->left) && !(it->t > e->left) &&
+           !memcmp(e->trial, it->q, e->n * sizeof *e->trial) &&
+           !memcmp(e->trial + e->n, it->v, e->n * sizeof *e->trial);
+}
+
+void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
+{
+    e->kept = 1;
+    e->left = it->t;
+    memcpy(e->trial, it->q, e->n * sizeof *e->trial);
+    memcpy(e->trial + e->n, it->v, e->n * sizeof *e->trial);
+}
+
+/* Arguments may have switches in them, which are settled before. */
+enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
+{
+    pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    int changed = 1, reset = 0;
+    e->kept = goes_on(e, it);
+    if (e->n_switches == 0 || it->direction != 0)
+        return PK_DONE;
+    for (size_t round = 0; changed; round++) {
+        if (round > e->n_switches + 1) {
+            it->where = 0;
+            return it->status = PK_SLIDING;
+        }
+        changed = 0;
+        pk_switches_values(e, it, it->t, it->q, it->v, x);
+        for (size_t k = 0; k < e->n_switches; k++) {
+            /* Exactly 0, as where another switch in it has turned, is above: step(0) = 1. */
+            const pk_real was = e->sides[k];
+            e->fresh[k] = 0;
+            if (e->kept && pk_switches_impulse(it, k))
+                continue;
+            e->sides[k] = x[k] < 0 ? PK_C(-1.0) : PK_C(1.0);
+            e->fresh[k] = x[k] > 0 || x[k] < 0 ? PK_C(0.0) : PK_C(1.0);
+            changed |= e->sides[k] > was || e->sides[k] < was;
+        }
+        reset |= changed;
+    }
+    return reset ? pk_integrator_reset(it, it->t, it->q, it->v) : PK_DONE;
+}
+
+int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real near = 2 * pk_events_width(e, it);
+    for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= near; i++) {
+        const size_t which = (size_t)e->list[PK_EVENT_ENTRY * i + 1];
+        if (which < e->n_events || !(e->fresh[which - e->n_events] > 0))
+            continue;
+        e->fresh[which - e->n_events] = 0;
+        e->sides[which - e->n_events] *= -1;
+        e->again = 1;
+    }
+    if (!e->again || pk_integrator_reset(it, e->from, e->q0, e->v0) < 0)
+        return e->again;
+    if (it->z)
+        pk_integrator_set_quadratures(it, e->z0);
+    return 1;
+}
+
+enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, pk_real last,
+                                pk_real attempted)
+{
+    const pk_real took = pk_abs(e->t - e->from);
+    size_t which = 0, hit[MOST_AT_ONCE], hits = 0;
+    pk_real to[MOST_AT_ONCE];
+    for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
+        const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
+        if (entry[1] < (pk_real)e->n_events)
+            continue;
+        which = (size_t)entry[1] - e->n_events;
+        const pk_real side = entry[2] * (pk_real)it->direction;
+        if (pk_switches_impulse(it, which) && hits < MOST_AT_ONCE)
+            hit[hits] = which, to[hits++] = side;
+        else if (!pk_switches_impulse(it, which))
+            e->sides[which] = side;
+    }
+    const int brief = took <= SHORT * attempted ||
+                      took <= PK_C(64.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(e->t));
+    e->brief = e->at_switch && brief ? e->brief + 1 : 0;
+    e->at_switch = 1;
+    enum pk_status status = hits ? pk_impulse(e, it, hit, to, hits) : PK_DONE;
+    const size_t where = it->where;
+    const pk_real detail = it->detail, condition = it->condition;
+    if (status >= 0 && e->brief < MOST_BRIEF)
+        return PK_DONE;
+    pk_integrator_reset(it, e->t, e->q, e->v);
+    if (e->z)
+        pk_integrator_set_quadratures(it, e->z);
+    it->ready = 0;
+    it->where = status < 0 ? where : which;
+    it->detail = detail;
+    it->condition = condition;
+    return it->status = status < 0 ? status : PK_SLIDING;
+}

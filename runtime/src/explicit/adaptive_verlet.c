@@ -1,0 +1,266 @@
+/* Position Verlet at a variable step that keeps time's symmetry: the step follows a density rho of
+ * steps that is carried along, not an estimate of the error.
+ *
+ *     q_1/2 = q + eps/(2 rho) v                    rho' = 2 w(q_1/2) - rho
+ *     v'    = v + eps/2 (1/rho + 1/rho') a(q_1/2)  q'   = q_1/2 + eps/(2 rho') v'
+ *
+ * w is a local frequency, w^4 = ||da/dq||_F^2 + w_0^4, of the kernel `linear`: for Kepler's problem
+ * 6^(1/4) r^(-3/2). So a step is about eps/w. eps is h ||da/dq||^(1/2) of the start where a first
+ * step h is given, else sqrt(24 rtol), at which the local frequency is right to rtol; w_0 is
+ * eps/h_max, or 0. The same formulas from (q', v', rho') by -eps lead back, so energy errors do not
+ * drift. Where rho would change to a quarter or to four times itself, or below 0, as where da/dq
+ * passes zero without an h_max, the scheme fails, and says so.
+ *
+ * A limit, or dense output, must not disturb the sequence: there a step of what is left is made
+ * from the last point of the sequence, and the next step begins at that point again.
+ *
+ * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
+ * Geometric Numerical Integration, VIII.3.
+ */
+#include <string.h>
+
+#include <pk/linear.h>
+
+#include "../core/generic.h"
+#include "../core/tableau.h"
+
+/* Numbers that a step leaves to the next: of the base, its time and density; of the step from it,
+ * where PLANNED, its length and what it ends with; WHOLE, that it was made. */
+enum {
+    EPS,
+    FLOOR,
+    GIVEN,
+    DIRECTION,
+    RHO,
+    T,
+    T_LOW,
+    PLANNED,
+    LENGTH,
+    RHO_NEXT,
+    END,
+    END_LOW,
+    WHOLE,
+    NUMBERS
+};
+
+struct work {
+    pk_real *number;
+    pk_real *base; /* the point of the sequence that steps begin at: q, v and their low parts */
+    pk_real *a, *a_q, *a_v, *a_t, *linear; /* a is the acceleration of the step that is planned */
+};
+
+static struct work parts(const struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    struct work w;
+    w.number = it->work;
+    w.base = w.number + NUMBERS;
+    w.a = w.base + 4 * n;
+    w.a_q = w.a + n;
+    w.a_v = w.a_q + n * n;
+    w.a_t = w.a_v + n * n;
+    w.linear = w.a_t + n;
+    return w;
+}
+
+static size_t size(const struct pk_method *method, size_t n)
+{
+    (void)method;
+    return NUMBERS + 4 * n + (2 * n + 2 * n * n) + (n * n + n); /* no inputs */
+}
+
+/* The square root of ||da/dq||; the acceleration is left in w->a. */
+static enum pk_status frequency(struct pk_integrator *it, const struct work *w, const pk_real *q,
+                                const pk_real *v, pk_real *omega)
+{
+    const enum pk_status status =
+        pk_eval_linear(it, it->t, q, v, w->a, w->a_q, w->a_v, w->a_t, w->linear);
+    pk_real sum = 0;
+    it->count.evaluations++;
+    if (status < 0)
+        return status;
+    for (size_t i = 0; i < it->n * it->n; i++)
+        sum += w->a_q[i] * w->a_q[i];
+    *omega = PK_F(sqrt)(PK_F(sqrt)(sum));
+    return PK_DONE;
+}
+
+static pk_real raised(const struct work *w, pk_real omega)
+{
+    const pk_real a = omega * omega, b = w->number[FLOOR] * w->number[FLOOR];
+    return PK_F(sqrt)(PK_F(sqrt)(a * a + b * b));
+}
+
+/* The base is where the integrator is now. */
+static void take_base(struct pk_integrator *it, const struct work *w)
+{
+    const size_t n = it->n;
+    memcpy(w->base, it->state, 2 * n * sizeof *w->base);
+    memcpy(w->base + 2 * n, pk_part(it->state, n, PK_LOW_Q), 2 * n * sizeof *w->base);
+    w->number[PLANNED] = w->number[WHOLE] = 0;
+}
+
+/* A sequence that begins where the integrator is now. */
+static enum pk_status begin(struct pk_integrator *it, const struct work *w)
+{
+    const struct pk_options *o = &it->options;
+    pk_real omega;
+    const enum pk_status status = frequency(it, w, it->q, it->v, &omega);
+    if (status < 0)
+        return status;
+    if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0))) {
+        it->where = BAD_SCALE;
+        return PK_BAD_ARGUMENT;
+    }
+    const pk_real tolerance = o->rtol > 0 ? o->rtol : o->atol;
+    w->number[EPS] = o->h > 0 ? o->h * omega : PK_F(sqrt)(24 * tolerance);
+    w->number[FLOOR] = o->h_max > 0 ? w->number[EPS] / o->h_max : 0;
+    w->number[RHO] = raised(w, omega);
+    w->number[T] = it->t;
+    w->number[T_LOW] = 0;
+    w->number[GIVEN] = o->h;
+    take_base(it, w);
+    return PK_DONE;
+}
+
+static enum pk_status init(struct pk_integrator *it)
+{
+    const struct work w = parts(it);
+    memset(w.number, 0, NUMBERS * sizeof *w.number);
+    return begin(it, &w);
+}
+
+/* A step from the base: a drift to the middle, a kick of both halves, a drift. */
+static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
+{
+    const size_t n = it->n;
+    const pk_real *low = w->base + 2 * n;
+    for (size_t i = 0; i < n; i++) {
+        to[PK_LOW_Q * n + i] = low[i];
+        to[i] = pk_sum(w->base[i], first * w->base[n + i], &to[PK_LOW_Q * n + i]);
+    }
+}
+
+static void kick_drift(const struct pk_integrator *it, const struct work *w, pk_real both,
+                       pk_real second, const pk_real *a, pk_real *to)
+{
+    const size_t n = it->n;
+    const pk_real *low = w->base + 3 * n;
+    for (size_t i = 0; i < n; i++) {
+        to[PK_LOW_X * n + i] = low[i];
+        to[n + i] = pk_sum(w->base[n + i], both * a[i], &to[PK_LOW_X * n + i]);
+        to[i] = pk_sum(to[i], second * to[n + i], &to[PK_LOW_Q * n + i]);
+    }
+}
+
+/* The sequence's next density and the length of its next step. */
+static enum pk_status plan(struct pk_integrator *it, const struct work *w)
+{
+    pk_real *number = w->number, omega;
+    const pk_real half = number[EPS] / 2;
+    drift(it, w, (pk_real)it->direction * half / number[RHO], it->next);
+    const enum pk_status status = frequency(it, w, it->next, w->base + it->n, &omega);
+    if (status < 0)
+        return status;
+    const pk_real next = 2 * raised(w, omega) - number[RHO];
+    if (!(next > number[RHO] / 4 && next < 4 * number[RHO])) {
+        it->detail = -1; /* no length: see pk_integrator_reason() */
+        return PK_STEP_UNDERFLOW;
+    }
+    number[RHO_NEXT] = next;
+    number[LENGTH] = half / number[RHO] + half / next;
+    number[PLANNED] = 1;
+    return PK_DONE;
+}
+
+/* A step of any length from the base: of the whole one's length it is that one. */
+static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
+                            pk_real *to)
+{
+    const pk_real *number = w->number;
+    const pk_real first = length * (number[EPS] / 2 / number[RHO]) / number[LENGTH];
+    drift(it, w, first, to);
+    const enum pk_status status = pk_eval_acceleration(it, it->t, to, w->base + it->n, w->a_t);
+    kick_drift(it, w, length, length - first, w->a_t, to);
+    return status;
+}
+
+static enum pk_status step(struct pk_integrator *it, pk_real limit)
+{
+    const struct work w = parts(it);
+    pk_real *number = w.number;
+    const pk_real sign = (pk_real)it->direction;
+    enum pk_status status = PK_DONE;
+    if (number[WHOLE] > 0 && !(it->flags & PK_HAVE_STEP)) { /* it was made, and refused */
+        number[WHOLE] = number[PLANNED] = 0;
+    } else if (number[WHOLE] > 0) { /* it was accepted: the sequence goes on from its end */
+        take_base(it, &w);
+        number[RHO] = number[RHO_NEXT];
+        number[T] = number[END];
+        number[T_LOW] = number[END_LOW];
+    }
+    const int there = !(it->t < number[T] || it->t > number[T]);
+    const int turned = sign * number[DIRECTION] < 0;
+    if ((turned && !there) || number[GIVEN] < it->options.h || number[GIVEN] > it->options.h)
+        status = begin(it, &w);
+    if (turned)
+        number[PLANNED] = 0;
+    number[DIRECTION] = sign;
+    it->flags = 0;
+    if (status >= 0 && !(number[PLANNED] > 0))
+        status = plan(it, &w);
+    if (status < 0)
+        return status;
+
+    const pk_real least =
+        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    pk_real low = number[T_LOW];
+    const pk_real end = pk_sum(number[T], sign * number[LENGTH], &low);
+    if (!(number[LENGTH] > least))
+        return pk_underflow(it, number[LENGTH]);
+    if (sign * (end - limit) > close) {
+        it->next_t = limit;
+        status = aside(it, &w, limit - number[T], it->next);
+    } else {
+        const pk_real half = sign * number[EPS] / 2;
+        it->next_t = pk_abs(end - limit) <= close ? limit : end;
+        drift(it, &w, half / number[RHO], it->next);
+        kick_drift(it, &w, sign * number[LENGTH], half / number[RHO_NEXT], w.a,
+                   it->next);
+        if (!pk_all_finite(it->next, 2 * it->n))
+            return PK_NOT_FINITE;
+        number[END] = it->next_t;
+        number[END_LOW] = it->next_t < end || it->next_t > end ? 0 : low;
+        number[WHOLE] = 1;
+    }
+    it->h = sign * number[LENGTH];
+    it->flags = status < 0 ? 0 : PK_HAVE_STEP;
+    return status;
+}
+
+static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const struct work w = parts(it);
+    const size_t n = it->n;
+    const enum pk_status status = aside(it, &w, t - w.number[T], it->next);
+    memcpy(q, it->next, n * sizeof *q);
+    memcpy(v, it->next + n, n * sizeof *v);
+    return status < 0 || (pk_all_finite(q, n) && pk_all_finite(v, n)) ? status : PK_NOT_FINITE;
+}
+
+const struct pk_method pk_adaptive_verlet = {
+    .name = "adaptive_verlet",
+    .doc = "Verlet with reversible steps that follow ||da/dq||; W. Huang, B. Leimkuhler, "
+           "SIAM J. Sci. Comput. 18 (1997) 239",
+    .order = 2,
+    .stages = 1,
+    .dense_order = 2,
+    .traits = PK_SYMMETRIC | PK_ADAPTIVE | PK_DENSE | PK_LINEAR,
+    .needs = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS,
+    .formula = &pk_verlet,
+    .size = size,
+    .init = init,
+    .step = step,
+    .dense = dense,
+};

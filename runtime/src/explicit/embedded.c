@@ -1,0 +1,188 @@
+/* What adaptive explicit Runge-Kutta methods do rarely: the first step, by a guess of y'', and
+ * dense output, by the nested interpolant
+ *
+ *     y(s) = r0 + s (r1 + (1-s) (r2 + s (r3 + (1-s) (r4 + ...)))),
+ *
+ * made only when asked for. The step itself is in pk/step/embedded.h.
+ *
+ * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I,
+ * II.4 and II.6.
+ */
+#include "../core/generic.h"
+#include "../core/tableau.h"
+
+#include <pk/step/embedded.h>
+
+static const struct pk_tableau *table_of(const struct pk_method *method)
+{
+    return (const struct pk_tableau *)method->table;
+}
+
+static struct pk_embedded_work parts_of(struct pk_integrator *it)
+{
+    return pk_embedded_parts(it, table_of(it->method), it->n, it->problem.system->n_states);
+}
+
+static size_t embedded_size(const struct pk_method *method, size_t n)
+{
+    const struct pk_tableau *table = table_of(method);
+    const int rows = table->stages + 1 + table->extra + 1 + pk_embedded_dense_rows(table);
+    return (size_t)rows * 2 * n + 2;
+}
+
+static enum pk_status embedded_init(struct pk_integrator *it)
+{
+    *parts_of(it).err_old = PK_C(1e-4);
+    return PK_DONE;
+}
+
+/* HNW II.4: a step whose explicit Euler half-way error is about 1%, checked against y''. */
+static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w,
+                          pk_real limit)
+{
+    const pk_real *y0 = it->state, span = pk_abs(limit - it->t);
+    pk_real d0 = 0, d1 = 0, d2 = 0;
+    if (it->options.h > 0)
+        return it->options.h;
+    for (size_t i = 0; i < w->m; i++) {
+        if (i >= w->seen && i < w->n)
+            continue;
+        const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
+        d0 += (y0[i] / scale) * (y0[i] / scale);
+        d1 += (w->k[i] / scale) * (w->k[i] / scale);
+    }
+    pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.01) * PK_F(sqrt)(d0 / d1)
+                                                     : PK_C(1e-6) * span;
+    if (!(h > 0) || !pk_finite(h)) /* atol = 0 at a start from rest: y'/scale is infinite */
+        h = PK_C(1e-6) * span;
+    h = pk_min(h, span);
+    for (size_t i = 0; i < w->m; i++)
+        w->y[i] = y0[i] + (pk_real)it->direction * h * w->k[i];
+    if (generic_slope(it, it->t + (pk_real)it->direction * h, w->y, w->last) < 0)
+        return h;
+    for (size_t i = 0; i < w->m; i++) {
+        if (i >= w->seen && i < w->n)
+            continue;
+        const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
+        const pk_real x = (w->last[i] - w->k[i]) / scale;
+        d2 += x * x;
+    }
+    const pk_real most = pk_max(PK_F(sqrt)(d1), PK_F(sqrt)(d2) / h);
+    if (!pk_finite(most))
+        return h;
+    const pk_real order = (pk_real)table_of(it->method)->error_order;
+    const pk_real h1 = most > PK_C(1e-15) * PK_F(sqrt)((pk_real)w->m)
+                           ? PK_SAME(PK_F(pow)(PK_C(0.01) * PK_F(sqrt)((pk_real)w->m) / most,
+                                               PK_C(1.0) / order))
+                           : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
+    return pk_min(pk_min(PK_C(100.0) * h, h1), span);
+}
+
+enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit)
+{
+    const struct pk_embedded_work w = parts_of(it);
+    if (!(it->flags & (PK_HAVE_STEP | PK_HAVE_A))) {
+        const enum pk_status status = generic_slope(it, it->t, it->state, w.k);
+        if (status < 0)
+            return status;
+        if (!pk_all_finite(w.k, w.m))
+            return PK_NOT_FINITE;
+    }
+    if (!(pk_abs(it->h) > 0)) {
+        it->h = (pk_real)it->direction * first_step(it, &w, limit);
+        *w.err_old = PK_C(1e-4);
+    }
+    return PK_DONE;
+}
+
+static enum pk_status embedded_step(struct pk_integrator *it, pk_real limit)
+{
+    return generic_embedded(it, table_of(it->method), limit);
+}
+
+static int embedded_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
+{
+    const struct pk_embedded_work w = parts_of(it);
+    return pk_explicit_stage(it, table_of(it->method), *w.h_made, w.k, i, stage, room);
+}
+
+/* As pk_embedded_error() of one component. */
+static pk_real embedded_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
+{
+    const pk_real blend = sums[0] * sums[0] + PK_C(0.01) * sums[1] * sums[1];
+    (void)size;
+    if (!table_of(it->method)->e3)
+        return pk_abs(sums[0]);
+    return blend > 0 ? sums[0] * sums[0] / PK_F(sqrt)(blend) : 0;
+}
+
+const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
+{
+    return method->step == embedded_step ? table_of(method) : pk_erk_table(method);
+}
+
+static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_embedded_work *w)
+{
+    const struct pk_tableau *table = table_of(it->method);
+    const pk_real h = *w->h_made, *a = table->extra_a, *old = it->next;
+    const int all = table->stages + 1 + table->extra;
+    pk_real *r = w->dense;
+    for (int i = 0; i < table->extra; i++) {
+        pk_real *k = w->last + (size_t)(i + 1) * w->m;
+        pk_erk_combine(w->y, old, h, a, table->stages + 1 + i, w->k, w->m);
+        a += table->stages + 1 + i;
+        const enum pk_status status =
+            generic_slope(it, it->last_t + table->c[table->stages + i] * h, w->y, k);
+        if (status < 0)
+            return status;
+    }
+    for (size_t i = 0; i < w->m; i++) {
+        const pk_real rise = it->state[i] - old[i], bend = h * w->k[i] - rise;
+        r[i] = old[i];
+        r[w->m + i] = rise;
+        r[2 * w->m + i] = bend;
+        r[3 * w->m + i] = rise - h * w->last[i] - bend;
+        for (int j = 0; j < table->rows; j++)
+            r[(size_t)(4 + j) * w->m + i] =
+                h * pk_row_sum(table->d + j * all, all, w->k, w->m, i);
+    }
+    it->flags |= PK_HAVE_DENSE;
+    return PK_DONE;
+}
+
+static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const struct pk_embedded_work w = parts_of(it);
+    if (!(it->flags & PK_HAVE_DENSE)) {
+        const enum pk_status status = prepare_dense(it, &w);
+        if (status < 0)
+            return status;
+    }
+    const pk_real s = (t - it->last_t) / *w.h_made;
+    for (size_t i = 0; i < w.m; i++) {
+        pk_real y = 0;
+        for (int j = pk_embedded_dense_rows(table_of(it->method)) - 1; j >= 0; j--)
+            y = w.dense[(size_t)j * w.m + i] + (j % 2 ? PK_C(1.0) - s : s) * y;
+        (i < it->n ? q : v)[i < it->n ? i : i - it->n] = y;
+    }
+    return pk_all_finite(q, it->n) && pk_all_finite(v, it->n) ? PK_DONE : PK_NOT_FINITE;
+}
+
+#define EMBEDDED(symbol, text, p, s, dense_p)                                  \
+    const struct pk_method pk_##symbol = {.name = #symbol,                    \
+                                          .doc = text,                        \
+                                          .order = p,                         \
+                                          .stages = s,                        \
+                                          .dense_order = dense_p,             \
+                                          .traits = PK_ADAPTIVE | PK_DENSE | PK_QUADRATURE, \
+                                          .table = &pk_##symbol##_table,      \
+                                          .size = embedded_size,              \
+                                          .init = embedded_init,              \
+                                          .step = embedded_step,              \
+                                          .dense = embedded_dense,            \
+                                          .stage = embedded_stage,            \
+                                          .stage_error = embedded_error}
+
+EMBEDDED(dopri5,
+         "Dormand-Prince 5(4), PI control; J. Comp. Appl. Math. 6 (1980) 19, HNW II.5", 5, 6, 4);
+EMBEDDED(dop853, "Dormand-Prince 8(5,3); Hairer, Norsett, Wanner, HNW II.5 and II.10", 8, 12, 7);

@@ -1,0 +1,69 @@
+/* Explicit Runge-Kutta methods at a fixed step; the step and its tables are in pk/step/erk.h. */
+#include "../core/generic.h"
+#include "../core/tableau.h"
+
+#include <pk/step/erk.h>
+
+static size_t erk_size(const struct pk_method *method, size_t n)
+{
+    const struct pk_tableau *table = (const struct pk_tableau *)method->table;
+    return (size_t)table->stages * 2 * n;
+}
+
+static enum pk_status erk_init(struct pk_integrator *it)
+{
+    (void)it;
+    return PK_DONE;
+}
+
+static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
+{
+    (void)limit;
+    return generic_erk(it, (const struct pk_tableau *)it->method->table);
+}
+
+int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
+                      const pk_real *k, int i, struct pk_stage *stage, pk_real *room)
+{
+    const int ends = table->e && !table->e3; /* the end has a part in the estimate */
+    if (i >= table->stages + ends)
+        return 0;
+    const pk_real e = table->e ? h * table->e[i] : 0, e3 = table->e3 ? h * table->e3[i] : 0;
+    if (i == table->stages) {
+        *stage = (struct pk_stage){it->next_t, 0, it->next, it->next + it->n, {e, 0}};
+        return 1;
+    }
+    if (i > 0)
+        pk_erk_combine(room, it->state, h, table->a + i * (i - 1) / 2, i, k, 2 * it->n);
+    const pk_real *y = i > 0 ? room : it->state;
+    *stage = (struct pk_stage){it->t + table->c[i] * h, h * table->b[i], y, y + it->n, {e, e3}};
+    return 1;
+}
+
+static int erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
+{
+    return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->h, it->work, i,
+                             stage, room);
+}
+
+const struct pk_tableau *pk_erk_table(const struct pk_method *method)
+{
+    return method->step == erk_step ? (const struct pk_tableau *)method->table : NULL;
+}
+
+#define ERK(symbol, text, p, s)                                         \
+    const struct pk_method pk_##symbol = {.name = #symbol,              \
+                                          .doc = text,                  \
+                                          .order = p,                   \
+                                          .stages = s,                  \
+                                          .traits = PK_QUADRATURE,      \
+                                          .table = &pk_##symbol##_table, \
+                                          .size = erk_size,             \
+                                          .init = erk_init,             \
+                                          .step = erk_step,              \
+                                          .stage = erk_stage}
+
+ERK(euler, "explicit Euler; HNW I.7", 1, 1);
+ERK(rk2, "the explicit midpoint rule; C. Runge (1895), HNW II.1", 2, 2);
+ERK(rk3, "Kutta's method of order 3, of Simpson's weights; W. Kutta (1901)", 3, 3);
+ERK(rk4, "the classical Runge-Kutta method; W. Kutta (1901), HNW II.1 Table 1.2", 4, 4);

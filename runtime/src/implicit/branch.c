@@ -1,0 +1,254 @@
+/* Which solution of the stage equations G(V; h) = 0 was found. There may be several: the midpoint
+ * rule on a pendulum at rest upright has one while h omega <= 2, three at 2.01, seven at 6. All of
+ * them satisfy the equations, so no residual tells them apart. The one that is meant belongs to
+ * short steps: at h = 0 it is V_i = v0, with M for Newton's matrix, and it goes on with h as long
+ * as that matrix J stays regular. Three tests, the cheaper first:
+ *
+ * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from a step
+ *    before: by the derivatives at the stages and at those of the step before, that is at this
+ *    one's start (pk_gauss_contraction).
+ *    This costs nothing where the matrix is kept, and is the case while h omega < 1 to 1.4.
+ * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J with the derivatives of the
+ *    start is near by, and J on average on the way from the start. From one matrix to the next by
+ *    |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: all between them are regular then, which the sign
+ *    of a determinant does not say, two eigenvalues at once changing theirs. Convex stiffness
+ *    passes, if not in one leap then in some.
+ * 3. The solution is followed from tau = 0 on, with the same test from one point to the next, and
+ *    taken where it arrives. Where it does not there is a fold or a crossing: PK_AMBIGUOUS_STEP.
+ *
+ * Derivatives are sampled at the stages, so this is no proof over all states between them. The
+ * norms are those of pk_gauss_norm, so that units do not matter.
+ *
+ * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence
+ * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation).
+ */
+#include <string.h>
+
+#include "gauss.h"
+
+#define REGULAR PK_C(0.95) /* where the norms above must be < 1 */
+#define STRAIGHT PK_C(0.5) /* the average over the way from v0, which bends */
+#define LASTING PK_C(0.3)  /* so little between start and stages that steps to come are as sure */
+#define LEAST_LEAP PK_C(1e-4)
+#define NEWTON_RATE PK_C(0.25) /* from a prediction within reach of the solution followed */
+enum { MOST_POINTS = 400 };
+
+/* |J1^-1 J2 - I|, J1 factored in w->lu. */
+static pk_real apart(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J2,
+                     size_t stride, pk_real tau)
+{
+    const size_t m = w->s * it->n;
+    pk_gauss_matrix(it, w, J2, stride, tau, w->other);
+    for (size_t j = 0; j < m; j++) {
+        for (size_t i = 0; i < m; i++)
+            w->x[i] = w->other[i * m + j];
+        pk_lu_solve(w->lu, w->pivot, m, w->x);
+        for (size_t i = 0; i < m; i++)
+            w->other[i * m + j] = w->x[i] - (i == j ? PK_C(1.0) : PK_C(0.0));
+    }
+    return pk_gauss_norm(w->other, m, w->x, w->y);
+}
+
+static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J,
+                  size_t stride, pk_real tau)
+{
+    pk_gauss_matrix(it, w, J, stride, tau, w->lu);
+    it->count.factorisations++;
+    return pk_lu_factor(w->lu, w->pivot, w->s * it->n);
+}
+
+/* Whether all between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu is then
+ * J2; if not, it is anything. */
+static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
+                size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
+{
+    const int near = apart(it, w, J2, stride2, tau2) < REGULAR;
+    if (!factor(it, w, J2, stride2, tau2))
+        return 0;
+    return near || apart(it, w, J1, stride1, tau1) < REGULAR;
+}
+
+/* The second test's first part, for the derivatives in w->jacobian; leaves J(h) in w->lu. */
+static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t stride = 4 * it->n * it->n;
+    pk_real at = 0, step = 1 / PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
+    if (!factor(it, w, w->jacobian, stride, at))
+        return 0;
+    for (int count = 0; at < 1 && count < MOST_POINTS; count++) {
+        const pk_real to = pk_min(at + step, PK_C(1.0));
+        if (leap(it, w, w->jacobian, stride, at, w->jacobian, stride, to)) {
+            at = to;
+            step *= 4;
+        } else {
+            step = (to - at) / 4;
+            if (step < LEAST_LEAP * at || !factor(it, w, w->jacobian, stride, at))
+                return 0;
+        }
+    }
+    return at >= 1;
+}
+
+/* Whether J, factored in w->lu, is also near what it is on average over the straight way from V =
+ * v0 to V, as G there tells: G(V) - G(v0) = (average of J) (V - v0). A solution far off, with a
+ * fold on the way, is told by this alone. Leaves V as it was, and Q, P, F, G too. */
+static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n, m = w->s * n;
+    pk_real most = 0, off = 0;
+    memcpy(w->older_V, w->V, m * sizeof *w->V);
+    for (size_t i = 0; i < w->s; i++)
+        memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+    if (!pk_gauss_residual(it, w))
+        return 0;
+    pk_lu_solve(w->lu, w->pivot, m, w->G);
+    for (size_t k = 0; k < m; k++) {
+        const pk_real d = w->older_V[k] - it->v[k % n], scale = w->scale[k % n] + PK_TINY;
+        most = pk_max(most, pk_abs(d) / scale);
+        off = pk_max(off, pk_abs(w->G[k] + d) / scale);
+    }
+    memcpy(w->V, w->older_V, m * sizeof *w->V);
+    return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
+}
+
+/* M at the stages, of w->jacobian, must be positive definite: at the ends it is seen anyway. */
+static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    const size_t n = it->n;
+    for (size_t i = 0; i < w->s; i++) {
+        memcpy(w->other, w->jacobian + i * 4 * n * n, n * n * sizeof *w->other);
+        const size_t failed = pk_ldl_factor(w->other, n);
+        if (failed) {
+            const pk_real t = it->t + w->table->c[i] * it->h;
+            pk_eval_input(it, t);
+            return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, (int)failed);
+        }
+    }
+    return PK_DONE;
+}
+
+/* One point of the solution followed, a step of `to` h from what is predicted by the two points
+ * before. PK_DONE where it is found and the way to it is regular. */
+static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
+                              pk_real was, pk_real at, pk_real to)
+{
+    const size_t m = w->s * it->n, stride = 4 * it->n * it->n;
+    const pk_real further = at > 0 ? (to - at) / (at - was) : 0;
+    for (size_t k = 0; k < m; k++)
+        w->V[k] = w->old_V[k] + further * (w->old_V[k] - w->older_V[k]);
+    it->h = to * h;
+    pk_gauss_set_step(it, w, it->h);
+    if (!pk_gauss_iterate(it, w, PK_FULL) || w->kept->first_rate > NEWTON_RATE)
+        return PK_AMBIGUOUS_STEP;
+    pk_gauss_stage_derivatives(it, w);
+    const enum pk_status status = check_mass(it, w);
+    if (status < 0)
+        return status;
+    return factor(it, w, w->old_J, stride, at / to) &&
+                   leap(it, w, w->old_J, stride, at / to, w->jacobian, stride, 1)
+               ? PK_DONE
+               : PK_AMBIGUOUS_STEP;
+}
+
+static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n, s = w->s, nn = n * n;
+    const pk_real h = it->h, contraction = pk_gauss_contraction(it, w, w->start_J, 1);
+    pk_real was = 0, at = 0, step = pk_min(PK_C(0.5), PK_GAUSS_SURE / (contraction + PK_TINY));
+    enum pk_status status = PK_DONE;
+    for (size_t i = 0; i < s; i++) {
+        memcpy(w->old_J + i * 4 * nn, w->start_J, 4 * nn * sizeof *w->old_J);
+        memcpy(w->old_V + i * n, it->v, n * sizeof *w->old_V);
+        memcpy(w->older_V + i * n, it->v, n * sizeof *w->old_V);
+    }
+    for (int count = 0; at < 1; count++) {
+        const pk_real to = pk_min(at + step, PK_C(1.0));
+        status = advance(it, w, h, was, at, to);
+        if (status >= 0) {
+            memcpy(w->older_V, w->old_V, s * n * sizeof *w->V);
+            memcpy(w->old_V, w->V, s * n * sizeof *w->V);
+            memcpy(w->old_J, w->jacobian, 4 * s * nn * sizeof *w->V);
+            was = at;
+            at = to;
+            step *= 2;
+        } else {
+            step = (to - at) / 2;
+            if (!(step > LEAST_LEAP * pk_max(at, LEAST_LEAP)) || count > MOST_POINTS)
+                break;
+        }
+    }
+    it->flags &= ~PK_HAVE_LU;
+    it->h = h;
+    pk_gauss_set_step(it, w, h);
+    w->kept->contraction = PK_INFINITY;
+    if (status == PK_AMBIGUOUS_STEP)
+        it->detail = pk_abs(at * h);
+    return status;
+}
+
+static enum pk_status follow_from_start(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+    const enum pk_status status = follow(it, w);
+    it->where = status == PK_AMBIGUOUS_STEP ? PK_BY_NEWTON : it->where;
+    return status == PK_AMBIGUOUS_STEP ? PK_NO_CONVERGENCE : status;
+}
+
+enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t stride = 4 * it->n * it->n;
+    const pk_real ratio = it->flags & PK_HAVE_STEP ? pk_abs(it->h / w->kept->last_h) : 0;
+    pk_real before = w->kept->last_contraction * ratio * pk_max(ratio, PK_C(1.0));
+    if (w->kept->sure > 0)
+        return PK_DONE;
+    if (!(ratio > 0)) {
+        pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+        before = pk_gauss_contraction(it, w, w->start_J, 1);
+    }
+    if (w->kept->contraction <= (w->kept->fresh > 0 ? PK_GAUSS_SURE_ONCE : PK_GAUSS_SURE) &&
+        before <= PK_GAUSS_SURE_ONCE)
+        return PK_DONE;
+    pk_gauss_set_scale(it, w);
+    pk_gauss_stage_derivatives(it, w);
+    if (ratio > 0)
+        pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+    w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, w->s);
+    const enum pk_status status = check_mass(it, w);
+    if (status < 0)
+        return status;
+    w->kept->lu_h = it->h;
+    it->flags |= PK_HAVE_LU;
+    if (w->kept->contraction <= PK_GAUSS_SURE_ONCE &&
+        pk_gauss_contraction(it, w, w->start_J, 1) <= PK_GAUSS_SURE_ONCE)
+        return factor(it, w, w->jacobian, stride, 1) ? PK_DONE : follow(it, w);
+    if (regular(it, w)) {
+        const pk_real varied = apart(it, w, w->start_J, 0, 1);
+        if (varied < REGULAR && (w->kept->noisy > 0 || straight(it, w))) {
+            w->kept->sure = varied <= LASTING;
+            return PK_DONE;
+        }
+    }
+    return follow(it, w);
+}
+
+enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n;
+    if (it->options.iteration == PK_FIXED_POINT) {
+        it->where = PK_BY_FIXED_POINT;
+        if (!pk_gauss_iterate(it, w, PK_BY_MASS))
+            return PK_NO_CONVERGENCE;
+        /* It contracted all the way: it is the solution next to the guess. */
+        w->kept->contraction = w->kept->worst_rate <= PK_GAUSS_FAST ? 0 : PK_INFINITY;
+        return pk_gauss_certify(it, w);
+    }
+    if (pk_gauss_iterate(it, w, PK_SIMPLIFIED))
+        return pk_gauss_certify(it, w);
+    for (size_t i = 0; i < w->s; i++)
+        memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+    if (!pk_gauss_residual(it, w))
+        return PK_NOT_FINITE; /* at the mildest guess there is */
+    const int converged = pk_gauss_iterate(it, w, PK_FULL);
+    it->flags &= ~PK_HAVE_LU;
+    return converged ? pk_gauss_certify(it, w) : follow_from_start(it, w);
+}

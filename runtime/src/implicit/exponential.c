@@ -1,0 +1,292 @@
+/* The exact flow of an affine system, q'' = A q + B v + c with constant coefficients. With
+ *
+ *     x = (q, v, 1),   x' = x L  (a row),   L = (0 A' 0; 1 B' 0; 0 c 0),
+ *
+ * a step is x exp(h L), a product of a row and a matrix that is made once for a length of step.
+ *
+ * To last, both are of twice the working precision: the matrix because what it errs by is the same
+ * in each step, so that the motion would err by it times the number of steps, and the sum because
+ * its round-off, though it has no sign, would grow like that number's root. What is left is one
+ * rounding of the coefficients. These come from the kernels M and `linear`, M x = r refined until
+ * it too is of twice the precision (that of c moves no more than where it rests); or from
+ * accelerations, where a family is kept as loops or has more coordinates than `linear` is made
+ * for.
+ *
+ * L is balanced by powers of two, which makes its norm, and with it the number of squarings, that
+ * of its fastest motion and not of its units. References: pairs.c for the exponential; B. N.
+ * Parlett, C. Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and
+ * Stability of Numerical Algorithms, 12, for refinement. /
+ */
+#include <string.h>
+
+#include "../core/double_double.h"
+#include "../core/tableau.h"
+
+#define ALONE PK_C(0x1p20)
+enum { KEPT = 2 }; /* matrices: of the step, and of the last, shorter one of an interval */
+
+struct work {
+    size_t n, m; /* m = 2 n + 1 */
+    struct pk_pairs L, E[KEPT], x, y;
+    pk_real *scale, *norm, *h, *last; /* L balanced, its norm; the step of each E; the one used */
+    pk_real *room;
+};
+
+static size_t room_size(size_t n)
+{
+    const size_t m = 2 * n + 1, for_expm = pk_expm_room(m), for_linear = 4 * n * n + 4 * n;
+    return for_expm > for_linear ? for_expm : for_linear;
+}
+
+static size_t exponential_size(const struct pk_method *method, size_t n)
+{
+    const size_t m = 2 * n + 1;
+    (void)method;
+    return n > PK_EXPONENTIAL_MOST ? 0 : 2 * m * m * (1 + KEPT) + 5 * m + KEPT + 2 + room_size(n);
+}
+
+static struct work work_of(const struct pk_integrator *it)
+{
+    struct work w = {.n = it->n, .m = 2 * it->n + 1};
+    const size_t m = w.m, mm = m * m;
+    pk_real *x = it->work;
+    w.L.hi = x, w.L.lo = x + mm, x += 2 * mm;
+    for (int k = 0; k < KEPT; k++)
+        w.E[k].hi = x, w.E[k].lo = x + mm, x += 2 * mm;
+    w.x.hi = x, w.x.lo = x + m, x += 2 * m;
+    w.y.hi = x, w.y.lo = x + m, x += 2 * m;
+    w.scale = x, x += m;
+    w.h = x, x += KEPT;
+    w.norm = x++, w.last = x++;
+    w.room = x;
+    return w;
+}
+
+/* Column j of L's middle block, from M y = r with M = L D L^T factored. */
+static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
+                    const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
+{
+    const size_t n = w->n;
+    memset(hi, 0, n * sizeof *hi);
+    memset(lo, 0, n * sizeof *lo);
+    for (int count = 0; count < 3; count++) {
+        for (size_t i = 0; i < n; i++) {
+            pk_real left = r[i * n], rest = 0;
+            for (size_t k = 0; k < n; k++)
+                pk_pair_add(&left, &rest, -M[i * n + k], 0, hi[k], lo[k]);
+            room[i] = left + rest;
+        }
+        pk_ldl_solve(factors, n, room);
+        for (size_t i = 0; i < n; i++)
+            hi[i] = pk_sum(hi[i], room[i], &lo[i]);
+    }
+}
+
+static enum pk_status from_linear(struct pk_integrator *it, const struct work *w)
+{
+    const struct pk_system *system = it->problem.system;
+    const void *params = it->problem.params;
+    const size_t n = w->n, m = w->m;
+    pk_real *M = w->room, *factors = M + n * n, *r_q = factors + n * n, *r_v = r_q + n * n;
+    pk_real *zero = r_v + n * n, *c = w->L.hi + 2 * n * m + n, *r_t = zero + 2 * n, *room = r_t + n;
+    memset(zero, 0, 2 * n * sizeof *zero);
+    const enum pk_status status = pk_eval_acceleration(it, it->t, zero, zero + n, c);
+    if (status < 0)
+        return status;
+    system->mass(params, it->t, zero, zero + n, it->u, M);
+    system->linear(params, it->t, zero, zero + n, it->u, c, r_q, r_v, r_t);
+    memcpy(factors, M, n * n * sizeof *M);
+    const size_t failed = pk_ldl_factor(factors, n);
+    if (failed)
+        return pk_eval_failed(it, it->t, zero, zero + n, (int)failed);
+    for (size_t j = 0; j < 2 * n; j++)
+        refined(w, M, factors, j < n ? r_q + j : r_v + j - n, room, w->L.hi + j * m + n,
+                w->L.lo + j * m + n);
+    return PK_DONE;
+}
+
+/* Accelerations at unit vectors so long that c is rounded away beside what they make: the
+ * difference has no more round-off than a. */
+static enum pk_status from_accelerations(struct pk_integrator *it, const struct work *w)
+{
+    const size_t n = w->n, m = w->m;
+    const pk_real length = 1 / (PK_EPS * PK_EPS);
+    pk_real *at = w->room, *a = at + 2 * n, *c = w->L.hi + 2 * n * m + n;
+    memset(at, 0, 2 * n * sizeof *at);
+    enum pk_status status = pk_eval_acceleration(it, it->t, at, at + n, c);
+    for (size_t j = 0; j < 2 * n && status >= 0; j++) {
+        at[j] = length;
+        status = pk_eval_acceleration(it, it->t, at, at + n, a);
+        at[j] = 0;
+        for (size_t i = 0; i < n; i++)
+            w->L.hi[j * m + n + i] = (a[i] - c[i]) / length;
+    }
+    return status;
+}
+
+/* L becomes S^-1 L S, S = diag(scale) of powers of two, so that rows and columns are alike; the
+ * last row, c, no longer than they are. Returns its norm. */
+static pk_real balance(const struct work *w)
+{
+    const size_t m = w->m;
+    pk_real *const L[] = {w->L.hi, w->L.lo}, norm = 0, most = 0;
+    for (size_t i = 0; i < m; i++)
+        w->scale[i] = 1;
+    for (int again = 1, first = 1; again; first = 0) {
+        again = 0;
+        for (size_t i = 0; i + 1 < m; i++) {
+            pk_real row = 0, column = 0, f = 1;
+            for (size_t j = 0; j + 1 < m; j++)
+                if (j != i)
+                    row += pk_abs(L[0][i * m + j]), column += pk_abs(L[0][j * m + i]);
+            const pk_real before = row + column;
+            if (!(before > 0) || !pk_finite(before))
+                continue;
+            if (row > 0 && column > 0) {
+                for (; column < row / 2; column *= 4)
+                    f *= 2;
+                for (; column >= row * 2; column /= 4)
+                    f /= 2;
+                if (!((column + row) / f < PK_C(0.95) * before))
+                    continue;
+            } else if (first) { /* it turns nothing, and may be as small as can be */
+                f = row > 0 ? ALONE : 1 / ALONE;
+            } else {
+                continue;
+            }
+            again = 1;
+            w->scale[i] *= f;
+            for (int k = 0; k < 2; k++)
+                for (size_t j = 0; j < m; j++)
+                    L[k][i * m + j] /= f, L[k][j * m + i] *= f;
+        }
+    }
+    for (size_t i = 0; i < m; i++) {
+        pk_real row = 0;
+        for (size_t j = 0; j < m; j++)
+            row += pk_abs(L[0][i * m + j]);
+        *(i + 1 < m ? &norm : &most) = pk_max(i + 1 < m ? norm : most, row);
+    }
+    for (; most > norm && pk_finite(most); most /= 2) {
+        w->scale[m - 1] *= 2;
+        for (size_t j = 0; j < m; j++)
+            L[0][(m - 1) * m + j] /= 2, L[1][(m - 1) * m + j] /= 2;
+    }
+    return norm;
+}
+
+static enum pk_status exponential_init(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    if (it->n > PK_EXPONENTIAL_MOST)
+        return PK_REFUSED;
+    const struct work w = work_of(it);
+    const size_t n = w.n, m = w.m;
+    memset(w.L.hi, 0, m * m * sizeof *w.L.hi);
+    memset(w.L.lo, 0, m * m * sizeof *w.L.lo);
+    memset(w.h, 0, KEPT * sizeof *w.h);
+    *w.last = 0;
+    const enum pk_status status =
+        system->linear && system->mass ? from_linear(it, &w) : from_accelerations(it, &w);
+    if (status < 0)
+        return status;
+    for (size_t j = 0; j < n; j++)
+        w.L.hi[(n + j) * m + j] = 1;
+    if (!pk_all_finite(w.L.hi, m * m))
+        return PK_NOT_FINITE;
+    *w.norm = balance(&w);
+    return PK_DONE;
+}
+
+/* exp(h L) of the one kept longest unused, where none is of this step. */
+static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_real h, int *which)
+{
+    const size_t m = w->m;
+    for (int k = 0; k < KEPT; k++)
+        if (!(w->h[k] > h) && !(w->h[k] < h)) {
+            *w->last = (pk_real)k;
+            *which = k;
+            return PK_DONE;
+        }
+    const int k = (int)(*w->last + 1) % KEPT;
+    const struct pk_pairs E = w->E[k];
+    w->h[k] = 0;
+    const enum pk_status status = pk_expm(E, w->L, *w->norm, h, m, w->room);
+    it->count.factorisations++;
+    if (status < 0)
+        return status;
+    for (size_t i = 0; i < m; i++)
+        for (size_t j = 0; j < m; j++) {
+            const pk_real back = w->scale[i] / w->scale[j];
+            E.hi[i * m + j] *= back;
+            E.lo[i * m + j] *= back;
+            if (i == j)
+                pk_pair_add(&E.hi[i * m + j], &E.lo[i * m + j], 1, 0, 1, 0);
+        }
+    pk_pairs_settle(E, m * m);
+    w->h[k] = h;
+    *w->last = (pk_real)k;
+    *which = k;
+    return PK_DONE;
+}
+
+static void load(const struct work *w, const pk_real *state)
+{
+    const size_t n = w->n, bytes = 2 * n * sizeof *state;
+    memcpy(w->x.hi, state, bytes); /* q and v are neighbours, and their low parts */
+    memcpy(w->x.lo, state + PK_LOW_Q * n, bytes);
+    w->x.hi[2 * n] = 1;
+    w->x.lo[2 * n] = 0;
+}
+
+static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
+{
+    const struct work w = work_of(it);
+    const size_t n = w.n, bytes = 2 * n * sizeof *w.y.hi;
+    int k = 0;
+    (void)limit;
+    const enum pk_status status = matrix(it, &w, it->h, &k);
+    if (status < 0)
+        return status;
+    load(&w, it->state);
+    pk_pairs_multiply(w.y, w.x, w.E[k], 1, w.m);
+    memcpy(it->next, w.y.hi, bytes);
+    memcpy(pk_part(it->next, n, PK_LOW_Q), w.y.lo, bytes);
+    it->flags |= PK_HAVE_STEP;
+    return PK_DONE;
+}
+
+/* From where the last step began, without a matrix. */
+static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const struct work w = work_of(it);
+    load(&w, it->next);
+    for (size_t j = 0; j < w.m; j++)
+        w.x.hi[j] *= w.scale[j], w.x.lo[j] *= w.scale[j];
+    const enum pk_status status =
+        pk_expm_row(w.x, w.L, *w.norm, t - it->last_t, w.m, w.room);
+    for (size_t j = 0; j < w.n; j++) {
+        q[j] = w.x.hi[j] / w.scale[j];
+        v[j] = w.x.hi[w.n + j] / w.scale[w.n + j];
+    }
+    return status;
+}
+
+/* A frequency or a rate is at most the norm: half a turn of the fastest. */
+static pk_real exponential_resolved(const struct pk_integrator *it)
+{
+    return PK_PI / *work_of(it).norm;
+}
+
+const struct pk_method pk_exponential = {
+    .name = "exponential",
+    .doc = "the exact flow of an affine system, by the exponential of its matrix, scaled and "
+           "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179",
+    .traits = PK_SYMPLECTIC | PK_SYMMETRIC | PK_DENSE | PK_EXACT,
+    .needs = PK_AFFINE,
+    .size = exponential_size,
+    .init = exponential_init,
+    .step = exponential_step,
+    .dense = exponential_dense,
+    .resolved = exponential_resolved,
+};

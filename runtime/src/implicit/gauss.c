@@ -1,0 +1,165 @@
+/* Implicit Runge-Kutta methods at a fixed step in (q, p): Gauss, Lobatto IIIA-IIIB, Radau IIA. With
+ * the stage rates V_i as unknowns, a_ij = mu_ij b_j for q, a^_ij = mu^_ij b_j for p, t_i = t0 +
+ * c_i h:
+ *
+ *     Q_i = q0 + h sum a_ij V_j
+ *     G_i = p(Q_i, V_i, t_i) - p0 - h sum a^_ij pdot(Q_j, V_j, t_j) = 0
+ *     q1  = q0 + h sum b_i V_i,   p1 = p0 + h sum b_i pdot_i,   v1 from p(q1, v1, t1) = p1
+ *
+ * This is the method for Hamilton's equations (with forces), since V = dH/dp and pdot = -dH/dq
+ * there. It is symplectic where a^_ij = b_j (1 - a_ji / b_i), the conjugate of a, for every L,
+ * M(q, v) included: Gauss with a^ = a, Lobatto with IIIA for q and IIIB for p. That row of IIIA
+ * which is zero makes Q_1 = q0, that column of IIIB leaves pdot_s out of the stages; each V_i is
+ * still determined, since dG_i/dV_i is M at h = 0. Radau has a^ = a, its last stage is the end of
+ * the step, and it damps what is fast.
+ * p is the state carried from step to step; v1 is recovered and errs by round-off alone. The
+ * products h b_i are made so that they sum to h, and mu_ij + mu^_ji = 1 exactly; both sums are
+ * compensated. Here is the step; the equations are solved in newton.c.
+ *
+ * gauss8 has its stages in the lanes of one kernel where the system is separable: gauss_nystrom.c.
+ *
+ * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3,
+ * II.2, VI.4, VIII.6; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8;
+ * M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861.
+ */
+#include <string.h>
+
+#include "gauss.h"
+
+/* Row i holds the weights by which the last step's stages and its end (nodes c_j and 1) give the
+ * value at 1 + c_i h / last_h; where the last stage is at the end, the stages alone. */
+static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
+{
+    const size_t s = w->s, nodes = w->table->c[s - 1] < 1 ? s + 1 : s;
+    for (size_t i = 0; i < s; i++)
+        for (size_t j = 0; j <= s; j++) {
+            const pk_real x = PK_C(1.0) + ratio * w->table->c[i];
+            const pk_real xj = j < s ? w->table->c[j] : PK_C(1.0);
+            pk_real weight = j < nodes;
+            for (size_t k = 0; k < nodes && j < nodes; k++) {
+                const pk_real xk = k < s ? w->table->c[k] : PK_C(1.0);
+                if (k != j)
+                    weight *= (x - xk) / (xj - xk);
+            }
+            w->predict[i * (s + 1) + j] = weight;
+        }
+    w->kept->ratio = ratio;
+}
+
+void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n, s = w->s;
+    const pk_real ratio = it->flags & PK_HAVE_STEP ? it->h / w->kept->last_h : 0;
+    if (!(pk_abs(ratio) > 0) || !(pk_abs(ratio) <= PK_GAUSS_REACH)) {
+        for (size_t i = 0; i < s; i++)
+            memcpy(w->V + i * n, it->v, n * sizeof *w->V);
+        return;
+    }
+    if (ratio > w->kept->ratio || ratio < w->kept->ratio)
+        set_predictor(w, ratio);
+    for (size_t i = 0; i < s; i++)
+        for (size_t k = 0; k < n; k++) {
+            pk_real v = w->predict[i * (s + 1) + s] * it->v[k];
+            for (size_t j = 0; j < s; j++)
+                v += w->predict[i * (s + 1) + j] * w->last_V[j * n + k];
+            w->V[i * n + k] = v;
+        }
+}
+
+/* v from p(q, v, t) = p, starting at v; Newton on M, one linear solve where p is affine in v. */
+static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_gauss_work *w,
+                                    pk_real t, const pk_real *q, const pk_real *p, pk_real *v)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t n = it->n;
+    const int once = (system->facts & PK_QUADRATIC) != 0;
+    const int constant = (system->facts & PK_MASS_CONSTANT) != 0;
+    pk_real *r = w->G, before = 0;
+
+    for (int count = 0; count < 50; count++) {
+        pk_eval_canonical(it, t, q, v, r, w->F);
+        if (!pk_all_finite(r, n))
+            return PK_NOT_FINITE;
+        for (size_t i = 0; i < n; i++)
+            r[i] = p[i] - r[i];
+        if (!constant || !(it->flags & PK_HAVE_A)) {
+            system->mass(it->problem.params, t, q, v, pk_eval_input(it, t), w->mass);
+            const size_t failed = pk_ldl_factor(w->mass, n);
+            if (failed)
+                return pk_eval_failed(it, t, q, v, (int)failed);
+            it->flags |= PK_HAVE_A;
+        }
+        pk_ldl_solve(w->mass, n, r);
+        pk_real size = 0, scale = 0;
+        for (size_t i = 0; i < n; i++) {
+            v[i] += r[i];
+            size = pk_max(size, pk_abs(r[i]));
+            scale = pk_max(scale, pk_abs(v[i]));
+        }
+        if (once || size <= PK_EPS * scale)
+            return PK_DONE;
+        if (count && size >= before / 2 && size <= PK_GAUSS_ROUND * scale)
+            return PK_DONE; /* corrections no longer shrink: they are round-off */
+        before = size;
+    }
+    it->detail = before;
+    it->where = PK_OF_RATES;
+    return PK_NO_CONVERGENCE;
+}
+
+enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
+{
+    struct pk_gauss_work w = pk_gauss_parts(it);
+    const size_t n = it->n;
+    (void)limit;
+    if (it->h > w.kept->h || it->h < w.kept->h)
+        pk_gauss_set_step(it, &w, it->h);
+    if (pk_gauss_by_lanes(it, &w, it->h)) {
+        const enum pk_status status = pk_gauss_nystrom_step(it, &w);
+        if (status != PK_NO_CONVERGENCE)
+            return status;
+        w.kept->slow_h = it->h; /* too long for fixed points, and not for Newton */
+        memset(pk_part(it->state, n, PK_LOW_X), 0, n * sizeof *w.V); /* it was that of v */
+        it->flags = 0;
+    }
+    pk_gauss_predict(it, &w);
+    const enum pk_status status = pk_gauss_solve(it, &w);
+    if (status < 0) {
+        it->flags &= ~PK_HAVE_LU;
+        return status;
+    }
+    return pk_gauss_finish(it, &w);
+}
+
+enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n, s = w->s;
+    enum pk_status status = PK_DONE;
+    memcpy(it->next, it->state, PK_PARTS * n * sizeof *w->V);
+    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    pk_real *p = pk_part(it->next, n, PK_P);
+    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_p = pk_part(it->next, n, PK_LOW_X);
+    for (size_t k = 0; k < n; k++) {
+        pk_real dq = 0, dp = 0;
+        for (size_t i = 0; i < s; i++) {
+            dq += w->hb[i] * w->V[i * n + k];
+            dp += w->F[i * n + k];
+        }
+        q[k] = pk_sum(q[k], dq, &low_q[k]);
+        p[k] = pk_sum(p[k], dp, &low_p[k]);
+        v[k] = w->V[(s - 1) * n + k];
+    }
+    if (!pk_all_finite(it->next, PK_LOW_Q * n))
+        return PK_NOT_FINITE;
+    if (w->table->c[s - 1] < 1 || w->table->conjugate)
+        status = recover_rates(it, w, it->next_t, q, p, v);
+    else /* p0 + h sum b_i pdot_i would multiply what V errs by with a stiff h pdot_v */
+        memcpy(p, w->P + (s - 1) * n, n * sizeof *p), memset(low_p, 0, n * sizeof *p);
+    if (status < 0 || !pk_all_finite(v, n))
+        return status < 0 ? status : PK_NOT_FINITE;
+    memcpy(w->last_V, w->V, s * n * sizeof *w->V);
+    w->kept->last_h = it->h;
+    w->kept->last_contraction = w->kept->contraction;
+    it->flags |= PK_HAVE_STEP;
+    return PK_DONE;
+}

@@ -1,0 +1,119 @@
+/* What the implicit methods in (q, p) share: the step (gauss.c), its equations (newton.c), their
+ * matrix (gauss_matrix.c), which of their solutions it is (branch.c), step control (radau.c).
+ */
+#ifndef PK_GAUSS_H
+#define PK_GAUSS_H
+
+#include "../core/internal.h"
+#include "../core/tableau.h"
+
+/* Corrections below this, relative, that no longer shrink are round-off, not divergence. */
+#define PK_GAUSS_ROUND (PK_C(16384.0) * PK_EPS)
+/* What an iteration may leave undone: the error of 1e8 steps is then still of round-off. */
+#define PK_GAUSS_BIAS (PK_EPS / PK_C(8192.0))
+/* A step so much longer than the last one is not predicted from it. */
+#define PK_GAUSS_REACH PK_C(64.0)
+/* Below these contractions the solution found is the one of short steps: so too in steps to come
+ * that keep the matrix, and in one for which it was made. See branch.c. */
+#define PK_GAUSS_SURE PK_C(0.5)
+#define PK_GAUSS_SURE_ONCE PK_C(0.9)
+/* Corrections of a fixed-point iteration that shrink like this are those of a contraction; smaller
+ * ones, relative, may rise and fall without leading to another solution. */
+#define PK_GAUSS_FAST PK_C(0.7)
+#define PK_GAUSS_FAR PK_C(0.1)
+/* Newton's corrections that do not shrink like that, while its matrix changes by no more than
+ * this, are no corrections at all. */
+#define PK_GAUSS_STUCK PK_C(0.7)
+#define PK_GAUSS_STEADY PK_C(1e-3)
+
+/* What a step leaves to the next one. */
+struct pk_gauss_kept {
+    pk_real h, lu_h, last_h; /* the steps that hA, lu and last_V were made for */
+    pk_real ratio;           /* of the predictor: its step over the last one */
+    pk_real slow_h;          /* the step at which gauss_nystrom.c did not converge */
+    /* newton.c: iterations with a new matrix; steps for which it is still to be made anew, and how
+     * many these were; whether the iteration ended in the round-off of the forces. */
+    int best, wait, patience, noisy;
+    /* branch.c: the contraction where lu was made, and in the last step; the rate of an iteration at
+     * its start, and the worst; what part of the quick bound the better one was, and for how many
+     * more matrices that is taken; whether lu was found to be on the branch, or is of this step. */
+    pk_real contraction, last_contraction, first_rate, worst_rate, loose;
+    int loose_for, sure, fresh;
+};
+
+struct pk_gauss_work {
+    const struct pk_gauss *table;
+    size_t s;
+    pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, h b pdot, residual */
+    pk_real *last_V;            /* of the last step made, for the predictor */
+    pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
+    pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;
+    pk_real *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* _p: for p */
+    pk_real *hh, *norms;                           /* h^2 a^_ir a_rj; norms of hA, hA_p, hh */
+    pk_real *mu_columns, *rest; /* of gauss8: mu for the lanes; work of gauss_nystrom.c. Of radau:
+                                   work of radau.c */
+    /* branch.c: derivatives at the start and at the point before, V there and before that, another
+     * matrix, vectors. newton.c: derivatives an iteration before. */
+    pk_real *start_J, *old_J, *old_V, *older_V, *other, *x, *y, *before_J;
+    struct pk_gauss_kept *kept;
+};
+
+/* Iteration by Newton's matrix frozen at the predicted stages, or made anew each time, or by M
+ * alone. */
+enum pk_gauss_mode { PK_SIMPLIFIED, PK_FULL, PK_BY_MASS };
+
+/* gauss_work.c. `kept` is memory of the block too. */
+struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
+size_t pk_gauss_nystrom_size(size_t n);
+enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *w);
+
+/* Whether a step of h is made by that, or was. */
+static inline int pk_gauss_by_lanes(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                                    pk_real h)
+{
+    return w->s == PK_LANES && it->problem.system->facts & PK_SEPARABLE &&
+           (h > w->kept->slow_h || h < w->kept->slow_h);
+}
+
+/* What a step is made of: h a_ij and h b_i; V as foreseen from the last step; V, Q, P, F that solve
+ * the equations, from the V given as a guess; the new state from these. */
+void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h);
+void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w);
+enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w);
+enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w);
+
+/* G, and Q, P, F, at V. 0 where one is not finite. */
+int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w);
+/* V -= (matrix)^-1 G; G is then that correction. */
+void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
+/* w->scale of each coordinate's rates, from V and q/h. */
+void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w);
+/* The iteration from V. 0 where it did not converge. */
+int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
+
+/* M, p_q, pdot_q, pdot_v into J, n by n each. */
+void pk_gauss_derivatives(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                          pk_real *J);
+/* The same at each stage. */
+void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *w);
+/* Newton's matrix for a step of tau h, not factored. Derivatives of stage j start at
+ * J + j * stride, so a stride of 0 is one set for all stages. */
+void pk_gauss_matrix(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                     const pk_real *J, size_t stride, pk_real tau, pk_real *matrix);
+/* Newton's matrix as the mode wants it, factored into w->lu; 0 where it is singular. */
+int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
+/* Where a matrix costs less than an iteration or two: it then takes the derivatives at each
+ * predicted stage, and is made anew at the first sign of slower convergence. */
+int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w);
+/* A bound on how much one fixed-point iteration contracts, by `count` sets of derivatives; not
+ * finite where M is not positive definite. */
+pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                             const pk_real *J, size_t count);
+/* The least of max_i (|X| x)_i / x_i over some x > 0, which bounds X in a norm of weights 1/x. */
+pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y);
+
+/* Whether V is the solution that belongs to short steps; if not, that solution, or
+ * PK_AMBIGUOUS_STEP with the longest step for which there is one in it->detail. */
+enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w);
+
+#endif

@@ -1,0 +1,290 @@
+/* Output of the adaptive Gauss method between the ends of a step, as accurate as the step. The
+ * polynomial through its 8 stages is not (1e-9 inside a step whose end errs by 1e-13), but a good
+ * start: at first use it is refined, over the same step, to collocation at 16 nodes,
+ *
+ *     a(x) = sum_k<16 alpha_k P_k(2 x - 1),   v = v0 + h int a,   q = q0 + h int v,
+ *
+ * by Picard iteration: q and v at the nodes, two calls of the lane kernel, new alpha. Then any
+ * number of rows are sums of Legendre polynomials. Integrals of these:
+ * int P_k = (P_k+1 - P_k-1) / (2 (2 k + 1)) on [0, 1].
+ *
+ * The iteration contracts while h times the fastest frequency is below some 15, whether that
+ * frequency is seen in the motion or not. A step of a long chain is longer: its own few iterations
+ * end before what they amplify, round-off, comes up to the tolerance. There the step is output in
+ * pieces, each a collocation that starts where the last one ended, halved until they contract.
+ *
+ * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.7,
+ * for collocation.
+ */
+#include <string.h>
+
+#include "gauss_dense.h"
+#include "../core/generic.h"
+
+#include <pk/step/gauss_stages.h>
+
+enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
+
+/* The lower half of the nodes, their weights; the rest by symmetry. 60 digits (mpmath). */
+static const pk_real node[] = {
+    PK_C(0.0052995325041750337019229132748336862869),
+    PK_C(0.027712488463383711961005792232695827454),
+    PK_C(0.067184398806084128059766051143803433806), PK_C(0.12229779582249848305244940257627886582),
+    PK_C(0.1910618777986781257766641179756044905), PK_C(0.27099161117138630682879027850821121323),
+    PK_C(0.35919822461037054338476974926975194676), PK_C(0.45249374508118127990734033228752096843),
+};
+static const pk_real weight[] = {
+    PK_C(0.013576229705877047425890286228009051756),
+    PK_C(0.031126761969323946431421918497188847137),
+    PK_C(0.047579255841246392404962553801123113178),
+    PK_C(0.062314485627766936026238141096008210072),
+    PK_C(0.074797994408288366040750865273739274485),
+    PK_C(0.084578259697501269094656039515179981106),
+    PK_C(0.091301707522461794433381833984609969692),
+    PK_C(0.094725305227534248142698361604141552573),
+};
+
+struct pk_node pk_gauss_node(int j)
+{
+    const int mirrored = j >= NODES / 2, i = mirrored ? NODES - 1 - j : j;
+    const struct pk_node found = {mirrored ? 1 - node[i] : node[i], weight[i]};
+    return found;
+}
+
+/* The shortest piece, in steps. */
+#define LEAST PK_C(0x1p-10)
+
+/* The work behind that of the step. */
+struct parts {
+    pk_real *P, *to_alpha;  /* P_k at the nodes, by k; alpha from a at the nodes, by node */
+    pk_real *q, *v, *a, *b; /* 2 halves of n by 8: at the nodes; b: a as it was before */
+    pk_real *series;        /* n by 3 TERMS: a, v, q */
+    pk_real *from;          /* 2 n: q and v where the piece begins, */
+    pk_real *at, *width;    /* which is there, and as long, in steps */
+};
+
+size_t pk_gauss_dense_size(size_t n)
+{
+    return (size_t)(TERMS + NODES) * NODES + n * (4 * NODES + 3 * TERMS + 2) + 2;
+}
+
+static struct parts parts_of(struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    struct parts d;
+    pk_real *x = pk_gauss_lanes(it, n, it->work).dense;
+    d.P = x, x += TERMS * NODES;
+    d.to_alpha = x, x += NODES * NODES;
+    d.q = x, x += NODES * n;
+    d.v = x, x += NODES * n;
+    d.a = x, x += NODES * n;
+    d.b = x, x += NODES * n;
+    d.series = x, x += 3 * TERMS * n;
+    d.from = x, x += 2 * n;
+    d.at = x++, d.width = x;
+    return d;
+}
+
+/* P_0 to P_count-1 at y. */
+static void legendre(pk_real y, int count, pk_real *P, int stride)
+{
+    pk_real below = 0, here = 1;
+    for (int k = 0; k < count; k++) {
+        P[k * stride] = here;
+        const pk_real next =
+            ((pk_real)(2 * k + 1) * y * here - (pk_real)k * below) / (pk_real)(k + 1);
+        below = here;
+        here = next;
+    }
+}
+
+static pk_real node_at(int l) { return l < 8 ? node[l] : 1 - node[NODES - 1 - l]; }
+
+/* The node of the piece, in steps. */
+static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * node_at(l); }
+
+void pk_gauss_dense_init(struct pk_integrator *it)
+{
+    const struct parts at = parts_of(it), *d = &at;
+    for (int l = 0; l < NODES; l++) {
+        const pk_real y = l < 8 ? 2 * node[l] - 1 : 1 - 2 * node[NODES - 1 - l];
+        legendre(y, TERMS, d->P + l, NODES);
+        for (int k = 0; k < NODES; k++)
+            d->to_alpha[k * NODES + l] =
+                (pk_real)(2 * k + 1) * weight[l < 8 ? l : NODES - 1 - l] * d->P[k * NODES + l];
+    }
+}
+
+/* The integral from 0 of a series of `count` terms, times h, plus its value at 0. */
+static void integrate(const pk_real *from, int count, pk_real h, pk_real at0, pk_real *to)
+{
+    pk_real start = 0;
+    for (int k = 1; k <= count; k++) {
+        const pk_real above = k + 1 < count ? from[k + 1] / (pk_real)(2 * k + 3) : 0;
+        to[k] = h * (from[k - 1] / (pk_real)(2 * k - 1) - above) / 2;
+        start += k % 2 ? -to[k] : to[k];
+    }
+    to[0] = at0 - start;
+}
+
+static void place(const pk_real *series, int count, const pk_real *P, pk_real *x0, pk_real *x1)
+{
+    for (int l = 0; l < NODES; l++) {
+        pk_real sum = 0;
+        for (int k = count - 1; k >= 0; k--)
+            sum += series[k] * P[k * NODES + l];
+        *(l < PK_GAUSS_S ? x0 + l : x1 + l - PK_GAUSS_S) = sum;
+    }
+}
+
+/* a at one half of the nodes. */
+static enum pk_status evaluate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                               const struct parts *d, int half)
+{
+    const size_t first = (size_t)half * PK_GAUSS_S * it->n;
+    pk_real t[PK_GAUSS_S];
+    for (int l = 0; l < PK_GAUSS_S; l++)
+        t[l] = it->last_t + *w->h * place_of(d, half * PK_GAUSS_S + l);
+    return generic_gauss_evaluate(it, t, d->q + first, d->v + first, w->u, d->a + first);
+}
+
+/* The polynomial through the stages, as Taylor coefficients at the end, at the nodes. */
+static void begin(struct pk_integrator *it, const struct pk_gauss_lanes *w, const struct parts *d)
+{
+    for (size_t i = 0; i < it->n; i++)
+        for (size_t l = 0; l < NODES; l++) {
+            const pk_real *c = w->poly + i * PK_GAUSS_S;
+            pk_real sum = 0;
+            for (int k = PK_GAUSS_S - 1; k >= 0; k--)
+                sum = sum * (place_of(d, (int)l) - 1) + c[k];
+            d->a[l / PK_GAUSS_S * PK_GAUSS_S * it->n + i * PK_GAUSS_S + l % PK_GAUSS_S] = sum;
+        }
+}
+
+/* alpha from a at the nodes, and the series of v and q; these at the nodes. */
+static void collocate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                      const struct parts *d)
+{
+    const size_t n = it->n, half = PK_GAUSS_S * n;
+    const pk_real h = *w->h * *d->width;
+    for (size_t i = 0; i < n; i++) {
+        pk_real *a = d->series + i * 3 * TERMS, *v = a + TERMS, *q = v + TERMS;
+        const pk_real *a0 = d->a + i * PK_GAUSS_S, *a1 = a0 + half;
+        for (int k = 0; k < NODES; k++) {
+            const pk_real *row = d->to_alpha + k * NODES;
+            a[k] = pk_gauss_dot(row, a0) + pk_gauss_dot(row + PK_GAUSS_S, a1);
+        }
+        integrate(a, NODES, h, d->from[n + i], v);
+        integrate(v, NODES + 1, h, d->from[i], q);
+        place(v, NODES + 1, d->P, d->v + i * PK_GAUSS_S, d->v + half + i * PK_GAUSS_S);
+        place(q, NODES + 2, d->P, d->q + i * PK_GAUSS_S, d->q + half + i * PK_GAUSS_S);
+    }
+}
+
+/* One piece: PK_NO_CONVERGENCE as soon as corrections do not shrink. */
+static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                             const struct parts *d)
+{
+    const size_t n = it->n, half = PK_GAUSS_S * n;
+    pk_real before = 0;
+    begin(it, w, d);
+    collocate(it, w, d);
+    for (int count = 0; count < 30; count++) {
+        memcpy(d->b, d->a, NODES * n * sizeof *d->a);
+        enum pk_status status = evaluate(it, w, d, 0);
+        if (status >= 0)
+            status = evaluate(it, w, d, 1);
+        if (status < 0)
+            return status;
+        pk_real change2 = 0, size2 = 0;
+        for (size_t i = 0; i < n; i++)
+            for (size_t l = 0; l < NODES; l++) {
+                const size_t at = l / PK_GAUSS_S * half + i * PK_GAUSS_S + l % PK_GAUSS_S;
+                const pk_real weight_i = w->last_weight[i] * *d->width;
+                const pk_real x = weight_i * d->a[at], y = weight_i * (d->a[at] - d->b[at]);
+                size2 += x * x / (pk_real)(NODES * n);
+                change2 += y * y / (pk_real)(NODES * n);
+            }
+        if (!pk_finite(change2) || !pk_finite(size2))
+            return PK_NOT_FINITE;
+        collocate(it, w, d);
+        const pk_real rate2 = count ? change2 / before : PK_C(0.25);
+        if (rate2 * change2 <= PK_C(0.01) * (1 - rate2) ||
+            change2 <= PK_C(1e4) * PK_EPS * PK_EPS * size2)
+            return PK_DONE;
+        it->detail = PK_F(sqrt)(change2 / (size2 + PK_TINY));
+        if (count > 1 && rate2 > PK_C(0.5))
+            break;
+        before = change2;
+    }
+    return PK_NO_CONVERGENCE;
+}
+
+/* The series of the piece at x, counted from its ends -1 and 1. */
+static void values(const struct parts *d, size_t n, pk_real x, pk_real *q, pk_real *v)
+{
+    pk_real P[TERMS];
+    legendre(x, TERMS, P, 1);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real *of_v = d->series + i * 3 * TERMS + TERMS, *of_q = of_v + TERMS;
+        q[i] = v[i] = 0;
+        for (int k = TERMS - 1; k >= 0; k--) {
+            q[i] += of_q[k] * P[k];
+            v[i] += k < TERMS - 1 ? of_v[k] * P[k] : 0;
+        }
+    }
+}
+
+/* From piece to piece up to the one that holds x, in steps; back to the first if that was passed. */
+static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                            const struct parts *d, pk_real x)
+{
+    const size_t n = it->n;
+    if (!(it->flags & PK_HAVE_DENSE) || x < *d->at) {
+        memcpy(d->from, w->start, 2 * n * sizeof *d->from);
+        *d->at = 0;
+        *d->width = 1;
+        it->flags &= ~PK_HAVE_DENSE;
+    }
+    for (;;) {
+        const pk_real end = *d->at + *d->width;
+        if (it->flags & PK_HAVE_DENSE) {
+            if (x <= end || end >= 1)
+                return PK_DONE;
+            values(d, n, 1, d->from, d->from + n);
+            *d->at = end;
+            it->flags &= ~PK_HAVE_DENSE;
+        }
+        const enum pk_status status = refine(it, w, d);
+        if (status >= 0)
+            it->flags |= PK_HAVE_DENSE;
+        else if (*d->width > LEAST)
+            *d->width /= 2;
+        else
+            return status;
+    }
+}
+
+enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->work);
+    const struct parts d = parts_of(it);
+    const size_t n = it->n;
+    const pk_real x = (t - it->last_t) / *w.h;
+    /* At the ends, what the steps say, to the bit. */
+    if (!(t > it->last_t) && !(t < it->last_t)) {
+        memcpy(q, w.start, n * sizeof *q);
+        memcpy(v, w.start + n, n * sizeof *v);
+        return PK_DONE;
+    }
+    if (!(t > it->t) && !(t < it->t)) {
+        memcpy(q, it->q, n * sizeof *q);
+        memcpy(v, it->v, n * sizeof *v);
+        return PK_DONE;
+    }
+    const enum pk_status status = reach(it, &w, &d, x);
+    if (status < 0)
+        return status;
+    values(&d, n, 2 * (x - *d.at) / *d.width - 1, q, v);
+    return pk_all_finite(q, n) && pk_all_finite(v, n) ? PK_DONE : PK_NOT_FINITE;
+}

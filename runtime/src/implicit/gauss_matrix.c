@@ -1,0 +1,216 @@
+/* Newton's matrix of the stage equations G(V) = 0 in gauss.c. It has the blocks
+ *
+ *     dG_i/dV_j = delta_ij M + h (a_ij p_q - a^_ij pdot_v) - h^2 sum_r a^_ir a_rj pdot_q
+ *
+ * with the derivatives at the stages: M and p_q at i, pdot_v at j, pdot_q at r; or in large systems
+ * all at their mean, where the error of freezing is of second order in h.
+ *
+ * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8; for the norm,
+ * R. S. Varga, Matrix Iterative Analysis, 2.1 (Collatz, Wielandt).
+ */
+#include <string.h>
+
+#include "gauss.h"
+
+#define SMALL (PK_GAUSS_SURE / 4) /* a norm that is below this is so for any purpose */
+#define LITTLE PK_C(0.8)          /* what is gained in a turn, where many are made */
+enum { MOST_TURNS = 16 };
+
+void pk_gauss_derivatives(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                          pk_real *J)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t nn = it->n * it->n;
+    const pk_real *u = pk_eval_input(it, t);
+    system->mass(it->problem.params, t, q, v, u, J);
+    system->jacobian(it->problem.params, t, q, v, u, J + nn, J + 2 * nn, J + 3 * nn);
+    it->count.jacobians++;
+}
+
+void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n;
+    for (size_t i = 0; i < w->s; i++)
+        pk_gauss_derivatives(it, it->t + w->table->c[i] * it->h, w->Q + i * n, w->V + i * n,
+                             w->jacobian + i * 4 * n * n);
+}
+
+void pk_gauss_matrix(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                     const pk_real *J, size_t stride, pk_real tau, pk_real *matrix)
+{
+    const size_t n = it->n, s = w->s, m = s * n, nn = n * n;
+    for (size_t i = 0; i < s; i++)
+        for (size_t j = 0; j < s; j++) {
+            pk_real *block = matrix + i * n * m + j * n;
+            const pk_real *Ji = J + i * stride, *Jj = J + j * stride;
+            const pk_real a = tau * w->hA[i * s + j], a_p = tau * w->hA_p[i * s + j];
+            const pk_real *hh = w->hh + (i * s + j) * s;
+            for (size_t k = 0; k < n; k++)
+                for (size_t l = 0; l < n; l++) {
+                    const size_t x = k * n + l;
+                    pk_real sum = 0;
+                    for (size_t r = 0; r < s; r++)
+                        sum += hh[r] * J[r * stride + 2 * nn + x];
+                    block[k * m + l] = (i == j ? Ji[x] : 0) + a * Ji[nn + x] -
+                                       a_p * Jj[3 * nn + x] - tau * tau * sum;
+                }
+        }
+}
+
+int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    return w->s * it->n <= 24;
+}
+
+int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
+{
+    const size_t n = it->n, s = w->s;
+    it->flags &= ~(PK_HAVE_LU | PK_REFRESH);
+    it->count.factorisations++;
+    if (mode == PK_BY_MASS) {
+        it->problem.system->mass(it->problem.params, it->t, it->q, it->v,
+                                 pk_eval_input(it, it->t), w->jacobian);
+        return pk_ldl_factor(w->jacobian, n) == 0;
+    }
+    const int each = mode == PK_FULL || pk_gauss_small(it, w);
+    if (each) {
+        pk_gauss_stage_derivatives(it, w);
+    } else {
+        memset(w->mean_q, 0, n * sizeof *w->mean_q);
+        memset(w->mean_v, 0, n * sizeof *w->mean_v);
+        for (size_t i = 0; i < s; i++)
+            for (size_t k = 0; k < n; k++) {
+                w->mean_q[k] += w->Q[i * n + k] / (pk_real)s;
+                w->mean_v[k] += w->V[i * n + k] / (pk_real)s;
+            }
+        pk_gauss_derivatives(it, it->t + it->h / 2, w->mean_q, w->mean_v, w->jacobian);
+    }
+    w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, each ? s : 1);
+    w->kept->sure = 0;
+    w->kept->fresh = 1;
+    pk_gauss_matrix(it, w, w->jacobian, each ? 4 * n * n : 0, 1, w->lu);
+    w->kept->lu_h = it->h;
+    if (!pk_lu_factor(w->lu, w->pivot, s * n))
+        return 0;
+    if (mode == PK_SIMPLIFIED)
+        it->flags |= PK_HAVE_LU;
+    return 1;
+}
+
+pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y)
+{
+    pk_real least = PK_INFINITY;
+    for (size_t i = 0; i < m; i++)
+        x[i] = 1;
+    for (int turn = 0; turn < MOST_TURNS && least > SMALL; turn++) {
+        pk_real most = 0, sum = 0;
+        for (size_t i = 0; i < m; i++) {
+            y[i] = 0;
+            for (size_t j = 0; j < m; j++)
+                y[i] += pk_abs(X[i * m + j]) * x[j];
+            if (!(y[i] <= most * x[i])) /* so that what is no number gets through */
+                most = y[i] / x[i];
+        }
+        if (!pk_finite(most))
+            return most;
+        const int falls = most < LITTLE * least;
+        least = pk_min(least, most);
+        if (m == 1 || !(most > 0) || (turn >= 5 && !falls))
+            break;
+        /* A power step, damped since |X| may turn in a circle; and little, since a row that takes
+         * and does not give, as a height of a body that rolls, is to grow as fast as it takes. */
+        for (size_t i = 0; i < m; i++) {
+            x[i] += 3 * y[i] / most;
+            sum = pk_max(sum, x[i]);
+        }
+        for (size_t i = 0; i < m; i++)
+            x[i] /= sum;
+    }
+    return least;
+}
+
+/* Without a solution with M: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e / det C, since the
+ * eigenvalues of C > 0 sum to n; the rest by Frobenius norms, and the norms of the tables. */
+static pk_real quick_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                                 const pk_real *J, size_t count)
+{
+    const size_t n = it->n, nn = n * n;
+    const int separable = (it->problem.system->facts & PK_SEPARABLE) != 0;
+    pk_real *ldl = w->other, *r = w->x, p_q = 0, pdot_q = 0, pdot_v = 0, least = 1;
+    for (size_t k = 0; k < count; k++, J += 4 * nn) {
+        pk_real det = 1, of_p_q = 0, of_pdot_q = 0, of_pdot_v = 0;
+        if (n > 1) {
+            for (size_t i = 0; i < nn; i++)
+                ldl[i] = J[i];
+            if (pk_ldl_factor(ldl, n))
+                return PK_INFINITY;
+        } else if (!(J[0] > 0)) {
+            return PK_INFINITY;
+        }
+        for (size_t i = 0; i < n; i++) {
+            r[i] = 1 / J[i * n + i];
+            if (n > 1)
+                det *= ldl[i * n + i] * r[i];
+        }
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < n; j++) {
+                const pk_real *x = J + i * n + j, scale = r[i] * r[j];
+                of_pdot_q += x[2 * nn] * x[2 * nn] * scale;
+                if (!separable) {
+                    of_p_q += x[nn] * x[nn] * scale;
+                    of_pdot_v += x[3 * nn] * x[3 * nn] * scale;
+                }
+            }
+        least = pk_min(least, det);
+        p_q = pk_max(p_q, of_p_q);
+        pdot_q = pk_max(pdot_q, of_pdot_q);
+        pdot_v = pk_max(pdot_v, of_pdot_v);
+        if (!pk_finite(of_p_q + of_pdot_q + of_pdot_v))
+            return PK_INFINITY;
+    }
+    pk_real sum = w->norms[2] * PK_F(sqrt)(pdot_q);
+    if (!separable)
+        sum += w->norms[0] * PK_F(sqrt)(p_q) + w->norms[1] * PK_F(sqrt)(pdot_v);
+    return n > 1 ? PK_C(2.72) * sum / least : sum;
+}
+
+/* |M^-1 (J - M)| itself. */
+static pk_real contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                           const pk_real *J, size_t stride)
+{
+    const size_t n = it->n, s = w->s, m = s * n, nn = n * n;
+    pk_real *X = w->other, *ldl = X + m * m;
+    pk_gauss_matrix(it, w, J, stride, 1, X);
+    for (size_t i = 0; i < s; i++, J += stride) {
+        memcpy(ldl, J, nn * sizeof *ldl);
+        if (pk_ldl_factor(ldl, n))
+            return PK_INFINITY;
+        for (size_t j = 0; j < m; j++) {
+            pk_real *column = X + i * n * m + j;
+            for (size_t k = 0; k < n; k++)
+                w->x[k] = column[k * m] - (j / n == i ? J[k * n + j % n] : 0);
+            pk_ldl_solve(ldl, n, w->x);
+            for (size_t k = 0; k < n; k++)
+                column[k * m] = w->x[k];
+        }
+    }
+    return pk_gauss_norm(X, m, w->x, w->y);
+}
+
+pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                             const pk_real *J, size_t count)
+{
+    const pk_real quick = quick_contraction(it, w, J, count);
+    if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
+        return quick;
+    /* How much too large that is changes little from step to step: it is seen now and then. */
+    const pk_real guess = 2 * w->kept->loose * quick;
+    if (w->kept->loose_for > 0 && guess <= PK_GAUSS_SURE) {
+        w->kept->loose_for -= 1;
+        return guess;
+    }
+    const pk_real norm = contraction(it, w, J, count > 1 ? 4 * it->n * it->n : 0);
+    w->kept->loose = norm / quick;
+    w->kept->loose_for = 16;
+    return norm;
+}

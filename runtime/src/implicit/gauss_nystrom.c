@@ -1,0 +1,120 @@
+/* gauss8 where M is constant and f depends on q and t alone: V and p then differ by constants, so
+ * the same method in (q, q') is as symplectic, and its 8 stages are the lanes of one kernel. With
+ *
+ *     L_j = h b_j a_j,  V_i = v0 + sum mu_ij L_j,  P_j = h b_j V_j,  Q_i = q0 + sum mu_ij P_j
+ *
+ * (the products h b_j V_j as numbers of their own, since mu2 of the adaptive method would break
+ * b_i a_ij + b_j a_ji = b_i b_j by round-off, always the same way). The fixed-point iteration goes
+ * on until corrections no longer shrink: what is left then has no sign. Where it does not
+ * converge, Newton's does; see newton.c.
+ *
+ * Reference: M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861, 3.3 for the end
+ * of the iteration.
+ */
+#include <string.h>
+
+#include "gauss.h"
+#include "../core/generic.h"
+
+#include <pk/step/gauss_stages.h>
+
+size_t pk_gauss_nystrom_size(size_t n) { return 5 * n * PK_GAUSS_S + 4 * n + 3; }
+
+static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
+                   const struct pk_gauss_work *of, pk_real *L, pk_real *P)
+{
+    for (size_t i = 0; i < it->n; i++) {
+        const pk_real low_q = pk_part(it->state, it->n, PK_LOW_Q)[i];
+        const pk_real low_v = pk_part(it->state, it->n, PK_LOW_X)[i];
+        const pk_real *a = w->a + i * PK_GAUSS_S;
+        pk_real *q = w->q + i * PK_GAUSS_S, *v = w->v + i * PK_GAUSS_S;
+        pk_real dv[PK_GAUSS_S], dq[PK_GAUSS_S], l[PK_GAUSS_S], p[PK_GAUSS_S];
+        for (int j = 0; j < PK_GAUSS_S; j++)
+            l[j] = of->hb[j] * a[j];
+        pk_gauss_rows(of->mu_columns, l, dv);
+        for (int j = 0; j < PK_GAUSS_S; j++) {
+            v[j] = it->v[i] + (low_v + dv[j]);
+            p[j] = of->hb[j] * v[j];
+        }
+        pk_gauss_rows(of->mu_columns, p, dq);
+        for (int j = 0; j < PK_GAUSS_S; j++)
+            q[j] = it->q[i] + (low_q + dq[j]);
+        L[i] = pk_gauss_sum(l);
+        P[i] = pk_gauss_sum(p);
+    }
+}
+
+/* The largest correction, relative to the largest a of its coordinate. */
+static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
+{
+    pk_real worst = 0;
+    for (size_t i = 0; i < n; i++) {
+        pk_real change = 0, size = PK_TINY;
+        for (size_t j = i * PK_GAUSS_S; j < (i + 1) * PK_GAUSS_S; j++) {
+            const pk_real d = pk_abs(w->next_a[j] - w->a[j]);
+            if (!(d <= change)) /* so that what is no number gets through */
+                change = d;
+            size = pk_max(size, pk_abs(w->next_a[j]));
+            w->a[j] = w->next_a[j];
+        }
+        if (!(change / size <= worst))
+            worst = change / size;
+        if (!pk_finite(change))
+            return change - change;
+    }
+    return worst;
+}
+
+enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *of)
+{
+    const size_t n = it->n;
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, of->rest);
+    pk_real *v = pk_part(it->next, n, PK_V), *q = pk_part(it->next, n, PK_Q);
+    pk_real *L = pk_part(it->next, n, PK_LOW_X), *P = pk_part(it->next, n, PK_LOW_Q);
+    pk_real least = 1, before = 0;
+    int idle = 0;
+    struct pk_gauss_trial y;
+    y.h = it->h;
+    for (int l = 0; l < PK_GAUSS_S; l++)
+        y.t[l] = it->t + y.h * pk_gauss8_c[l];
+    enum pk_status status = generic_gauss_predict(it, &w, &y);
+    for (int count = 0; status >= 0; count++) {
+        stages(it, &w, of, L, P);
+        status = generic_gauss_evaluate(it, y.t, w.q, w.v, w.u, w.next_a);
+        if (status < 0)
+            break;
+        const pk_real change = take_over(&w, n);
+        if (!pk_finite(change))
+            return PK_NO_CONVERGENCE; /* unless Newton's iteration says that there is no number */
+        if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
+            it->detail = change;
+            return PK_NO_CONVERGENCE; /* no contraction: Newton's, which says of what solution */
+        }
+        before = change;
+        idle = change < least ? 0 : idle + 1;
+        least = pk_min(least, change);
+        /* Corrections of a slow iteration rise and fall, since its eigenvalues are complex. */
+        if (!(change > 0) || (idle > (least <= 16 * PK_EPS ? 1 : 5) && least <= PK_GAUSS_ROUND))
+            break;
+        if (idle > 9 || count > 200) {
+            it->detail = least;
+            return PK_NO_CONVERGENCE;
+        }
+    }
+    if (status < 0)
+        return status;
+    stages(it, &w, of, L, P);
+    for (size_t i = 0; i < n; i++) {
+        const pk_real dv = L[i], dq = P[i];
+        L[i] = pk_part(it->state, n, PK_LOW_X)[i];
+        P[i] = pk_part(it->state, n, PK_LOW_Q)[i];
+        v[i] = pk_sum(it->v[i], dv, &L[i]);
+        q[i] = pk_sum(it->q[i], dq, &P[i]);
+        pk_gauss_rows(pk_gauss8_taylor, w.a + i * PK_GAUSS_S, w.poly + i * PK_GAUSS_S);
+    }
+    *w.h = y.h;
+    *w.rate = 0;
+    pk_eval_canonical(it, it->next_t, q, v, pk_part(it->next, n, PK_P), w.weight);
+    it->flags |= PK_HAVE_STEP;
+    return PK_DONE;
+}

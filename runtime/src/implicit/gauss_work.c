@@ -1,0 +1,97 @@
+/* What the implicit methods in (q, p) share: their memory, and the numbers that a step is made of. */
+#include <string.h>
+
+#include "gauss.h"
+
+static size_t lay_out(struct pk_gauss_work *w, size_t n, pk_real *base)
+{
+    const size_t s = w->s, m = s * n, kept = PK_REALS_OF(struct pk_gauss_kept);
+    pk_real *memory = NULL;
+    const struct pk_slot slots[] = {
+        {&memory, kept},      {&w->V, m},           {&w->Q, m},           {&w->P, m},
+        {&w->F, m},           {&w->G, m},           {&w->last_V, m},      {&w->pivot, m},
+        {&w->jacobian, 5 * s * n * n},              {&w->lu, m * m},      {&w->mass, n * n},
+        {&w->mean_q, n},      {&w->mean_v, n},      {&w->scale, n},       {&w->mu, s * s},
+        {&w->mu_p, s * s},    {&w->hA, s * s},      {&w->hA_p, s * s},    {&w->predict, s * (s + 1)},
+        {&w->hb, s},          {&w->norms, 3},       {&w->hh, s * s * s},  {&w->mu_columns, s * s},
+        {&w->start_J, 4 * n * n},                   {&w->before_J, 4 * s * n * n},
+        {&w->old_J, 4 * s * n * n},                 {&w->old_V, m},       {&w->older_V, m},
+        {&w->x, m},           {&w->y, m},           {&w->other, m * m + n * n},
+        {&w->rest, s == PK_LANES ? pk_gauss_nystrom_size(n) : 0}};
+    const size_t size = PK_LAY_OUT(base, slots);
+    w->kept = (struct pk_gauss_kept *)(void *)memory;
+    return size;
+}
+
+size_t pk_gauss_size(const struct pk_method *method, size_t n)
+{
+    const struct pk_gauss *table = (const struct pk_gauss *)method->table;
+    struct pk_gauss_work w = {.table = table, .s = (size_t)table->stages};
+    return lay_out(&w, n, NULL);
+}
+
+struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
+{
+    struct pk_gauss_work w = {.table = (const struct pk_gauss *)it->method->table};
+    w.s = (size_t)w.table->stages;
+    lay_out(&w, it->n, it->work);
+    return w;
+}
+
+enum pk_status pk_gauss_init(struct pk_integrator *it)
+{
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    pk_real *p = pk_part(it->state, it->n, PK_P);
+    for (size_t i = 0; i < w.s; i++)
+        for (size_t j = 0; j < w.s; j++) {
+            pk_real *mu = &w.mu[i * w.s + j], *conjugate = &w.mu_p[j * w.s + i];
+            *mu = w.table->mu[j * w.s + i];
+            if (!w.table->conjugate)
+                w.mu_p[i * w.s + j] = *mu;
+            else if (*mu >= PK_C(0.5))
+                *conjugate = PK_C(1.0) - *mu; /* exact, as is the next 1 - x */
+            else
+                *conjugate = PK_C(1.0) - *mu, *mu = PK_C(1.0) - *conjugate;
+            w.mu_columns[j * w.s + i] = *mu;
+        }
+    memset(w.kept, 0, sizeof *w.kept);
+    w.kept->contraction = w.kept->last_contraction = PK_INFINITY;
+    pk_eval_canonical(it, it->t, it->q, it->v, p, w.F);
+    it->p = p;
+    return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* h b_i, mending the outer two, or the last, so that their sum is h; then h a_ij = mu_ij h b_j. */
+void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h)
+{
+    const size_t s = w->s;
+    pk_real inner = 0;
+    for (size_t i = 0; i < s; i++)
+        w->hb[i] = h * w->table->b[i];
+    for (size_t i = 1; i + 1 < s; i++)
+        inner += w->hb[i];
+    if (!(it->method->traits & PK_SYMMETRIC))
+        w->hb[s - 1] = h - (w->hb[0] + inner);
+    else if (s > 1)
+        w->hb[0] = w->hb[s - 1] = (h - inner) / 2;
+    for (size_t i = 0; i < s * s; i++) {
+        w->hA[i] = w->mu[i] * w->hb[i % s];
+        w->hA_p[i] = w->mu_p[i] * w->hb[i % s];
+    }
+    memset(w->norms, 0, 3 * sizeof *w->norms);
+    for (size_t i = 0; i < s; i++) {
+        pk_real sums[3] = {0, 0, 0};
+        for (size_t j = 0; j < s; j++) {
+            for (size_t r = 0; r < s; r++) {
+                const pk_real both = w->hA_p[i * s + r] * w->hA[r * s + j];
+                w->hh[(i * s + j) * s + r] = both;
+                sums[2] += pk_abs(both);
+            }
+            sums[0] += pk_abs(w->hA[i * s + j]);
+            sums[1] += pk_abs(w->hA_p[i * s + j]);
+        }
+        for (int k = 0; k < 3; k++)
+            w->norms[k] = pk_max(w->norms[k], sums[k]);
+    }
+    w->kept->h = h;
+}

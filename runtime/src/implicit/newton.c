@@ -1,0 +1,225 @@
+/* The stage equations G(V) = 0 of gauss.c, by Newton's method; its matrix is in gauss_matrix.c.
+ * Simplified: frozen at the predicted stages, the LU kept over iterations and steps while these
+ * converge as fast as at first. If that fails, full Newton from V = v0. Fixed-point iteration has M
+ * alone for its matrix and converges for small h only (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3
+ * stages); it is told apart from convergence, never cut off. That the solution is the one of short
+ * steps is seen to in branch.c.
+ *
+ * An iteration ends where the next correction is foreseen to be far below round-off, on a scale
+ * of its own for each coordinate, max|V| + |q|/h; or where corrections are at round-off and no
+ * longer shrink. Far below, because what is left undone has a sign: at round-off itself the
+ * energy drifts like t, not like sqrt(t) (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008)
+ * 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
+ * IV.8; GNI VIII.6.
+ */
+#include <string.h>
+
+#include "gauss.h"
+
+/* A product with h b_j is rounded once, and the same number serves the stages and the end of the
+ * step; h a_ij rounded on its own would break b_i a^_ij + b_j a_ji = b_i b_j by round-off, always
+ * the same way, and the energy would drift. */
+int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t n = it->n, s = w->s;
+    const pk_real *p0 = pk_part(it->state, n, PK_P);
+    for (size_t j = 0; j < s; j++)
+        for (size_t k = 0; k < n; k++)
+            w->P[j * n + k] = w->hb[j] * w->V[j * n + k];
+    for (size_t i = 0; i < s; i++)
+        for (size_t k = 0; k < n; k++) {
+            pk_real dq = 0;
+            for (size_t j = 0; j < s; j++)
+                dq += w->mu[i * s + j] * w->P[j * n + k];
+            w->Q[i * n + k] = it->q[k] + dq;
+        }
+    for (size_t i = 0; i < s; i++) {
+        pk_real *F = w->F + i * n;
+        pk_eval_canonical(it, it->t + w->table->c[i] * it->h, w->Q + i * n, w->V + i * n,
+                          w->P + i * n, F);
+        for (size_t k = 0; k < n; k++)
+            F[k] *= w->hb[i];
+    }
+    for (size_t i = 0; i < s; i++)
+        for (size_t k = 0; k < n; k++) {
+            pk_real dp = 0;
+            for (size_t j = 0; j < s; j++)
+                dp += w->mu_p[i * s + j] * w->F[j * n + k];
+            w->G[i * n + k] = (w->P[i * n + k] - p0[k]) - dp;
+        }
+    return pk_all_finite(w->G, s * n);
+}
+
+/* Sizes of the correction G: on each coordinate's own scale, and on one that forgives
+ * coordinates at rest beside moving ones. */
+static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w, pk_real *own,
+                  pk_real *shared)
+{
+    const size_t n = it->n;
+    pk_real most = 0;
+    for (size_t k = 0; k < n; k++)
+        most = pk_max(most, w->scale[k]);
+    *own = *shared = 0;
+    for (size_t k = 0; k < n; k++) {
+        pk_real size = 0;
+        for (size_t i = 0; i < w->s; i++) /* written so that what is no number gets through */
+            if (!(pk_abs(w->G[i * n + k]) <= size))
+                size = pk_abs(w->G[i * n + k]);
+        if (size > 0 || !pk_finite(size)) {
+            *own = pk_max(size / (w->scale[k] + PK_EPS * most + PK_TINY), *own);
+            *shared = pk_max(size / (w->scale[k] + PK_C(1e-3) * most + PK_TINY), *shared);
+        }
+    }
+}
+
+/* Set once a step, after the first correction: a scale that grew with a diverging V would hide
+ * its divergence. */
+void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
+{
+    const size_t seen = it->n - it->problem.system->n_states;
+    for (size_t k = 0; k < it->n; k++) {
+        w->scale[k] = pk_abs(it->v[k]);
+        if (k < seen)
+            w->scale[k] = pk_max(pk_abs(it->q[k] / it->h), w->scale[k]);
+        for (size_t i = 0; i < w->s; i++)
+            w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[i * it->n + k]));
+    }
+}
+
+/* How much the derivatives have changed since the iteration before, relative, each of their four
+ * kinds by itself. */
+static pk_real changed(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    const size_t nn = it->n * it->n;
+    pk_real worst = 0;
+    for (size_t kind = 0; kind < 4; kind++) {
+        pk_real most = 0, change = 0;
+        for (size_t i = 0; i < w->s; i++)
+            for (size_t k = 0; k < nn; k++) {
+                const size_t x = (4 * i + kind) * nn + k;
+                most = pk_max(most, pk_abs(w->jacobian[x]));
+                change = pk_max(change, pk_abs(w->jacobian[x] - w->before_J[x]));
+            }
+        worst = change > 0 ? pk_max(worst, change / most) : worst;
+    }
+    return worst;
+}
+
+void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
+{
+    const size_t n = it->n, m = w->s * n;
+    if (mode == PK_BY_MASS)
+        for (size_t i = 0; i < w->s; i++)
+            pk_ldl_solve(w->jacobian, n, w->G + i * n);
+    else
+        pk_lu_solve(w->lu, w->pivot, m, w->G);
+    for (size_t k = 0; k < m; k++)
+        w->V[k] -= w->G[k];
+}
+
+/* Divergence of a slow iteration: the largest correction of 25 is not below that of the 25
+ * before. Single ones may rise and fall, since the eigenvalues of h^2 A^2 are complex. */
+static int rising(pk_real size, int count, pk_real *window)
+{
+    window[0] = pk_max(window[0], size);
+    if (count % 25 != 24)
+        return 0;
+    const int up = count > 25 && window[0] >= window[1];
+    window[1] = window[0];
+    window[0] = 0;
+    return up;
+}
+
+/* Keeps the matrix for the next step only while that does not cost iterations; where it did, it
+ * is made anew for a while, twice as long each time, before keeping it is tried again. */
+static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh,
+                            int count)
+{
+    if (!(it->flags & PK_HAVE_STEP)) {
+        it->flags |= PK_REFRESH; /* a first step has no prediction: its count says nothing */
+    } else if (fresh) {
+        w->kept->best = count;
+        w->kept->wait -= w->kept->wait > 0;
+    } else if (count > w->kept->best + !pk_gauss_small(it, w)) {
+        w->kept->patience = w->kept->patience < 31 ? 2 * w->kept->patience + 1 : 63;
+        w->kept->wait = w->kept->patience;
+    } else {
+        w->kept->patience = 0;
+    }
+    if (w->kept->wait > 0)
+        it->flags |= PK_REFRESH;
+}
+
+int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
+{
+    const int most = it->options.max_iterations > 0 ? it->options.max_iterations
+                     : mode == PK_BY_MASS           ? 1000
+                                                    : 50;
+    int fresh = 0, growing = 0, last = 0, stuck = 0;
+    pk_real before = 0, least = 0, window[2] = {0, 0};
+    w->kept->first_rate = w->kept->worst_rate = 0;
+    w->kept->fresh = w->kept->noisy = 0;
+    for (int count = 0; count <= most; count++) {
+        if (!pk_gauss_residual(it, w))
+            return 0;
+        if (last) { /* P and F now belong to the V that is kept */
+            keep_or_refresh(it, w, fresh, count);
+            return 1;
+        }
+        const int stale = !(it->flags & PK_HAVE_LU) || it->flags & PK_REFRESH ||
+                          it->h > w->kept->lu_h || it->h < w->kept->lu_h;
+        if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || stale))) {
+            if (mode == PK_FULL)
+                memcpy(w->before_J, w->jacobian, 4 * w->s * it->n * it->n * sizeof *w->V);
+            if (!pk_gauss_refactor(it, w, mode))
+                return 0;
+            fresh = 1;
+        }
+        pk_gauss_correct(it, w, mode);
+        it->count.iterations++;
+        pk_real size, shared;
+        if (count == 0)
+            pk_gauss_set_scale(it, w);
+        sizes(it, w, &size, &shared);
+        it->detail = size;
+        if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
+            return 0;
+        const pk_real rate = count ? size / before : PK_C(1.0);
+        /* Where the matrix stays, one correction is all there is to do. If more are called for,
+         * they are the round-off of the forces: terms that cancel, near rest. */
+        const int same = mode == PK_FULL && count && changed(it, w) <= PK_GAUSS_STEADY;
+        stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
+        if (stuck >= 4) {
+            w->kept->noisy = 1;
+            last = 1;
+        } else if (count == 1 && size > PK_GAUSS_ROUND && !same) {
+            w->kept->first_rate = rate;
+        }
+        if (count && size > PK_GAUSS_FAR)
+            w->kept->worst_rate = pk_max(w->kept->worst_rate, rate);
+        if (it->options.newton_tol > 0)
+            last = size <= it->options.newton_tol;
+        else if (size <= (count ? PK_EPS / 4 : PK_GAUSS_BIAS) ||
+                 (rate < 1 && size * rate / (1 - rate) <= PK_GAUSS_BIAS) ||
+                 (rate > PK_C(0.5) && count && shared <= PK_GAUSS_ROUND &&
+                  mode != PK_BY_MASS && (fresh || mode == PK_FULL)))
+            last = 1;
+        growing = count && size >= least ? growing + 1 : 0;
+        least = count == 0 ? size : pk_min(least, size);
+        if (mode == PK_BY_MASS && growing >= 3 && shared <= PK_GAUSS_ROUND)
+            last = 1;
+        if (!last && (mode == PK_BY_MASS ? rising(size, count, window) : growing >= 3 && !same))
+            return 0;
+        if (!last && mode == PK_SIMPLIFIED && count && rate > PK_C(0.3)) {
+            if (fresh)
+                return 0;
+            it->flags |= PK_REFRESH; /* a kept matrix became too old within this step */
+            if (!pk_gauss_residual(it, w) || !pk_gauss_refactor(it, w, mode))
+                return 0;
+            fresh = 1;
+            growing = 0;
+        }
+        before = size;
+    }
+    return 0;
+}

@@ -1,0 +1,249 @@
+/* Adaptive Radau IIA of 3 stages, order 5, for what is stiff or dissipates: L-stable, so that fast
+ * motion which has died out does not limit the step. The stages are those of gauss.c, in (q, p):
+ * p' = dL/dq + Q - dD/dv asks for no derivative of M, so M(q, v) and any dissipation are served by
+ * the kernels that Newton's matrix has anyway, and momentum balances as exactly as it is summed.
+ *
+ * Newton's iteration ends at a part of the tolerance of the error (radau_error.c). Where it does
+ * not converge, or to a solution that is not the one of short steps (branch.c), the step is cut.
+ *
+ * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
+ * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
+ * control.
+ */
+#include "radau.h"
+
+#define SAFETY PK_C(0.9)
+#define SHRINK PK_C(0.2)
+#define GROW PK_C(8.0)
+#define KEEP PK_C(1.2) /* a step that might grow by less stays: Newton's matrix too */
+enum { MOST_ITERATIONS = 10 };
+
+static size_t lay_out(struct pk_radau_parts *r, size_t n, pk_real *base)
+{
+    pk_real *kept;
+    const struct pk_slot slots[] = {{&r->E, n * n}, {&r->pivot, n}, {&r->pdot, n},
+                                    {&r->dq, n},    {&r->dv, n},    {&r->of_q, n},
+                                    {&r->of_v, n},  {&r->x, n},     {&kept, PK_REALS_OF(*r->kept)}};
+    const size_t size = PK_LAY_OUT(base, slots);
+    r->kept = (struct pk_radau_kept *)(void *)kept;
+    return size;
+}
+
+static struct pk_radau_parts parts_of(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    struct pk_radau_parts r;
+    lay_out(&r, it->n, w->rest);
+    return r;
+}
+
+static size_t size(const struct pk_method *method, size_t n)
+{
+    struct pk_radau_parts r;
+    return pk_gauss_size(method, n) + lay_out(&r, n, NULL);
+}
+
+static enum pk_status init(struct pk_integrator *it)
+{
+    const enum pk_status status = pk_gauss_init(it);
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    const struct pk_radau_parts r = parts_of(it, &w);
+    *r.kept = (struct pk_radau_kept){.left = 1};
+    return status;
+}
+
+/* The last correction, in tolerances: root mean square over stages, q and v. */
+static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_work *w,
+                          const struct pk_radau_parts *r)
+{
+    pk_real sum = 0;
+    for (size_t i = 0; i < w->s; i++)
+        for (size_t k = 0; k < it->n; k++) {
+            const pk_real dv = w->G[i * it->n + k], dq = it->h * dv;
+            sum += dv / r->of_v[k] * (dv / r->of_v[k]) + dq / r->of_q[k] * (dq / r->of_q[k]);
+        }
+    return PK_F(sqrt)(sum / (pk_real)(2 * w->s * it->n));
+}
+
+/* The last correction, relative to rates and |q/h|. */
+static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    pk_real size = 0, scale = PK_TINY;
+    for (size_t i = 0; i < w->s * it->n; i++) {
+        size = pk_max(size, pk_abs(w->G[i]));
+        scale = pk_max(scale, pk_max(pk_abs(w->V[i]), pk_abs(it->q[i % it->n] / it->h)));
+    }
+    return size / scale;
+}
+
+/* Simplified Newton to a part of the tolerance; *count iterations. */
+static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
+                              const struct pk_radau_parts *r, int *count)
+{
+    const int most = it->options.max_iterations > 0 ? it->options.max_iterations
+                     : it->options.newton_tol > 0   ? 50
+                                                    : MOST_ITERATIONS;
+    pk_real before = 0, left = PK_F(pow)(pk_max(r->kept->left, PK_EPS), PK_C(0.8));
+    int done = 0;
+    for (*count = 0; *count <= most; ++*count) {
+        if (!pk_gauss_residual(it, w))
+            return PK_NOT_FINITE;
+        if (done)
+            return PK_DONE;
+        if (*count == 0 && (!(it->flags & PK_HAVE_LU) || it->flags & PK_REFRESH ||
+                            it->h > w->kept->lu_h || it->h < w->kept->lu_h) &&
+            !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
+            return PK_NO_CONVERGENCE;
+        pk_gauss_correct(it, w, PK_SIMPLIFIED);
+        it->count.iterations++;
+        const pk_real now = correction(it, w, r), asked_for = it->options.newton_tol;
+        it->detail = now;
+        if (!pk_finite(now))
+            return PK_NOT_FINITE;
+        if (asked_for > 0) {
+            done = relative(it, w) <= asked_for;
+        } else if (*count > 0) {
+            const pk_real rate = now / before;
+            if (!(rate < 1))
+                return PK_NO_CONVERGENCE;
+            left = rate / (1 - rate);
+            if (rate > PK_C(1e-3)) /* it pays to make the matrix anew */
+                it->flags |= PK_REFRESH;
+            if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough)
+                return PK_NO_CONVERGENCE;
+        }
+        before = now;
+        if (!(asked_for > 0))
+            done = left * now <= r->kept->enough;
+    }
+    return PK_NO_CONVERGENCE;
+}
+
+/* One trial of it->h: the stages, their error and which solution they are. */
+static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
+                              const struct pk_radau_parts *r, int again, int *count)
+{
+    enum pk_status status;
+    if (it->h > w->kept->h || it->h < w->kept->h)
+        pk_gauss_set_step(it, w, it->h);
+    for (size_t k = 0; k < it->n; k++) /* from zero, what the step will pass is the scale */
+        r->dq[k] = it->q[k] + it->h * it->v[k];
+    pk_radau_tolerances(it, r, r->dq, it->v);
+    do {
+        w->kept->fresh = w->kept->noisy = 0;
+        pk_gauss_predict(it, w);
+        status = iterate(it, w, r, count);
+        it->flags |= status < 0 ? PK_REFRESH : 0; /* a kept matrix may be at fault */
+    } while (status == PK_NO_CONVERGENCE && !(w->kept->fresh > 0));
+    if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->error > 1)
+        return status;
+    status = pk_gauss_certify(it, w);
+    if (status >= 0 && !pk_finite(w->kept->contraction)) /* it was followed, and may be another one */
+        status = pk_radau_judge(it, w, r, again);
+    return status;
+}
+
+/* A first step of 1% of |y|/|y'|. */
+static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau_parts *r,
+                                 pk_real limit)
+{
+    const pk_real span = pk_abs(limit - it->t);
+    pk_real d0 = 0, d1 = 0, h = it->options.h;
+    it->flags = 0;
+    r->kept->left = 1;
+    r->kept->h = 0;
+    if (!(h > 0)) {
+        const enum pk_status status = pk_eval_acceleration(it, it->t, it->q, it->v, r->x);
+        if (status < 0)
+            return status;
+        pk_radau_tolerances(it, r, it->q, it->v);
+        for (size_t k = 0; k < it->n; k++) {
+            const pk_real q = it->q[k], of_q = pk_scale_shown(r->of_q[k]);
+            const pk_real v = it->v[k], of_v = pk_scale_shown(r->of_v[k]);
+            d0 += q / of_q * (q / of_q) + v / of_v * (v / of_v);
+            d1 += v / of_q * (v / of_q) + r->x[k] / of_v * (r->x[k] / of_v);
+        }
+        h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.01) * PK_F(sqrt)(d0 / d1)
+                                                 : PK_C(1e-6) * span;
+        if (!(h > 0) || !pk_finite(h))
+            h = PK_C(1e-6) * span;
+    }
+    it->h = (pk_real)it->direction * pk_min(h, span);
+    return PK_DONE;
+}
+
+/* The next step over this one, by the error, by that of the step before too, and less where the
+ * iteration took long. */
+static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
+{
+    const pk_real error = pk_max(it->error, PK_C(1e-10));
+    const pk_real most = 2 * MOST_ITERATIONS;
+    const pk_real safety = SAFETY * (most + 1) / (most + (pk_real)count);
+    pk_real grow = safety / PK_F(sqrt)(PK_F(sqrt)(error));
+    if (it->error <= 1 && pk_abs(r->kept->h) > 0)
+        grow = pk_min(grow, SAFETY * pk_abs(it->h / r->kept->h) *
+                                PK_F(sqrt)(PK_F(sqrt)(r->kept->error / (error * error))));
+    return pk_max(SHRINK, pk_min(GROW, grow));
+}
+
+static enum pk_status step(struct pk_integrator *it, pk_real limit)
+{
+    struct pk_gauss_work w = pk_gauss_parts(it);
+    const struct pk_radau_parts r = parts_of(it, &w);
+    const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
+    const pk_real least =
+        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    int rejected = 0, lands, count = 0;
+    enum pk_status status = PK_DONE;
+    if (!(pk_abs(it->h) > 0))
+        status = first_step(it, &r, limit);
+    if (status < 0)
+        return status;
+    pk_eval_canonical(it, it->t, it->q, it->v, w.G, r.pdot);
+    pk_real planned = pk_abs(it->h);
+    for (;;) {
+        if (it->options.h_max > 0)
+            planned = pk_min(planned, it->options.h_max);
+        if (!(planned > least) && (left > least || rejected))
+            return pk_underflow(it, planned);
+        lands = planned * PK_C(1.01) >= left || !(left > least);
+        it->next_t = lands ? limit : it->t + sign * planned;
+        it->h = it->next_t - it->t;
+        pk_scale_attempt(it, it->h);
+        status = attempt(it, &w, &r, rejected || !(it->flags & PK_HAVE_STEP), &count);
+        if (status >= 0 && it->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
+            break;
+        if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
+            pk_trouble(it, status, it->next_t); /* the others are no cause but a step too long */
+        const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
+        planned = pk_abs(it->h) * less;
+        rejected = 1;
+        it->count.rejections++;
+    }
+    pk_real grow = growth(it, &r, count);
+    if (rejected)
+        grow = pk_min(grow, PK_C(1.0));
+    else if (grow >= 1 && grow <= KEEP)
+        grow = 1;
+    r.kept->h = it->h;
+    r.kept->error = pk_max(it->error, PK_C(0.01));
+    const pk_real next = pk_abs(it->h) * grow;
+    it->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
+            : sign * (lands && !rejected && grow >= 1 ? pk_max(next, planned) : next);
+    return PK_DONE;
+}
+
+const struct pk_method pk_radau_adaptive = {
+    .name = "radau",
+    .doc = "adaptive Radau IIA, 3 stages, in (q, p), L-stable, for stiff and dissipative systems; "
+           "RADAU5, Hairer, Wanner II, IV.8",
+    .order = 5,
+    .stages = 3,
+    .traits = PK_ADAPTIVE | PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE,
+    .table = &pk_radau5_table,
+    .formula = &pk_radau5,
+    .size = size,
+    .init = init,
+    .step = step,
+    .stage = pk_radau_stage,
+    .stage_error = pk_radau_stage_error,
+};

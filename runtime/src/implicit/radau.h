@@ -1,0 +1,31 @@
+/* Parts of the adaptive Radau method: radau.c, its steps, and radau_error.c, their error. */
+#ifndef PK_RADAU_H
+#define PK_RADAU_H
+
+#include "gauss.h"
+
+/* The work behind that of the stages. */
+struct pk_radau_parts {
+    pk_real *E, *pivot, *pdot, *dq, *dv, *of_q, *of_v, *x;
+    struct pk_radau_kept *kept;
+};
+
+struct pk_radau_kept {
+    pk_real left;     /* the factor between corrections to come and the last one, of the step before */
+    pk_real enough;   /* the part of the tolerance that the iteration may leave undone */
+    pk_real h, error; /* of the last step accepted */
+};
+
+/* What the error of a component is measured in, q and v at the start against those given. */
+void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
+                         const pk_real *q, const pk_real *v);
+
+/* it->error of the stages found. `again`: by the second formula, where the first one rejects. */
+enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
+                              const struct pk_radau_parts *r, int again);
+
+/* Of pk_method, for quadratures. */
+int pk_radau_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
+pk_real pk_radau_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2]);
+
+#endif

@@ -1,0 +1,127 @@
+/* The error of a step of adaptive Radau, of order 3, is that of RADAU5: with gamma the real
+ * eigenvalue of A, f = (v, pdot), J its derivative by y = (q, p), z_i the stages less y0,
+ *
+ *     (I - h gamma J) err = gamma h f(y0) + e1 z1 + e2 z2 + e3 z3,
+ *
+ * once more with f(y0 + err) where that rejects a step right after a start or a rejection. For
+ * y = (q, p) this is one system of n for the error of v, M dv + (dp/dq) dq = dp; tolerances are on
+ * q and v. As there, they are taken to the power 2/3 of rtol (times .1 / rtol^(1/3)), since the
+ * result is of order 5 and the estimate of 3: the error then follows rtol.
+ *
+ * Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
+ * (8.17)-(8.25), and the code RADAU5.
+ */
+#include <string.h>
+
+#include "radau.h"
+
+#define GAMMA PK_C(0.27488882959567736774782860359941478)
+#define SQRT6 PK_C(2.4494897427831780981972840747058914)
+
+static const pk_real E_OF_STAGE[] = {GAMMA * (-13 - 7 * SQRT6) / 3, GAMMA * (-13 + 7 * SQRT6) / 3,
+                                     -GAMMA / 3};
+
+/* What RADAU5 takes tolerances times, after the power 2/3. */
+static pk_real factor_of(const struct pk_integrator *it)
+{
+    const pk_real rtol = pk_max(it->options.rtol, 10 * PK_EPS);
+    return it->options.rtol > 0 ? PK_C(0.1) / PK_F(cbrt)(rtol) : 1;
+}
+
+void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
+                         const pk_real *q, const pk_real *v)
+{
+    const struct pk_options *o = &it->options;
+    const pk_real rtol = pk_max(o->rtol, 10 * PK_EPS);
+    const pk_real factor = factor_of(it);
+    /* As in RADAU5: what is left undone has the same sign from step to step. */
+    r->kept->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
+                                      pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
+                             : PK_C(1e-3);
+    const size_t seen = it->n - it->problem.system->n_states;
+    for (size_t k = 0; k < it->n; k++) {
+        r->of_q[k] = factor * (it->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
+        r->of_v[k] =
+            factor * (it->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
+        if (k >= seen) /* the integral of a state may be as wrong as it likes */
+            r->of_q[k] = PK_INFINITY;
+    }
+}
+
+/* From gamma h f + e.z to err, in r->dq, r->dv; f = (v, pdot). In units of the tolerance. */
+static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
+                        const struct pk_radau_parts *r, const pk_real *v, const pk_real *pdot)
+{
+    const size_t n = it->n, nn = n * n;
+    const pk_real *J = w->jacobian, *p0 = pk_part(it->state, n, PK_P), hg = it->h * GAMMA;
+    pk_real sum = 0;
+    for (size_t k = 0; k < n; k++) {
+        pk_real of_q = hg * v[k], of_p = hg * pdot[k];
+        for (size_t i = 0; i < 3; i++) {
+            of_q += E_OF_STAGE[i] * (w->Q[i * n + k] - it->q[k]);
+            of_p += E_OF_STAGE[i] * (w->P[i * n + k] - p0[k]);
+        }
+        r->dq[k] = of_q;
+        r->x[k] = of_p;
+    }
+    for (size_t k = 0; k < n; k++) {
+        r->dv[k] = r->x[k];
+        for (size_t l = 0; l < n; l++)
+            r->dv[k] += (hg * J[2 * nn + k * n + l] - J[nn + k * n + l]) * r->dq[l];
+    }
+    pk_lu_solve(r->E, r->pivot, n, r->dv);
+    for (size_t k = 0; k < n; k++) {
+        r->dq[k] += hg * r->dv[k];
+        sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +
+               r->dv[k] / r->of_v[k] * (r->dv[k] / r->of_v[k]);
+    }
+    return PK_F(sqrt)(sum / (pk_real)(2 * n - it->problem.system->n_states));
+}
+
+enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
+                              const struct pk_radau_parts *r, int again)
+{
+    const size_t n = it->n, nn = n * n;
+    const pk_real *J = w->jacobian, hg = it->h * GAMMA;
+    for (size_t i = 0; i < nn; i++)
+        r->E[i] = J[i] + hg * (J[nn + i] - J[3 * nn + i]) - hg * hg * J[2 * nn + i];
+    it->count.factorisations++;
+    if (!pk_lu_factor(r->E, r->pivot, n))
+        return PK_NO_CONVERGENCE;
+    pk_radau_tolerances(it, r, w->Q + 2 * n, w->V + 2 * n);
+    it->error = estimate(it, w, r, it->v, r->pdot);
+    if (again && it->error >= 1) {
+        for (size_t k = 0; k < n; k++) {
+            r->dq[k] += it->q[k];
+            r->dv[k] += it->v[k];
+        }
+        pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
+        memcpy(w->x, r->dv, n * sizeof *w->x); /* estimate() writes to dv */
+        it->error = estimate(it, w, r, w->x, w->y);
+    }
+    return pk_finite(it->error) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* Of z' = g: gamma h g(y0) + e.z, where z_i = sum h a_ij g_j; g's own dependence on the error of the
+ * motion, which is within its tolerance, is left out. */
+int pk_radau_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
+{
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    const size_t s = w.s, j = (size_t)k;
+    if (j > s)
+        return 0;
+    if (j == s) {
+        *stage = (struct pk_stage){it->t, 0, it->q, it->v, {GAMMA * w.kept->h, 0}};
+        return 1;
+    }
+    pk_gauss_stage(it, k, stage, room);
+    for (size_t i = 0; i < s; i++)
+        stage->error[0] += E_OF_STAGE[i] * w.hA[i * s + j];
+    return 1;
+}
+
+pk_real pk_radau_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
+{
+    (void)size;
+    return pk_abs(sums[0]) / factor_of(it);
+}

@@ -1,0 +1,87 @@
+/* Many steps of a splitting method in one call of the system's own fused code. The state is copied
+ * first: steps that end in what is not finite are undone, and half as many are tried, so that the
+ * first that fails is found by bisection.
+ */
+#include <string.h>
+
+#include "../core/internal.h"
+#include "../core/tableau.h"
+
+/* Steps of the grid that end before `limit`, at most `most`; the last one is left to
+ * pk_integrator_step(), which ends exactly there. */
+static unsigned long whole(const struct pk_integrator *it, pk_real limit, unsigned long most)
+{
+    /* Times are rounded: a step that ends that close to the limit is the last one. */
+    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
+    const pk_real ceiling = PK_C(1e9);
+    if (!(count > 0))
+        return 0;
+    const unsigned long steps = (unsigned long)(count < ceiling ? count : ceiling);
+    return steps < most ? steps : most;
+}
+
+/* 0 where nothing was done: it passes over what guards and constraints see to between steps. */
+static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
+{
+    const struct pk_system *system = it->problem.system;
+    const struct pk_splitting *table = pk_splitting_table(it->method);
+    const size_t n = it->n;
+    const pk_real h = (pk_real)it->direction * it->options.h;
+    if (!system->advance || !table || system->n_inputs || it->guards || it->project)
+        return 0;
+    unsigned long steps = whole(it, limit, most);
+    if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
+        steps = it->options.max_steps - it->count.steps;
+    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
+        return 0;
+
+    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    for (;; steps /= 2) {
+        if (steps < 2)
+            return 0;
+        memcpy(q, it->q, n * sizeof *q);
+        memcpy(v, it->v, n * sizeof *v);
+        system->advance(it->problem.params, table->stages, table->kick, table->drift, it->t, h,
+                        steps, q, v);
+        if (pk_all_finite(q, n) && pk_all_finite(v, n))
+            break;
+    }
+    memset(pk_part(it->next, n, PK_LOW_Q), 0, (PK_A - PK_LOW_Q) * n * sizeof *q);
+    pk_real *before = it->state;
+    it->state = it->next;
+    it->next = before;
+    it->q = q;
+    it->v = v;
+    it->flags = 0; /* no acceleration of this state */
+    it->h = h;
+    it->last_t = it->anchor + (it->grid + (pk_real)steps - 1) * h;
+    it->grid += (pk_real)steps;
+    it->t = it->next_t = it->anchor + it->grid * h;
+    it->count.steps += steps;
+    /* The last kick of a step and the first of the next are one, but for the first of all. */
+    const pk_real *last = table->kick + table->stages;
+    const int both = (table->kick[0] > 0 || table->kick[0] < 0) && (*last > 0 || *last < 0);
+    it->count.evaluations += steps * (unsigned long)table->stages + (both ? 1 : 0);
+    it->status = PK_DONE;
+    return steps;
+}
+
+enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps)
+{
+    unsigned long left = steps ? steps : (unsigned long)-1;
+    if (it->ready && it->direction && it->direction == (limit > it->t) - (limit < it->t))
+        left -= advance(it, limit, left);
+    while (left) {
+        /* A step sets the direction and the grid, and meets whatever is wrong. */
+        const enum pk_status status = pk_integrator_step(it, limit);
+        if (status != PK_DONE)
+            return status;
+        left--;
+        if (!(it->t < limit || it->t > limit))
+            break;
+        if (left)
+            left -= advance(it, limit, left);
+    }
+    return PK_DONE;
+}

@@ -1,0 +1,16 @@
+/* The motion between the ends of the last step, put back onto the constraints. */
+#include "../core/project.h"
+
+enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
+    if (!it->ready)
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
+    if (!it->method->dense || !(it->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
+        return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
+    int moved;
+    it->status = it->method->dense(it, t, q, v);
+    return it->status < 0 || !it->project
+               ? it->status
+               : (it->status = pk_project(it, t, q, v, NULL, NULL, &moved));
+}

@@ -1,0 +1,214 @@
+/* Variational steps on R^n x SO(3)^b for any L, with holonomic constraints at their ends: the
+ * discrete Lagrangian is h L at the middle (lie_midpoint), or h/2 of L at each end (rattle), with
+ * v = (q1 - q0)/h and, for a rotation, R0 = R C^T, R1 = R C, C = cay(x), x = h omega/2. From
+ *
+ *     p0 = -D1 L_d,   p1 = D2 L_d,      P of a rotation in the body frame of its end,
+ *
+ * with y = x/2, s = 1 + |y|^2, Pi = dL/domega, G = X L + torque, f = dL/dq + Q:
+ *
+ *     middle   p = p0 + h/2 f = p1 - h/2 f          s Pi = C^T P0 + h/2 (G - y x G)
+ *                                                   P1 = C^T (C^T P0 + h G)
+ *     ends     (p_0 + p_1)/2 = p0 + h/2 f_0         s (Pi_0 + Pi_1)/2 = C^T (P0 + h/2 G_0)
+ *              p1 = p0 + h/2 (f_0 + f_1)            P1 = C^T C^T (P0 + h/2 G_0) + h/2 G_1
+ *
+ * Constraints: p0 and P0 are first kicked by J(q0)^T mu so that phi(q1) = 0, and p1 and P1 at the
+ * end so that J v + j0 = 0. So the steps are symplectic, symmetric, and keep the momenta of
+ * symmetries, R P of a free body as a vector, however well the equations are solved. Without
+ * rotations and constraints the first is the implicit midpoint rule in (q, p), the second Verlet for
+ * any L, and with constraints RATTLE. First-order variables go by the midpoint or the trapezoidal
+ * rule. What is carried are p and P, with compensated sums; v comes from them. Order 4 and 6:
+ * compositions.
+ *
+ * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, VI.6, VII.1.3-4,
+ * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,
+ * Nonlinearity 12 (1999) 1647; N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197;
+ * S. Hante, M. Arnold, J. Comput. Appl. Math. 387 (2021) 112492; J. C. Simo, K. K. Wong, Int. J.
+ * Numer. Methods Eng. 31 (1991) 19.
+ */
+#include <string.h>
+
+#include "variational.h"
+
+#include <pk/step/tables.h>
+
+static enum pk_status variational_init(struct pk_integrator *it)
+{
+    const struct pk_variational_work w = pk_variational_parts(it);
+    pk_real *p = pk_part(it->state, it->n, PK_P);
+    memset(w.kick, 0, w.n * sizeof *w.kick);
+    pk_variational_momenta(it, it->t, it->q, it->v, p, w.f);
+    it->p = p;
+    return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* p0 becomes p1: what is added, compensated. */
+static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real *low)
+{
+    const int ends = w->table->ends;
+    const pk_real half = w->h / 2;
+    for (size_t k = 0; k < w->m; k++) {
+        w->spare[k] = 0; /* the constraints' kick */
+        for (size_t i = 0; i < w->c; i++)
+            w->spare[k] += w->J[i * w->n + k] * w->kick[i];
+    }
+    for (size_t k = 0; k < w->rotation; k++) {
+        const pk_real force = ends ? half * (w->f[k] + w->f_end[k]) : w->h * w->f[k];
+        p[k] = pk_sum(p[k], w->spare[k] + force, &low[k]);
+    }
+    for (size_t k = w->rotation; k < w->m; k += 3) {
+        const pk_real *omega = w->V + k, yy = w->h * w->h * pk_dot3(omega, omega) / 16;
+        const pk_real weight = w->h / 2 / (1 + yy); /* C C: (1 - yy, 2 y)/(1 + yy) */
+        const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
+        const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
+        pk_real G[3], G_end[3], before[3], turned[3], torque[3];
+        pk_cross(w->p + k, omega, G);
+        pk_cross(w->p_end + k, omega, G_end);
+        for (size_t i = 0; i < 3; i++) {
+            G[i] = w->f[k + i] - G[i];
+            G_end[i] = w->f_end[k + i] - G_end[i];
+            before[i] = p[k + i] + low[k + i] + w->spare[k + i] + (ends ? half * G[i] : 0);
+        }
+        pk_turn_added((1 - yy) / (1 + yy), back, before, turned);
+        pk_cayley_turn(y, -1, G, torque);
+        for (size_t i = 0; i < 3; i++) {
+            const pk_real force = ends ? half * (G[i] + G_end[i]) : w->h * torque[i];
+            p[k + i] = pk_sum(p[k + i], w->spare[k + i] + force + turned[i], &low[k + i]);
+        }
+    }
+}
+
+static void keep_stages(struct pk_variational_work *w, int part, const pk_real *q0,
+                        const pk_real *v0)
+{
+    const size_t n = w->n;
+    const int ends = w->table->ends;
+    pk_real *x = w->stages + (size_t)(ends ? 2 * part : part) * (2 + 2 * n);
+    x[0] = ends ? w->t : w->t + w->h / 2;
+    x[1] = ends ? w->h / 2 : w->h;
+    memcpy(x + 2, ends ? q0 : w->q_at, n * sizeof *x);
+    memcpy(x + 2 + n, ends ? v0 : w->v_at, n * sizeof *x);
+    if (!ends)
+        return;
+    memcpy(x + 2 + n, w->V, w->m * sizeof *x);
+    x += 2 + 2 * n;
+    x[0] = w->end;
+    x[1] = w->h / 2;
+    memcpy(x + 2, w->q_end, n * sizeof *x);
+    memcpy(x + 2 + n, w->v_end, n * sizeof *x);
+}
+
+/* The guess: rates at the middle of the last part and at its end, on a straight line. */
+static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
+{
+    const int before = it->flags & PK_HAVE_STEP; /* else last_V and last_h are not there */
+    const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
+    for (size_t k = 0; k < w->n; k++) {
+        const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
+        w->V[k] = k < w->m ? v[k] : turns || !before ? 0 : w->last_V[k];
+        if (before && k < w->m)
+            w->V[k] += ratio * (v[k] - w->last_V[k]);
+    }
+    for (size_t i = 0; i < w->c; i++)
+        w->kick[i] *= ratio;
+}
+
+static enum pk_status part(struct pk_integrator *it, struct pk_variational_work *w, int which)
+{
+    const size_t n = w->n;
+    pk_real *q = pk_part(w->to, n, PK_Q), *v = pk_part(w->to, n, PK_V);
+    pk_real *p = pk_part(w->to, n, PK_P), *low_p = pk_part(w->to, n, PK_LOW_X);
+    enum pk_status status = PK_DONE;
+    guess(it, w, v);
+    if (!(it->flags & PK_HAVE_A)) { /* here: that M and the forces are of this state */
+        pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
+        status = pk_variational_mass(it, w, w->t, q, v);
+    }
+    it->flags &= ~PK_HAVE_A;
+    if (status >= 0)
+        status = pk_variational_solve(it, w);
+    if (status < 0)
+        return status;
+    keep_stages(w, which, q, v);
+    add_momenta(w, p, low_p);
+    for (size_t k = w->rotation; k < n; k++) { /* integrals, for interpolation alone */
+        const pk_real mean = k < w->m ? w->V[k] : (v[k] + w->v_end[k]) / 2;
+        w->q_end[k] = pk_sum(q[k], w->h * mean, &w->low_q[k]);
+    }
+    memcpy(q, w->q_end, n * sizeof *q);
+    memcpy(pk_part(w->to, n, PK_LOW_Q), w->low_q, n * sizeof *q);
+    memcpy(v + w->m, w->v_end + w->m, (n - w->m) * sizeof *v);
+    memcpy(low_p + w->m, w->low_v + w->m, (n - w->m) * sizeof *v);
+    for (size_t k = w->m; k < w->states; k += 4)
+        if (pk_normalise(v + k, low_p + k, 1) < 0)
+            return PK_NOT_FINITE;
+    memcpy(p + w->m, v + w->m, (n - w->m) * sizeof *v);
+    if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
+        return PK_NOT_FINITE;
+    memcpy(v, w->V, w->m * sizeof *v); /* a guess again */
+    status = pk_variational_rates(it, w, p, low_p);
+    memcpy(w->last_V, w->V, n * sizeof *w->V);
+    *w->last_h = w->h;
+    it->flags |= status < 0 ? 0 : PK_HAVE_STEP | PK_HAVE_A;
+    return status;
+}
+
+static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
+{
+    struct pk_variational_work w = pk_variational_parts(it);
+    const struct pk_splitting *parts = w.table->parts;
+    enum pk_status status = PK_DONE;
+    pk_real done = 0;
+    (void)limit;
+    memcpy(it->next, it->state, PK_PARTS * it->n * sizeof *it->next);
+    w.to = it->next;
+    for (int i = 0; i < parts->stages && status >= 0; i++) {
+        w.t = it->t + done * it->h;
+        done += parts->drift[i];
+        w.end = i + 1 == parts->stages ? it->next_t : it->t + done * it->h;
+        w.h = parts->drift[i] * it->h;
+        status = part(it, &w, i);
+    }
+    return status;
+}
+
+static int variational_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
+{
+    const struct pk_variational_work w = pk_variational_parts(it);
+    const pk_real *x = w.stages + (size_t)k * (2 + 2 * w.n);
+    (void)room;
+    if (k >= w.table->parts->stages * (w.table->ends ? 2 : 1))
+        return 0;
+    *stage = (struct pk_stage){x[0], x[1], x + 2, x + 2 + w.n, {0, 0}};
+    return 1;
+}
+
+#define VARIATIONAL(symbol, text, p, s, of, at_ends)                                         \
+    static const struct pk_variational symbol##_table = {&pk_##of##_table, at_ends};         \
+    const struct pk_method pk_##symbol = {.name = #symbol,                                   \
+                                          .doc = text,                                       \
+                                          .order = p,                                        \
+                                          .stages = s,                                       \
+                                          .traits = PK_SYMPLECTIC | PK_SYMMETRIC |           \
+                                                    PK_IMPLICIT | PK_QUADRATURE |            \
+                                                    PK_HOLONOMIC | PK_GROUP,                 \
+                                          .table = &symbol##_table,                          \
+                                          .size = pk_variational_size,                         \
+                                          .init = variational_init,                          \
+                                          .step = variational_step,                          \
+                                          .stage = variational_stage}
+
+VARIATIONAL(lie_midpoint,
+            "L at the middle, on SO(3) too; Bou-Rabee, Marsden, Found. Comput. Math. 9 (2009) 197",
+            2, 1, verlet, 0);
+VARIATIONAL(lie_midpoint4, "five steps of lie_midpoint; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4,
+            5, suzuki4, 0);
+VARIATIONAL(lie_midpoint6,
+            "nine steps of lie_midpoint; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 9,
+            kahan_li6, 0);
+VARIATIONAL(rattle,
+            "Verlet for any L, constraints, SO(3); H. C. Andersen, J. Comput. Phys. 52 (1983) 24",
+            2, 2, verlet, 1);
+VARIATIONAL(rattle4, "five steps of rattle; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 10, suzuki4,
+            1);
+VARIATIONAL(rattle6, "nine steps of rattle; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 18,
+            kahan_li6, 1);
