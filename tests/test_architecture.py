@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
@@ -167,3 +168,23 @@ def test_each_package_says_what_it_is_for() -> None:
         if path.name == "__init__.py" and not ast.get_docstring(ast.parse(path.read_text()))
     ]
     assert silent == []
+
+
+NAMED = re.compile(
+    r"(?<![\w/.*<-])((?:\w+/)*\w+\.py|(?:runtime/)?src/[\w/]+\.[ch]|back/c/[\w/.]+j2)\b"
+)
+
+
+def test_files_that_comments_and_docs_name_are_there() -> None:
+    """By their last folders; PYTHON files anywhere, C files of the runtime's core from src/ on."""
+    tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    files = tracked.stdout.split()
+    ends = {"/".join(p.split("/")[i:]) for p in files for i in range(p.count("/") + 1)}
+    told = [p for p in files if re.match(r"(generator|runtime|docs)/.*\.(py|[chj]2?|md)$", p)]
+    gone = {
+        f"{path}: {name}"
+        for path in told
+        for name in NAMED.findall((ROOT / path).read_text(encoding="utf-8"))
+        if name not in ends
+    }
+    assert len(told) > 300 and sorted(gone) == []

@@ -45,8 +45,8 @@ class Guard:
 
 @dataclass(frozen=True)
 class Switch:
-    """The equations are smooth on either side of its zero: see middle/switches.py. Where L or a
-    row may jump there, its `impulse` is not 0 (middle/impulses.py), and the slopes are there."""
+    """The equations are smooth on either side of its zero (middle/derive/switches.py). Where L or
+    a row may jump there, `impulse` is not 0, and the slopes are there (middle/derive/impulses.py)."""
 
     quantity: Quantity  # its name is the expression
     node: Node
@@ -188,7 +188,9 @@ class Equations:
     quadrature_start: Row = ()
     hamiltonian: Hamiltonian | None = None  # None: not asked for
     switches: tuple[Switch, ...] = ()
-    marks: tuple[Switch, ...] = ()  # arguments of exp, tanh, ...: no switches, see middle/marks.py
+    marks: tuple[
+        Switch, ...
+    ] = ()  # arguments of exp, tanh, ...: no switches, see middle/derive/marks.py
     # First-order variables x' = state_rates, which are no coordinates: states.py makes them so.
     states: tuple[Quantity, ...] = ()
     state_rates: Row = ()
@@ -246,7 +248,7 @@ class Claim:
     """What became of a `conserve`: proved, refuted, or not proved, and how or how far."""
 
     name: str
-    outcome: str  # PROVED, REFUTED or OPEN of middle/proofs.py
+    outcome: str  # PROVED, REFUTED or OPEN of middle/analyze/proofs.py
     says: str
 
 

@@ -1,7 +1,7 @@
 """The scalar functions of the language, one row each: what check, derive and render must know.
 
 The derivative of each is in `differentiate.py`. `c` is the <math.h> function, or if it starts
-with a colon a helper that `templates/helpers.h.j2` defines (`:step` is NAME_step). All helpers
+with a colon a helper that `back/c/templates/helpers.j2` defines (`:step` is NAME_step). All helpers
 hand a NaN on.
 """
 
@@ -67,4 +67,4 @@ MEANT = {
 ODD = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "sign", "reciprocal"})
 EVEN = frozenset({"cos", "cosh", "abs"})
 
-VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}  # and `rot`, of front/check_vectors.py
+VECTOR_FUNCTIONS = {"dot": 2, "cross": 2, "norm": 1}  # and `rot`, of front/check/vectors.py

@@ -73,7 +73,7 @@ def test_what_is_known_of_methods_is_as_the_runtime_says() -> None:
 
 
 def test_kernels_that_a_method_calls() -> None:
-    """See pk_missing_kernel() in runtime/src/check.c; exponential takes `linear` as its matrix."""
+    """See pk_missing_kernel() in src/core/check.c; exponential takes `linear` as its matrix."""
     always = called("rk4")
     assert called("") == called("gsl_rkf45") == always and "acceleration" in always
     assert called("gauss4") == always | {"canonical", "mass", "jacobian"}

@@ -2,7 +2,7 @@
 
 A relation between what moves is measured in C where it is to hold: runtime/run/expect.c. One of
 numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the run is over:
-`expects_judge.py`.
+`scenes/judge.py`.
 """
 
 from __future__ import annotations

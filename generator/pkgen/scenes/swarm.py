@@ -148,7 +148,7 @@ class _Members:
 
 
 def _rotated(axis: tuple, angle: Array, vector: tuple) -> tuple:
-    """As in middle/terms.py."""
+    """As in middle/expand/terms.py."""
     length = _FUNCTIONS["norm"](axis)
     n = tuple(x / length for x in axis)
     c, s = np.cos(angle), np.sin(angle)

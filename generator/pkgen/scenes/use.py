@@ -129,7 +129,7 @@ def _of_driver(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> 
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: str, steps: bool) -> bool:
-    """Whether members go in blocks, as in runtime/src/ensemble.c."""
+    """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
     alone = equations.quadratures or equations.constraints or equations.switches
     return in_blocks(method, steps) and not alone
 

@@ -96,11 +96,11 @@ struct pk_integrator {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
     size_t n;
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
-    pk_real *quadratures; /* see src/quadrature.c */
+    pk_real *quadratures; /* see src/integrate/quadrature.c */
     pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
-    pk_real *atol;           /* absolute tolerances of q and v; NULL: fixed steps; src/scale.c */
+    pk_real *atol;           /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
     unsigned long rounded;   /* rejections when rounding was last looked at */
-    pk_real *guards; /* NULL: the system has none; see src/guard.c */
+    pk_real *guards; /* NULL: the system has none; see src/core/guard.c */
     size_t n_guards; /* their values: of families one a member */
     int slopes;      /* of the guards: what is known of them at this state */
     pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
@@ -119,8 +119,8 @@ struct pk_integrator {
     size_t where;             /* which coordinate or parameter a status is about */
     pk_real detail;           /* a number that belongs to the reason */
     pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
-    pk_real *project; /* rotations and constraints: src/project.c; NULL: there are none */
-    pk_real *marks;           /* values at the begin, ...: src/marks.c; NULL: there are none */
+    pk_real *project; /* rotations and constraints: src/constraints/project.c; NULL: there are none */
+    pk_real *marks;           /* values at the begin, ...: src/core/marks.c; NULL: there are none */
     int marked, unlooked;     /* whether those at the begin are known; steps that are not looked at */
     pk_real reach, rise;      /* how long the next step may be for them, 0: as it will; the one behind */
     pk_real calm;             /* so long a step was made in which they hardly vary */

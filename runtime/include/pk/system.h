@@ -254,7 +254,7 @@ struct pk_system {
                    const pk_real *u, pk_real *slope, pk_real *slope_t);
 
     /* Marks: u of exp(u) and the like in the equations, which are constant, zero or huge where u is
-     * beyond +-36. `marking` writes them; the integrator looks at them along each step (src/marks.c). */
+     * beyond +-36. `marking` writes them; the integrator looks at them along each step (src/core/marks.c). */
     size_t n_marks;
     const struct pk_quantity *marks; /* names: the calls as text, "exp(-x^2/w^2)" */
     void (*marking)(const void *params, pk_real t, const pk_real *q, const pk_real *v,

@@ -1,6 +1,6 @@
 """Constants that the equations need and no double can hold.
 
-The checker and `middle/magnitudes.py` have seen those that are written down. What a derivative or
+The checker and `graph/magnitudes.py` have seen those that are written down. What a derivative or
 a canonical form makes of them (`2*1e308`) exists only when C is written, so it is found there.
 """
 

@@ -1,4 +1,4 @@
-"""Functions, sums, vectors and units: the part of `check_expr.py` that has brackets."""
+"""Functions, sums, vectors and units: the part of `check/expr.py` that has brackets."""
 
 from __future__ import annotations
 

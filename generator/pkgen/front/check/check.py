@@ -1,8 +1,8 @@
 """Statements to a Model: names, kinds, bounds, units. All semantic errors, in one run.
 
-What each statement means is in `check_statements.py`, expressions in `check_expr.py`, indices
-in `check_indices.py`, scenes in `check_scenes.py`. Here: the order of the checks, what a model
-must have, and the limit on how much is said.
+What each statement means is in the files beside this one, expressions in `check/expr.py`, indices in
+`check/indices.py`, scenes in `check/scenes.py`. Here: the order of the checks, what a model must
+have, and the limit on how much is said.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Primes, components, signs, sums, products and powers: the part of `check_expr.py` that has
+"""Primes, components, signs, sums, products and powers: the part of `check/expr.py` that has
 operators.
 """
 

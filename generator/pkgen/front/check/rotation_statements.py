@@ -1,7 +1,7 @@
 """`rotation`, and what is started and applied along one.
 
 In the model a rotation is three coordinates of its own, whose rates are its body rates, and four
-states, its quaternion: see check_rotations.py. So a torque is three forces, and a start four.
+states, its quaternion: see check/rotations.py. So a torque is three forces, and a start four.
 """
 
 from __future__ import annotations

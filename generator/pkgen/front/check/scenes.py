@@ -1,7 +1,7 @@
 """Scenes, clause by clause: names, units, members, and what cannot stand together.
 
-What a scene gives the model is in `check_given.py`, numbers and events in `check_settings.py`,
-expectations in `check_expects.py`; `check_scene_values.py` computes what is a number already.
+What a scene gives the model is in `check/given.py`, numbers and events in `check/settings.py`,
+expectations in `check/expects.py`; `check/scene_values.py` computes what is a number already.
 """
 
 from __future__ import annotations

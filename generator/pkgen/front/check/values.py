@@ -162,7 +162,7 @@ def _call(function: str, arguments: list):
 
 
 def _rotated(axis: tuple, angle, vector: tuple) -> tuple:
-    """As in middle/terms.py."""
+    """As in middle/expand/terms.py."""
     length = _call("norm", [axis])
     n = tuple(multiplied([x, length], (1, -1)) for x in axis)
     c, s = called("cos", [angle]), called("sin", [angle])

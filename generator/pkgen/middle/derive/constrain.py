@@ -9,8 +9,8 @@ gives with M a = f
 
 and a = M^-1 (f + J^T lambda). With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and
 rates then drift off the constraints by the error of each step alone; the runtime puts them back
-(src/project.c). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
-section VII.1."""
+(src/constraints/project.c). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential
+Equations II, section VII.1."""
 
 from __future__ import annotations
 

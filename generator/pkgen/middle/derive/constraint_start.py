@@ -2,9 +2,9 @@
 another.
 
 The numbers are those of the model's own starts and defaults; what options give is checked by the
-runtime by the same rules (src/constraint.c). With an input nobody knows what holds before it is
-given. Rates of metres and of radians compare as their kinetic energies do, by M: its diagonal is
-enough of it.
+runtime by the same rules (src/constraints/constraint.c). With an input nobody knows what holds
+before it is given. Rates of metres and of radians compare as their kinetic energies do, by M: its
+diagonal is enough of it.
 """
 
 from __future__ import annotations

@@ -8,8 +8,9 @@ condition of Weierstrass and Erdmann: with p = dL/dv, h = v.p - L and rows J v +
 
 with J and j0 those behind it; of a surface s(t) alpha is 0, and nothing is said of h. So a
 prescribed motion that bends keeps p while v jumps, a potential that jumps lets through or turns
-back. The runtime solves that (src/impulse.c). Here is found which switches may need it: those
-across which L, phi or J v + j0 are not proved to be continuous. Where they are nothing changes.
+back. The runtime solves that (src/events/impulse.c). Here is found which switches may need it:
+those across which L, phi or J v + j0 are not proved to be continuous. Where they are nothing
+changes.
 
 References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
 Nonsmooth Mechanics, 3rd ed., Springer 2016, chapters 1 and 3.

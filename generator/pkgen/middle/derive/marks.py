@@ -3,8 +3,8 @@
 A pulse or a barrier whose width is a millionth of a step lies between all times at which a method
 asks for forces; no error estimate can see it. But its argument u is smooth along the step, and
 shows where the function lives: exp(u) is 0 to rounding below u = -36, 1/cosh(u) and 1 - tanh(u)^2
-are outside of some |u| < 36 or 18. The runtime (src/marks.c) looks at u along each step, and makes
-none in which u, within +-36, varies by much.
+are outside of some |u| < 36 or 18. The runtime (src/core/marks.c) looks at u along each step, and
+makes none in which u, within +-36, varies by much.
 
 What is divided by a + b(q, t), or is a root of it, is short where b is no larger than the constant
 a: there u = 1 + b/a. That fades by powers alone, so steps come nearer by a ladder, u/1000 and so

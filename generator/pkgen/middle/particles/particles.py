@@ -1,7 +1,7 @@
 """The particles of a model: masses and places whose sum of m/2 |r'|^2 is its kinetic energy.
 
-They are proposed by the text of the energy (particles_text.py), or from the places that the model
-names (particles_places.py), and proved on the graph. Where L has more terms with rates than
+They are proposed by the text of the energy (particles/text.py), or from the places that the model
+names (particles/places.py), and proved on the graph. Where L has more terms with rates than
 squares, of a frame that turns or of a magnetic field, theirs are those of second degree; places
 whose sum has the linear ones too, as those beside the stars, go before others.
 """
