@@ -46,7 +46,7 @@ class Guard:
 @dataclass(frozen=True)
 class Switch:
     """The equations are smooth on either side of its zero (middle/derive/switches.py). Where L or
-    a row may jump there, `impulse` is not 0, and the slopes are there (middle/derive/impulses.py)."""
+    a row may jump, `impulse` is not 0, and the slopes are there (middle/derive/impulses.py)."""
 
     quantity: Quantity  # its name is the expression
     node: Node

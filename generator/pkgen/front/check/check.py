@@ -1,7 +1,7 @@
 """Statements to a Model: names, kinds, bounds, units. All semantic errors, in one run.
 
-What each statement means is in the files beside this one, expressions in `check/expr.py`, indices in
-`check/indices.py`, scenes in `check/scenes.py`. Here: the order of the checks, what a model must
+What each statement means is in the files beside this one, expressions in `check/expr.py`, indices
+in `check/indices.py`, scenes in `check/scenes.py`. Here: the order of the checks, what a model must
 have, and the limit on how much is said.
 """
 
