@@ -10,13 +10,14 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python systems bodies chart stability bench lint format golden install clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies chart stability bench lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
 	@echo 'make test       every test, under eight minutes'
 	@echo 'make test-long  what takes longer'
+	@echo 'make test-debian  the generator on the python3 of Debian, half a minute'
 	@echo 'make fuzz       an hour of mutated models and of libFuzzer (FUZZ_SECONDS=N)'
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
 	@echo 'make bodies     residuals and drifts of rotations, constraints, rolling (STEPS=N; DOCS=1: into docs)'
@@ -49,6 +50,10 @@ test-python: $(STAMP)
 test-long: $(STAMP)
 	@$(MAKE) -s check-runtime-quad-inlined
 	$(PYTHON) -m pytest -q -n 2 -m long tests
+
+# The generator's tests on Debian's own python3, half a minute.
+test-debian:
+	@sh tools/test_debian.sh
 
 systems: $(STAMP)
 	$(PYTHON) -m bench systems $(if $(DOCS),--docs)

@@ -25,9 +25,9 @@ from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.choose.trials import Trials
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.run.build import build_program
+from pkgen.run.build import build_library
 from pkgen.scenes import asked as parsing
-from pkgen.scenes import scene
+from pkgen.scenes import lengths, scene
 from pkgen.scenes import use as scene_use
 
 from . import accuracy_reference, machine
@@ -73,24 +73,24 @@ def judge(case: Case, folder: Path) -> Judged:
     path.write_text(case.text(), encoding="utf-8")
     said, table = _run(path)
     given = command.parser_of("run").parse_args([str(path), "--scene", SCENE])
-    compilation = compile_model(read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(given))
+    compilation = compile_model(read(str(path)), unroll=lengths.UNROLL, use=scene_use.of_run(given))
     settings = parsing.settings(
         given, compilation, chosen=scene.chosen(compilation.declared, SCENE)
     )
     able = methods(None)
-    program = build_program(compilation.files, compilation.model.name, *(m.name for m in able))
-    with Trials(program, settings) as trials:
-        exact = accuracy_reference.find(compilation, trials.given(), len(settings.show))
-        trials.load(exact.path)
-        for column, scale in enumerate(exact.scales):
-            if scale < accuracy_reference.NOTHING:
-                trials.ignore(column)
-        every = settings.every or settings.until
-        chart = Chart(trials, said["asked"], settings.until, every, said["run_seconds"])
-        ways = chart.ways(able)
-        setting = said.get("step") or said.get("rtol")
-        own = Way(said["method"], said["rows"], setting, 0.0, 0.0)
-        own, *near = chart.timed([own, *ways[:3]])
+    program = build_library(compilation.files, compilation.model.name, *(m.name for m in able))
+    trials = Trials(program, settings)
+    exact = accuracy_reference.find(compilation, trials.given())
+    trials.exact = exact.rows
+    for column, scale in enumerate(exact.rows.scales):
+        if scale < accuracy_reference.NOTHING:
+            trials.ignore(column)
+    every = settings.every or settings.until
+    chart = Chart(trials, said["asked"], settings.until, every, said["run_seconds"])
+    ways = chart.ways(able)
+    setting = said.get("step") or said.get("rtol")
+    own = Way(said["method"], said["rows"], setting, 0.0, 0.0)
+    own, *near = chart.timed([own, *ways[:3]])
     return Judged(
         case,
         asked=said["asked"],

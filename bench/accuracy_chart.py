@@ -13,7 +13,7 @@ import statistics
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from pkgen.analysis.chart.points import Method
+from pkgen.analysis.chart.points import ChartedMethod
 from pkgen.analysis.choose.trials import DENSE, LAND, Trial, Trials
 
 FIRST = ("radau", "gauss", "dop853", "gauss8", "gauss4", "rk4")  # so that there is a cheapest soon
@@ -47,7 +47,7 @@ class Chart:
     judged: float  # seconds of the run that is judged
     best: float = math.inf
 
-    def ways(self, methods: list[Method]) -> list[Way]:
+    def ways(self, methods: list[ChartedMethod]) -> list[Way]:
         """Those that keep the accuracy, the cheapest first."""
         ordered = sorted(
             methods,
@@ -85,7 +85,7 @@ class Chart:
             cap=0.0 if laps else cap,
         )
 
-    def _way(self, method: Method, rows: str) -> Way | None:
+    def _way(self, method: ChartedMethod, rows: str) -> Way | None:
         last: Trial | None = None
         for setting in self._settings(method):
             tried = self._try(method.name, setting, rows)
@@ -99,7 +99,7 @@ class Chart:
             last = tried
         return None
 
-    def _settings(self, method: Method) -> Iterator[float]:
+    def _settings(self, method: ChartedMethod) -> Iterator[float]:
         if method.fixed:
             count = 1
             while self.every / count > 1e-13 * self.until:
@@ -111,7 +111,9 @@ class Chart:
                 yield tolerance
                 tolerance /= 4
 
-    def _loosest(self, method: Method, rows: str, missed: Trial | None, kept: Trial) -> Trial:
+    def _loosest(
+        self, method: ChartedMethod, rows: str, missed: Trial | None, kept: Trial
+    ) -> Trial:
         """Between a setting that missed and a tighter one that kept it."""
         if missed is None:
             return kept
@@ -133,6 +135,6 @@ class Chart:
                 low = setting
 
 
-def _rows(method: Method) -> tuple[str, ...]:
+def _rows(method: ChartedMethod) -> tuple[str, ...]:
     """Where rows may be made by an interpolant, both ways count."""
     return (LAND, DENSE) if "dense" in method.flags else (LAND,)

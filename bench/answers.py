@@ -24,10 +24,10 @@ from pkgen.analysis.chart import chart as charts
 from pkgen.analysis.chart.answer import ACCURACIES, Answer
 from pkgen.analysis.chart.chart import Chart
 from pkgen.analysis.chart.measure import Program
-from pkgen.analysis.chart.points import Method, Point
+from pkgen.analysis.chart.points import ChartedMethod, Point
 from pkgen.cli.chart import _effort
-from pkgen.cli.commands import compile_within_limits
-from pkgen.run.build import build_program
+from pkgen.cli.compilation import compile_within_limits
+from pkgen.run.build import build_library
 from pkgen.scenes import asked as parsing
 from pkgen.scenes.use import whole
 from pkgen.system.progress import unseen
@@ -76,14 +76,14 @@ class Judged:
         return self.ratio <= WITHIN
 
 
-def measured(case: Case, seconds: float) -> tuple[Chart, Program, list[Method]]:
+def measured(case: Case, seconds: float) -> tuple[Chart, Program, list[ChartedMethod]]:
     words = [str(ROOT / case.model), "--seconds", str(seconds), "-o", "unused", *case.words]
     options = parser_of("chart").parse_args(words)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     settings = parsing.settings(options, compilation)
     methods = charts.methods(None)
     chart = charts.measure(compilation, settings, methods, _effort(options), unseen)
-    program = build_program(compilation.files, compilation.model.name, *(m.name for m in methods))
+    program = build_library(compilation.files, compilation.model.name, *(m.name for m in methods))
     able = [track.method for track in chart.tracks]
     return chart, Program(program, settings), able
 
@@ -95,7 +95,7 @@ class Scan:
         self.program, self.chart = program, chart
         self.known: dict[tuple[str, float], Point] = {}
 
-    def point(self, method: Method, setting: float, lap: float = 0.0) -> Point:
+    def point(self, method: ChartedMethod, setting: float, lap: float = 0.0) -> Point:
         exact, scales = self.chart.reference.final, self.chart.reference.scales
         if method.fixed:
             setting = self.chart.until / math.ceil(self.chart.until / setting * (1 - 1e-12))
@@ -107,7 +107,7 @@ class Scan:
             self.known[key] = found
         return self.known[key]
 
-    def all_of(self, method: Method, most: dict[str, float]) -> list[Point]:
+    def all_of(self, method: ChartedMethod, most: dict[str, float]) -> list[Point]:
         """From loose to tight, until both costs are past the most that matters, and a little more
         to tell luck."""
         setting, over, found = (
@@ -156,7 +156,9 @@ def judged(case: Case, seconds: float) -> list[Judged]:
         return [_judge(scan, a, points) for a in answers]
 
 
-def _judge(scan: Scan, answer: Answer, points: dict[str, tuple[Method, list[Point]]]) -> Judged:
+def _judge(
+    scan: Scan, answer: Answer, points: dict[str, tuple[ChartedMethod, list[Point]]]
+) -> Judged:
     axis = answer.axis
     count = sum(len(found) for _, found in points.values())
     able = [p for m, f in points.values() for p in robust(f, answer.accuracy, FINER[m.fixed])]

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pkgen import __main__ as command
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import lengths
 from pkgen.scenes import use as scene_use
 
 from . import machine, systems, tables
@@ -150,7 +150,7 @@ def compiled(path, scene: str, method: str, h: float):
     use = scene_use.of_run(command.parser_of("run").parse_args(words))
     folder = OUTPUT / "generated" / "bodies" / f"{path.stem}-{scene}-{method}"
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in compile_model(read(str(path)), unroll=parsing.UNROLL, use=use).files.items():
+    for name, text in compile_model(read(str(path)), unroll=lengths.UNROLL, use=use).files.items():
         (folder / name).write_text(text)
     sources = [SOURCES / "long_run.c", folder / f"{path.stem}.c"]
     defines = {"PK_RUNTIME": "", "BENCH_SYSTEM": f"{path.stem}_system"}

@@ -28,10 +28,11 @@ from pkgen.analysis.choose.trials import DENSE, LAND, Trials
 from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 from pkgen.run import named
-from pkgen.run.build import build_program
+from pkgen.run.build import build_library
+from pkgen.run.library import load
 from pkgen.run.settings import Settings
 from pkgen.scenes import asked as parsing
-from pkgen.scenes import scene
+from pkgen.scenes import lengths, scene
 from pkgen.scenes import use as scene_use
 
 from . import machine, tables
@@ -138,11 +139,11 @@ def _way(path: Path, name: str, *options: str) -> Way:
     words = [str(path), "--scene", name, *options]
     parsed = command.parser_of("run").parse_args(words)
     source = read(str(path))
-    compilation = compile_model(source, unroll=parsing.UNROLL, use=scene_use.of_run(parsed))
+    compilation = compile_model(source, unroll=lengths.UNROLL, use=scene_use.of_run(parsed))
     chosen = scene.chosen(compilation.declared, name)
     settings = parsing.settings(parsed, compilation, None, chosen)
     methods = [settings.method, *(part.method for part in settings.parts)]
-    program = build_program(
+    program = build_library(
         compilation.files,
         compilation.model.name,
         *methods,
@@ -192,22 +193,17 @@ def _tight_rows(path: Path, name: str, way: Way, *options: str) -> np.ndarray:
 
 
 def _rows(way: Way) -> np.ndarray:
-    lines = [*way.settings.lines(), "progress 0", ""]
-    done = subprocess.run(
-        [way.program], input="\n".join(lines), capture_output=True, text=True, check=True
-    )
-    return np.loadtxt(io.StringIO(done.stdout), delimiter=",", skiprows=1, ndmin=2)
+    return load(way.program).run(way.settings).rows()
 
 
 def _time(way: Way) -> float:
     """Of the fastest lap, rows made but not written."""
     s = way.settings
     setting = s.step or (s.every if s.method == "exponential" else s.rtol)
-    with Trials(way.program, s) as trials:
-        # As a run has them: the one whose interpolant is as good as its steps does not land.
-        dense = s.method == "gauss" and not way.compilation.parts
-        rows = s.rows or (DENSE if dense else LAND)
-        tried = trials.attempt(s.method, setting, rows, s.until, laps=LAPS)
+    # As a run has them: the one whose interpolant is as good as its steps does not land.
+    dense = s.method == "gauss" and not way.compilation.parts
+    rows = s.rows or (DENSE if dense else LAND)
+    tried = Trials(way.program, s).attempt(s.method, setting, rows, s.until, laps=LAPS)
     if not tried.arrived:
         raise SystemExit(f"bench: {way.compilation.model.name}: {tried.reason}")
     return tried.seconds

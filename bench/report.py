@@ -1,5 +1,4 @@
-"""docs/benchmarks.md, written by the run that measured, so that it cannot drift; and the block of
-the README that quotes the figures to reach."""
+"""docs/benchmarks.md, written by the run that measured, so that it cannot drift."""
 
 from __future__ import annotations
 
@@ -7,7 +6,6 @@ from .machine import Machine
 from .measure import Effort
 from .models import ROOT
 
-BEGIN, END = "<!-- bench: begin -->", "<!-- bench: end -->"
 PAGE = ROOT / "docs" / "benchmarks.md"
 # From here on the page is that of another command: `make bench` leaves it.
 APART = "<!-- python -m bench rotations --docs -->\n"
@@ -43,22 +41,9 @@ def write_docs(parts: dict[str, str], machine: Machine, effort: Effort) -> None:
     sections = "\n\n".join(f"## {title}\n\n{text}" for title, text in parts.items())
     _, mark, apart = PAGE.read_text().partition(APART)
     PAGE.write_text(f"{how}\n{said}\n\n{sections}\n{mark and chr(10)}{mark}{apart}")
-    _quote(parts["Figures to reach"], machine)
 
 
 def write_block(text: str) -> None:
     """What stands behind the mark."""
     before, _, _ = PAGE.read_text().partition(APART)
     PAGE.write_text(f"{before.rstrip()}\n\n{APART}\n{text}")
-
-
-def _quote(figures: str, machine: Machine) -> None:
-    """Between its two marks in the README."""
-    path = ROOT / "README.md"
-    text = path.read_text()
-    before, mark, rest = text.partition(BEGIN)
-    _, other, after = rest.partition(END)
-    if not mark or not other:
-        raise SystemExit(f"bench: README.md has no {BEGIN} ... {END}")
-    said = "; ".join(machine.lines())
-    path.write_text(f"{before}{BEGIN}\n{figures}\n\n({said})\n{END}{after}")

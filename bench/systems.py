@@ -21,7 +21,7 @@ from pkgen import __main__ as command
 from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 from pkgen.run import named
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import lengths
 from pkgen.scenes import use as scene_use
 
 from . import machine, tables
@@ -133,7 +133,7 @@ def _order(path: Path) -> tuple[str, str]:
 def row(path: Path, name: str) -> Row:
     parsed = command.parser_of("run").parse_args([str(path), "--scene", name])
     compilation = compile_model(
-        read(str(path)), unroll=parsing.UNROLL, use=scene_use.of_run(parsed)
+        read(str(path)), unroll=lengths.UNROLL, use=scene_use.of_run(parsed)
     )
     with tempfile.TemporaryDirectory() as directory:
         words = ["run", path, "--scene", name, "-o", Path(directory, "rows.csv"), "--json"]

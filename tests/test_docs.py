@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import doctest
 import re
 import shlex
 import shutil
 import subprocess
 from pathlib import Path
 
+import pkgen
 import pytest
 from conftest import ROOT, run_pkgen
 from pkgen import limits
@@ -143,8 +145,29 @@ def test_the_readme_shows_the_c_that_its_model_becomes(tmp_path: Path) -> None:
     assert blocks(ROOT / "README.md", "c")[0] in (tmp_path / "pendulum.c").read_text()
 
 
-def test_the_readme_shows_the_embedding_example_as_it_is() -> None:
-    assert (ROOT / "docs/embed.c").read_text() in (ROOT / "README.md").read_text()
+def test_the_embedding_example_is_shown_as_it_is() -> None:
+    assert (ROOT / "docs/embed.c").read_text() in (ROOT / "docs/embedding.md").read_text()
+
+
+def test_the_readme_is_short_and_its_python_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (ROOT / "README.md").read_text()
+    assert len(text.splitlines()) <= 150 and text.count("](docs/pictures/") == 5
+    monkeypatch.chdir(ROOT)
+    (code,) = blocks(ROOT / "README.md", "python")
+    names: dict = {}
+    exec(code, names)
+    assert names["a"].shape == (1, 2) and names["r"]["theta1"].shape == (2001,)
+
+
+def test_the_controller_in_the_docs_balances(tmp_path: Path) -> None:
+    model, _ = blocks(ROOT / "docs/control.md", "lag")
+    (tmp_path / "cart_pole.lag").write_text(model)
+    done = run_pkgen("run", tmp_path / "cart_pole.lag", "--scene", "balances")
+    assert done.returncode == 0 and "expected: 1 of 1 met" in done.stderr
+    falling = model.replace("param kp = 60 [N]", "param kp = 0 [N]")
+    (tmp_path / "cart_pole.lag").write_text(falling)
+    done = run_pkgen("run", tmp_path / "cart_pole.lag", "--scene", "balances")
+    assert done.returncode != 0
 
 
 def test_limits_table() -> None:
@@ -166,3 +189,12 @@ def test_links_lead_somewhere() -> None:
         for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
             if not target.startswith(("http:", "https:")):
                 assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_python_page_is_what_happens(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    page, flags = str(ROOT / "docs/python.md"), doctest.ELLIPSIS
+    failed, tried = doctest.testfile(page, module_relative=False, optionflags=flags)
+    assert tried > 4 and not failed
+    failed, tried = doctest.testmod(pkgen)
+    assert tried > 4 and not failed

@@ -115,5 +115,8 @@ any)
 *) fail "PKGEN_SETUP is registry or debian, not '$way'" ;;
 esac
 
+# Where PYTHONDONTWRITEBYTECODE is set, each start would compile a hundred modules again.
+"$venv/bin/python" -m compileall -q generator/pkgen >>"$log" 2>&1
+
 "$venv/bin/pkgen" --version >>"$log" 2>&1 || fail "pkgen was installed but does not start (see $log)"
 say "ready: $venv/bin/$("$venv/bin/pkgen" --version)"

@@ -30,10 +30,11 @@ EXPLICIT = ("rkmk4", "rkmk8")
 _COMPILE = """
 import sys
 from pathlib import Path
-from pkgen import __main__ as command, scene_use
+from pkgen import __main__ as command
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.scenes.asked import UNROLL
+from pkgen.scenes import use as scene_use
+from pkgen.scenes.lengths import UNROLL
 model, folder, *words = sys.argv[1:]
 use = scene_use.of_run(command.parser_of("run").parse_args([model, *words]))
 for name, text in compile_model(read(model), unroll=UNROLL, use=use).files.items():

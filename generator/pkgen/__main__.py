@@ -12,15 +12,10 @@ import os
 import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from importlib import import_module
+from types import ModuleType
 
 from . import __version__
-from .cli import arguments, commands
-from .cli import chart as chart_command
-from .cli import run as run_command
-from .cli import stability as stability_command
-from .compiler import STAGES
-from .run.diagnostics import NAMES
-from .run.values import near
 from .source import ModelError
 from .system import children
 from .system.exits import (
@@ -36,129 +31,32 @@ from .system.exits import (
 from .system.resources import ResourcesExceeded
 from .system.toolchain import BuildError
 
+COMMANDS = ("compile", "check", "explain", "run", "build", "chart", "stability", "methods")
+
+
+def module_of(command: str) -> ModuleType:
+    """The file of a command, imported for it alone."""
+    return import_module(f"{__package__}.cli.{command}")
+
 
 def parser_of(command: str) -> argparse.ArgumentParser:
-    usage = {"compile": "pkgen MODEL.lag [-o DIR] [options]"}.get(command)
-    about = COMMANDS[command].__doc__
+    module = module_of(command)
     parser = argparse.ArgumentParser(
-        prog=f"pkgen {command}", usage=usage, description=about, allow_abbrev=False
+        prog=f"pkgen {command}",
+        usage=getattr(module, "USAGE", None),
+        description=module.run.__doc__,
+        allow_abbrev=False,
     )
-    if command != "methods":
+    if getattr(module, "MODEL", True):
         parser.add_argument("model", metavar="MODEL.lag")
         parser.add_argument(
             "--size", action="append", default=[], metavar="N=64", help="length of a family"
         )
         parser.add_argument("--max-seconds", metavar="S", help="CPU time that compiling may take")
     parser.add_argument("--json", action="store_true", help="machine-readable results")
-    ARGUMENTS.get(command, lambda _: None)(parser)
+    module.arguments(parser)
     return parser
 
-
-def _compile_arguments(parser: argparse.ArgumentParser) -> None:
-    arguments.directory(parser)
-    parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
-    _no_reduce_argument(parser)
-    parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
-    _sincos_arguments(parser)
-    _canonical_argument(parser)
-    parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
-    parser.add_argument(
-        "--dump", choices=STAGES, metavar="STAGE", help="show a stage's result as text"
-    )
-
-
-def _explain_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--scene", metavar="NAME", help="what one scene leaves of the model")
-    _no_reduce_argument(parser)
-    _canonical_argument(parser)
-    parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
-
-
-def _canonical_argument(parser: argparse.ArgumentParser) -> None:
-    help_ = "the canonical form too: H(q, p) and its gradients"
-    parser.add_argument("--canonical", action="store_true", help=help_)
-
-
-def _sincos_arguments(parser: argparse.ArgumentParser) -> None:
-    help_ = "sine and cosine of the C library, not the inline pair"
-    parser.add_argument("--libm", action="store_true", help=help_)
-    help_ = "no fused multiply-add: the same bits on processors with it and without"
-    parser.add_argument("--portable", action="store_true", help=help_)
-
-
-def _no_reduce_argument(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--no-reduce",
-        nargs="?",
-        const="all",
-        metavar="LIST",
-        help="keep all that a scene does not need, or make all reductions but these: "
-        "fold,outputs,unconnected,cyclic,apart,exact",
-    )
-
-
-def _run_arguments(parser: argparse.ArgumentParser) -> None:
-    add = parser.add_argument
-    arguments.of_a_motion(parser, "10")
-    add(
-        "--method",
-        metavar="NAME",
-        help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
-        "for --rtol above 1e-5",
-    )
-    add("--step", metavar="H", help="of a method with fixed steps; else the first step")
-    add("--max-step", metavar="H", help="of an adaptive method")
-    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
-    add("--atol", metavar="A", help="default: R times the scale that the motion shows")
-    add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
-    add("--units", action="store_true", help="units in the header of the CSV")
-    add("--record", metavar="a,b,energy", help="only these columns, behind t")
-    add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
-    add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
-    add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
-    arguments.of_implicit_methods(parser)
-    add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
-    _sincos_arguments(parser)
-    _no_reduce_argument(parser)
-    add("--max-steps", type=int, default=1_000_000_000, metavar="N")
-    add(
-        "-o",
-        dest="output",
-        metavar="FILE",
-        help="FILE.csv or FILE.npy; default: standard output",
-    )
-
-
-def _as_of_a_run(
-    own: Callable[[argparse.ArgumentParser], None],
-) -> Callable[[argparse.ArgumentParser], None]:
-    """A command's own options; what it has none for is as in a run."""
-
-    def add(parser: argparse.ArgumentParser) -> None:
-        of_run = argparse.ArgumentParser()
-        _run_arguments(of_run)
-        parser.set_defaults(**vars(of_run.parse_args([])))
-        own(parser)
-
-    return add
-
-
-COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
-    "compile": commands.compile_to_c,
-    "check": commands.check,
-    "explain": commands.explain,
-    "run": run_command.run,
-    "chart": chart_command.run,
-    "stability": stability_command.run,
-    "methods": commands.methods,
-}
-ARGUMENTS = {
-    "compile": _compile_arguments,
-    "explain": _explain_arguments,
-    "run": _run_arguments,
-    "chart": _as_of_a_run(chart_command.arguments),
-    "stability": _as_of_a_run(stability_command.arguments),
-}
 
 LATER = frozenset(("export", "sweep", "fmt"))
 
@@ -166,6 +64,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen check MODEL.lag        errors and warnings only
        pkgen explain MODEL.lag      equations, structure
        pkgen run MODEL.lag          compile and integrate; CSV to standard output
+       pkgen build MODEL.lag -o FILE a program of its own, with the options of run
        pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen stability MODEL.lag    where each method fails, predicted and measured
        pkgen methods                the methods, orders, what each requires
@@ -219,7 +118,7 @@ def _main(words: list[str] | None) -> int:
         said = said if flag.startswith("-") else f"one model at a time: what is {flag}?"
         print(f"pkgen: {said}", file=sys.stderr)
         return USAGE
-    return _guarded(COMMANDS[command], options)
+    return _guarded(module_of(command).run, options)
 
 
 def _open_streams() -> None:
@@ -237,6 +136,8 @@ def _open_streams() -> None:
 
 
 def _near(word: str, known: Iterable[str]) -> str:
+    from .system.near import near
+
     return near(word, [name for name in known if name not in ("-h", "--help")], "option")
 
 

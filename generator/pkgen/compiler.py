@@ -19,51 +19,51 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
+from typing import TYPE_CHECKING
 
-from .back.c import loops_lower, loops_render, lower, render
 from .back.c.beyond import Beyond, extreme
-from .back.c.loops_lower import LoopProgram
-from .back.c.program import Program
 from .equations import Equations, Structure
 from .front import parse
 from .front.check import check
-from .loop_proofs import partly_proved, with_proofs
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
-from .middle.derive import derive, states
-from .middle.derive.canonical import with_hamiltonian
-from .middle.loops import derive as loops_derive
+from .middle.derive import derive
 from .middle.loops.loops import Facts, LoopEquations, Unrolled
 from .middle.quantities import families
 from .middle.reduce import reduce
-from .middle.reduce.apart import Part
+from .middle.reduce.apart import Subsystem
 from .middle.reduce.reduction import ENOUGH, Needs
-from .middle.report import Line, Report
+from .middle.report import Report, ReportLine
 from .model import Model
+from .record import record
 from .source import Diagnostic, Source
+
+if TYPE_CHECKING:
+    from .back.c.loops_lower import LoopProgram
+    from .back.c.program import Program
 
 STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
 
-@dataclass(frozen=True)
+@record
 class Use:
     """What a scene makes of a model: what it fixes and holds in it, and what it needs of it: its
     kernels, or where the equations are not known yet all that may come to be, and the parameters
     that it reads besides."""
 
-    model: Callable[[Model], tuple[Model, tuple[Line, ...]]]
+    model: Callable[[Model], tuple[Model, tuple[ReportLine, ...]]]
     needs: Callable[[Model], Needs | None]  # None: everything
     kernels: Callable[[Model, tuple | None], frozenset[str] | None] = lambda *_: None  # None: all
     reads: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
     declared: Callable[[Model], Model] = lambda declared: declared  # with what options say
 
-    def of(self, declared: Model) -> tuple[Model, tuple[Line, ...]]:
+    def of(self, declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         return self.model(self.declared(declared))
 
 
-@dataclass(frozen=True)
+@record
 class CompiledPart:
     """A block of coordinates as a system of its own; `coordinates` are their indices in the
     whole."""
@@ -75,7 +75,7 @@ class CompiledPart:
     program: Program
 
 
-@dataclass(frozen=True)
+@record
 class Compilation:
     """What each stage made of one model; `declared` is the model before a scene's use of it."""
 
@@ -127,6 +127,8 @@ def stages(
     with _no_collection():
         equations = _equations(model, kernels, called, self_test or canonical, unroll, needs)
         if isinstance(equations, LoopEquations):
+            from .loop_proofs import with_proofs
+
             equations = with_proofs(equations, file, use.of if use else None, symmetric)
     yield equations
     if isinstance(equations, LoopEquations):
@@ -136,6 +138,8 @@ def stages(
             equations, gone = _of_loops(equations, needs)
             lines = (*lines, *gone)
         yield equations, equations.facts, Report(lines)
+        from .back.c import loops_lower, loops_render
+
         with _in_range(model):
             loops = loops_lower.lower_loops(equations, libm, asked(equations, equations.facts))
         yield loops, ()
@@ -149,7 +153,11 @@ def stages(
         with _no_collection():
             left = reduce.reduce(equations, structure, needs, called)
     report = replace(left.report, lines=(*lines, *left.report.lines))
+    from .middle.derive import states
+
     if canonical:
+        from .middle.derive.canonical import with_hamiltonian
+
         left = replace(left, equations=with_hamiltonian(left.equations, left.structure))
     kernels = asked(left.equations, left.structure)
     of_whole = reduce.of_the_whole(kernels) if left.parts else kernels
@@ -163,6 +171,8 @@ def stages(
             kept = _kept(made, reads | {*report.starts.values()})
             report = report.unread(in_c[0].parameters, kept)
     yield left.equations, left.structure, report
+    from .back.c import lower, render  # a check goes no further
+
     with _no_collection(), _in_range(model):
         program = lower.lower(*in_c, of_whole, libm=libm, kept=kept)
         parts = tuple(_part(part, own, libm, kept) for part, own in of_parts)
@@ -174,18 +184,24 @@ def stages(
     yield files
 
 
-def _of_loops(equations: LoopEquations, needs: Needs) -> tuple[LoopEquations, tuple[Line, ...]]:
+def _of_loops(
+    equations: LoopEquations, needs: Needs
+) -> tuple[LoopEquations, tuple[ReportLine, ...]]:
     """Without the outputs that no column has; claims are judged, and not watched."""
     model, lines = reduce.outputs_of_loops(equations.model, needs)
     if not lines:
         return equations, ()
-    return replace(loops_derive.derive_loops(model), facts=equations.facts), lines
+    from .middle.loops.derive import derive_loops
+
+    return replace(derive_loops(model), facts=equations.facts), lines
 
 
 def _kept(
     made: list[tuple[Equations, frozenset[str] | None]], reads: frozenset[str]
 ) -> frozenset[int]:
     """The parameters that a whole and its parts have in C, and that whoever runs them reads."""
+    from .back.c import lower
+
     slots = made[0][0].parameters
     read = {k for k, x in enumerate(slots) if x.family in reads}
     read |= {k for equations, kernels in made for k in lower.parameters_read(equations, kernels)}
@@ -193,8 +209,10 @@ def _kept(
 
 
 def _part(
-    part: Part, kernels: frozenset[str] | None, libm: bool, kept: frozenset[int] | None
+    part: Subsystem, kernels: frozenset[str] | None, libm: bool, kept: frozenset[int] | None
 ) -> CompiledPart:
+    from .back.c import lower
+
     e = part.equations
     program = lower.lower(e, part.structure, kernels, libm=libm, kept=kept)
     return CompiledPart(e.model.name, part.coordinates, e, part.structure, program)
@@ -234,7 +252,15 @@ def check_model(
     _, (_, model, warnings), _, facts, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
     if extreme(equations.graph):
         next(made)
-    return model, warnings + partly_proved(model, facts)
+    return model, warnings + _partly_proved(model, facts)
+
+
+def _partly_proved(model: Model, facts: Structure | Facts) -> tuple[Diagnostic, ...]:
+    if not isinstance(facts, Facts):
+        return ()
+    from .loop_proofs import partly_proved
+
+    return partly_proved(model, facts)
 
 
 def _equations(
@@ -256,7 +282,9 @@ def _equations(
         reason = "so few coordinates are faster as straight-line code"
     else:
         try:
-            return loops_derive.derive_loops(model)
+            from .middle.loops.derive import derive_loops
+
+            return derive_loops(model)
         except Unrolled as cannot:
             reason = str(cannot)
     # What is reduced is derived again, with all kernels that are asked for.
@@ -291,8 +319,10 @@ def compile_model(
     made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
-    warnings += partly_proved(model, facts)
+    warnings += _partly_proved(model, facts)
     if portable:
+        from .back.c import render
+
         files = render.portable(files)
     return Compilation(
         declared, model, warnings, equations, structure, report, program, files, parts

@@ -14,17 +14,16 @@ Families are unrolled: everything here is flat, in declaration order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from .graph.graph import Graph, Node
 from .model import Model
+from .record import record
 from .source import Span
 
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
 
 
-@dataclass(frozen=True)
+@record
 class Quantity:
     """A named scalar, as it appears in the C introspection tables and in CSV headings."""
 
@@ -33,7 +32,7 @@ class Quantity:
     description: str
 
 
-@dataclass(frozen=True)
+@record
 class Guard:
     """The equations end where it vanishes: what they use it for, a kind of pk/system.h without its
     PK_GUARD_. As "COORDINATES" these alone end, M being singular there."""
@@ -43,7 +42,7 @@ class Guard:
     use: str
 
 
-@dataclass(frozen=True)
+@record
 class Switch:
     """The equations are smooth on either side of its zero (middle/derive/switches.py). Where L or
     a row may jump, `impulse` is not 0, and the slopes are there (middle/derive/impulses.py)."""
@@ -56,7 +55,7 @@ class Switch:
     held: bool = True  # each of its calls on one side throughout a step
 
 
-@dataclass(frozen=True)
+@record
 class ParameterSlot:
     """One scalar parameter. `family` and `position` say which element of a C array it is."""
 
@@ -72,7 +71,7 @@ class ParameterSlot:
     hi_open: bool
 
 
-@dataclass(frozen=True)
+@record
 class Linear:
     """Derivatives of r = f - M a, with a held: M (da/dq) = r_q, and so on."""
 
@@ -81,7 +80,7 @@ class Linear:
     r_t: Row
 
 
-@dataclass(frozen=True)
+@record
 class Hamiltonian:
     """The canonical form, of q and of p instead of v: q' = dH/dp, p' = -dH/dq + applied."""
 
@@ -92,7 +91,7 @@ class Hamiltonian:
     pivots: Row  # of M, which is solved for v
 
 
-@dataclass(frozen=True)
+@record
 class Particles:
     """Masses and places with T = sum of m/2 |r'|^2, z 0 in a plane; in r'' the accelerations of the
     coordinates are given. What L has `beyond` that, in words: of the second degree in the rates
@@ -108,7 +107,7 @@ class Particles:
     span: Span | None = None
 
 
-@dataclass(frozen=True)
+@record
 class Attitude:
     """Where a rotation stands: the first of its three rates, and of the four states that are its
     quaternion w, x, y, z; -1 where nothing asks for that."""
@@ -126,7 +125,7 @@ class Attitude:
         return range(self.state, self.state + 4) if self.state >= 0 else range(0)
 
 
-@dataclass(frozen=True)
+@record
 class Constraints:
     """Rows J v + j0 = 0, the first `holonomic` of them the rates of phi = 0; the force J^T lambda
     of d'Alembert is in `applied`, in pdot and f. What is `free` is without it."""
@@ -145,7 +144,7 @@ class Constraints:
     workless: bool  # J v = 0 at any time: no constraint moves by itself
 
 
-@dataclass(frozen=True)
+@record
 class Equations:
     model: Model
     graph: Graph
@@ -243,7 +242,7 @@ class Equations:
 Indices = tuple[tuple[int, ...], ...]
 
 
-@dataclass(frozen=True)
+@record
 class Claim:
     """What became of a `conserve`: proved, refuted, or not proved, and how or how far."""
 
@@ -252,7 +251,7 @@ class Claim:
     says: str
 
 
-@dataclass(frozen=True)
+@record
 class Invariant:
     """A constant of the motion that was found: a sum of terms, each a coefficient of parameters
     times names: "t", coordinates, momenta and "energy"."""
@@ -265,7 +264,7 @@ class Invariant:
     when: str = ""  # for which sizes it is proved, where families are loops
 
 
-@dataclass(frozen=True)
+@record
 class Symmetries:
     """What Noether's theorem gives, in a basis; nodes of a graph of their own."""
 
@@ -275,7 +274,7 @@ class Symmetries:
     invariants: tuple[Invariant, ...]
 
 
-@dataclass(frozen=True)
+@record
 class Structure:
     """Facts, each proved (never a guess): false means not proved. See enum pk_fact.
 

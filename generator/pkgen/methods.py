@@ -1,20 +1,36 @@
-"""The methods of the runtime, as much of them as the generator must know without a C compiler. The
-tests compare it with what the runtime says of itself."""
+"""The methods of the runtime, as much of them as the generator must know without a C compiler, read
+in the runtime's own registry.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from pathlib import Path
+
+import pkgen_runtime
+
+from .record import record
 
 
-@dataclass(frozen=True)
+@record
 class Method:
-    """`inlined`: the family that -DPK_INLINE_ names, if its steps are compiled together with a
-    model, whose kernels are inlined (see pk/inlined.h). `requires`: facts of a system."""
+    """`requires`: facts of a system."""
 
-    inlined: str
+    family: str
     traits: frozenset[str]
     requires: tuple[str, ...]
+
+    @property
+    def inlined(self) -> str:
+        """The family that -DPK_INLINE_ names, if its steps are compiled with a model, whose kernels
+        are inlined then (see pk/inlined.h)."""
+        return self.family if self.family in INLINED else ""
+
+    @property
+    def exact(self) -> bool:
+        """Its steps are exact, whatever their length."""
+        return "exact" in self.traits
 
     @property
     def fixed(self) -> bool:
@@ -22,31 +38,32 @@ class Method:
         return not {"adaptive", "exact"} & self.traits
 
 
-SEPARABLE = "mass_constant separable"
-_TABLE = (
-    ("euler rk2 rk3 rk4", "ERK", "quadrature", ""),
-    ("dopri5 dop853", "EMBEDDED", "adaptive quadrature", ""),
-    ("symplectic_euler verlet yoshida4 suzuki4 mclachlan4", "SPLITTING", "", SEPARABLE),
-    ("blanes_moan4 yoshida6 kahan_li6 blanes_moan6", "SPLITTING", "", SEPARABLE),
-    ("yoshida8 kahan_li8", "SPLITTING", "", SEPARABLE),
-    ("adaptive_verlet", "", "adaptive linear", f"{SEPARABLE} autonomous"),
-    ("gauss", "GAUSS", "adaptive quadrature", "smooth"),
-    ("gauss1 gauss2 gauss3 gauss4 gauss5 gauss6 gauss7 gauss8", "", "jacobians quadrature", ""),
-    ("lobatto2 lobatto3 lobatto4 radau5 radau9", "", "jacobians quadrature", ""),
-    ("radau", "", "adaptive jacobians quadrature", ""),
-    ("exponential", "", "exact", "affine"),
-    ("lie_midpoint lie_midpoint4 lie_midpoint6", "", "group holonomic quadrature", ""),
-    ("rattle rattle4 rattle6", "", "group holonomic quadrature", ""),
-    ("rkmk4 rkmk8", "", "group quadrature", ""),
-    ("gsl_rkf45 gsl_rk8pd gsl_msadams", "", "adaptive", ""),
-    ("gsl_msbdf", "", "adaptive linear", ""),
-    ("gsl_bsimp", "", "adaptive linear no_inputs", ""),
-)
-METHODS = {
-    name: Method(inlined, frozenset(traits.split()), tuple(requires.split()))
-    for names, inlined, traits, requires in _TABLE
-    for name in names.split()
-}
+REGISTRY = Path(pkgen_runtime.__file__).parent / "include" / "pk" / "methods.h"
+INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families that -DPK_INLINE_ names
+_FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
+_ROW = re.compile(r"X\(A, (\w+), \d+, \d+, \d+, ([\w |]+),\s*\\?\s*\w+,")
+_DEFINED = re.compile(r"#define (PK_\w+)\s+\\?\s*\(?((?:PK_\w+(?: \| )?)+|0)\)?\n")
+
+
+def _read(text: str) -> dict[str, Method]:
+    """The rows of pk/methods.h, whose expressions are names joined by |."""
+    defined = dict(_DEFINED.findall(text))
+
+    def words(expression: str) -> list[str]:
+        found = []
+        for name in expression.strip("() ").split(" | "):
+            within = words(defined[name]) if name in defined else [name[3:].lower()]
+            found += [word for word in within if word]
+        return found
+
+    return {
+        name: Method(family, frozenset(words(traits)), tuple(words(f"PK_NEEDS_{family}")))
+        for family, rows in _FAMILY.findall(text)
+        for name, traits in _ROW.findall(rows)
+    }
+
+
+METHODS = _read(REGISTRY.read_text(encoding="utf-8"))
 
 
 def provides(structure: object, fact: str) -> bool:

@@ -7,13 +7,12 @@ them with `indices.py`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from .record import record
 from .source import Diagnostic, Source, Span
 from .tree import Expr, Range
 
 
-@dataclass(frozen=True)
+@record
 class Size:
     """`size N = 31`; `value` already holds what `--size` set."""
 
@@ -23,7 +22,7 @@ class Size:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Bounds:
     """Where a parameter may lie; None is infinite. `lo_open` excludes the end itself."""
 
@@ -33,7 +32,7 @@ class Bounds:
     hi_open: bool
 
 
-@dataclass(frozen=True)
+@record
 class Parameter:
     """A run-time parameter, or with `range` a family of them (indices lo..hi).
 
@@ -51,7 +50,7 @@ class Parameter:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Coordinate:
     """A generalized coordinate; with `range`, a family q[lo..hi]."""
 
@@ -66,7 +65,7 @@ class Coordinate:
     momentum: str = ""
 
 
-@dataclass(frozen=True)
+@record
 class Rotation:
     """An attitude in SO(3). Its body rates are the rates of coordinates of their own, `turns`,
     which stand behind all others; its unit quaternion w, x, y, z are states, before all others,
@@ -84,7 +83,7 @@ class Rotation:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Constraint:
     """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, of a vector a component.
     `name` is that of its multiplier without the lambda_ in front."""
@@ -99,7 +98,7 @@ class Constraint:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class State:
     """A first-order variable, whose rate the model states; with `range`, a family."""
 
@@ -111,7 +110,7 @@ class State:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Rate:
     """`rate NAME = EXPR`: each state, and each member of a family of states, has one."""
 
@@ -122,7 +121,7 @@ class Rate:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class End:
     """What a family's coordinate outside its range means.
 
@@ -138,7 +137,7 @@ class End:
     at: Expr | None = None  # the index as written, for a family whose size is not known yet
 
 
-@dataclass(frozen=True)
+@record
 class Input:
     """Set by the embedding program; `order` derivatives of it occur (0, 1 or 2)."""
 
@@ -149,7 +148,7 @@ class Input:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Definition:
     """`let`, `const`, `observe` or `conserve`: NAME, NAME[index] or NAME[i = lo..hi].
 
@@ -165,7 +164,7 @@ class Definition:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Force:
     """`force COORD = EXPR`; several for one coordinate add up."""
 
@@ -176,7 +175,7 @@ class Force:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Start:
     """An initial value; `order` 0 for a coordinate, 1 for its rate. Later ones override."""
 
@@ -188,7 +187,7 @@ class Start:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Event:
     """`event NAME: EXPR rising stop`: where EXPR crosses zero."""
 
@@ -201,7 +200,7 @@ class Event:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Assignment:
     """`set NAME = EXPR` in a scene: a parameter, or an input. `varies`: EXPR contains t."""
 
@@ -213,7 +212,7 @@ class Assignment:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Record:
     """`record a, b every H at EVENT`; the columns are named as in the CSV: "q[3]", "theta'"."""
 
@@ -223,7 +222,7 @@ class Record:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Hold:
     """`hold NAME = EXPR`: a prescribed motion, of parameters and t; None: its start."""
 
@@ -234,7 +233,7 @@ class Hold:
     span: Span
 
 
-@dataclass(frozen=True)
+@record
 class Expect:
     """`expect A = B within TOL at T`: a time or an event; with neither, at every recorded time."""
 
@@ -248,7 +247,7 @@ class Expect:
     component: str = ""  # ".x" where vectors are compared
 
 
-@dataclass(frozen=True)
+@record
 class Scene:
     """One use of the model."""
 
@@ -270,7 +269,7 @@ class Scene:
     misfits: tuple[Diagnostic, ...] = ()  # errors that other sizes than the file's have made
 
 
-@dataclass(frozen=True)
+@record
 class Model:
     """Everything in declaration order."""
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_right
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from .record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Span:
     """A half-open range of character offsets into `Source.text`."""
 
@@ -24,7 +26,7 @@ class Span:
         return Span(self.start, other.end)
 
 
-@dataclass(frozen=True)
+@record
 class Source:
     """A model's text: a byte-order mark dropped, line ends normalised to newline. Behind its `own`
     characters stands what the command line says (None: nothing)."""
@@ -70,7 +72,7 @@ class Source:
         return self.text[start:] if end < 0 else self.text[start:end]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Diagnostic:
     """One finding: what is wrong, where, and what to do about it."""
 

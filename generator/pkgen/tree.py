@@ -7,16 +7,17 @@ is (brackets, powers, calls) is bounded by `limits.DEPTH`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from fractions import Fraction
 
+from .record import record
 from .source import Span
 
 AXES = "xyz"
 COMPONENTS = AXES + "w"  # what may stand behind a point, by Component.axis
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Number:
     """A literal, exactly as spelt."""
 
@@ -24,7 +25,7 @@ class Number:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Name:
     """`theta1`, or `q[i+1]` with an index. Greek letters are spelt out already.
 
@@ -37,7 +38,7 @@ class Name:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Prime:
     """The total time derivative of an expression: `x1'`, `q[i]'`, `(a*b)'`."""
 
@@ -45,7 +46,7 @@ class Prime:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Component:
     """`.x`, `.y` or `.z` of a vector, `.w` of a quaternion; `axis` counts COMPONENTS."""
 
@@ -54,13 +55,13 @@ class Component:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Negate:
     of: Expr
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Add:
     """Terms each with its sign, +1 or -1; the first sign is +1."""
 
@@ -69,7 +70,7 @@ class Add:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Multiply:
     """Factors each with its exponent, +1 (times) or -1 (divided by); the first is +1."""
 
@@ -78,16 +79,16 @@ class Multiply:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Power:
     base: Expr
     exponent: Expr
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Call:
-    """A function of `functions.py`, or one of vectors: dot, cross, norm, and behind the check
+    """A function of `functions/`, or one of vectors: dot, cross, norm, and behind the check
     rotate(axis, angle, vector) and attitude(quaternion, vector), a quaternion being a vector of
     w, x, y, z."""
 
@@ -96,7 +97,7 @@ class Call:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Range:
     """`i = lo..hi`, both ends included; the ends are integer expressions."""
 
@@ -106,7 +107,7 @@ class Range:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Sum:
     """`sum(body, i = 1..N, j = i+1..N)`: later ranges may use earlier variables."""
 
@@ -115,13 +116,13 @@ class Sum:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Vector:
     items: tuple[Expr, ...]
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Quantity:
     """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor."""
 

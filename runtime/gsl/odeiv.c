@@ -19,6 +19,7 @@
 
 #include <pk/gsl.h>
 #include <pk/linear.h> /* size of work */
+#include <pk/methods.h>
 
 #include "../src/core/internal.h"
 
@@ -248,32 +249,13 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define GSL_METHOD(symbol, label, text, p, s, more, type)            \
-    static const struct pk_method symbol = {.name = label,           \
-                                            .doc = text,             \
-                                            .order = p,              \
-                                            .stages = s,             \
-                                            .traits = PK_ADAPTIVE | (more), \
-                                            .table = &type,          \
-                                            .size = no_size,         \
-                                            .init = init,            \
-                                            .step = step,            \
-                                            .release = release}
+#define GSL(type)                                                                       \
+    .needs = PK_NEEDS_GSL, .table = &gsl_odeiv2_step_##type, .size = no_size, .init = init, \
+    .step = step, .release = release
+PK_METHODS_GSL(PK_DEFINE_METHOD, GSL)
 
-GSL_METHOD(rkf45, "gsl_rkf45", "GSL: Fehlberg 4(5); NASA TR R-315 (1969)", 5, 6, 0,
-           gsl_odeiv2_step_rkf45);
-GSL_METHOD(rk8pd, "gsl_rk8pd", "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67", 8, 13,
-           0, gsl_odeiv2_step_rk8pd);
-GSL_METHOD(msadams, "gsl_msadams", "GSL: Adams in Nordsieck form, orders 1 to 12", 0, 0, 0,
-           gsl_odeiv2_step_msadams);
-GSL_METHOD(msbdf, "gsl_msbdf",
-           "GSL: backward differentiation, orders 1 to 5; Byrne, Hindmarsh (1975)", 0, 0,
-           PK_IMPLICIT | PK_LINEAR, gsl_odeiv2_step_msbdf);
-GSL_METHOD(bsimp, "gsl_bsimp",
-           "GSL: extrapolated implicit midpoint; Bader, Deuflhard, Numer. Math. 41 (1983)", 0, 0,
-           PK_IMPLICIT | PK_LINEAR | PK_NO_INPUTS, gsl_odeiv2_step_bsimp);
-
-static const struct pk_method *const methods[] = {&rkf45, &rk8pd, &msadams, &msbdf, &bsimp};
+#define ADDRESS(A, name, ...) &pk_method_##name,
+static const struct pk_method *const methods[] = {PK_METHODS_GSL(ADDRESS, )};
 
 const struct pk_method *pk_gsl_method_at(size_t index)
 {

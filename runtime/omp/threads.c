@@ -18,6 +18,15 @@ size_t pk_ensemble_threads(void)
 #endif
 }
 
+size_t pk_thread(void)
+{
+#ifdef _OPENMP
+    return (size_t)omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
 void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i), void *context)
 {
     (void)threads;
@@ -41,12 +50,8 @@ enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threa
 #endif
     for (size_t i = 0; i < chunks; i++) {
         const size_t first = i * CHUNK, left = e->members - first;
-        size_t thread = 0;
-#ifdef _OPENMP
-        thread = (size_t)omp_get_thread_num();
-#endif
-        (void)pk_ensemble_run(e, first, left < CHUNK ? left : CHUNK, (char *)block + thread * one,
-                              one); /* what it came to is in e->status */
+        (void)pk_ensemble_run(e, first, left < CHUNK ? left : CHUNK,
+                              (char *)block + pk_thread() * one, one); /* what it came to is in e->status */
     }
     for (size_t i = 0; i < e->members; i++)
         if (e->status[i] != PK_DONE)

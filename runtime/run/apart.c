@@ -11,51 +11,26 @@
 #include "expect.h"
 #include "trust.h"
 #include "watch.h"
-#include "words.h"
-
-int apart_setting(struct settings *s, size_t line, char *const word[])
-{
-    size_t k;
-    if (!words_index(word[1], run_n_parts, &k))
-        return words_usage(line, "no such part", word[1]);
-    if (!s->parts)
-        s->parts = (struct part_given *)words_allocate(run_n_parts, sizeof *s->parts);
-    struct part_given *part = &s->parts[k];
-    const struct {
-        const char *name;
-        pk_real *x;
-    } table[] = {{"step", &part->h}, {"rtol", &part->rtol}, {"h_max", &part->h_max}};
-    if (word[2] && word[3] && strcmp(word[2], "method") == 0) {
-        part->method = run_method_find(word[3]);
-        return part->method ? 0 : words_usage(line, "unknown method", word[3]);
-    }
-    for (size_t i = 0; word[2] && i < sizeof table / sizeof *table; i++)
-        if (strcmp(word[2], table[i].name) == 0)
-            return words_real(word[3], table[i].x) && *table[i].x > 0
-                       ? 0
-                       : words_usage(line, "not a positive number", word[3]);
-    return words_usage(line, "a part has a method, step, rtol or h_max", word[2]);
-}
 
 /* What was given of part k, and the rest as for the whole. */
 static struct pk_choice choice_of(const struct settings *s, size_t k)
 {
-    const struct part_given none = {0}, *given = s->parts ? &s->parts[k] : &none;
-    struct pk_choice c = {given->method ? given->method : s->method, s->options};
-    if (given->h > 0)
-        c.options.h = given->h;
+    const struct pk_run_part none = {0}, *given = s->part_given ? &s->part_given[k] : &none;
+    struct pk_choice c = {given->method ? run_method_find(given->method) : s->method, s->options};
+    if (given->step > 0)
+        c.options.h = (pk_real)given->step;
     if (given->rtol > 0)
-        c.options.rtol = given->rtol;
+        c.options.rtol = (pk_real)given->rtol;
     if (given->h_max > 0)
-        c.options.h_max = given->h_max;
+        c.options.h_max = (pk_real)given->h_max;
     return c;
 }
 
-int apart_choose(struct run *run)
+enum pk_run_code apart_choose(struct run *run)
 {
     struct settings *s = &run->settings;
-    const char *none = s->ensemble             ? "ensembles"
-                       : run_model->n_events  ? "events"
+    const char *none = s->members              ? "ensembles"
+                       : run->settings.system->n_events  ? "events"
                        : s->diagnose           ? "diagnostics"
                        : s->land == 0          ? "dense rows"
                                                : NULL;
@@ -67,13 +42,13 @@ int apart_choose(struct run *run)
     if (!none && !(s->every > 10 * PK_EPSILON * s->until))
         none = "rows at each step";
     if (none) {
-        fprintf(stderr, "run: blocks integrated apart have no %s\n", none);
-        return 2;
+        run_say(run, "blocks integrated apart have no %s", none);
+        return PK_RUN_USAGE;
     }
     s->land = 1;
     run->count = run_intervals(s->until, s->every);
-    run->choices = (struct pk_choice *)words_allocate(run_n_parts, sizeof *run->choices);
-    for (size_t k = 0; k < run_n_parts; k++) {
+    run->choices = (struct pk_choice *)memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
+    for (size_t k = 0; k < run->settings.n_parts; k++) {
         struct pk_choice *c = &run->choices[k];
         *c = choice_of(s, k);
         if (c->method->traits & PK_ADAPTIVE)
@@ -81,13 +56,13 @@ int apart_choose(struct run *run)
         if (!(c->options.h > 0) && (c->method->traits & PK_EXACT))
             c->options.h = s->every;
         if (!(c->options.h > 10 * PK_EPSILON * s->until)) {
-            fprintf(stderr, "run: part %zu: method %s has a fixed step: give it by --step\n", k + 1,
+            run_say(run, "part %zu: method %s has a fixed step: give it by --step", k + 1,
                     c->method->name);
-            return 2;
+            return PK_RUN_USAGE;
         }
         c->options.h = run_step(s->every, c->options.h);
     }
-    return 0;
+    return PK_RUN_DONE;
 }
 
 /* What rows, drifts and the report look at. */
@@ -116,26 +91,26 @@ static void look(struct run *run)
     }
 }
 
-int apart_begin(struct run *run)
+enum pk_run_code apart_begin(struct run *run)
 {
     struct settings *s = &run->settings;
-    const size_t m = run_model->n_quadratures, n = s->n;
-    run->problem = settings_problem(s);
-    const size_t size = pk_apart_size(&run->problem, run_parts, run->choices, run_n_parts);
+    const size_t m = run->settings.system->n_quadratures;
+    run->problem = run_problem(run);
+    const size_t size = pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
     const size_t monitor_size = pk_monitor_size(&run->problem);
-    run->block = words_allocate(size, 1);
-    run->monitor_block = words_allocate(monitor_size, 1);
-    run->row = (pk_real *)words_allocate(2 * n + run_model->n_observed + m + 1, sizeof *run->row);
+    run->block = memory_take(&run->memory, size, 1);
+    run->monitor_block = memory_take(&run->memory, monitor_size, 1);
+    rows_begin(run);
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
     run->monitor.has_energy |= expect_uses_h(run);
-    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run_parts, run->choices,
-                                          run_n_parts, 0, s->q, s->v, run->block, size);
+    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts, run->choices,
+                                          run->settings.n_parts, 0, s->q, s->v, run->block, size);
     if (status >= 0 && m) {
-        settings_z(s, run_model, s->params, run->row);
+        settings_z(s, s->params, run->row);
         status = pk_apart_set_quadratures(&run->apart, run->row);
     }
     look(run);
-    return status < 0 ? 4 : 0;
+    return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }
 
 /* Rows may be so far apart that a motion looks at rest in each, as one recorded at its turning
@@ -150,7 +125,7 @@ static void stepped(void *context, size_t k)
 static void scale(struct run *run)
 {
     pk_real sum = 0;
-    for (size_t k = 0; k < run_n_parts; k++)
+    for (size_t k = 0; k < run->settings.n_parts; k++)
         sum += run->part_monitors[k].energy.scale;
     if (run->monitor.has_energy && run->monitor.energy.scale < sum)
         run->monitor.energy.scale = sum;
@@ -163,9 +138,8 @@ static void watch_parts(struct run *run)
     for (size_t k = 0; k < a->count; k++)
         size += pk_monitor_size(&a->parts[k].it.problem);
     run->part_monitors =
-        (struct pk_monitor *)words_allocate(a->count, sizeof *run->part_monitors);
-    run->part_block = words_allocate(size, 1);
-    char *block = (char *)run->part_block;
+        (struct pk_monitor *)memory_take(&run->memory, a->count, sizeof *run->part_monitors);
+    char *block = (char *)memory_take(&run->memory, size, 1);
     for (size_t k = 0; k < a->count; k++) {
         const struct pk_problem *problem = &a->parts[k].it.problem;
         size = pk_monitor_size(problem);
@@ -182,7 +156,7 @@ void apart_integrate(struct run *run)
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
     watch_parts(run);
-    output_row(run, run->out, 0, a->q, a->v, a->z);
+    rows_write(run, 0, a->q, a->v, a->z);
     run_sample(run);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
         const pk_real t = run_row_time(run, k, run->count);
@@ -195,9 +169,8 @@ void apart_integrate(struct run *run)
             scale(run);
             trust_step(run);
         }
-        output_row(run, run->out, t, a->q, a->v, a->z);
-        run_progress(run, (double)(t / s->until), 0);
-        run->interrupted = run_interrupted();
+        rows_write(run, t, a->q, a->v, a->z);
+        run->interrupted = run_stopped(run, (double)(t / s->until));
     }
     expect_member(run, &run->monitor.energy);
 }
@@ -205,7 +178,7 @@ void apart_integrate(struct run *run)
 void apart_report(const struct run *run, FILE *file)
 {
     const struct pk_apart *a = &run->apart;
-    if (!run_parts)
+    if (!run->settings.parts)
         return;
     fputs("  \"parts\": [", file);
     for (size_t k = 0; a->parts && k < a->count; k++) {
@@ -215,23 +188,15 @@ void apart_report(const struct run *run, FILE *file)
         fprintf(file, "%s\n    {\"coordinates\": [", k ? "," : "");
         for (size_t i = 0; i < part->of.system->n; i++) {
             fputs(i ? ", " : "", file);
-            output_text(file, part->of.system->coordinates[i].name);
+            report_text(file, part->of.system->coordinates[i].name);
         }
         fprintf(file, "], \"method\": \"%s\", \"status\": \"%s\", \"t\": ", c->method->name,
                 pk_status_name(part->it.status));
-        output_real(file, part->it.t);
+        report_real(file, part->it.t);
         fputs(adaptive ? ", \"rtol\": " : ", \"step\": ", file);
-        output_real(file, adaptive ? c->options.rtol : c->options.h);
+        report_real(file, adaptive ? c->options.rtol : c->options.h);
         fprintf(file, ", \"steps\": %lu, \"rejections\": %lu, \"evaluations\": %lu}",
                 part->it.count.steps, part->it.count.rejections, part->it.count.evaluations);
     }
     fputs("],\n", file);
-}
-
-void apart_free(struct run *run)
-{
-    pk_apart_free(&run->apart);
-    free(run->choices);
-    free(run->part_monitors);
-    free(run->part_block);
 }

@@ -2,16 +2,13 @@
 #ifndef RUN_APART_H
 #define RUN_APART_H
 
-#include "output.h"
+#include "state.h"
 
-/* `part INDEX ...` of the settings: 0, or the exit code. */
-int apart_setting(struct settings *settings, size_t line, char *const word[]);
-/* 0, or the exit code: what no parts can do, and the choices that they are integrated by. */
-int apart_choose(struct run *run);
-int apart_begin(struct run *run);
+/* What no parts can do, and the choices that they are integrated by. */
+enum pk_run_code apart_choose(struct run *run);
+enum pk_run_code apart_begin(struct run *run);
 void apart_integrate(struct run *run);
 /* A member of the report's object, and a comma. */
 void apart_report(const struct run *run, FILE *file);
-void apart_free(struct run *run);
 
 #endif

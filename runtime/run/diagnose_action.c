@@ -6,7 +6,6 @@
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
-#include "words.h"
 
 enum { ROWS = 200 };
 
@@ -32,13 +31,14 @@ static void rows(struct run *run, struct diagnostics *d, enum pk_orbit orbit, pk
         const size_t row = count > 1 ? k * (d->n_rows - 1) / (count - 1) : 0;
         const pk_real *x = d->rows + row * 3; /* t, q, v */
         at = action_at(run, x[0], x + 1, x + 2, u);
-        run_progress(run, (double)k / (double)count, 0);
+        if (run_stopped(run, (double)k / (double)count))
+            break;
         fprintf(d->file, "%s[", k ? ", " : "");
-        output_real(d->file, x[0]);
+        report_real(d->file, x[0]);
         fputs(", ", d->file);
-        output_real(d->file, at.orbit == orbit ? at.action : PK_INFINITY);
+        report_real(d->file, at.orbit == orbit ? at.action : PK_INFINITY);
         fputs(", ", d->file);
-        output_real(d->file, at.orbit == orbit ? at.period : PK_INFINITY);
+        report_real(d->file, at.orbit == orbit ? at.period : PK_INFINITY);
         fputs("]", d->file);
         if (at.orbit == orbit)
             pk_drift_update(&drift, x[0], at.action);
@@ -47,15 +47,15 @@ static void rows(struct run *run, struct diagnostics *d, enum pk_orbit orbit, pk
     if (at.orbit == orbit)
         fputs("null", d->file);
     else
-        output_text(d->file, pk_orbit_text(at.orbit));
+        report_text(d->file, pk_orbit_text(at.orbit));
     fputs(", \"drift\": ", d->file);
-    output_drift(d->file, "action", &drift);
+    report_drift(d->file, "action", &drift);
 }
 
 void diagnose_action(struct run *run, struct diagnostics *d)
 {
     const struct settings *s = &run->settings;
-    pk_real *u = (pk_real *)words_allocate(run->problem.system->n_inputs, sizeof *u);
+    pk_real *u = (pk_real *)memory_take(&run->memory, run->problem.system->n_inputs, sizeof *u);
     const struct pk_action found = action_at(run, 0, s->q, s->v, u);
     const int periodic = found.orbit <= PK_ORBIT_ROTATION;
     const int turns = found.orbit == PK_ORBIT_ROTATION;
@@ -83,7 +83,7 @@ void diagnose_action(struct run *run, struct diagnostics *d)
         kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
     if (diagnose_member(d, "action", status, reason)) {
         fputs(", \"orbit\": ", d->file);
-        output_text(d->file, pk_orbit_text(found.orbit));
+        report_text(d->file, pk_orbit_text(found.orbit));
         diagnose_real(d, "action", periodic ? found.action : PK_INFINITY);
         diagnose_real(d, "period", periodic ? found.period : PK_INFINITY);
         diagnose_real(d, "frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY);
@@ -97,5 +97,4 @@ void diagnose_action(struct run *run, struct diagnostics *d)
             rows(run, d, found.orbit, u);
         fputs("}", d->file);
     }
-    free(u);
 }

@@ -39,17 +39,17 @@ static void about(FILE *file, const struct turning *x, int centre)
     const int only = normal(x);
     const char *before = "";
     fputs("{", file);
-    output_numbers(file, "first", x->first[centre], 3);
+    report_numbers(file, "first", x->first[centre], 3);
     fputs(", ", file);
-    output_numbers(file, "final", x->last[centre], 3);
+    report_numbers(file, "final", x->last[centre], 3);
     fputs(", \"torque\": ", file);
-    output_real(file, x->arm[centre] > 0 ? x->torque[centre] / x->arm[centre] : 0);
+    report_real(file, x->arm[centre] > 0 ? x->torque[centre] / x->arm[centre] : 0);
     fputs(", \"drifts\": [", file);
     for (int k = 0; k < 3; k++) {
         if (only >= 0 && k != only)
             continue;
         fputs(before, file);
-        output_drift(file, axes[k], &x->drift[centre][k]);
+        report_drift(file, axes[k], &x->drift[centre][k]);
         before = ", ";
     }
     fputs("]}", file);
@@ -79,5 +79,4 @@ void diagnose_angular_momentum(struct run *run, struct diagnostics *d)
             fputs("null", d->file);
         fputs("}", d->file);
     }
-    free(b.m);
 }

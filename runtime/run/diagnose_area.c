@@ -7,17 +7,16 @@
 #include <stdlib.h>
 
 #include "diagnose.h"
-#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
 
 static const double BYTES = 2147483648.0; /* of q and p at all rows */
 
-static int refuse(const char *why)
+static enum pk_run_code refuse(struct run *run, const char *why)
 {
-    fprintf(stderr, "run: diagnose area: %s\n", why);
-    return EXIT_USAGE;
+    run_say(run, "diagnose area: %s", why);
+    return PK_RUN_USAGE;
 }
 
 static const char *unfit(const struct settings *s, size_t n)
@@ -28,7 +27,7 @@ static const char *unfit(const struct settings *s, size_t n)
                    "starts alone differ";
     if (n == 0)
         return "the model has states alone, which have no momenta: there is no area";
-    if (!run_model->canonical)
+    if (!s->system->canonical)
         return "the system has no kernel canonical";
     if (!pk_gsl_loop_takes(s->members))
         return "a loop has 32 members at least, and a number of them without a prime factor above "
@@ -39,30 +38,30 @@ static const char *unfit(const struct settings *s, size_t n)
     return NULL;
 }
 
-int area_begin(struct run *run, const pk_real *t, size_t count)
+enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
 {
     const struct settings *s = &run->settings;
-    const size_t n = pk_system_coordinates(run_model, s->params);
+    const size_t n = pk_system_coordinates(run->settings.system, s->params);
     if (!(s->diagnose & DIAGNOSE_AREA))
-        return 0;
+        return PK_RUN_DONE;
     const char *why = unfit(s, n);
     if (why)
-        return refuse(why);
+        return refuse(run, why);
     if (16.0 * (double)s->members * (double)(count + 1) * (double)n > BYTES)
-        return refuse("so many rows of so many members take more than 2 GB: record less often");
-    struct loop *l = (struct loop *)words_allocate(1, sizeof *l);
+        return refuse(run, "so many rows of so many members take more than 2 GB: record less often");
+    struct loop *l = (struct loop *)memory_take(&run->memory, 1, sizeof *l);
     l->members = s->members;
     l->rows = count + 1;
     l->n = n;
     l->whole = s->n;
-    l->x = (double *)words_allocate(2 * l->rows * n * l->members, sizeof *l->x);
-    l->t = (double *)words_allocate(l->rows, sizeof *l->t);
-    l->came = (size_t *)words_allocate(l->members, sizeof *l->came);
-    l->work = (pk_real *)words_allocate(2 * l->whole * l->members, sizeof *l->work);
+    l->x = (double *)memory_take(&run->memory, 2 * l->rows * n * l->members, sizeof *l->x);
+    l->t = (double *)memory_take(&run->memory, l->rows, sizeof *l->t);
+    l->came = (size_t *)memory_take(&run->memory, l->members, sizeof *l->came);
+    l->work = (pk_real *)memory_take(&run->memory, 2 * l->whole * l->members, sizeof *l->work);
     for (size_t k = 0; k < count; k++)
         l->t[k + 1] = (double)t[k];
     run->loop = l;
-    return 0;
+    return PK_RUN_DONE;
 }
 
 void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
@@ -75,7 +74,7 @@ void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
     if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* a row at an event, or a stop */
         return;
     pk_real *p = l->work + 2 * l->whole * member;
-    run_model->canonical(run->settings.params, t, q, v, run->settings.u, p, p + l->whole);
+    run->settings.system->canonical(run->settings.params, t, q, v, run->settings.u, p, p + l->whole);
     for (size_t i = 0; i < l->n; i++) {
         area_series(l, row, i, 0)[member] = (double)q[i];
         area_series(l, row, i, 1)[member] = (double)p[i];
@@ -88,21 +87,16 @@ void area_free(struct run *run)
     struct loop *l = run->loop;
     if (!l)
         return;
-    free(l->x);
-    free(l->t);
-    free(l->came);
-    free(l->work);
-    free(l);
     run->loop = NULL;
 }
 #else
-int area_begin(struct run *run, const pk_real *t, size_t count)
+enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
 {
     (void)t, (void)count;
     if (!(run->settings.diagnose & DIAGNOSE_AREA))
-        return 0;
-    fprintf(stderr, "run: diagnose area: it needs the GNU Scientific Library, which is not here\n");
-    return EXIT_USAGE;
+        return PK_RUN_DONE;
+    run_say(run, "diagnose area: it needs the GNU Scientific Library, which is not here");
+    return PK_RUN_USAGE;
 }
 void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
 {

@@ -17,7 +17,6 @@
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
-#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
@@ -86,13 +85,13 @@ static struct row row_of(const struct finding *f, size_t row)
 }
 
 /* Whether q_i and q_i + turn are the same place: p and its rate of some members, at a rate. */
-static int is_turn(const struct run *run, size_t i, double turn)
+static int is_turn(struct run *run, size_t i, double turn)
 {
     const struct loop *l = run->loop;
     const struct settings *s = &run->settings;
     const size_t n = l->whole;
-    const char *unit = run_model->coordinates ? run_model->coordinates[i].unit : NULL;
-    pk_real *q = (pk_real *)words_allocate(6 * n, sizeof *q), *v = q + n;
+    const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit : NULL;
+    pk_real *q = (pk_real *)memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
     pk_real *p = v + n, *P = p + 2 * n; /* here and there, with their rates */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
     for (size_t k = 0; k < 3 && same; k++) {
@@ -102,21 +101,20 @@ static int is_turn(const struct run *run, size_t i, double turn)
             q[j] = (pk_real)area_series(l, 0, j, 0)[k * l->members / 3];
             v[j] = PK_C(0.7) / (pk_real)(j + k + 1);
         }
-        run_model->canonical(s->params, 0, q, v, s->u, p, p + n);
+        run->settings.system->canonical(s->params, 0, q, v, s->u, p, p + n);
         q[i] += (pk_real)turn;
-        run_model->canonical(s->params, 0, q, v, s->u, P, P + n);
+        run->settings.system->canonical(s->params, 0, q, v, s->u, P, P + n);
         for (size_t j = 0; j < 2 * n; j++) {
             off = fmax(off, fabs((double)(p[j] - P[j])));
             most = fmax(most, fabs((double)p[j]));
         }
         same = off <= 1e-9 * most;
     }
-    free(q);
     return same;
 }
 
 /* By how much a coordinate of the starts is more after once round: an angle, by turns. */
-static double winding_of(const struct run *run, size_t i)
+static double winding_of(struct run *run, size_t i)
 {
     const size_t count = run->loop->members;
     const double *q = area_series(run->loop, 0, i, 0);
@@ -158,7 +156,7 @@ static int no_loop(const struct run *run, const struct finding *f, const struct 
             continue;
         char name[128];
         worst = tail;
-        pk_system_name(run_model, run->settings.params, run_model->coordinates, k / 2, name,
+        pk_system_name(run->settings.system, run->settings.params, run->settings.system->coordinates, k / 2, name,
                        sizeof name);
         snprintf(reason, size,
                  "the starts are no smooth closed loop with members equally far apart, or too few "
@@ -185,7 +183,8 @@ static enum pk_status transform(struct run *run, struct finding *f)
             if (status < 0)
                 return status;
         }
-        run_progress(run, (double)row / (double)l->rows, 0);
+        if (run_stopped(run, (double)row / (double)l->rows))
+            return PK_STOPPED_USER;
     }
     return PK_DONE;
 }
@@ -234,15 +233,15 @@ static void write_rows(struct run *run, struct diagnostics *d, const struct find
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
     if (parted(run, f, gone, apart, sizeof apart)) {
-        fprintf(stderr, "run: diagnose area: %s\n", apart);
+        run_say(run, "diagnose area: %s", apart);
         d->code = 4;
     }
     pk_drift_init(&drift);
     fprintf(d->file, ", \"members\": %zu, ", l->members);
-    output_numbers(d->file, "winding", f->winding, l->n);
+    report_numbers(d->file, "winding", f->winding, l->n);
     diagnose_real(d, "threshold", RESOLVED);
     fprintf(d->file, ", \"conserved\": %s, \"rows\": [",
-            run_model->facts & PK_VARIATIONAL ? "true" : "false");
+            run->settings.system->facts & PK_VARIATIONAL ? "true" : "false");
     for (size_t k = 0; k < f->common; k++) {
         const struct row row = row_of(f, k);
         if (resolved && row.quality > NOISE) {
@@ -257,7 +256,7 @@ static void write_rows(struct run *run, struct diagnostics *d, const struct find
         const double numbers[] = {l->t[k], row.area, row.tail, row.noise};
         for (size_t i = 0; i < 4; i++) {
             fputs(i ? ", " : k ? ",\n      [" : "\n      [", d->file);
-            output_real(d->file, numbers[i]);
+            report_real(d->file, numbers[i]);
         }
         fputs("]", d->file);
     }
@@ -265,12 +264,12 @@ static void write_rows(struct run *run, struct diagnostics *d, const struct find
     diagnose_real(d, "resolved_until", until);
     fputs(", \"ends\": ", d->file);
     if (*ends || *apart)
-        output_text(d->file, *ends ? ends : apart);
+        report_text(d->file, *ends ? ends : apart);
     else
         fputs("null", d->file);
     fputs(", \"drift\": ", d->file);
     if (drift.samples > 1)
-        output_drift(d->file, "area", &drift);
+        report_drift(d->file, "area", &drift);
     else
         fputs("null", d->file);
     fputs("}", d->file);
@@ -284,7 +283,7 @@ static size_t rows_of_all(const struct loop *l)
     return least;
 }
 
-int area_find(struct run *run, int code, const char *gone)
+enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone)
 {
     struct loop *l = run->loop;
     if (!l)
@@ -292,11 +291,11 @@ int area_find(struct run *run, int code, const char *gone)
     struct diagnostics *d = diagnose_open(run);
     struct finding f = {.l = l, .common = rows_of_all(l)};
     char reason[512] = "";
-    f.smooth = (run_model->facts & PK_SMOOTH) != 0;
+    f.smooth = (run->settings.system->facts & PK_SMOOTH) != 0;
     f.adaptive = !ensemble_fixed(&run->settings);
-    f.winding = (double *)words_allocate(l->n, sizeof *f.winding);
-    f.parts = (struct pk_loop_area *)words_allocate(l->rows * l->n, sizeof *f.parts);
-    struct ends *ends = (struct ends *)words_allocate(2 * l->n, sizeof *ends);
+    f.winding = (double *)memory_take(&run->memory, l->n, sizeof *f.winding);
+    f.parts = (struct pk_loop_area *)memory_take(&run->memory, l->rows * l->n, sizeof *f.parts);
+    struct ends *ends = (struct ends *)memory_take(&run->memory, 2 * l->n, sizeof *ends);
     enum pk_status status = f.common ? PK_DONE : PK_NOT_FINITE;
     for (size_t i = 0; i < l->n && status == PK_DONE; i++) {
         f.winding[i] = winding_of(run, i);
@@ -315,14 +314,11 @@ int area_find(struct run *run, int code, const char *gone)
                                            : pk_status_text(status));
     if (diagnose_member(d, "area", status, reason))
         write_rows(run, d, &f, gone);
-    fclose(d->file);
-    free(ends);
-    free(f.parts);
-    free(f.winding);
+    run_text_end(run);
     return code ? code : d->code;
 }
 #else
-int area_find(struct run *run, int code, const char *gone)
+enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone)
 {
     (void)run, (void)gone;
     return code;

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "ensemble.h"
-#include "words.h"
 
 void bodies_relative(const struct bodies *b, const pk_real *x, pk_real *out)
 {
@@ -63,7 +62,8 @@ enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
     }
     const size_t it_size = pk_integrator_size(&b->problem, s->method);
     const size_t events_size = pk_events_size(&b->problem, s->method);
-    void *block = words_allocate(it_size, 1), *events_block = words_allocate(events_size + 1, 1);
+    void *block = memory_take(&b->run->memory, it_size, 1);
+    void *events_block = memory_take(&b->run->memory, events_size + 1, 1);
     struct pk_integrator it = {0};
     struct pk_events events = {0};
     enum pk_status status = pk_integrator_init(&it, &b->problem, s->method, &s->options, 0, s->q,
@@ -74,19 +74,16 @@ enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
     events.context = b;
     while (status >= 0 && it.t < b->run->it.t) {
         status = pk_events_step(&events, &it, b->run->it.t);
-        if (status < 0)
+        if (status < 0 || status == PK_STOPPED_USER)
             break;
         place(b, it.t, it.q, it.v);
         b->see(b->context, b, it.t);
-        run_progress(b->run, (double)(it.t / b->run->it.t), 0);
     }
     snprintf(reason, size, "%s", pk_status_text(status < 0 ? status : PK_DONE));
     if (status < 0 && it.method)
         pk_integrator_reason(&it, reason, size);
     pk_events_free(&events);
     pk_integrator_free(&it);
-    free(block);
-    free(events_block);
     return status < 0 ? status : PK_DONE;
 }
 
@@ -102,7 +99,7 @@ int bodies_begin(struct bodies *b, struct run *run)
     b->system.n_events = 0;
     b->problem = run->problem;
     b->problem.system = &b->system;
-    b->m = (pk_real *)words_allocate(10 * b->n + run->settings.n + system->n_inputs,
+    b->m = (pk_real *)memory_take(&run->memory, 10 * b->n + run->settings.n + system->n_inputs,
                                      sizeof *b->m);
     b->r = b->m + b->n;
     b->v = b->r + 3 * b->n;

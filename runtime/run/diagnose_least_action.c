@@ -6,7 +6,6 @@
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
-#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <math.h>
@@ -30,8 +29,7 @@ static void renew(struct stage *x, struct run *run, size_t panels, size_t modes)
 {
     const struct settings *s = &run->settings;
     const size_t size = pk_least_action_size(&run->problem, s->method, panels, modes);
-    free(x->block);
-    x->block = words_allocate(size ? size : 1, 1);
+    x->block = memory_take(&run->memory, size ? size : 1, 1);
     pk_least_action_free(x->found);
     x->status = pk_least_action_find(x->found, &run->problem, s->method, &s->options, 0, s->q,
                                      s->v, run->it.t, panels, modes, x->block, size);
@@ -64,7 +62,7 @@ static void numbers(struct diagnostics *d, const char *key, const pk_real *x, si
     fprintf(d->file, ", \"%s\": [", key);
     for (size_t i = 0; i < count; i++) {
         fputs(i ? ", " : "", d->file);
-        output_real(d->file, x[i]);
+        report_real(d->file, x[i]);
     }
     fputs("]", d->file);
 }
@@ -130,8 +128,7 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
         strcpy(reason, pk_status_text(x.status));
         if (x.status < 0 && found.it.method)
             pk_integrator_reason(&found.it, reason, sizeof reason);
-        free(lambda);
-        lambda = (double *)words_allocate(2 * m, sizeof *lambda);
+        lambda = (double *)memory_take(&run->memory, 2 * m, sizeof *lambda);
         if (x.status >= 0)
             x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
         half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));
@@ -144,9 +141,7 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
     }
     if (diagnose_member(d, "least_action", x.status, reason))
         write(d, &found, lambda, lambda + n * modes, half);
-    free(lambda);
     pk_least_action_free(&found);
-    free(x.block);
 }
 
 #else

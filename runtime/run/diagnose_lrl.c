@@ -65,7 +65,7 @@ static void write_orbit(struct diagnostics *d, const struct bodies *b, const str
     diagnose_real(d, "k", x->lrl.k);
     diagnose_real(d, "eccentricity", x->size.first);
     fputs(", ", d->file);
-    output_numbers(d->file, "direction", direction, round ? 0 : 3);
+    report_numbers(d->file, "direction", direction, round ? 0 : 3);
     diagnose_real(d, "varies", x->rate);
     diagnose_real(d, "turned", round ? PK_INFINITY : x->lrl.angle);
     diagnose_real(d, "rate", round ? PK_INFINITY : x->angle.cov / x->angle.var_t);
@@ -74,7 +74,7 @@ static void write_orbit(struct diagnostics *d, const struct bodies *b, const str
     diagnose_real(d, "per_period",
                   turns ? (x->last_angle - x->first_angle) / periods : PK_INFINITY);
     fputs(", \"drift\": ", d->file);
-    output_drift(d->file, "eccentricity", &x->size);
+    report_drift(d->file, "eccentricity", &x->size);
     fputs("}", d->file);
 }
 
@@ -87,7 +87,6 @@ void diagnose_lrl(struct run *run, struct diagnostics *d)
     if (!bodies_begin(&b, run) || b.n > 2) {
         const char *several = "it is of one particle, or of two about each other";
         diagnose_member(d, "lrl", PK_REFUSED, b.n > 2 ? several : BODIES_NONE);
-        free(b.m);
         return;
     }
     bodies_relative(&b, b.r, r);
@@ -113,5 +112,4 @@ void diagnose_lrl(struct run *run, struct diagnostics *d)
     } else {
         diagnose_member(d, "lrl", status, reason);
     }
-    free(b.m);
 }

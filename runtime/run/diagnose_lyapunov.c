@@ -11,7 +11,6 @@
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
-#include "words.h"
 
 enum { BLOCKS = 1000 };
 #define REST 1e-8 /* of the largest coordinate: an equilibrium from which round-off grows */
@@ -37,7 +36,7 @@ const char *diagnose_no_variation(const struct pk_system *system)
     return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
 }
 
-int diagnose_kink(const struct run *run, const pk_real *from, const pk_real *to)
+int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
 {
     enum { PLACES = 64 };
     const struct pk_system *system = run->problem.system;
@@ -45,7 +44,7 @@ int diagnose_kink(const struct run *run, const pk_real *from, const pk_real *to)
     const size_t n = s->n, m = system->n_switches;
     if (system->facts & PK_SMOOTH || m == 0)
         return !(system->facts & PK_SMOOTH);
-    pk_real *q = (pk_real *)words_allocate(2 * n + 2 * m, sizeof *q), *v = q + n;
+    pk_real *q = (pk_real *)memory_take(&run->memory, 2 * n + 2 * m, sizeof *q), *v = q + n;
     pk_real *side = v + n, *first = side + m;
     int kink = 0;
     for (size_t k = 0; k <= PLACES && !kink; k++) {
@@ -55,7 +54,6 @@ int diagnose_kink(const struct run *run, const pk_real *from, const pk_real *to)
         for (size_t i = 0; i < m; i++)
             kink |= !((k ? side[i] : first[i]) * first[i] > 0);
     }
-    free(q);
     return kink;
 }
 
@@ -65,10 +63,10 @@ struct excursion {
     pk_real *most[2];
 };
 
-static void excursion_begin(struct excursion *e, size_t n)
+static void excursion_begin(struct excursion *e, struct memory *memory, size_t n)
 {
     e->count = 2 * n;
-    e->most[0] = (pk_real *)words_allocate(2 * e->count, sizeof(pk_real));
+    e->most[0] = (pk_real *)memory_take(memory, 2 * e->count, sizeof(pk_real));
     e->most[1] = e->most[0] + e->count;
 }
 
@@ -76,7 +74,7 @@ static void excursion_begin(struct excursion *e, size_t n)
 static void excursion_note(struct excursion *e, const struct settings *s,
                            const struct pk_integrator *it, int half)
 {
-    const size_t n = s->n, seen = pk_system_coordinates(run_model, s->params);
+    const size_t n = s->n, seen = pk_system_coordinates(s->system, s->params);
     for (size_t i = 0; i < e->count; i++) {
         if (i >= seen && i < n)
             continue;
@@ -111,7 +109,7 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
     struct excursion excursion;
     const struct settings *s = &run->settings;
     const size_t size = pk_lyapunov_size(&run->problem, s->method);
-    void *block = words_allocate(size, 1);
+    void *block = memory_take(&run->memory, size, 1);
     struct pk_lyapunov l = {0};
     char reason[512] = "";
     /* A displacement off the constraints grows as nothing on them does. */
@@ -120,11 +118,12 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
     if (!bound)
         status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q, s->v,
                                   run->it.t / BLOCKS, block, size);
-    excursion_begin(&excursion, s->n);
+    excursion_begin(&excursion, &run->memory, s->n);
     for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < run->it.t; k++) {
         status = pk_lyapunov_step(&l);
         excursion_note(&excursion, s, &l.it, 2 * k >= BLOCKS);
-        run_progress(run, (double)(l.it.t / run->it.t), 0);
+        if (run_stopped(run, (double)(l.it.t / run->it.t)))
+            break;
     }
     if (bound)
         strcpy(reason, diagnose_not_free(run->problem.system));
@@ -148,8 +147,6 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
                             (excursion_leaves(&excursion, s) || !can_be_chaotic(run->problem.system));
         fprintf(d->file, ", \"motion\": \"%s\"}", leaving ? "leaving" : motions[motion]);
     }
-    free(excursion.most[0]);
     pk_lyapunov_free(&l);
-    free(block);
 }
 

@@ -10,7 +10,6 @@
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
-#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl_equilibria.h>
@@ -173,9 +172,9 @@ static enum fitness choose(struct modes *m)
     const struct settings *s = &run->settings;
     struct pk_system still = *run->problem.system;
     struct pk_problem problem = run->problem;
-    double *q = (double *)words_allocate(2 * PLACES * m->n, sizeof *q);
+    double *q = (double *)memory_take(&run->memory, 2 * PLACES * m->n, sizeof *q);
     struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, m->turns, NULL};
-    double *rest = (double *)words_allocate(m->n, sizeof *rest);
+    double *rest = (double *)memory_take(&run->memory, m->n, sizeof *rest);
     still.cyclic = NULL; /* those that go on rest nowhere */
     problem.system = &still;
     enum fitness best = NOTHING;
@@ -185,8 +184,6 @@ static enum fitness choose(struct modes *m)
         best = consider(m, rest, best);
     for (size_t k = 0; status >= 0 && k < found.count; k++)
         best = consider(m, q + k * m->n, best);
-    free(rest);
-    free(q);
     return best;
 }
 
@@ -209,14 +206,14 @@ static void row(struct modes *m, FILE *file, double t, const double *q, const do
         sum += m->E[k];
     const double h = problem->system->energy(problem->params, t, q, v, NULL);
     fputs(first ? "\n      [" : ",\n      [", file);
-    output_real(file, t);
+    report_real(file, t);
     fputs(", ", file);
-    output_real(file, sum);
+    report_real(file, sum);
     fputs(", ", file);
-    output_real(file, h - *m->h - sum);
+    report_real(file, h - *m->h - sum);
     for (size_t k = 0; k < shown; k++) {
         fputs(", ", file);
-        output_real(file, m->E[k]);
+        report_real(file, m->E[k]);
     }
     fputs("]", file);
 }
@@ -226,19 +223,19 @@ static void write_modes(struct modes *m, struct diagnostics *d)
     const size_t n = m->n, shown = n < MODES ? n : MODES, width = 1 + 2 * n;
     const size_t rows = d->n_rows < ROWS ? d->n_rows : ROWS;
     fputs(", ", d->file);
-    output_numbers(d->file, "equilibrium", m->q, n);
+    report_numbers(d->file, "equilibrium", m->q, n);
     diagnose_real(d, "energy", *m->h);
     fputs(", ", d->file);
-    output_numbers(d->file, "squares", m->squares, n);
+    report_numbers(d->file, "squares", m->squares, n);
     fputs(", \"frequencies\": [", d->file);
     for (size_t k = 0; k < n; k++) {
         fputs(k ? ", " : "", d->file);
-        output_real(d->file, m->squares[k] < 0 ? PK_INFINITY : sqrt(m->squares[k]));
+        report_real(d->file, m->squares[k] < 0 ? PK_INFINITY : sqrt(m->squares[k]));
     }
     fputs("], \"shapes\": [", d->file);
     for (size_t k = 0; k < shown; k++) {
         fputs(k ? ",\n      {" : "{", d->file);
-        output_numbers(d->file, "shape", m->shapes + k * n, n);
+        report_numbers(d->file, "shape", m->shapes + k * n, n);
         fputs("}", d->file);
     }
     fprintf(d->file, "], \"modes\": %zu, \"left_out\": %zu, \"rows\": [", n, n - shown);
@@ -259,7 +256,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
         diagnose_member(d, "modes", PK_REFUSED, reason);
         return;
     }
-    double *block = (double *)words_allocate(2 * n * n + 10 * n + 1, sizeof *block);
+    double *block = (double *)memory_take(&run->memory, 2 * n * n + 10 * n + 1, sizeof *block);
     m.M = block;
     m.shapes = m.M + n * n;
     m.q = m.shapes + n * n;
@@ -269,7 +266,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     m.x = m.E + n;
     m.work = m.x + n; /* 5 n */
     m.h = m.work + 5 * n;
-    m.turns = (unsigned char *)words_allocate(n, 1);
+    m.turns = (unsigned char *)memory_take(&run->memory, n, 1);
     const enum fitness best = choose(&m);
     enum pk_status status = best < NOTHING && best != KINKED ? PK_DONE : PK_REFUSED;
     reason = best == KINKED ? "where nothing pulls the equations have a kink (abs, min, max, step): "
@@ -290,8 +287,6 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     }
     if (diagnose_member(d, "modes", status, reason))
         write_modes(&m, d);
-    free(m.turns);
-    free(block);
 }
 #else
 void diagnose_modes(struct run *run, struct diagnostics *d)

@@ -8,9 +8,10 @@ struct diagnostics {
     pk_real *rows; /* t, q, v of each */
     size_t n_rows, capacity;
     char *json;
-    size_t json_size;
     FILE *file; /* of json while it is made */
-    int code, first, all;
+    struct run *run;
+    enum pk_run_code code;
+    int first, all;
     double exponent; /* by Lyapunov, if that says chaotic or leaving */
 };
 
@@ -27,13 +28,9 @@ const char *diagnose_not_free(const struct pk_system *system);
 const char *diagnose_no_variation(const struct pk_system *system);
 /* Whether the equations have a kink on the straight way from one place to another, at rest: a switch
  * that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1. */
-int diagnose_kink(const struct run *run, const pk_real *from, const pk_real *to);
-void diagnose_lyapunov(struct run *run, struct diagnostics *d);
-void diagnose_spectrum(struct run *run, struct diagnostics *d);
-void diagnose_least_action(struct run *run, struct diagnostics *d);
-void diagnose_angular_momentum(struct run *run, struct diagnostics *d);
-void diagnose_lrl(struct run *run, struct diagnostics *d);
-void diagnose_modes(struct run *run, struct diagnostics *d);
-void diagnose_action(struct run *run, struct diagnostics *d);
+int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to);
+/* Each writes its member. */
+#define DIAGNOSE_DECLARE(name, of, kernels) void diagnose_##name(struct run *run, struct diagnostics *d);
+DIAGNOSTICS(DIAGNOSE_DECLARE)
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "diagnose_parts.h"
 #include "ensemble.h"
-#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
@@ -27,7 +26,7 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
     pk_system_name(system, run->settings.params, i < n ? system->coordinates : system->rates,
                    i < n ? i : i - n, name, sizeof name);
     fputs(!first ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
-    output_text(d->file, name);
+    report_text(d->file, name);
     diagnose_real(d, "mean", s->mean);
     diagnose_real(d, "rate", s->rate);
     diagnose_real(d, "residual", s->residual);
@@ -36,7 +35,7 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
     fputs(", \"lines\": [", d->file);
     for (size_t k = 0; k < s->count; k++) {
         fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
-        output_real(d->file, s->lines[k].frequency);
+        report_real(d->file, s->lines[k].frequency);
         diagnose_real(d, "error", s->lines[k].error);
         diagnose_real(d, "amplitude", s->lines[k].amplitude);
         diagnose_real(d, "phase", s->lines[k].phase);
@@ -75,16 +74,17 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
         return;
     }
     const size_t size = pk_gsl_spectrum_size(count);
-    void *block = words_allocate(size, 1);
-    double *x = (double *)words_allocate(count, sizeof *x);
+    void *block = memory_take(&run->memory, size, 1);
+    double *x = (double *)memory_take(&run->memory, count, sizeof *x);
     enum pk_status status = PK_DONE;
-    struct pk_spectrum *found = (struct pk_spectrum *)words_allocate(n, sizeof *found);
+    struct pk_spectrum *found = (struct pk_spectrum *)memory_take(&run->memory, n, sizeof *found);
     const size_t seen = pk_system_coordinates(run->problem.system, set->params);
     for (size_t i = 0; i < n && status >= 0; i++) {
         for (size_t k = 0; k < count; k++)
             x[k] = d->rows[k * width + 1 + column(i, n, seen)];
         status = pk_gsl_spectrum(&found[i], x, count, dt, PK_LINES, block, size);
-        run_progress(run, (double)i / (double)n, 0);
+        if (run_stopped(run, (double)i / (double)n))
+            break;
     }
     if (diagnose_member(d, "spectrum", status, pk_status_text(status))) {
         fprintf(d->file, ", \"rows\": %zu", count);
@@ -96,9 +96,6 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
             spectrum_lines(run, d, &found[i], column(i, n, seen), i == 0, count, dt);
         fputs("]}", d->file);
     }
-    free(found);
-    free(x);
-    free(block);
 }
 #else
 void diagnose_spectrum(struct run *run, struct diagnostics *d)

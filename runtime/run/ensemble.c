@@ -3,8 +3,6 @@
  * are checked before the first one runs.
  */
 #include <errno.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "diagnose.h"
 #include "diagnose_area.h"
@@ -12,7 +10,6 @@
 #include "expect.h"
 #include "members.h"
 #include "trust.h"
-#include "words.h"
 
 long ensemble_number(const struct settings *s, size_t member)
 {
@@ -24,14 +21,14 @@ int ensemble_fixed(const struct settings *s)
     if (watched_by_one(s))
         return !(s->method->traits & PK_ADAPTIVE);
     const struct pk_ensemble e = {
-        .system = run_model, .method = s->method, .options = s->options};
+        .system = s->system, .method = s->method, .options = s->options};
     return pk_ensemble_fixed(&e);
 }
 
 static int stop(void *context)
 {
-    (void)context;
-    return run_interrupted();
+    struct run *run = (struct run *)context;
+    return pk_thread() ? run->control.stop : run_stopped(run, run->part);
 }
 
 /* A member's state at a time: its row, what is expected of it. */
@@ -39,7 +36,7 @@ static void show(struct run *run, int has_row, pk_real t, const pk_real *q, cons
                  const pk_real *z)
 {
     if (has_row)
-        output_row(run, run->out, t, q, v, z);
+        rows_write(run, t, q, v, z);
     if (run->monitor_block)
         pk_monitor_update(&run->monitor, t, q, v);
     expect_sample(run, t, q, v);
@@ -105,20 +102,18 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
     }
 }
 
-static int report(const struct run *run, const struct batch *b, const struct tally *tally)
+static void report(const struct run *run, const struct batch *b, const struct tally *tally,
+                   FILE *file)
 {
     const struct settings *s = &run->settings;
-    FILE *file = output_begin(s->report);
-    if (!file)
-        return 1;
     fputs("{\n  \"model\": ", file);
-    output_text(file, b->system->name);
+    report_text(file, b->system->name);
     fputs(",\n  \"source_hash\": ", file);
-    output_text(file, b->system->source_hash);
+    report_text(file, b->system->source_hash);
     fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n  \"step\": ", s->method->name,
             s->method->order);
     if (ensemble_fixed(s))
-        output_real(file, s->options.h);
+        report_real(file, s->options.h);
     else
         fputs("null", file);
     fprintf(file,
@@ -128,7 +123,7 @@ static int report(const struct run *run, const struct batch *b, const struct tal
         fprintf(file, "{\"member\": %ld, \"status\": \"%s\", \"text\": \"%s\", \"t\": ",
                 ensemble_number(s, tally->first_failed), pk_status_name(tally->status),
                 pk_status_text(tally->status));
-        output_real(file, tally->t);
+        report_real(file, tally->t);
         fputs("}", file);
     } else {
         fputs("null", file);
@@ -144,116 +139,104 @@ static int report(const struct run *run, const struct batch *b, const struct tal
     fprintf(file,
             "  \"interrupted\": %s,\n  \"whole\": %s,\n  \"rows\": %lu,\n"
             "  \"threads\": %zu,\n  \"seconds\": %.6g",
-            run->interrupted ? "true" : "false", output_whole(run) ? "true" : "false", run->rows,
+            run->interrupted ? "true" : "false", report_whole(run) ? "true" : "false", run->rows,
             b->threads, run->seconds);
     diagnose_report(run, file);
     fputs("\n}\n", file);
-    return output_end(file, s->report);
 }
 
 /* What may have ended members before the end. */
 static const char *ended(const struct settings *s, const struct tally *tally)
 {
     int stops = 0;
-    for (size_t k = 0; s->watch && k < run_model->n_events; k++)
-        stops |= run_model->events[k].stop;
+    for (size_t k = 0; s->watch && k < s->system->n_events; k++)
+        stops |= s->system->events[k].stop;
     return !stops ? "they failed" : tally->failed ? "they failed or an event stopped them"
                                                   : "an event stopped them";
 }
 
-/* What is said at the end, and the exit code. */
-static int finish(struct run *run, const struct batch *b, const struct tally *tally)
+/* What there is to say at the end, and the code. */
+static enum pk_run_code finish(struct run *run, const struct batch *b, const struct tally *tally)
 {
-    int code = output_rows_end(run, 0);
+    enum pk_run_code code = rows_end(run, PK_RUN_DONE);
     if (run->write_failed == EPIPE)
         return code;
     if (tally->failed) {
-        fprintf(stderr, "run: %s: %zu of %zu members failed, first member %ld: %s\n",
+        run_say(run, "%s: %zu of %zu members failed, first member %ld: %s",
                 run->settings.method->name, tally->failed, run->settings.members,
                 ensemble_number(&run->settings, tally->first_failed), tally->reason);
-        code = 4;
+        code = PK_RUN_FAILED;
     }
-    watched_warn(tally);
+    watched_warn(run, tally);
     if (tally->astray)
-        fprintf(stderr,
-                "run: warning: energy off by more than %g of its scale at the end in %zu of %zu "
-                "members, first member %ld: make the step shorter\n",
+        run_say(run,
+                "warning: energy off by more than %g of its scale at the end in %zu of %zu "
+                "members, first member %ld: make the step shorter",
                 (double)TRUST_WRONG, tally->astray, run->settings.members,
                 ensemble_number(&run->settings, tally->first_astray));
     if (run->not_finite) {
-        fprintf(stderr, "run: %s is not finite in %lu of %lu rows, first at t = %.17g\n",
-                run->not_finite, run->bad_rows, run->rows, run->bad_t);
-        code = 4;
+        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
+                run->bad_rows, run->rows, run->bad_t);
+        code = PK_RUN_FAILED;
     }
-    code = run->write_failed ? 2 : code;
-    if (!run_interrupted())
+    code = run->write_failed ? PK_RUN_USAGE : code;
+    if (!run->control.stop)
         code = area_find(run, code, ended(&run->settings, tally));
-    run->interrupted = run_interrupted();
+    run->interrupted = run->control.stop;
     if (run->interrupted) {
-        fprintf(stderr, "run: interrupted after %zu of %zu members\n", tally->done,
-                run->settings.members);
-        code = 130;
+        run_say(run, "interrupted after %zu of %zu members", tally->done, run->settings.members);
+        code = PK_RUN_INTERRUPTED;
     }
-    if (run->settings.report && report(run, b, tally) && code == 0)
-        code = 2;
+    FILE *file = run_text(run, &run->report);
+    report(run, b, tally, file);
+    run_text_end(run);
     return code;
 }
 
-int ensemble_run(struct run *run, pk_real count)
+enum pk_run_code ensemble_run(struct run *run)
 {
     struct batch b = {0};
     struct tally tally = {0};
     struct settings *s = &run->settings;
-    const size_t rows = count > 1 ? (size_t)count : 1;
+    const struct pk_system *system = s->system;
+    const size_t rows = run->count > 1 ? (size_t)run->count : 1;
     const int watched = watched_by_one(s);
     const double began = run_now();
-    int code = 0;
-
-    run->problem.system = run_model;
-    b.file = fopen(s->ensemble, "rb");
-    if (!b.file || s->members == 0) {
-        fprintf(stderr, "run: cannot read %s\n", s->ensemble);
-        return 2;
-    }
-    members_allocate(&b, run, rows, stop);
+    run->control.began = run_processor();
+    run->problem.system = system;
+    s->options.stop = stop;
+    s->options.context = run;
+    members_allocate(&b, run, rows);
     if (watched && b.size > WATCHED_AT_ONCE)
         b.size = WATCHED_AT_ONCE;
-    if ((ensemble_fixed(s) && (run_model->facts & PK_CONSERVATIVE)) || expect_uses_h(run))
-        run->monitor_block = words_allocate(
-            pk_monitor_size(&(struct pk_problem){.system = run_model, .params = b.params}), 1);
+    if ((ensemble_fixed(s) && (system->facts & PK_CONSERVATIVE)) || expect_uses_h(run)) {
+        const struct pk_problem problem = {.system = system, .params = b.params};
+        run->monitor_block = memory_take(&run->memory, pk_monitor_size(&problem), 1);
+    }
     for (size_t k = 0; k < rows; k++)
         b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
-    code = members_check(&b);
+    enum pk_run_code code = members_check(&b, run);
     if (watched)
-        watched_begin(&tally, s);
+        watched_begin(&tally, run);
+    expect_begin(run);
     code = code ? code : area_begin(run, b.t, rows);
-    if (code == 0)
-        output_header(run, run->out);
-    for (size_t first = 0; code == 0 && first < s->members && !run_interrupted();
+    if (code)
+        return code;
+    rows_header(run);
+    for (size_t first = 0; first < s->members && !run->control.stop && !run->write_failed;
          first += b.size) {
         const size_t left = s->members - first;
         b.e.members = left < b.size ? left : b.size;
-        code = members_read(&b, first, b.e.members);
-        if (code)
-            break;
+        run->part = (double)first / (double)s->members;
+        members_set(&b, first, b.e.members, run);
         if (watched) {
             watched_batch(&b, run, first, b.e.members, &tally);
         } else {
             pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
             write_batch(&b, run, first, b.e.members, &tally);
         }
-        run_progress(run, (double)(first + b.e.members) / (double)s->members, 0);
-        if (run->write_failed)
-            break;
+        run_stopped(run, (double)(first + b.e.members) / (double)s->members);
     }
     run->seconds = run_now() - began;
-    if (code == 0)
-        code = finish(run, &b, &tally);
-    members_release(&b, run);
-    free(run->monitor_block);
-    free(tally.crossings);
-    free(tally.first);
-    area_free(run);
-    diagnose_free(run);
-    return code;
+    return finish(run, &b, &tally);
 }

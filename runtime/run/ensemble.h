@@ -1,12 +1,9 @@
-/* An ensemble in place of one trajectory: `member,t,...` rows, a report of who arrived. */
+/* An ensemble in place of one trajectory: rows with the member in front, a report of who arrived. */
 #ifndef RUN_ENSEMBLE_H
 #define RUN_ENSEMBLE_H
 
-#include "output.h"
+#include "state.h"
 
-/* Reads the lines members, column, threads into the settings. 1 if it was one of them. */
-int ensemble_setting(struct settings *s, const struct pk_system *system, size_t line,
-                     char *const word[], int *code);
 /* The number under which a member, from 0 on, is spoken of. */
 long ensemble_number(const struct settings *s, size_t member);
 /* Whether the members take fixed steps. */
@@ -28,31 +25,12 @@ struct tally {
 struct batch;
 enum { WATCHED_AT_ONCE = 1024 };
 int watched_by_one(const struct settings *s);
-void watched_begin(struct tally *tally, const struct settings *s);
+void watched_begin(struct tally *tally, struct run *run);
 void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
                    struct tally *tally);
-void watched_warn(const struct tally *tally);
+void watched_warn(struct run *run, const struct tally *tally);
 void watched_report(const struct tally *tally, const struct settings *s, FILE *file);
-/* All of it, rows at `count` intervals of settings.every; the process's exit code. */
-int ensemble_run(struct run *run, pk_real count);
-
-/* Of main.c. */
-int run_interrupted(void);
-void run_interrupt(int whether);
-/* A run of settings that were read, in one or in blocks apart: settings that depend on one another;
- * its memory, integrators and events (both an exit code); all its rows. run_free() gives all back but
- * the settings. */
-int run_settle(struct run *run);
-int run_begin(struct run *run);
-void run_rows(struct run *run);
-void run_free(struct run *run);
-double run_now(void);
-void run_progress(const struct run *run, double part, int force);
-/* Of integrate.c. */
-pk_real run_intervals(pk_real whole, pk_real part);
-/* A step that was asked for, made a whole part of the interval where it is one but for rounding. */
-pk_real run_step(pk_real interval, pk_real h);
-/* Of row k of `count`: a double in every precision, as it is written. */
-pk_real run_row_time(const struct run *run, pk_real k, pk_real count);
+/* All of it, rows at equal times up to the end. */
+enum pk_run_code ensemble_run(struct run *run);
 
 #endif

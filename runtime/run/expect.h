@@ -4,18 +4,13 @@
 #ifndef RUN_EXPECT_H
 #define RUN_EXPECT_H
 
-#include "output.h"
+#include "state.h"
 
-/* Reads the lines expect, drift, hidden into the settings. 1 if it was one of them. */
-int expect_setting(struct settings *s, const struct pk_system *system, size_t line,
-                   char *const word[], int *code);
-/* Whether an output is no column. */
-int expect_hides(const struct settings *s, size_t output);
-/* Memory for the outputs, or the end of the process. */
+/* Memory for the outputs. */
 void expect_begin(struct run *run);
 /* The next time behind `from`, up to `limit`, at which something is expected. */
 pk_real expect_limit(const struct run *run, pk_real from, pk_real limit);
-/* A state at a time t: what is expected then; in rows; at an event. z: as of output_row(). */
+/* A state at a time t: what is expected then; in rows; at an event. z: as of rows_write(). */
 void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *z);
 void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
@@ -31,6 +26,5 @@ void expect_clear(struct settings *s);
 void expect_merge(struct settings *all, const struct settings *one);
 /* The members "expects" and "expect_drifts" of the report. */
 void expect_report(const struct run *run, FILE *file);
-void expect_free(struct settings *s);
 
 #endif

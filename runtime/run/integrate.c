@@ -6,18 +6,13 @@
  * accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at tight tolerances
  * (measured in tests/runtime), so they land.
  */
-#include <stdlib.h>
+#include "state.h"
 
-#include "ensemble.h"
 #include "expect.h"
 #include "trust.h"
 #include "watch.h"
-#include "words.h"
 
-static void progress(const struct run *run, int force)
-{
-    run_progress(run, (double)(run->it.t / run->settings.until), force);
-}
+enum { OFTEN = 16 }; /* steps between looks at the clock */
 
 /* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
  * as whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
@@ -72,7 +67,7 @@ static struct inside at(struct run *run, pk_real t)
         struct pk_problem problem = run->problem;
         if (run->events.params) /* with the sides of switches */
             problem.params = run->events.params;
-        run->aside_block = words_allocate(size, 1);
+        run->aside_block = memory_take(&run->memory, size, 1);
         if (pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
                                run->aside_block, size) < 0)
             return none;
@@ -115,7 +110,7 @@ int run_due(struct run *run, pk_real end)
         const struct inside state = at(run, t);
         if (!state.q)
             return 0;
-        output_row(run, run->out, t, state.q, state.v, state.z);
+        rows_write(run, t, state.q, state.v, state.z);
     }
     if (run->expecting < from)
         run->expecting = from;
@@ -158,9 +153,8 @@ static int step(struct run *run)
         run->h_max = h;
     if (!fused || !(it->t < end))
         run_sample(run), trust_step(run);
-    if (fused || it->count.steps % 64 == 0)
-        progress(run, 0);
-    run->interrupted = run_interrupted();
+    if (fused || it->count.steps % OFTEN == 0 || run->settings.control->stop)
+        run->interrupted = run_stopped(run, (double)(it->t / run->settings.until));
     return status == PK_DONE && !run->interrupted && !run->write_failed;
 }
 
@@ -173,14 +167,14 @@ void run_integrate(struct run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
-    const int by_time = s->has_every || !s->at, each = by_time && !(s->every > 0);
-    if (by_time && (s->has_every || !s->ensemble)) /* of a member the final state alone */
-        output_row(run, run->out, 0, it->q, it->v, it->z);
+    const int by_time = s->has_every || (!s->bare && !s->at), each = by_time && !(s->every > 0);
+    if (by_time && (s->has_every || !s->members)) /* of a member the final state alone */
+        rows_write(run, 0, it->q, it->v, it->z);
     run_sample(run);
     while (it->t < s->until && step(run) && run_due(run, it->t))
         if (each)
-            output_row(run, run->out, it->t, it->q, it->v, it->z);
+            rows_write(run, it->t, it->q, it->v, it->z);
     if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
-        output_row(run, run->out, it->t, it->q, it->v, it->z);
+        rows_write(run, it->t, it->q, it->v, it->z);
     expect_member(run, &run->monitor.energy);
 }

@@ -1,9 +1,12 @@
 /* Members of an ensemble from their file into memory, and what that takes; see members.h. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "members.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 #include "ensemble.h"
-#include "members.h"
 
 /* A batch is as many members as keep their rows within this; less to test more than one. */
 #ifndef RUN_BATCH_BYTES
@@ -12,18 +15,9 @@
 
 enum { CHUNK = 64 };
 
-static void *memory(size_t count, size_t size)
-{
-    void *found = calloc(count ? count : 1, size ? size : 1);
-    if (!found) {
-        fprintf(stderr, "run: out of memory\n");
-        exit(4);
-    }
-    return found;
-}
-
 /* Parameters, start and inputs of member i of the batch from a row of the file. */
-static int set_member(struct batch *b, size_t i, size_t member, const double *row)
+static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, const double *row,
+                                   struct run *run)
 {
     const struct settings *s = b->s;
     char *params = b->params + i * b->system->params_size;
@@ -40,10 +34,13 @@ static int set_member(struct batch *b, size_t i, size_t member, const double *ro
     b->system->derive(params, b->given);
     const int outside = b->system->prepare(params);
     if (outside) {
-        fprintf(stderr, "run: member %ld: ", ensemble_number(s, member));
-        parameters_refused(stderr, b->system, params, outside);
-        fputc('\n', stderr);
-        return 2;
+        char *text = NULL;
+        FILE *file = run_text(run, &text);
+        parameters_refused(file, b->system, params, outside);
+        run_text_end(run);
+        run_say(run, "member %ld: %s", ensemble_number(s, member), text);
+        free(text);
+        return PK_RUN_USAGE;
     }
     b->system->start(params, q, v);
     for (size_t k = 0; k < b->n; k++) {
@@ -53,61 +50,56 @@ static int set_member(struct batch *b, size_t i, size_t member, const double *ro
             v[k] = s->v[k];
     }
     if (b->z0)
-        settings_z(s, b->system, params, b->z0 + i * b->system->n_quadratures);
+        settings_z(s, params, b->z0 + i * b->system->n_quadratures);
     for (size_t k = 0; k < s->n_columns; k++) {
-        const struct column c = s->columns[k];
+        const struct pk_run_column c = s->columns[k];
         pk_real *z = b->z0 ? b->z0 + i * b->system->n_quadratures : NULL;
         if (c.kind != 'p')
             (c.kind == 'i' ? u : c.kind == 'q' ? q : c.kind == 'z' ? z : v)[c.index] =
                 (pk_real)row[k];
     }
-    return 0;
+    return PK_RUN_DONE;
 }
 
-int members_read(struct batch *b, size_t first, size_t count)
+enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct run *run)
 {
-    const size_t columns = b->s->n_columns;
-    if (columns && fread(b->values, columns * sizeof(double), count, b->file) != count) {
-        fprintf(stderr, "run: %s ends early\n", b->s->ensemble);
-        return 2;
-    }
     for (size_t i = 0; i < count; i++) {
-        const int code = set_member(b, i, first + i, b->values + i * columns);
+        const enum pk_run_code code =
+            set_member(b, i, first + i, b->s->values + (first + i) * b->s->n_columns, run);
         if (code)
             return code;
     }
-    return 0;
+    return PK_RUN_DONE;
 }
 
-int members_check(struct batch *b)
+enum pk_run_code members_check(struct batch *b, struct run *run)
 {
-    int code = 0;
-    for (size_t first = 0; code == 0 && first < b->s->members; first += b->size) {
+    enum pk_run_code code = PK_RUN_DONE;
+    for (size_t first = 0; code == PK_RUN_DONE && first < b->s->members; first += b->size) {
         const size_t left = b->s->members - first;
-        code = members_read(b, first, left < b->size ? left : b->size);
+        code = members_set(b, first, left < b->size ? left : b->size, run);
     }
-    rewind(b->file);
     return code;
 }
 
-void members_allocate(struct batch *b, struct run *run, size_t rows, int (*stop)(void *context))
+void members_allocate(struct batch *b, struct run *run, size_t rows)
 {
     const struct settings *s = &run->settings;
     struct pk_ensemble *e = &b->e;
     b->s = s;
-    b->system = run_model;
+    struct memory *m = &run->memory;
+    b->system = s->system;
     b->n = pk_system_count(b->system, s->params);
     const size_t fit = RUN_BATCH_BYTES / (2 * b->n * rows * sizeof(pk_real)) + 1;
     b->size = fit < s->members ? fit : s->members;
     if (b->size > CHUNK && b->size < s->members)
         b->size -= b->size % CHUNK; /* whole blocks */
-    b->params = (char *)memory(b->size, b->system->params_size);
-    b->q0 = (pk_real *)memory(b->size * b->n, sizeof *b->q0);
-    b->v0 = (pk_real *)memory(b->size * b->n, sizeof *b->v0);
-    b->u = (pk_real *)memory(b->size * b->system->n_inputs, sizeof *b->u);
-    b->t = (pk_real *)memory(rows, sizeof *b->t);
-    b->values = (double *)memory(b->size * s->n_columns, sizeof *b->values);
-    b->given = (unsigned char *)memory(b->system->n_parameters, 1);
+    b->params = (char *)memory_take(m, b->size, b->system->params_size);
+    b->q0 = (pk_real *)memory_take(m, b->size * b->n, sizeof *b->q0);
+    b->v0 = (pk_real *)memory_take(m, b->size * b->n, sizeof *b->v0);
+    b->u = (pk_real *)memory_take(m, b->size * b->system->n_inputs, sizeof *b->u);
+    b->t = (pk_real *)memory_take(m, rows, sizeof *b->t);
+    b->given = (unsigned char *)memory_take(m, b->system->n_parameters, 1);
     memcpy(b->params, s->params, b->system->params_size);
     *e = (struct pk_ensemble){.system = b->system,
                               .method = s->method,
@@ -118,32 +110,20 @@ void members_allocate(struct batch *b, struct run *run, size_t rows, int (*stop)
                               .v0 = b->v0,
                               .u = b->u,
                               .rows = rows,
-                              .t = b->t,
-                              .stop = stop};
-    e->q = (pk_real *)memory(b->size * rows * b->n, sizeof *e->q);
-    e->v = (pk_real *)memory(b->size * rows * b->n, sizeof *e->v);
+                              .t = b->t};
+    e->q = (pk_real *)memory_take(m, b->size * rows * b->n, sizeof *e->q);
+    e->v = (pk_real *)memory_take(m, b->size * rows * b->n, sizeof *e->v);
     if (b->system->n_quadratures) {
-        e->z0 = b->z0 = (pk_real *)memory(b->size * b->system->n_quadratures, sizeof *b->z0);
-        e->z = (pk_real *)memory(b->size * rows * b->system->n_quadratures, sizeof *e->z);
+        e->z0 = b->z0 = (pk_real *)memory_take(m, b->size * b->system->n_quadratures, sizeof *b->z0);
+        e->z = (pk_real *)memory_take(m, b->size * rows * b->system->n_quadratures, sizeof *e->z);
     }
-    e->done = (size_t *)memory(b->size, sizeof *e->done);
-    e->last_t = (pk_real *)memory(b->size, sizeof *e->last_t);
-    e->status = (enum pk_status *)memory(b->size, sizeof *e->status);
+    e->done = (size_t *)memory_take(m, b->size, sizeof *e->done);
+    e->last_t = (pk_real *)memory_take(m, b->size, sizeof *e->last_t);
+    e->status = (enum pk_status *)memory_take(m, b->size, sizeof *e->status);
     b->threads = pk_ensemble_threads();
     if (s->threads && b->threads > 1)
         b->threads = s->threads;
     b->block_size = b->threads * pk_ensemble_size(e);
-    b->block = memory(b->block_size, 1);
-    run->row = (pk_real *)memory(2 * b->n + b->system->n_observed + 1, sizeof *run->row);
-}
-
-void members_release(struct batch *b, struct run *run)
-{
-    void *const all[] = {b->params,   b->q0,        b->v0, b->u,    b->t,       b->values, b->given,
-                         b->e.q,      b->e.v,       b->e.done, b->e.last_t, b->e.status, b->block,
-                         run->row, b->z0, b->e.z};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        free(all[i]);
-    if (b->file)
-        fclose(b->file);
+    b->block = memory_take(m, b->block_size, 1);
+    rows_begin(run);
 }

@@ -1,9 +1,11 @@
 /* The list of methods, a line of JSON each: what each is and needs, and where its steps grow on
  * linear equations (pk/limits.h). A limit that is infinite is the word, one without an answer null.
  */
+#define _POSIX_C_SOURCE 200809L
+
 #include <pk/limits.h>
 
-#include "output.h"
+#include "state.h"
 
 enum { MOST_INTERVALS = 8 };
 
@@ -24,7 +26,7 @@ static void limit(FILE *file, pk_real x)
     if (x > PK_C(1e30))
         fputs("\"infinite\"", file);
     else
-        output_real(file, x);
+        report_real(file, x);
 }
 
 /* Both limits, and [[from, to], ...] on the imaginary axis; the last one may have no end. */
@@ -39,9 +41,9 @@ static void limits(FILE *file, const struct pk_method *method)
     fputs("}, \"growth\": [", file);
     for (int i = 0; some && i < MOST_INTERVALS && found[0] < PK_C(1e30); i++) {
         fputs(i ? ", [" : "[", file);
-        output_real(file, found[0]);
+        report_real(file, found[0]);
         fputs(", ", file);
-        output_real(file, found[1]);
+        report_real(file, found[1]);
         fputc(']', file);
         some = found[1] < PK_C(1e30) &&
                pk_method_growth(method, PK_AXIS_IMAGINARY, found[1] * (1 + PK_C(1e-9)), found);
@@ -49,8 +51,13 @@ static void limits(FILE *file, const struct pk_method *method)
     fputc(']', file);
 }
 
-int output_methods(FILE *file)
+const char *pk_run_methods(void)
 {
+    static char *text; /* found once */
+    size_t size;
+    FILE *file = text ? NULL : open_memstream(&text, &size);
+    if (!file)
+        return text;
     static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
                                          "dense",      "jacobians", "linear",   "no_inputs",
                                          "quadrature", "exact",  "holonomic", "group"};
@@ -68,8 +75,9 @@ int output_methods(FILE *file)
         fputs(", ", file);
         limits(file, m);
         fputs(", \"doc\": ", file);
-        output_text(file, m->doc);
+        report_text(file, m->doc);
         fputs("}\n", file);
     }
-    return fflush(file) || ferror(file);
+    fclose(file);
+    return text;
 }

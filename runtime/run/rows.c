@@ -1,18 +1,32 @@
-/* Rows. CSV quotes a name that holds a comma, a quote or a blank (RFC 4180). */
-#include "choose_rows.h"
+/* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma, a
+ * quote or a blank (RFC 4180).
+ */
+#include "state.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "diagnose.h"
 #include "diagnose_area.h"
 #include "ensemble.h"
 #include "expect.h"
 #include "numbers.h"
 
-#include <errno.h>
-#include <math.h>
-#include <string.h>
-
-static void csv_name(FILE *file, const char *name)
+void rows_begin(struct run *run)
 {
-    fputc(',', file);
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
+    run->row = (pk_real *)memory_take(
+        &run->memory, 2 * s->n + system->n_observed + system->n_quadratures + 1, sizeof *run->row);
+    run->cells = (pk_real *)memory_take(&run->memory, 1 + s->n_show, sizeof *run->cells);
+}
+
+static void csv_name(FILE *file, const char *name, int first)
+{
+    if (!first)
+        fputc(',', file);
     if (!strpbrk(name, ",\" \n")) {
         fputs(name, file);
         return;
@@ -26,63 +40,52 @@ static void csv_name(FILE *file, const char *name)
     fputc('"', file);
 }
 
-/* The states are the last of the rates; their integrals are nobody's. */
-static size_t rows_coordinates(const struct run *run)
+int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t size,
+                       const char **unit)
 {
-    return pk_system_coordinates(run->problem.system, run->settings.params);
+    const struct settings *s = &((const struct run *)of)->settings;
+    const struct pk_system *system = s->system;
+    const size_t before = 1 + (s->members > 0);
+    const int dimensionless = !system->n || !*system->rates[0].unit;
+    *unit = "";
+    if (i < before) {
+        *unit = i + 1 == before && !dimensionless ? "s" : "";
+        snprintf(name, size, "%s", i + 1 == before ? "t" : s->member_name);
+        return 1;
+    }
+    if (i - before >= s->n_show)
+        return 0;
+    const struct pk_run_column *show = &s->show[i - before];
+    const struct pk_quantity *const places = show->kind == 'v' ? system->rates : system->coordinates;
+    const struct pk_quantity *what = show->kind == 'o'   ? &system->observed[show->index]
+                                     : show->kind == 'z' ? &system->quadratures[show->index]
+                                                         : NULL;
+    if (show->kind == 'e') {
+        *unit = dimensionless ? "" : "J";
+        snprintf(name, size, "energy");
+    } else if (what) {
+        *unit = what->unit;
+        snprintf(name, size, "%s", what->name);
+    } else {
+        pk_system_name(system, s->params, places, show->index, name, size);
+        *unit = system->count ? "" : places[show->index].unit;
+    }
+    return 1;
 }
 
-void output_header(struct run *run, FILE *file)
+void rows_header(struct run *run)
 {
-    const struct pk_system *system = run->problem.system;
-    const struct pk_quantity *const tables[] = {system->coordinates, system->rates};
     char name[128];
-    if (run->settings.headless)
+    const char *unit;
+    if (!run->out || !run->settings.header)
         return;
-    if (run->settings.ensemble)
-        fprintf(file, "%s,", run->settings.member_name ? run->settings.member_name : "member");
-    fputc('t', file);
-    for (size_t i = 0; i < run->settings.n_show; i++) {
-        const struct shown *show = &run->settings.show[i];
-        if (show->kind == 'q' || show->kind == 'v')
-            pk_system_name(system, run->settings.params, tables[show->kind == 'v'], show->index,
-                           name, sizeof name);
-        csv_name(file, show->kind == 'o'   ? system->observed[show->index].name
-                       : show->kind == 'z' ? system->quadratures[show->index].name
-                       : show->kind == 'e' ? "energy"
-                                           : name);
-    }
-    if (run->settings.n_show) {
-        fputc('\n', file);
-        return;
-    }
-    for (int k = 0; k < 2; k++)
-        for (size_t i = 0; i < (k ? run->settings.n : rows_coordinates(run)); i++) {
-            pk_system_name(system, run->settings.params, tables[k], i, name, sizeof name);
-            csv_name(file, name);
-        }
-    for (size_t i = 0; i < system->n_observed; i++)
-        if (!expect_hides(&run->settings, i))
-            csv_name(file, system->observed[i].name);
-    for (size_t i = 0; i < system->n_quadratures; i++)
-        csv_name(file, system->quadratures[i].name);
-    fputs(system->energy ? ",energy\n" : "\n", file);
+    for (size_t i = 0; pk_run_column_name((struct pk_run *)run, i, name, sizeof name, &unit); i++)
+        csv_name(run->out, name, i == 0);
+    fputc('\n', run->out);
 }
 
-static int is_finite(pk_real x) { return x - x == PK_C(0.0); }
-
-/* A number that is none has no sign. */
-static void cell(FILE *file, pk_real x)
-{
-    fputc(',', file);
-    if (isnan((double)x))
-        fputs("nan", file);
-    else
-        numbers_write(file, (double)x);
-}
-
-pk_real output_value(const struct run *run, const struct shown *column, pk_real t,
-                     const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out)
+pk_real rows_value(const struct run *run, const struct pk_run_column *column, pk_real t,
+                   const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out)
 {
     const size_t i = column->index;
     switch (column->kind) {
@@ -95,71 +98,92 @@ pk_real output_value(const struct run *run, const struct shown *column, pk_real 
     case 'z':
         return z[i];
     default:
-        return run->problem.system->energy(run->settings.params, t, q, v, run->settings.u);
+        return run->settings.system->energy(run->settings.params, t, q, v, run->settings.u);
     }
 }
 
-/* The columns that were asked for; the name of the first that is not finite, or NULL. */
-static const char *shown_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
-                             const pk_real *v, const pk_real *z, pk_real *out)
+/* The cells of a row; the name of the first that is not finite, or NULL. */
+static const char *fill(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
+                        const pk_real *z)
 {
-    const struct pk_system *system = run->problem.system;
     const struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
     const char *bad = NULL;
+    pk_real *out = run->row + 2 * s->n;
     if (system->n_observed)
         system->observe(s->params, t, q, v, s->u, out);
+    run->cells[0] = t;
     for (size_t i = 0; i < s->n_show; i++) {
-        const struct shown *show = &s->show[i];
-        const pk_real x = output_value(run, show, t, q, v, z, out);
-        cell(file, x);
-        if (!is_finite(x) && !bad)
+        const struct pk_run_column *show = &s->show[i];
+        const pk_real x = run->cells[1 + i] = rows_value(run, show, t, q, v, z, out);
+        if (!(x - x == PK_C(0.0)) && !bad)
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
     return bad;
 }
 
-static const char *whole_row(struct run *run, FILE *file, pk_real t, const pk_real *q,
-                             const pk_real *v, const pk_real *z, pk_real *out)
+/* A number that is none has no sign. */
+static void write_csv(struct run *run)
 {
-    const struct pk_system *system = run->problem.system;
-    const struct settings *s = &run->settings;
-    const char *bad = NULL;
-    for (size_t i = 0; i < rows_coordinates(run); i++)
-        cell(file, q[i]);
-    for (size_t i = 0; i < s->n; i++)
-        cell(file, v[i]);
-    if (system->n_observed)
-        system->observe(s->params, t, q, v, s->u, out);
-    for (size_t i = 0; i < system->n_observed; i++) {
-        if (expect_hides(&run->settings, i))
-            continue;
-        cell(file, out[i]);
-        if (!is_finite(out[i]) && !bad)
-            bad = system->observed[i].name;
+    FILE *file = run->out;
+    if (run->settings.members)
+        fprintf(file, "%ld,", ensemble_number(&run->settings, run->member));
+    for (size_t i = 0; i <= run->settings.n_show; i++) {
+        if (i)
+            fputc(',', file);
+        if (isnan((double)run->cells[i]))
+            fputs("nan", file);
+        else
+            numbers_write(file, (double)run->cells[i]);
     }
-    for (size_t i = 0; i < system->n_quadratures; i++)
-        cell(file, z[i]);
-    if (!system->energy)
-        return bad;
-    const pk_real energy = system->energy(s->params, t, q, v, s->u);
-    cell(file, energy);
-    return is_finite(energy) || bad ? bad : "energy";
+    fputc('\n', file);
+    if (ferror(file))
+        run->write_failed = errno ? errno : EIO;
+}
+
+static void grow(struct run *run, size_t width)
+{
+    run->room = run->room ? 2 * run->room : 256;
+    run->kept = (double *)memory_grow(&run->memory, run->kept, run->room * width, sizeof(double));
+    if (sizeof(pk_real) > sizeof(double))
+        run->kept_low =
+            (double *)memory_grow(&run->memory, run->kept_low, run->room * width, sizeof(double));
+}
+
+static void keep(struct run *run)
+{
+    const size_t first = run->settings.members > 0, width = first + 1 + run->settings.n_show;
+    if (run->n_kept == run->room)
+        grow(run, width);
+    const size_t at = run->n_kept++ * width;
+    if (first)
+        run->kept[at] = (double)ensemble_number(&run->settings, run->member);
+    for (size_t i = 0; i < width - first; i++) {
+        run->kept[at + first + i] = (double)run->cells[i];
+        if (run->kept_low)
+            run->kept_low[at + first + i] = (double)(run->cells[i] - (pk_real)(double)run->cells[i]);
+    }
+}
+
+void rows_take(struct run *run, const struct run *from)
+{
+    const size_t width = 2 + run->settings.n_show;
+    if (!from->n_kept)
+        return;
+    while (run->room < run->n_kept + from->n_kept)
+        grow(run, width);
+    memcpy(run->kept + run->n_kept * width, from->kept, from->n_kept * width * sizeof *run->kept);
+    if (run->kept_low)
+        memcpy(run->kept_low + run->n_kept * width, from->kept_low,
+               from->n_kept * width * sizeof *run->kept);
+    run->n_kept += from->n_kept;
 }
 
 /* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
-void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const pk_real *v,
-                const pk_real *z)
+void rows_write(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z)
 {
-    pk_real *out = run->row + 2 * run->settings.n;
-    if (run->kept) {
-        rows_keep(run, t, q, v, z, out);
-        return;
-    }
-    if (run->settings.ensemble)
-        fprintf(file, "%ld,", ensemble_number(&run->settings, run->member));
-    numbers_write(file, (double)t);
-    const char *bad = (run->settings.n_show ? shown_row : whole_row)(run, file, t, q, v, z, out);
-    fputc('\n', file);
+    const char *bad = fill(run, t, q, v, z);
+    (run->out ? write_csv : keep)(run);
     run->rows++;
     run->last_row = t;
     if (bad && run->bad_rows++ == 0) {
@@ -170,6 +194,16 @@ void output_row(struct run *run, FILE *file, pk_real t, const pk_real *q, const 
     if (!run->at_event)
         area_note(run, t, q, v);
     expect_row(run, t, q, v, z);
-    if (ferror(file))
+}
+
+enum pk_run_code rows_end(struct run *run, enum pk_run_code code)
+{
+    errno = 0;
+    if (run->out && !run->write_failed && (fflush(run->out) || ferror(run->out)))
         run->write_failed = errno ? errno : EIO;
+    if (!run->write_failed)
+        return code;
+    if (run->write_failed != EPIPE)
+        run_say(run, "cannot write rows: %s", strerror(run->write_failed));
+    return run->write_failed == EPIPE ? code : PK_RUN_USAGE;
 }

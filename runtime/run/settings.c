@@ -1,14 +1,15 @@
-/* Reads the settings; see settings.h. Parameters first take their defaults, then those that were
- * given, and derive() lets the rest follow; the start is computed from them and then overridden.
+/* What was asked for, as the run uses it: sizes first, since they say how many numbers there are, then
+ * parameters by default, those given, and those that follow; then the start, computed from them, and
+ * what is given of it.
  */
+#define _POSIX_C_SOURCE 200809L
+
+#include "diagnose.h"
+#include "expect.h"
+#include "state.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "apart.h"
-#include "diagnose.h"
-#include "ensemble.h"
-#include "expect.h"
-#include "words.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
@@ -28,271 +29,358 @@ const struct pk_method *run_method_at(size_t index)
 
 const struct pk_method *run_method_find(const char *name)
 {
-    for (size_t i = 0; run_method_at(i); i++)
+    for (size_t i = 0; name && run_method_at(i); i++)
         if (strcmp(run_method_at(i)->name, name) == 0)
             return run_method_at(i);
     return NULL;
 }
 
-static int set_start(struct settings *s, const struct pk_system *system, size_t line,
-                     char *const word[])
+struct pk_run_settings pk_run_defaults(void)
 {
-    static const char kinds[] = "qvz"; /* one behind the other in memory */
-    size_t index;
-    const char *kind = word[1] && word[1][0] && !word[1][1] ? strchr(kinds, word[1][0]) : NULL;
-    if (!kind)
-        return words_usage(line, "start wants q, v or z", word[1]);
-    if (!words_index(word[2], *kind == 'z' ? system->n_quadratures : s->n, &index))
-        return words_usage(line, "no such coordinate", word[2]);
-    index += (size_t)(kind - kinds) * s->n;
-    if (!words_real(word[3], &s->q[index]))
-        return words_usage(line, "not a number", word[3]);
-    s->start_given[index] = 1;
-    return 0;
+    const struct pk_options o = pk_options_default();
+    const struct pk_run_settings s = {.every = -1,
+                                      .rtol = (double)o.rtol,
+                                      .atol = (double)o.atol,
+                                      .max_steps = o.max_steps,
+                                      .land = -1,
+                                      .first_member = 1,
+                                      .csv = -1,
+                                      .header = 1};
+    return s;
 }
 
-int settings_column(const struct settings *s, const struct pk_system *system, const char *word,
-                    struct shown *column)
+/* Sizes and memory that depends on them, and all defaults. */
+static int sizes(struct settings *s, const struct pk_run_settings *given)
 {
-    const char kind = word ? word[0] : '\0';
-    const size_t count = kind == 'q' || kind == 'v' ? s->n
-                         : kind == 'o'              ? system->n_observed
-                         : kind == 'z'              ? system->n_quadratures
-                         : kind == 'e' && system->energy;
-    column->kind = kind;
-    return count && words_index(word + 1, count, &column->index);
-}
-
-static int set_show(struct settings *s, const struct pk_system *system, size_t line,
-                    char *const word[])
-{
-    const struct {
-        const char *name;
-        size_t count;
-    } table[] = {{"q", s->n},
-                 {"v", s->n},
-                 {"observed", system->n_observed},
-                 {"z", system->n_quadratures},
-                 {"energy", system->energy != NULL}};
-    struct shown *more = (struct shown *)realloc(s->show, (s->n_show + 1) * sizeof *more);
-    if (!more)
-        return words_usage(line, "out of memory", NULL);
-    s->show = more;
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        if (!word[1] || strcmp(word[1], table[i].name) != 0)
-            continue;
-        more[s->n_show].kind = table[i].name[0];
-        more[s->n_show].index = 0;
-        const int ok = table[i].name[0] == 'e'
-                           ? table[i].count > 0
-                           : words_index(word[2], table[i].count, &more[s->n_show].index);
-        if (!ok)
-            return words_usage(line, "no such column", word[2]);
-        s->n_show++;
-        return 0;
-    }
-    return words_usage(line, "show wants q, v, observed, z or energy", word[1]);
-}
-
-static int set_number(struct settings *s, const struct pk_system *system, size_t line,
-                      char *const word[])
-{
-    const struct {
-        const char *name;
-        pk_real *x;
-        int zero_too;
-    } table[] = {{"until", &s->until, 0},         {"every", &s->every, 1},
-                 {"step", &s->options.h, 0},      {"rtol", &s->options.rtol, 1},
-                 {"atol", &s->options.atol, 1},   {"h_min", &s->options.h_min, 1},
-                 {"h_max", &s->options.h_max, 1}, {"newton_tol", &s->options.newton_tol, 1}};
-    (void)system;
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        if (strcmp(word[0], table[i].name) != 0)
-            continue;
-        if (!words_real(word[1], table[i].x))
-            return words_usage(line, "not a number", word[1]);
-        if (*table[i].x < 0 || (!table[i].zero_too && !(*table[i].x > 0)))
-            return words_usage(line, "must be positive", word[0]);
-        s->has_rtol |= table[i].x == &s->options.rtol;
-        return 0;
-    }
-    return words_usage(line, "unknown setting", word[0]);
-}
-
-static int set(struct settings *s, const struct pk_system *system, size_t line,
-               char *const word[])
-{
-    size_t index;
-    int code;
-    if (strcmp(word[0], "size") == 0)
-        return settings_size(s, system, line, word);
-    if (strcmp(word[0], "param") == 0 || strcmp(word[0], "start") == 0)
-        settings_begin(s, system);
-    if (strcmp(word[0], "param") == 0)
-        return settings_param(s, system, line, word);
-    if (strcmp(word[0], "start") == 0)
-        return set_start(s, system, line, word);
-    if (strcmp(word[0], "show") == 0)
-        return settings_begin(s, system), set_show(s, system, line, word);
-    if (strcmp(word[0], "at") == 0) {
-        if (!words_index(word[1], system->n_events, &index))
-            return words_usage(line, "no such event", word[1]);
-        s->at = index + 1;
-        return 0;
-    }
-    if (strcmp(word[0], "input") == 0) {
-        if (!words_index(word[1], system->n_inputs, &index))
-            return words_usage(line, "no such input", word[1]);
-        return words_real(word[2], &s->u[index]) ? 0 : words_usage(line, "not a number", word[2]);
-    }
-    if (!word[1])
-        return words_usage(line, "a value is missing", word[0]);
-    if (strcmp(word[0], "watch") == 0) {
-        s->watch = word[1][0] == 't' ? 2 : 1;
-        return 0;
-    }
-    if (strcmp(word[0], "method") == 0) {
-        s->method = run_method_find(word[1]);
-        return s->method ? 0 : words_usage(line, "unknown method", word[1]);
-    }
-    if (strcmp(word[0], "iteration") == 0) {
-        if (strcmp(word[1], "newton") != 0 && strcmp(word[1], "fixed") != 0)
-            return words_usage(line, "iteration is newton or fixed", word[1]);
-        s->options.iteration = word[1][0] == 'f' ? PK_FIXED_POINT : PK_NEWTON;
-        return 0;
-    }
-    if (strcmp(word[0], "rows") == 0) {
-        if (strcmp(word[1], "land") != 0 && strcmp(word[1], "dense") != 0)
-            return words_usage(line, "rows is land or dense", word[1]);
-        s->land = word[1][0] == 'l';
-        return 0;
-    }
-    if (strcmp(word[0], "max_steps") == 0) {
-        if (!words_index(word[1], (size_t)-1, &index))
-            return words_usage(line, "not a count", word[1]);
-        s->options.max_steps = (unsigned long)index;
-        return 0;
-    }
-    if (strcmp(word[0], "diagnose") == 0) {
-        s->diagnose |= diagnose_flag(word[1]);
-        return diagnose_flag(word[1]) ? 0 : words_usage(line, "no such diagnostic", word[1]);
-    }
-    if (strcmp(word[0], "header") == 0) {
-        s->headless = word[1][0] == '0';
-        return 0;
-    }
-    if (strcmp(word[0], "progress") == 0) {
-        s->progress = word[1][0] == '1';
-        return 0;
-    }
-    if (strcmp(word[0], "part") == 0)
-        return apart_setting(s, line, word);
-    if (ensemble_setting(s, system, line, word, &code) ||
-        expect_setting(s, system, line, word, &code))
-        return code;
-    return set_number(s, system, line, word);
-}
-
-enum { MOST_WORDS = 7 };
-
-/* A line as words; a path may hold blanks and is the rest of its line. */
-static int set_line(struct settings *s, const struct pk_system *system, size_t line, char *text)
-{
-    char *word[MOST_WORDS + 1] = {NULL};
-    text[strcspn(text, "\r\n")] = '\0';
-    if (strncmp(text, "report ", 7) == 0)
-        return words_keep(&s->report, text + 7), 0;
-    if (strncmp(text, "ensemble ", 9) == 0)
-        return words_keep(&s->ensemble, text + 9), 0;
-    size_t count = 0;
-    for (char *w = strtok(text, " \t"); w && count <= MOST_WORDS; w = strtok(NULL, " \t"))
-        word[count++] = w;
-    if (count == 0)
-        return 0;
-    if (count > MOST_WORDS)
-        return words_usage(line, "too many words", word[MOST_WORDS]);
-    return set(s, system, line, word);
-}
-
-static int finish(struct settings *s, const struct pk_system *system)
-{
-    settings_begin(s, system);
-    pk_real *q = (pk_real *)words_allocate(2 * s->n, sizeof *q), *v = q + s->n;
-    settings_follow(s, system);
-    const int outside = system->prepare(s->params);
-    if (outside) {
-        fputs((size_t)outside > system->n_parameters ? "run: " : "run: parameter ", stderr);
-        parameters_refused(stderr, system, s->params, outside);
-        fputc('\n', stderr);
-        free(q);
-        return EXIT_USAGE;
-    }
-    system->start(s->params, q, v);
-    for (size_t i = 0; i < s->n; i++) {
-        if (!s->start_given[i])
-            s->q[i] = q[i];
-        if (!s->start_given[s->n + i])
-            s->v[i] = v[i];
-    }
-    free(q);
-    if (!s->method)
-        return words_usage(0, "no method", NULL);
-    if (!(s->until > 0))
-        return words_usage(0, "no until", NULL);
-    return 0;
-}
-
-int settings_read(struct settings *s, const struct pk_system *system, FILE *file)
-{
-    char text[4096];
-    int code = 0;
-    memset(s, 0, sizeof *s);
-    s->every = -1;
-    s->land = -1;
-    s->first_member = 1;
-    s->options = pk_options_default();
-    s->params = words_allocate(1, system->params_size);
-    s->given = (unsigned char *)words_allocate(system->n_parameters, 1);
-    s->u = (pk_real *)words_allocate(system->n_inputs, sizeof *s->u);
+    const struct pk_system *system = s->system;
     if (system->set_sizes)
         system->set_sizes(s->params);
-    else
-        settings_begin(s, system);
-    for (size_t line = 1; code == 0 && fgets(text, sizeof text, file); line++) {
-        if (!strchr(text, '\n') && !feof(file))
-            code = words_usage(line, "line too long", NULL);
-        else
-            code = set_line(s, system, line, text);
+    for (size_t k = 0; k < given->n_sizes; k++) {
+        const struct pk_run_value x = given->sizes[k];
+        if (x.index >= system->n_sizes || !(x.value >= 1) || !(x.value < PTRDIFF_MAX / 64))
+            return 0;
+        const ptrdiff_t length = (ptrdiff_t)x.value;
+        memcpy((char *)s->params + system->sizes[x.index].offset, &length, sizeof length);
     }
-    return code ? code : finish(s, system);
+    if (system->attach)
+        system->attach(s->params, memory_take(s->memory, system->block_size(s->params), 1));
+    s->n = pk_system_count(system, s->params);
+    s->q = (pk_real *)memory_take(s->memory, 2 * s->n + system->n_quadratures, sizeof *s->q);
+    s->v = s->q + s->n;
+    s->z = s->v + s->n;
+    s->start_given = (unsigned char *)memory_take(s->memory, 2 * s->n + system->n_quadratures, 1);
+    system->defaults(s->params);
+    return 1;
 }
 
-void settings_free(struct settings *s)
+/* One parameter, and whether it is a member of a family: members are set again once defaults have
+ * followed. 0: there is none. */
+static int parameter(struct settings *s, const struct pk_run_value *x, int members)
 {
-    free(s->params);
-    free(s->given);
-    free(s->params_block);
-    free(s->set);
-    free(s->q);
-    free(s->u);
-    free(s->start_given);
-    free(s->report);
-    free(s->ensemble);
-    free(s->member_name);
-    free(s->show);
-    free(s->columns);
-    expect_free(s);
-    free(s->parts);
+    const struct pk_system *system = s->system;
+    struct pk_range range = {0, 1, 0};
+    const pk_real value = (pk_real)x->value;
+    pk_real *values;
+    if (x->index >= system->n_parameters || !(x->value - x->value == 0))
+        return 0;
+    if (system->range)
+        system->range(s->params, 1, x->index, &range);
+    void *const place = (char *)s->params + system->parameters[x->index].offset;
+    s->given[x->index] = 1;
+    if (!range.is_family) {
+        memcpy(place, &value, sizeof value);
+        return 1;
+    }
+    memcpy(&values, place, sizeof values);
+    if (x->member >= range.count)
+        return 0;
+    if (members)
+        values[x->member] = value;
+    return 1;
 }
 
-int settings_file(struct settings *s, const struct pk_system *system, const char *path)
+/* Defaults that follow. Of a family of which some members are given, the others follow first. */
+static int parameters(struct settings *s, const struct pk_run_settings *given)
 {
-    FILE *file = fopen(path, "r");
-    if (!file) {
-        fprintf(stderr, "run: cannot read %s\n", path);
-        return 2;
+    const struct pk_system *system = s->system;
+    unsigned char *whole = (unsigned char *)memory_take(s->memory, system->n_parameters, 1);
+    int families = 0;
+    for (size_t k = 0; k < given->n_parameters; k++) {
+        struct pk_range range = {0, 1, 0};
+        if (!parameter(s, &given->parameters[k], 0))
+            return 0;
+        const size_t i = given->parameters[k].index;
+        if (system->range)
+            system->range(s->params, 1, i, &range);
+        families |= range.is_family;
+        whole[i] = !range.is_family;
     }
-    const int code = settings_read(s, system, file);
-    fclose(file);
-    return code;
+    if (families) {
+        system->derive(s->params, whole);
+        for (size_t k = 0; k < given->n_parameters; k++)
+            parameter(s, &given->parameters[k], 1);
+    }
+    system->derive(s->params, s->given);
+    return 1;
+}
+
+static int starts(struct settings *s, const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n)
+{
+    for (size_t k = 0; k < n_x; k++) {
+        if (x[k].index >= n || !(x[k].value - x[k].value == 0))
+            return 0;
+        to[x[k].index] = (pk_real)x[k].value;
+        s->start_given[(size_t)(to - s->q) + x[k].index] = 1;
+    }
+    return 1;
+}
+
+static int start(struct run *run, const struct pk_run_settings *given)
+{
+    struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
+    const size_t n = s->n, quadratures = system->n_quadratures;
+    pk_real *q = (pk_real *)memory_take(s->memory, 2 * n, sizeof *q);
+    system->start(s->params, q, q + n);
+    memcpy(s->q, q, 2 * n * sizeof *q);
+    memory_drop(s->memory, q);
+    for (size_t k = 0; k < given->n_inputs; k++) {
+        if (given->inputs[k].index >= system->n_inputs)
+            return 0;
+        s->u[given->inputs[k].index] = (pk_real)given->inputs[k].value;
+    }
+    return starts(s, given->q, given->n_q, s->q, n) && starts(s, given->v, given->n_v, s->v, n) &&
+           starts(s, given->z, given->n_z, s->z, quadratures);
+}
+
+static int is_column(const struct settings *s, struct pk_run_column c)
+{
+    const struct pk_system *system = s->system;
+    const size_t count = c.kind == 'q' || c.kind == 'v' ? s->n
+                         : c.kind == 'o'                ? system->n_observed
+                         : c.kind == 'z'                ? system->n_quadratures
+                         : c.kind == 'i'                ? system->n_inputs
+                         : c.kind == 'p'                ? system->n_parameters
+                                                        : c.kind == 'e' && system->energy;
+    return c.index < count;
+}
+
+static void *copy(struct settings *s, const void *from, size_t count, size_t size)
+{
+    void *to = memory_take(s->memory, count, size);
+    if (count)
+        memcpy(to, from, count * size);
+    return to;
+}
+
+/* The columns of rows: those asked for, or all that are not hidden. */
+static int columns(struct settings *s, const struct pk_run_settings *given)
+{
+    const struct pk_system *system = s->system;
+    const size_t q = pk_system_coordinates(system, s->params);
+    const size_t counts[] = {q, s->n, system->n_observed, system->n_quadratures,
+                             system->energy != NULL};
+    size_t all = 0;
+    s->n_show = given->n_columns;
+    s->show = (struct pk_run_column *)copy(s, given->columns, s->n_show, sizeof *s->show);
+    for (size_t i = 0; i < s->n_show; i++)
+        if (!is_column(s, s->show[i]))
+            return 0;
+    if (s->n_show)
+        return 1;
+    for (size_t k = 0; k < 5; k++)
+        all += counts[k];
+    s->show = (struct pk_run_column *)memory_take(s->memory, all, sizeof *s->show);
+    for (size_t k = 0; k < 5; k++)
+        for (size_t i = 0; i < counts[k]; i++) {
+            int hidden = 0;
+            for (size_t j = 0; k == 2 && j < given->n_hidden; j++)
+                hidden |= given->hidden[j] == i;
+            if (!hidden)
+                s->show[s->n_show++] = (struct pk_run_column){"qvoze"[k], i};
+        }
+    return 1;
+}
+
+static int expectations(struct settings *s, const struct pk_run_settings *given)
+{
+    s->n_expected = given->n_expected;
+    s->n_drifting = given->n_drifts;
+    s->expected = (struct expected *)memory_take(s->memory, s->n_expected, sizeof *s->expected);
+    s->drifting = (struct drifting *)memory_take(s->memory, s->n_drifting, sizeof *s->drifting);
+    for (size_t i = 0; i < s->n_expected; i++) {
+        const struct pk_run_expected *x = &given->expected[i];
+        if (!strchr("=<>", x->relation) || !strchr("rte", x->when) || !is_column(s, x->a) ||
+            !is_column(s, x->b) || (x->within.kind && !is_column(s, x->within)) ||
+            (x->when == 'e' && x->event >= s->system->n_events))
+            return 0;
+        s->expected[i].of = *x;
+    }
+    for (size_t i = 0; i < s->n_drifting; i++) {
+        const struct pk_run_column c = given->drifts[i];
+        s->drifting[i].energy = c.kind == 'e';
+        s->drifting[i].output = c.index;
+        if (c.kind == 'o' && !is_column(s, c))
+            return 0;
+    }
+    return 1;
+}
+
+static int members(struct settings *s, const struct pk_run_settings *given)
+{
+    s->members = given->members;
+    s->threads = given->threads;
+    s->watch = given->watch;
+    s->n_columns = given->n_member_columns;
+    s->first_member = given->first_member;
+    const char *name = given->member_name ? given->member_name : "member";
+    s->member_name = (const char *)copy(s, name, strlen(name) + 1, 1);
+    s->columns = (const struct pk_run_column *)copy(s, given->member_columns, s->n_columns,
+                                                    sizeof *s->columns);
+    for (size_t i = 0; i < s->n_columns; i++)
+        if (!strchr("piqvz", s->columns[i].kind) || !is_column(s, s->columns[i]))
+            return 0;
+    s->values = (const double *)copy(s, given->member_values, s->members * s->n_columns,
+                                     sizeof *s->values);
+    return 1;
+}
+
+static int methods(struct settings *s, const struct pk_run_model *model,
+                   const struct pk_run_settings *given)
+{
+    s->method = run_method_find(given->method);
+    s->parts = model->parts;
+    s->n_parts = model->parts ? model->n_parts : 0;
+    if (given->n_parts && given->n_parts != s->n_parts)
+        return 0;
+    if (given->n_parts)
+        s->part_given = (const struct pk_run_part *)copy(s, given->parts, s->n_parts,
+                                                         sizeof *given->parts);
+    for (size_t k = 0; s->part_given && k < s->n_parts; k++)
+        if (s->part_given[k].method && !run_method_find(s->part_given[k].method))
+            return 0;
+    s->options.h = (pk_real)given->step;
+    s->options.rtol = (pk_real)given->rtol;
+    s->options.atol = (pk_real)given->atol;
+    s->options.h_min = (pk_real)given->h_min;
+    s->options.h_max = (pk_real)given->h_max;
+    s->options.max_steps = given->max_steps;
+    s->options.iteration = given->fixed_point ? PK_FIXED_POINT : PK_NEWTON;
+    return s->method != NULL;
+}
+
+static enum pk_run_code refused(struct run *run, const char *what)
+{
+    run_say(run, "%s", what);
+    return PK_RUN_USAGE;
+}
+
+enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model,
+                               const struct pk_run_settings *given)
+{
+    struct settings *s = &run->settings;
+    const struct pk_system *system = s->system = model->system;
+    if (system->abi != PK_ABI)
+        return refused(run, "the model was compiled for another runtime: compile it anew");
+    s->memory = &run->memory;
+    s->control = &run->control;
+    s->control->poll = given->poll;
+    s->control->context = given->context;
+    s->control->cap = given->cap;
+    s->polls = 1;
+    s->until = (pk_real)given->until;
+    s->every = (pk_real)given->every;
+    s->land = given->land;
+    s->bare = given->bare;
+    s->compared = given->compared;
+    s->at = given->at;
+    s->diagnose = given->diagnose;
+    s->header = given->header;
+    s->options = pk_options_default();
+    s->params = memory_take(s->memory, 1, system->params_size);
+    s->given = (unsigned char *)memory_take(s->memory, system->n_parameters, 1);
+    s->u = (pk_real *)memory_take(s->memory, system->n_inputs, sizeof *s->u);
+    if (!methods(s, model, given)) {
+        run_say(run, s->method ? "there is no such part, or no such method of one"
+                               : "there is no such method: %s",
+                given->method ? given->method : "");
+        return PK_RUN_USAGE;
+    }
+    if (!(given->until > 0) || !(given->until - given->until == 0))
+        return refused(run, "`until` must be positive");
+    if (!(given->step >= 0) || !(given->rtol >= 0) || !(given->h_min >= 0) || !(given->h_max >= 0))
+        return refused(run, "steps and tolerances must not be negative");
+    if (!sizes(s, given))
+        return refused(run, "there is no such size");
+    if (!parameters(s, given))
+        return refused(run, "there is no such parameter");
+    const int outside = system->prepare(s->params);
+    if (outside) {
+        char *text = NULL;
+        FILE *file = run_text(run, &text);
+        parameters_refused(file, system, s->params, outside);
+        run_text_end(run);
+        run_say(run, "%s%s", (size_t)outside > system->n_parameters ? "" : "parameter ", text);
+        free(text);
+        return PK_RUN_USAGE;
+    }
+    if (!start(run, given))
+        return refused(run, "there is no such start or input");
+    if (!columns(s, given) || !expectations(s, given) || s->at > system->n_events)
+        return refused(run, "there is no such column or event");
+    if (!members(s, given))
+        return refused(run, "members have no such column");
+    return PK_RUN_DONE;
+}
+
+static void constant_input(void *context, pk_real t, pk_real *u)
+{
+    const struct settings *s = (const struct settings *)context;
+    (void)t;
+    memcpy(u, s->u, s->system->n_inputs * sizeof *u);
+}
+
+static int shows_quadratures(const struct settings *s)
+{
+    for (size_t i = 0; i < s->n_show; i++)
+        if (s->show[i].kind == 'z')
+            return 1;
+    for (size_t i = 0; i < s->n_expected; i++)
+        if (s->expected[i].of.a.kind == 'z' || s->expected[i].of.b.kind == 'z' ||
+            s->expected[i].of.within.kind == 'z')
+            return 1;
+    return 0;
+}
+
+struct pk_problem run_problem(struct run *run)
+{
+    struct settings *s = &run->settings;
+    run->bare = *s->system;
+    if (s->bare || !shows_quadratures(s))
+        run->bare.n_quadratures = 0;
+    if (s->bare)
+        run->bare.n_events = 0;
+    return (struct pk_problem){&run->bare, s->params, constant_input, s};
+}
+
+void settings_z(const struct settings *s, const void *params, pk_real *z)
+{
+    memset(z, 0, s->system->n_quadratures * sizeof *z);
+    if (s->system->quadrature_start)
+        s->system->quadrature_start(params, z);
+    for (size_t i = 0; i < s->system->n_quadratures; i++)
+        if (s->start_given[2 * s->n + i])
+            z[i] = s->z[i];
+}
+
+enum pk_status run_quadratures(struct run *run, struct pk_integrator *it)
+{
+    const struct settings *s = &run->settings;
+    if (!it->z)
+        return PK_DONE;
+    pk_real *z = (pk_real *)memory_take(s->memory, s->system->n_quadratures, sizeof *z);
+    settings_z(s, it->problem.params, z);
+    const enum pk_status status = pk_integrator_set_quadratures(it, z);
+    memory_drop(s->memory, z);
+    return status;
 }

@@ -1,25 +1,10 @@
-/* A row of a map of `pkgen stability`: one set of parameters, one start, many methods and steps.
- *
- * Settings come on standard input as for a run (their method counts for nothing, their `until` is
- * the duration); what is asked, a line each, stands in a file, and each line is answered by one of
- * JSON:
- *
- *     equilibria TRIES               where the system can rest, and its modes there
- *     start                          where and with which parameters the motion begins
- *     motion                         the motion itself, by dop853 at rtol 1e-10
- *     point METHOD H                 what becomes of that motion (after `motion`)
- *     near METHOD H K AMPLITUDE STEPS [OTHER SEED]
- *                                    from close to the start along mode K or `all`
- *     leave K AMPLITUDE              how fast mode K leaves the start, by dop853 at rtol 1e-13
- *     oscillator METHOD K D Y        what its step makes of q'' = -K q - D q', h = Y
- *
- * Of `near` and `leave` the start is an equilibrium; K counts its modes from 0, as `equilibria` gave
- * them.
- */
+/* What the files of pk/stability.h share. */
 #ifndef RUN_STABILITY_H
 #define RUN_STABILITY_H
 
-#include "settings.h"
+#include <pk/stability.h>
+
+#include "state.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl_equilibria.h>
@@ -29,10 +14,13 @@ struct pk_mode;
 struct record;
 
 struct stability {
-    struct settings settings;
+    struct run *run; /* not integrated: its settings, problem, memory and messages */
+    const struct settings *settings;
     struct pk_problem problem;
     size_t n;
-    double *work;          /* 4 n + 1: a start, p, pdot */
+    FILE *out;    /* of the answer, which is in */
+    char *answer; /* of malloc() */
+    double *work; /* 4 n + 1: a start, p, pdot */
     /* Of the start as an equilibrium, once they are asked for. */
     int has_modes;
     size_t n_modes;
@@ -60,27 +48,25 @@ struct reference {
 void stability_energies(struct stability *s, double t, const double *q, const double *v,
                         double *energy, double *vp, double *size);
 /* An integrator with memory of its own, or NULL with the status of what refused. */
-struct pk_integrator *stability_begin(const struct pk_problem *problem,
-                                      const struct pk_method *method,
+struct pk_integrator *stability_begin(struct stability *s, const struct pk_method *method,
                                       const struct pk_options *options, const double *q,
                                       const double *v, enum pk_status *status);
-void stability_end(struct pk_integrator *it);
+void stability_end(struct stability *s, struct pk_integrator *it);
 
 /* After the motion is known: follows it to `until`, if it has not been yet. */
 struct reference stability_reference(struct stability *s, double until);
 
-/* What is asked; words[0] is its name. 0, or 2 with a message. */
-int stability_ready(struct stability *s);
-int stability_motion(struct stability *s);
-int stability_point(struct stability *s, size_t line, char *const words[]);
-int stability_oscillator(size_t line, char *const words[]);
-#ifdef PK_WITH_GSL
-int stability_equilibria(struct stability *s, size_t line, char *const words[]);
-int stability_near(struct stability *s, size_t line, char *const words[]);
-int stability_leave(struct stability *s, size_t line, char *const words[]);
-#endif
-
-/* The whole program in this mode; the process's exit code. */
-int stability_run(const char *path);
+/* Answers. 1, or 0 with a message. */
+int stability_ready(struct stability *s, const struct pk_stability_question *q);
+int stability_motion(struct stability *s, const struct pk_stability_question *q);
+int stability_point(struct stability *s, const struct pk_stability_question *q);
+int stability_oscillator(struct stability *s, const struct pk_stability_question *q);
+int stability_equilibria(struct stability *s, const struct pk_stability_question *q);
+int stability_near(struct stability *s, const struct pk_stability_question *q);
+int stability_leave(struct stability *s, const struct pk_stability_question *q);
+/* A message; 0. */
+int stability_wrong(struct stability *s, const char *message);
+/* Of that name, and of a fixed step; NULL with a message. */
+const struct pk_method *stability_method(struct stability *s, const char *name);
 
 #endif

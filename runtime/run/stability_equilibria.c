@@ -6,8 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "output.h"
-#include "words.h"
 
 enum { MOST = 32 };
 static const double SAME = 1e-2; /* relative difference of lambda here and beside */
@@ -46,15 +44,16 @@ static void clear_doubtful(struct stability *s, const double *q, const double *v
     }
 }
 
-static void print_modes(const struct modes *modes, size_t n)
+static void print_modes(const struct stability *s, const struct modes *modes)
 {
+    const size_t n = s->n;
     for (size_t m = 0; m < modes->count; m++) {
-        printf("%s{\"growth\": %.17g, \"frequency\": %.17g, ", m ? ", " : "",
+        fprintf(s->out, "%s{\"growth\": %.17g, \"frequency\": %.17g, ", m ? ", " : "",
                modes->list[m].growth, modes->list[m].frequency);
-        output_numbers(stdout, "re", modes->shapes + m * 2 * n, n);
-        fputs(", ", stdout);
-        output_numbers(stdout, "im", modes->shapes + m * 2 * n + n, n);
-        fputs("}", stdout);
+        report_numbers(s->out, "re", modes->shapes + m * 2 * n, n);
+        fputs(", ", s->out);
+        report_numbers(s->out, "im", modes->shapes + m * 2 * n + n, n);
+        fputs("}", s->out);
     }
 }
 
@@ -69,47 +68,41 @@ static void print(struct stability *s, const struct pk_equilibria *found, struct
             pk_gsl_modes(&s->problem, q, v, modes->list, modes->shapes, &modes->count);
         clear_doubtful(s, q, v, found->doubt + k * n, modes, beside);
         stability_energies(s, 0, q, v, &energy, &vp, &size);
-        fputs(k ? ", {" : "{", stdout);
-        output_numbers(stdout, "q", q, n);
-        fputs(", ", stdout);
-        output_numbers(stdout, "v", v, n);
-        fputs(", \"energy\": ", stdout);
-        output_real(stdout, energy);
-        printf(", \"status\": \"%s\", \"modes\": [", pk_status_name(solved));
-        print_modes(modes, n);
-        fputs("]}", stdout);
+        fputs(k ? ", {" : "{", s->out);
+        report_numbers(s->out, "q", q, n);
+        fputs(", ", s->out);
+        report_numbers(s->out, "v", v, n);
+        fputs(", \"energy\": ", s->out);
+        report_real(s->out, energy);
+        fprintf(s->out, ", \"status\": \"%s\", \"modes\": [", pk_status_name(solved));
+        print_modes(s, modes);
+        fputs("]}", s->out);
     }
 }
 
-int stability_equilibria(struct stability *s, size_t line, char *const words[])
+int stability_equilibria(struct stability *s, const struct pk_stability_question *x)
 {
     const size_t n = s->n;
-    size_t tries;
-    if (!words_index(words[1], 100000, &tries))
-        return words_usage(line, "not a number of tries", words[1]);
-    double *const room = (double *)words_allocate(3 * MOST * n + 8 * n * n, sizeof *room);
+    double *const room = (double *)memory_take(&s->run->memory, 3 * MOST * n + 8 * n * n, sizeof *room);
     double *const shapes = room + 3 * MOST * n;
-    struct pk_mode *const list = (struct pk_mode *)words_allocate(4 * n, sizeof *list);
+    struct pk_mode *const list = (struct pk_mode *)memory_take(&s->run->memory, 4 * n, sizeof *list);
     struct modes modes = {list, shapes, 0}, beside = {list + 2 * n, shapes + 4 * n * n, 0};
     struct pk_equilibria found = {.most = MOST,
                                   .q = room,
                                   .v = room + MOST * n,
                                   .doubt = room + 2 * MOST * n,
-                                  .turns = (unsigned char *)words_allocate(n, 1)};
+                                  .turns = (unsigned char *)memory_take(&s->run->memory, n, 1)};
     const enum pk_status status =
-        pk_gsl_equilibria(&s->problem, s->settings.q, s->settings.v, tries, &found);
+        pk_gsl_equilibria(&s->problem, s->settings->q, s->settings->v, x->count, &found);
     for (size_t i = 0; i < n; i++)
         s->work[i] = found.turns[i];
-    printf("{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, ",
+    fprintf(s->out, "{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, ",
            pk_status_name(status), found.failed, found.singular, found.more ? "true" : "false");
-    output_numbers(stdout, "turns", s->work, n);
-    fputs(", \"equilibria\": [", stdout);
+    report_numbers(s->out, "turns", s->work, n);
+    fputs(", \"equilibria\": [", s->out);
     print(s, &found, &modes, &beside);
-    fputs("]}\n", stdout);
-    free(found.turns);
-    free(list);
-    free(room);
-    return 0;
+    fputs("]}\n", s->out);
+    return 1;
 }
 
 #else

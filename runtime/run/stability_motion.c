@@ -11,9 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "output.h"
 #include "stability.h"
-#include "words.h"
 
 enum { MOST_RECORDS = 4000000 };
 static const double SLIGHT = 1e-3; /* of the largest v.p: a range below counts as that */
@@ -27,11 +25,8 @@ static void keep(struct stability *s, double t, const double *q, const double *v
 {
     if (s->n_records == s->room) {
         s->room = s->room ? 2 * s->room : 1024;
-        s->records = (struct record *)realloc(s->records, s->room * sizeof *s->records);
-        if (!s->records) {
-            fprintf(stderr, "run: out of memory\n");
-            exit(4);
-        }
+        s->records = (struct record *)memory_grow(&s->run->memory, s->records, s->room,
+                                                  sizeof *s->records);
     }
     struct record *r = &s->records[s->n_records++];
     r->t = t;
@@ -48,7 +43,7 @@ static void go_on(struct stability *s, double until, double *far)
             break;
         keep(s, it->t, it->q, it->v);
         for (size_t i = 0; i < s->n; i++)
-            far[i] = fmax(far[i], fabs(it->q[i] - s->settings.q[i]));
+            far[i] = fmax(far[i], fabs(it->q[i] - s->settings->q[i]));
     }
 }
 
@@ -116,58 +111,60 @@ static int leaves(const struct stability *s, double until, const double scales[3
 static void print_parameters(const struct stability *s)
 {
     const struct pk_system *system = s->problem.system;
-    fputs(", \"parameters\": [", stdout);
+    fputs(", \"parameters\": [", s->out);
     for (size_t i = 0; i < system->n_parameters; i++) {
         double x;
         memcpy(&x, (const char *)s->problem.params + system->parameters[i].offset, sizeof x);
-        fputs(i ? ", " : "", stdout);
-        output_real(stdout, x);
+        fputs(i ? ", " : "", s->out);
+        report_real(s->out, x);
     }
-    fputs("]", stdout);
+    fputs("]", s->out);
 }
 
 static void begin(struct stability *s)
 {
-    struct pk_options options = s->settings.options;
+    struct pk_options options = s->settings->options;
     options.rtol = 1e-10;
     options.atol = PK_ATOL_OF_MOTION;
     options.h = 0;
-    stability_end(s->exact);
-    s->exact = stability_begin(&s->problem, pk_method_find("dop853"), &options, s->settings.q,
-                               s->settings.v, &s->motion);
+    stability_end(s, s->exact);
+    s->exact = stability_begin(s, pk_method_find("dop853"), &options, s->settings->q,
+                               s->settings->v, &s->motion);
     s->known = s->leaves = 0;
     memset(s->far, 0, 3 * s->n * sizeof *s->far);
     s->n_records = 0;
-    keep(s, 0, s->settings.q, s->settings.v);
+    keep(s, 0, s->settings->q, s->settings->v);
 }
 
 static int print(const struct stability *s, double scale)
 {
     const struct record *first = s->records, *last = first + s->n_records - 1;
-    printf("{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
+    fprintf(s->out, "{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
            s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
            last->t);
-    output_real(stdout, first->energy);
-    fputs(", \"scale\": ", stdout);
-    output_real(stdout, scale);
-    fputs(", ", stdout);
-    output_numbers(stdout, "q", s->settings.q, s->n);
-    fputs(", ", stdout);
-    output_numbers(stdout, "v", s->settings.v, s->n);
+    report_real(s->out, first->energy);
+    fputs(", \"scale\": ", s->out);
+    report_real(s->out, scale);
+    fputs(", ", s->out);
+    report_numbers(s->out, "q", s->settings->q, s->n);
+    fputs(", ", s->out);
+    report_numbers(s->out, "v", s->settings->v, s->n);
     print_parameters(s);
-    fputs("}\n", stdout);
-    return 0;
+    fputs("}\n", s->out);
+    return 1;
 }
 
-int stability_ready(struct stability *s)
+int stability_ready(struct stability *s, const struct pk_stability_question *x)
 {
+    (void)x;
     begin(s);
     return print(s, summary(s, 0).scale);
 }
 
-int stability_motion(struct stability *s)
+int stability_motion(struct stability *s, const struct pk_stability_question *x)
 {
-    const double until = s->settings.until;
+    (void)x;
+    const double until = s->settings->until;
     const size_t n = s->n;
     double scales[3];
     begin(s);

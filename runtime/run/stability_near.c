@@ -17,8 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "output.h"
-#include "words.h"
 
 static const double TWO_PI = 6.283185307179586476925;
 static const double FAR = 1e3; /* growth that settles it */
@@ -33,8 +31,8 @@ static double displacement(const struct stability *s, const double *q)
 {
     double most = 0;
     for (size_t i = 0; i < s->n; i++)
-        if (!is_cyclic(s, i) && !(fabs(q[i] - s->settings.q[i]) <= most))
-            most = fabs(q[i] - s->settings.q[i]);
+        if (!is_cyclic(s, i) && !(fabs(q[i] - s->settings->q[i]) <= most))
+            most = fabs(q[i] - s->settings->q[i]);
     return most;
 }
 
@@ -54,8 +52,8 @@ static void add_mode(struct stability *s, size_t k, double amplitude)
 static void start_near(struct stability *s, size_t from, size_t to, double amplitude)
 {
     const size_t n = s->n;
-    memcpy(s->work, s->settings.q, n * sizeof *s->work);
-    memcpy(s->work + n, s->settings.v, n * sizeof *s->work);
+    memcpy(s->work, s->settings->q, n * sizeof *s->work);
+    memcpy(s->work + n, s->settings->v, n * sizeof *s->work);
     for (size_t k = from; k < to; k++) {
         const struct pk_mode mode = s->modes[k];
         if (to - from == 1 || (!(mode.growth > 0) && hypot(mode.growth, mode.frequency) > 0))
@@ -69,15 +67,15 @@ static double part_of(const struct stability *s, size_t k, const double *weights
 {
     double place = 0, rate = 0;
     for (size_t i = 0; i < s->n; i++) {
-        place += weights[i] * (q[i] - s->settings.q[i]);
-        rate += weights[i] * (v[i] - s->settings.v[i]);
+        place += weights[i] * (q[i] - s->settings->q[i]);
+        rate += weights[i] * (v[i] - s->settings->v[i]);
     }
     return hypot(place, rate / s->modes[k].frequency);
 }
 
 static void weigh(const struct stability *s, size_t k, double *weights, double *mass)
 {
-    const struct settings *at = &s->settings;
+    const struct settings *at = s->settings;
     const size_t n = s->n;
     const double *u = s->shapes + k * 2 * n;
     s->problem.system->mass(at->params, 0, at->q, at->v, at->u, mass);
@@ -88,24 +86,21 @@ static void weigh(const struct stability *s, size_t k, double *weights, double *
     }
 }
 
-/* Modes from..to - 1, as the word says: one, or `all`. */
-static int read_modes(struct stability *s, size_t line, const char *word, size_t *from, size_t *to)
+/* Modes from..to - 1: one, or all (-1). 0: there are none. */
+static int take_modes(struct stability *s, long mode, size_t *from, size_t *to)
 {
     if (!s->has_modes) {
-        const enum pk_status status = pk_gsl_modes(&s->problem, s->settings.q, s->settings.v,
+        const enum pk_status status = pk_gsl_modes(&s->problem, s->settings->q, s->settings->v,
                                                    s->modes, s->shapes, &s->n_modes);
-        if (status < 0)
-            return words_usage(line, "no modes here", pk_status_name(status));
+        if (status < 0) {
+            run_say(s->run, "no modes here: %s", pk_status_name(status));
+            return 0;
+        }
         s->has_modes = 1;
     }
-    *from = 0;
-    *to = s->n_modes;
-    if (word && strcmp(word, "all") == 0)
-        return 0;
-    if (!words_index(word, s->n_modes, from))
-        return words_usage(line, "no such mode", word);
-    *to = *from + 1;
-    return 0;
+    *from = mode < 0 ? 0 : (size_t)mode;
+    *to = mode < 0 ? s->n_modes : *from + 1;
+    return *to <= s->n_modes ? 1 : stability_wrong(s, "no such mode");
 }
 
 /* How a coordinate turns about the equilibrium in the plane (q, -v/omega), from step to step. */
@@ -118,8 +113,8 @@ struct turning {
 static double phase(const struct stability *s, const struct turning *x,
                     const struct pk_integrator *it)
 {
-    return atan2(s->settings.v[x->lead] - it->v[x->lead],
-                 x->omega * (it->q[x->lead] - s->settings.q[x->lead]));
+    return atan2(s->settings->v[x->lead] - it->v[x->lead],
+                 x->omega * (it->q[x->lead] - s->settings->q[x->lead]));
 }
 
 static void turn(const struct stability *s, struct turning *x, const struct pk_integrator *it)
@@ -153,90 +148,85 @@ static size_t leading(const struct stability *s, size_t mode)
     return lead;
 }
 
-int stability_near(struct stability *s, size_t line, char *const words[])
+int stability_near(struct stability *s, const struct pk_stability_question *x)
 {
-    const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
-    size_t from, to, steps, other = 0;
-    double h, amplitude, seed = 0, grown = 1;
-    if (!method || method->traits & PK_ADAPTIVE)
-        return words_usage(line, "no method of a fixed step", words[1]);
-    if (!words_real(words[2], &h) || !(h > 0))
-        return words_usage(line, "not a step", words[2]);
-    const int code = read_modes(s, line, words[3], &from, &to);
-    if (code)
-        return code;
-    if (!words_real(words[4], &amplitude) || !words_index(words[5], 100000000, &steps))
-        return words_usage(line, "an amplitude and a number of steps, please", words[4]);
-    const int seeded = words[6] != NULL;
-    if (seeded && (!words_index(words[6], s->n_modes, &other) || !words_real(words[7], &seed)))
-        return words_usage(line, "no such mode, or no amplitude of it", words[6]);
+    const struct pk_method *method = stability_method(s, x->method);
+    const size_t steps = x->count, other = x->other < 0 ? 0 : (size_t)x->other;
+    const int seeded = x->other >= 0;
+    const double h = x->h, amplitude = x->amplitude, seed = x->seed;
+    size_t from, to;
+    double grown = 1;
+    if (!method || !take_modes(s, x->mode, &from, &to))
+        return 0;
+    if (!(h > 0) || (seeded && other >= s->n_modes))
+        return stability_wrong(s, "a step is positive, and a mode one of those that there are");
     const size_t n = s->n;
     start_near(s, from, to, amplitude);
-    double *weights = (double *)words_allocate(n * (n + 1), sizeof *weights);
+    double *weights = (double *)memory_take(&s->run->memory, n * (n + 1), sizeof *weights);
     if (seeded) {
         add_mode(s, other, seed);
         weigh(s, other, weights, weights + n);
     }
     const double first = seeded ? part_of(s, other, weights, s->work, s->work + n)
                                 : displacement(s, s->work);
-    struct pk_options options = s->settings.options;
+    struct pk_options options = s->settings->options;
     enum pk_status status;
     options.h = h;
     struct pk_integrator *it =
-        stability_begin(&s->problem, method, &options, s->work, s->work + n, &status);
-    struct turning x = {leading(s, from), steps / 2, 0, s->modes[from].frequency, 0, 0, {0, 0}};
-    x.angle = it ? phase(s, &x, it) : 0;
-    while (it && x.steps < steps && grown < FAR) {
+        stability_begin(s, method, &options, s->work, s->work + n, &status);
+    struct turning turning = {leading(s, from), steps / 2, 0, s->modes[from].frequency, 0, 0, {0, 0}};
+    turning.angle = it ? phase(s, &turning, it) : 0;
+    while (it && turning.steps < steps && grown < FAR) {
         status = pk_integrator_step(it, (double)(steps + 1) * h);
         if (status < 0)
             break;
         grown = fmax(grown, (seeded ? part_of(s, other, weights, it->q, it->v)
                                     : displacement(s, it->q)) / first);
-        turn(s, &x, it);
+        turn(s, &turning, it);
     }
-    printf("{\"near\": \"%s\", \"h\": %.17g, \"status\": \"%s\", \"steps\": %zu, \"growth\": ",
-           method->name, h, pk_status_name(status), x.steps);
-    output_real(stdout, grown);
-    fputs(", \"turn\": ", stdout);
-    output_real(stdout, mean_turn(&x));
-    fputs("}\n", stdout);
-    stability_end(it);
-    free(weights);
-    return 0;
+    fprintf(s->out, "{\"near\": \"%s\", \"h\": %.17g, \"status\": \"%s\", \"steps\": %zu, \"growth\": ",
+           method->name, h, pk_status_name(status), turning.steps);
+    report_real(s->out, grown);
+    fputs(", \"turn\": ", s->out);
+    report_real(s->out, mean_turn(&turning));
+    fputs("}\n", s->out);
+    stability_end(s, it);
+    memory_drop(&s->run->memory, weights);
+    return 1;
 }
 
-int stability_leave(struct stability *s, size_t line, char *const words[])
+int stability_leave(struct stability *s, const struct pk_stability_question *x)
 {
     size_t from, to;
-    double amplitude, most = 0;
-    const int code = read_modes(s, line, words[1], &from, &to);
-    if (code)
-        return code;
+    double most = 0;
+    const double amplitude = x->amplitude;
+    if (!take_modes(s, x->mode, &from, &to))
+        return 0;
     const struct pk_mode mode = s->modes[from];
-    if (!words_real(words[2], &amplitude) || to != from + 1 || !(mode.growth > 0))
-        return words_usage(line, "one mode that grows, and an amplitude", words[2]);
+    if (to != from + 1 || !(mode.growth > 0))
+        return stability_wrong(s, "one mode that grows, please");
     for (size_t k = 0; k < s->n_modes; k++)
         most = fmax(most, s->modes[k].growth);
     double until = log(FAR) / most; /* no longer: a faster one grows from round-off */
     if (mode.frequency > 0) /* whole turns, so that phases do not count */
         until = ceil(until * mode.frequency / TWO_PI) * TWO_PI / mode.frequency;
-    struct pk_options options = s->settings.options;
+    struct pk_options options = s->settings->options;
     options.h = 0;
     options.rtol = 1e-13;
     options.atol = 1e-13 * amplitude;
     start_near(s, from, to, amplitude);
     const double first = displacement(s, s->work);
     enum pk_status status;
-    struct pk_integrator *it = stability_begin(&s->problem, pk_method_find("dop853"), &options,
+    struct pk_integrator *it = stability_begin(s, pk_method_find("dop853"), &options,
                                                s->work, s->work + s->n, &status);
     double rate = 0;
     if (it && (status = pk_integrator_to(it, until)) >= 0)
         rate = log(displacement(s, it->q) / first) / until;
-    printf("{\"leave\": %zu, \"status\": \"%s\", \"rate\": ", from, pk_status_name(status));
-    output_real(stdout, rate);
-    fputs("}\n", stdout);
-    stability_end(it);
-    return 0;
+    fprintf(s->out, "{\"leave\": %zu, \"status\": \"%s\", \"rate\": ", from, pk_status_name(status));
+    report_real(s->out, rate);
+    fputs("}\n", s->out);
+    stability_end(s, it);
+    return 1;
 }
 
 #else

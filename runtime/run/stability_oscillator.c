@@ -5,9 +5,7 @@
 
 #include <pk/limits.h>
 
-#include "output.h"
 #include "stability.h"
-#include "words.h"
 
 static const double TWO_PI = 6.283185307179586476925;
 static const double none = (double)NAN; /* of a step that was not made */
@@ -21,23 +19,23 @@ static double rotation(const double map[4])
     return map[1] < 0 ? TWO_PI - pk_map_angle(map) : pk_map_angle(map);
 }
 
-int stability_oscillator(size_t line, char *const words[])
+int stability_oscillator(struct stability *s, const struct pk_stability_question *x)
 {
-    const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
-    double stiffness, damping, y, map[4] = {none, none, none, none};
-    if (!method || method->traits & PK_ADAPTIVE)
-        return words_usage(line, "no method of a fixed step", words[1]);
-    if (!words_real(words[2], &stiffness) || !words_real(words[3], &damping) ||
-        !words_real(words[4], &y) || !(y > 0))
-        return words_usage(line, "a stiffness, a damping and a step, please", words[2]);
-    const enum pk_status status = pk_method_spring(method, stiffness, damping, y, map);
-    printf("{\"oscillator\": \"%s\", \"y\": %.17g, \"status\": \"%s\", \"growth\": ", method->name,
+    const struct pk_method *method = stability_method(s, x->method);
+    double map[4] = {none, none, none, none};
+    const double y = x->h;
+    if (!method)
+        return 0;
+    if (!(y > 0))
+        return stability_wrong(s, "a step is positive");
+    const enum pk_status status = pk_method_spring(method, x->stiffness, x->damping, y, map);
+    fprintf(s->out, "{\"oscillator\": \"%s\", \"y\": %.17g, \"status\": \"%s\", \"growth\": ", method->name,
            y, pk_status_name(status));
-    output_real(stdout, pk_map_growth(map));
-    fputs(", \"turn\": ", stdout);
-    output_real(stdout, rotation(map));
-    fputs(", \"trace\": ", stdout);
-    output_real(stdout, map[0] + map[3]);
-    fputs("}\n", stdout);
-    return 0;
+    report_real(s->out, pk_map_growth(map));
+    fputs(", \"turn\": ", s->out);
+    report_real(s->out, rotation(map));
+    fputs(", \"trace\": ", s->out);
+    report_real(s->out, map[0] + map[3]);
+    fputs("}\n", s->out);
+    return 1;
 }

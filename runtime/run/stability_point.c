@@ -21,9 +21,7 @@
  */
 #include <math.h>
 
-#include "output.h"
 #include "stability.h"
-#include "words.h"
 
 enum { LEAST_STEPS = 200, MOST_STEPS = 4000000 };
 
@@ -116,36 +114,34 @@ static enum pk_status classify(struct stability *s, struct pk_integrator *it,
     return status;
 }
 
-int stability_point(struct stability *s, size_t line, char *const words[])
+int stability_point(struct stability *s, const struct pk_stability_question *x)
 {
-    const struct pk_method *method = words[1] ? run_method_find(words[1]) : NULL;
-    double h;
-    if (!method || method->traits & PK_ADAPTIVE)
-        return words_usage(line, "no method of a fixed step", words[1]);
-    if (!words_real(words[2], &h) || !(h > 0))
-        return words_usage(line, "not a step", words[2]);
-    if (!s->known)
-        return words_usage(line, "ask for the motion first", words[0]);
-    struct pk_options options = s->settings.options;
+    const struct pk_method *method = stability_method(s, x->method);
+    const double h = x->h;
+    if (!method)
+        return 0;
+    if (!(h > 0) || !s->known)
+        return stability_wrong(s, s->known ? "a step is positive" : "ask for the motion first");
+    struct pk_options options = s->settings->options;
     options.h = h;
-    const double wanted = ceil(s->settings.until / h);
+    const double wanted = ceil(s->settings->until / h);
     const unsigned long steps =
         (unsigned long)fmin(fmax(wanted, (double)LEAST_STEPS), (double)MOST_STEPS);
     struct energies e = {.most = -HUGE_VAL, .early_most = -HUGE_VAL};
     struct reference motion = {.scale = 1};
     const char *class = "";
     enum pk_status status;
-    struct pk_integrator *it = stability_begin(&s->problem, method, &options, s->settings.q,
-                                               s->settings.v, &status);
+    struct pk_integrator *it = stability_begin(s, method, &options, s->settings->q,
+                                               s->settings->v, &status);
     if (it)
         status = classify(s, it, steps, &e, &motion, &class);
-    printf("{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
+    fprintf(s->out, "{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
            "\"steps\": %lu, \"rise\": ",
            method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
-    output_real(stdout, e.rise / motion.scale);
-    fputs(", \"away\": ", stdout);
-    output_real(stdout, e.away / motion.scale);
-    fputs("}\n", stdout);
-    stability_end(it);
-    return 0;
+    report_real(s->out, e.rise / motion.scale);
+    fputs(", \"away\": ", s->out);
+    report_real(s->out, e.away / motion.scale);
+    fputs("}\n", s->out);
+    stability_end(s, it);
+    return 1;
 }

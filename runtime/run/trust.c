@@ -4,9 +4,6 @@
 #include "trust.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-
-#include "words.h"
 
 #define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
 #define LOOSE PK_C(1e-8)
@@ -53,7 +50,7 @@ static void judge(struct run *run, pk_real t, FILE *file)
     const size_t size = pk_integrator_size(&run->problem, method);
     struct pk_options options = pk_options_default();
     struct pk_integrator it;
-    void *block = words_allocate(size, 1);
+    void *block = memory_take(&run->memory, size, 1);
     options.rtol = JUDGE_TOL;
     options.max_steps = MOST_VALUES / (12 * s->n) + 1;
     enum pk_status status = pk_integrator_init(&it, &run->problem, method, &options, 0, s->q, s->v,
@@ -77,25 +74,22 @@ static void judge(struct run *run, pk_real t, FILE *file)
                 run->beyond ? ", so what follows is of the steps alone" : "");
     }
     pk_integrator_free(&it);
-    free(block);
+    memory_drop(&run->memory, block);
 }
 
 void trust_judge(struct run *run)
 {
     const int fixed = fixed_step(run), arrived = run->it.status >= 0;
-    size_t size;
     /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */
-    if (run_parts || !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
+    if (run->settings.n_parts || !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
-    FILE *file = open_memstream(&run->besides, &size);
-    if (!file)
-        return;
+    FILE *file = run_text(run, &run->besides);
     if (run->distrusted)
         fprintf(file, "; " OFF, (double)TRUST_WRONG, (double)run->trusted);
     if (fixed || run->settings.options.rtol > LOOSE)
         judge(run, run->it.t + (arrived ? 0 : 2 * (fixed ? run->settings.options.h : run->h_max)),
               file);
-    fclose(file);
+    run_text_end(run);
     run->beyond = run->beyond && arrived;
     if (arrived)
         run->besides[0] = '\0';
@@ -119,7 +113,7 @@ void trust_reason(const struct run *run, char *text, size_t size)
 {
     const struct pk_integrator *it = &run->it;
     char arrived[256], name[128];
-    if (run_parts) {
+    if (run->settings.n_parts) {
         pk_apart_reason(&run->apart, text, size);
         return;
     }

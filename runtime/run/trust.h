@@ -4,7 +4,7 @@
 #ifndef RUN_TRUST_H
 #define RUN_TRUST_H
 
-#include "output.h"
+#include "state.h"
 
 #define TRUST_WRONG PK_C(1e-2) /* of the energy's scale */
 /* The status in a report of steps that went on behind the end of the motion: known to the driver

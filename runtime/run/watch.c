@@ -3,7 +3,6 @@
 
 #include "expect.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_TIMES = 1000 }; /* of an event, in the report */
@@ -34,7 +33,7 @@ static int found(void *context, const struct pk_events *events)
         return 1;
     if (run->settings.at == events->which + 1) {
         run->at_event = 1;
-        output_row(run, run->out, events->t, events->q, events->v, events->z);
+        rows_write(run, events->t, events->q, events->v, events->z);
         run->at_event = 0;
     }
     return run->write_failed;
@@ -47,35 +46,30 @@ static void doubtful(void *context, const struct pk_events *events)
         crossed->doubtful_t = events->t;
 }
 
-int watch_begin(struct run *run)
+enum pk_run_code watch_begin(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
     const size_t m = system->n_events, all = m + system->n_switches;
     const size_t size = pk_events_size(&run->problem, run->settings.method);
     if (all == 0)
-        return 0;
-    run->events_block = malloc(size);
-    run->crossed = (struct crossed *)calloc(all, sizeof *run->crossed);
-    run->event_values = (pk_real *)calloc(2 * m + 2 * run->it.n, sizeof *run->event_values);
-    int missing = !run->events_block || !run->crossed || !run->event_values;
-    for (size_t k = 0; !missing && k < all; k++) {
-        run->crossed[k].t = (pk_real *)malloc(MOST_TIMES * sizeof(pk_real));
-        missing = !run->crossed[k].t;
-    }
-    if (missing) {
-        fprintf(stderr, "run: out of memory\n");
-        return 4;
-    }
-    const enum pk_status status = pk_events_init(&run->events, &run->it, run->events_block, size);
+        return PK_RUN_DONE;
+    struct memory *memory = &run->memory;
+    run->crossed = (struct crossed *)memory_take(memory, all, sizeof *run->crossed);
+    run->event_values =
+        (pk_real *)memory_take(memory, 2 * m + 2 * run->it.n, sizeof *run->event_values);
+    for (size_t k = 0; k < all; k++)
+        run->crossed[k].t = (pk_real *)memory_take(memory, MOST_TIMES, sizeof(pk_real));
+    const enum pk_status status =
+        pk_events_init(&run->events, &run->it, memory_take(memory, size, 1), size);
     if (status < 0) {
-        fprintf(stderr, "run: events: %s\n", pk_status_text(status));
-        return 4;
+        run_say(run, "events: %s", pk_status_text(status));
+        return PK_RUN_FAILED;
     }
     run->events.found = found;
     run->events.switched = switched;
     run->events.doubtful = doubtful;
     run->events.context = run;
-    return 0;
+    return PK_RUN_DONE;
 }
 
 /* A function that is zero but for errors, as that of a constant of the motion, crosses zero by these
@@ -119,47 +113,45 @@ enum pk_status watch_step(struct run *run, pk_real limit)
     return status;
 }
 
-const char *watch_name(size_t k)
+const char *watch_name(const struct pk_system *system, size_t k)
 {
-    return k < run_model->n_events ? run_model->events[k].what.name
-                                   : run_model->switches[k - run_model->n_events].name;
+    return k < system->n_events ? system->events[k].what.name
+                                : system->switches[k - system->n_events].name;
 }
 
 /* The integrator of the run, or those of its parts; NULL behind the last. */
 static const struct pk_integrator *integrator(const struct run *run, size_t k)
 {
-    if (run_parts)
+    if (run->settings.n_parts)
         return k < run->apart.count && run->apart.parts ? &run->apart.parts[k].it : NULL;
     return k == 0 ? &run->it : NULL;
 }
 
-static void warn_of_short_forces(const struct run *run)
+static void warn_of_short_forces(struct run *run)
 {
     const struct pk_integrator *it;
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++)
         if (it->passed_over.count)
-            fprintf(stderr,
-                    "run: warning: %s: from t = %.9g on steps are too long for what it does within "
+            run_say(run, "warning: %s: from t = %.9g on steps are too long for what it does within "
                     "them (%lu of them), it may be missed: take shorter ones (--step), or an "
-                    "adaptive method\n",
+                    "adaptive method",
                     it->problem.system->marks[it->passed_over.which].name,
                     (double)it->passed_over.t, it->passed_over.count);
 }
 
-void watch_warn(const struct run *run)
+void watch_warn(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
     warn_of_short_forces(run);
     for (size_t k = 0; run->crossed && k < system->n_events + system->n_switches; k++)
         if (run->crossed[k].doubts)
-            fprintf(stderr, "run: warning: %s %s: from t = %.9g on %s\n",
-                    k < system->n_events ? "event" : "switch", watch_name(k),
+            run_say(run, "warning: %s %s: from t = %.9g on %s",
+                    k < system->n_events ? "event" : "switch", watch_name(system, k),
                     (double)run->crossed[k].doubtful_t, WATCH_TOO_OFTEN);
     for (size_t k = 0; run->crossed && k < run->problem.system->n_events; k++)
         if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
-            fprintf(stderr,
-                    "run: event %s: its function stays within %g of zero, beside what it is made "
-                    "of: its crossings may be no more than errors\n",
+            run_say(run, "event %s: its function stays within %g of zero, beside what it is made "
+                    "of: its crossings may be no more than errors",
                     run->problem.system->events[k].what.name, (double)NOISE);
 }
 
@@ -168,25 +160,25 @@ static void report_times(FILE *file, const struct crossed *crossed)
     fprintf(file, ", \"doubts\": %lu, \"count\": %lu, \"times\": [", crossed->doubts, crossed->count);
     for (unsigned long i = 0; i < crossed->count && i < MOST_TIMES; i++) {
         fputs(i ? ", " : "", file);
-        output_real(file, crossed->t[i]);
+        report_real(file, crossed->t[i]);
     }
     fputs("]}", file);
 }
 
-void watch_report(struct run *run, FILE *file)
+void watch_report(const struct run *run, FILE *file)
 {
     const struct pk_system *system = run->problem.system;
     fputs("  \"events\": [", file);
     for (size_t k = 0; run->crossed && k < system->n_events; k++) {
         fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
-        output_text(file, system->events[k].what.name);
+        report_text(file, system->events[k].what.name);
         fprintf(file, ", \"stop\": %s", system->events[k].stop ? "true" : "false");
         report_times(file, &run->crossed[k]);
     }
     fputs("],\n  \"switches\": [", file);
     for (size_t k = 0; run->crossed && k < system->n_switches; k++) {
         fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
-        output_text(file, system->switches[k].name);
+        report_text(file, system->switches[k].name);
         report_times(file, &run->crossed[system->n_events + k]);
     }
     fprintf(file, "],\n  \"event_tries\": %lu,\n  \"passed_over\": [", run->events.tries);
@@ -196,21 +188,10 @@ void watch_report(struct run *run, FILE *file)
         if (!it->passed_over.count)
             continue;
         fputs(listed++ ? ", {\"name\": " : "{\"name\": ", file);
-        output_text(file, it->problem.system->marks[it->passed_over.which].name);
+        report_text(file, it->problem.system->marks[it->passed_over.which].name);
         fprintf(file, ", \"steps\": %lu, \"t\": ", it->passed_over.count);
-        output_real(file, it->passed_over.t);
+        report_real(file, it->passed_over.t);
         fputs("}", file);
     }
     fputs("],\n", file);
-}
-
-void watch_free(struct run *run)
-{
-    const struct pk_system *system = run->problem.system;
-    for (size_t k = 0; run->crossed && k < system->n_events + system->n_switches; k++)
-        free(run->crossed[k].t);
-    pk_events_free(&run->events);
-    free(run->crossed);
-    free(run->event_values);
-    free(run->events_block);
 }

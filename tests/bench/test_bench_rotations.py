@@ -142,12 +142,10 @@ def test_what_is_kept_of_a_body_is_told_from_what_is_not() -> None:
 
 
 def test_each_command_leaves_what_the_other_wrote(tmp_path, monkeypatch) -> None:
-    page, readme = tmp_path / "docs" / "benchmarks.md", tmp_path / "README.md"
+    page = tmp_path / "docs" / "benchmarks.md"
     page.parent.mkdir()
     page.write_text("# Old\n\nfigures\n")
-    readme.write_text(f"{report.BEGIN}\n{report.END}\n")
     monkeypatch.setattr(report, "PAGE", page)
-    monkeypatch.setattr(report, "ROOT", tmp_path)
     here = SimpleNamespace(lines=lambda: ["here"])
     report.write_block("## Rotations\n\nfirst\n")
     assert page.read_text() == f"# Old\n\nfigures\n\n{report.APART}\n## Rotations\n\nfirst\n"

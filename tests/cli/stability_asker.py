@@ -7,7 +7,7 @@ from dataclasses import replace
 from pkgen.analysis.stability.ask import Asker
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
-from pkgen.run.build import build_program
+from pkgen.run.build import build_library
 from pkgen.run.settings import Settings
 
 PENDULUM = """model pendulum
@@ -20,7 +20,7 @@ start theta = 0.001
 
 def asker(text: str, *, until: float = 100.0) -> Asker:
     compilation = compile_model(from_text("model.lag", text), unroll=None)
-    program = build_program(compilation.files, compilation.model.name)
+    program = build_library(compilation.files, compilation.model.name)
     settings = Settings(
         method="rk4",
         until=until,

@@ -17,7 +17,7 @@ import pytest
 from conftest import run_pkgen
 from pkgen.analysis.chart import chart, draw, labels, points, spectrum, sweep, table
 from pkgen.analysis.chart.panel import Curve
-from pkgen.analysis.chart.points import Method, Point, Track
+from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
 
 PENDULUM = """model pendulum
@@ -238,7 +238,7 @@ def point(setting: float, error: float | None, work: int = 1, status: str = "PK_
     return Point("m", setting, status, "", False, 1.0, error, 1e-6 * work, 1, 0, work, 0, work, 0.0)
 
 
-RK4 = Method("rk4", 4, imaginary=2.8284, real=2.7853)
+RK4 = ChartedMethod("rk4", 4, imaginary=2.8284, real=2.7853)
 
 
 def test_a_row_of_csv_is_a_point_in_order() -> None:
@@ -279,14 +279,14 @@ def test_steps_go_from_past_the_limit_by_the_measured_slope() -> None:
 
 def test_families_follow_from_what_a_method_says_of_itself() -> None:
     of = {
-        points.SPLITTING: Method("any", 2, ("symplectic",), ("separable",)),
-        points.EXPLICIT: Method("any", 4),
-        points.EMBEDDED: Method("any", 5, ("adaptive",)),
-        points.SYMMETRIC: Method("any", 4, ("implicit", "symmetric")),
-        points.IMPLICIT_ADAPTIVE: Method("any", 16, ("implicit", "adaptive")),
-        points.DISSIPATIVE: Method("any", 5, ("implicit",)),
-        points.FOREIGN: Method("gsl_any", 5, ("adaptive",)),
-        points.EXACT: Method("any", 0, ("exact",), ("affine",)),
+        points.SPLITTING: ChartedMethod("any", 2, ("symplectic",), ("separable",)),
+        points.EXPLICIT: ChartedMethod("any", 4),
+        points.EMBEDDED: ChartedMethod("any", 5, ("adaptive",)),
+        points.SYMMETRIC: ChartedMethod("any", 4, ("implicit", "symmetric")),
+        points.IMPLICIT_ADAPTIVE: ChartedMethod("any", 16, ("implicit", "adaptive")),
+        points.DISSIPATIVE: ChartedMethod("any", 5, ("implicit",)),
+        points.FOREIGN: ChartedMethod("gsl_any", 5, ("adaptive",)),
+        points.EXACT: ChartedMethod("any", 0, ("exact",), ("affine",)),
     }
     assert {family: m.family for family, m in of.items()} == {f: f for f in draw.STYLES}
 

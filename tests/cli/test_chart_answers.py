@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import pytest
 from pkgen.analysis.chart import answer, search
-from pkgen.analysis.chart.points import Method, Point, Track
+from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.analysis.chart.sweep import Effort
 
 UNTIL = 10.0
@@ -30,7 +30,7 @@ class Invented:
     asked: int = 0
     random: random.Random = field(default_factory=lambda: random.Random(1))
 
-    def point(self, method: Method, setting: float, cap: float, lap: float = 0.0) -> Point:
+    def point(self, method: ChartedMethod, setting: float, cap: float, lap: float = 0.0) -> Point:
         self.asked += 1
         error = self.errors[method.name](setting)
         steps = UNTIL / setting if method.fixed else 30 * setting ** (-1 / method.order)
@@ -42,7 +42,7 @@ class Invented:
         )
 
 
-def swept(bench: Invented, methods: list[Method]) -> list[Track]:
+def swept(bench: Invented, methods: list[ChartedMethod]) -> list[Track]:
     """Each from coarse to fine, steps a quarter shorter and tolerances of a fifth."""
     tracks = []
     for m in methods:
@@ -55,14 +55,14 @@ def swept(bench: Invented, methods: list[Method]) -> list[Track]:
     return tracks
 
 
-def invented(seed: int) -> tuple[Invented, list[Method]]:
+def invented(seed: int) -> tuple[Invented, list[ChartedMethod]]:
     """Five methods: errors of powers of the step with lobes, zeros and round-off."""
     chance = random.Random(seed)
     methods, errors, pace = [], {}, {}
     for k in range(5):
         order = chance.choice([2, 4, 5, 6, 8, 10])
         flags = ("adaptive",) if chance.random() < 0.4 else ()
-        m = Method(f"m{k}", order, flags)
+        m = ChartedMethod(f"m{k}", order, flags)
         size, wave, bed = (
             10 ** chance.uniform(-2, 2),
             chance.uniform(1, 20),
@@ -81,7 +81,7 @@ def invented(seed: int) -> tuple[Invented, list[Method]]:
     return Invented(errors, pace), methods
 
 
-def dense(bench: Invented, method: Method, accuracy: float, axis: str) -> float:
+def dense(bench: Invented, method: ChartedMethod, accuracy: float, axis: str) -> float:
     """The least cost of what keeps the accuracy with all that is so little finer: a scan."""
     share = 0.87 if method.fixed else 0.3
     settings = (
@@ -121,7 +121,7 @@ def test_an_answer_is_the_cheapest_of_a_dense_scan(seed: int) -> None:
 
 def test_a_lone_lucky_point_is_no_answer_and_says_so() -> None:
     """Error 1e-4 everywhere but at one step of the sweep."""
-    method = Method("m", 4)
+    method = ChartedMethod("m", 4)
     lucky = UNTIL / 13
     bench = Invented({"m": lambda h: 1e-14 if math.isclose(h, lucky) else 1e-4}, {"m": 1e6})
     tracks = [Track(method, tuple(bench.point(method, UNTIL / n, 1.0) for n in (10, 13, 18, 24)))]
@@ -132,7 +132,7 @@ def test_a_lone_lucky_point_is_no_answer_and_says_so() -> None:
 
 
 def test_an_accuracy_past_the_reference_is_not_told() -> None:
-    method = Method("m", 4)
+    method = ChartedMethod("m", 4)
     bench = Invented({"m": lambda h: 1e-15}, {"m": 1e6}, floor=3e-13)
     found, _ = answer.answers(bench, swept(bench, [method]))
     assert [bool(a.point) for a in found] == [True] * 6 + [False] * 2
@@ -140,7 +140,7 @@ def test_an_accuracy_past_the_reference_is_not_told() -> None:
 
 
 def test_none_names_the_most_accurate() -> None:
-    method = Method("m", 2)
+    method = ChartedMethod("m", 2)
     bench = Invented({"m": lambda h: 1e-5 + h**2}, {"m": 1e6})
     found, _ = answer.answers(bench, swept(bench, [method]))
     assert [bool(a.point) for a in found] == [True, True] + 6 * [False]
@@ -149,7 +149,7 @@ def test_none_names_the_most_accurate() -> None:
 
 def test_a_sweep_cut_short_goes_on() -> None:
     """Where nothing has the accuracy yet but errors still fall."""
-    method = Method("m", 4)
+    method = ChartedMethod("m", 4)
     bench = Invented({"m": lambda h: h**4}, {"m": 1e6})
     tracks = [Track(method, tuple(bench.point(method, UNTIL / n, 1.0) for n in (20, 40, 80, 4000)))]
     found, _ = answer.answers(bench, tracks)
@@ -170,7 +170,7 @@ def test_times_with_noise_are_timed_again(seed: int) -> None:
 
 
 def test_without_time_the_next_finer_point_judges() -> None:
-    method = Method("m", 4)
+    method = ChartedMethod("m", 4)
     errors = {0.5: 1e-7, 0.25: 1e-4, 0.125: 1e-8, 0.0625: 1e-9}
     bench = Invented({"m": errors.__getitem__}, {"m": 1e6}, effort=Effort(16, 0.0, 0.0))
     tracks = [Track(method, tuple(bench.point(method, h, 1.0) for h in errors))]

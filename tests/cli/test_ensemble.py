@@ -189,5 +189,5 @@ def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> 
     for _ in range(2):
         done = pkgen("run", DOUBLE, *options, "--threads", "2", env=env)
         assert done.returncode == 0, done.stderr
-        assert len(list((tmp_path / "cache" / "programs").iterdir())) == 1
+        assert len(list((tmp_path / "cache" / "models").iterdir())) == 1
     assert done.stdout == pkgen("run", DOUBLE, *options).stdout

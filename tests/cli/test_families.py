@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen.scenes import asked as options
+from pkgen.scenes import lengths
 
 FPUT = ROOT / "models" / "chains" / "fput.lag"
 PARTS = """\
@@ -145,7 +145,7 @@ def test_rows_nobody_could_want_are_not_written(pkgen) -> None:
 
 
 def test_zeros_before_a_size_are_none_of_it():
-    assert options.sizes(["N=00000000005", " M = 64 "]) == {"N": 5, "M": 64}
+    assert lengths.given(["N=00000000005", " M = 64 "]) == {"N": 5, "M": 64}
 
 
 @pytest.mark.parametrize(

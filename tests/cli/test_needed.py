@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import pickle
 import re
 import shlex
 import subprocess
@@ -24,8 +25,8 @@ from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.run.build import _choice, runtime_library
 from pkgen.scenes import asked as parsing
+from pkgen.scenes import lengths, scene
 from pkgen.scenes import run as scene_run
-from pkgen.scenes import scene
 from pkgen.scenes import use as scene_use
 from pkgen.system.toolchain import RUNTIME, find_toolchain
 
@@ -44,13 +45,21 @@ QUICK = {
     ("models/two_pendulums.lag", "both"),
 }
 LANES = {"lanes", "members", "advance"}
+# A process of its own: counts are written where one ends.
+RUN = """
+import pathlib, pickle
+from pkgen.run.library import load
+settings, members = pickle.loads(pathlib.Path("asked").read_bytes())
+done = load(pathlib.Path("p").absolute()).run(settings, ensemble=members, threads=1)
+assert done.code == 0, done.messages
+"""
 
 
 def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], bool]:
     """The kernels that there are in C, those that were executed, and whether M is definite."""
     options = command.parser_of("run").parse_args([str(path), "--scene", name])
     swarm = scene_run.is_swarm(options)
-    unroll, use = None if swarm else parsing.UNROLL, scene_use.of_run(options)
+    unroll, use = None if swarm else lengths.UNROLL, scene_use.of_run(options)
     made = compile_model(read(str(path)), unroll=unroll, use=use)
     chosen = scene.chosen(made.declared, name)
     count = scene_run.count(made.declared, chosen) if swarm else None
@@ -58,11 +67,10 @@ def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], b
     settings = replace(settings, watched=scene_run.watched(made, chosen, settings, swarm))
     if settings.accuracy is not None:
         settings = replace(settings, method="gauss")
-    lines = [f"report {folder}/report.json", "progress 0", ""]
+    members = None
     if swarm:
         settings = replace(settings, watch=scene_run.watch(made, chosen, settings))
         members = scene_run.members(options, made, chosen, settings)
-        lines = [*members.settings(folder / "members", 1), *lines]
     tools = find_toolchain()
     library = runtime_library(tools)
     for file, text in made.files.items():
@@ -70,13 +78,14 @@ def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], b
     parts = [(part.name, part.coordinates) for part in made.parts]
     (folder / "choice.c").write_text(_choice(made.model.name, parts))
     sources = [file for file in made.files if file.endswith(".c")]
-    linked = [str(library / a) for a in ("librun.a", "libpk.a")]
-    linked += [*tools.gsl_libs, "-lm", *shlex.split((library / "link").read_text())]
+    linked = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
+    linked += [str(library / "libpk.a"), *tools.gsl_libs, "-lm"]
+    linked += shlex.split((library / "link").read_text())
     flags = ["-std=c11", "-O0", "--coverage", "-DPK_RUNTIME", f"-I{RUNTIME}/include", "-I."]
-    build = ["gcc", *flags, *sources, "choice.c", "-o", "p", *linked]
+    build = ["gcc", *flags, "-fPIC", "-shared", *sources, "choice.c", "-o", "p", *linked]
     subprocess.run(build, cwd=folder, check=True)
-    text = "\n".join([*settings.lines(), *lines])
-    subprocess.run(["./p"], input=text, text=True, cwd=folder, check=True, capture_output=True)
+    (folder / "asked").write_bytes(pickle.dumps((settings, members)))
+    subprocess.run([sys.executable, "-c", RUN], cwd=folder, check=True, capture_output=True)
     there: set[str] = set()
     called: set[str] = set()
     for file in sources:

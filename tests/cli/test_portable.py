@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.run.build import build_program
+from pkgen.run.build import build_library
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
 METHODS = {
@@ -61,5 +61,5 @@ def test_the_runtime_is_portable_as_well(monkeypatch) -> None:
     monkeypatch.setattr("pkgen.run.build._runtime_name", lambda tools: seen.append(tools) or "x")
     monkeypatch.setattr("pkgen.run.build.cached", lambda *_: Path())
     for portable in (False, True):
-        build_program(compile_model(read(DOUBLE), portable=portable).files, "double_pendulum")
+        build_library(compile_model(read(DOUBLE), portable=portable).files, "double_pendulum")
     assert ["-DPK_PORTABLE" in tools.flags for tools in seen] == [False, True]

@@ -62,7 +62,7 @@ def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_pa
 
 def test_what_is_known_of_methods_is_as_the_runtime_says() -> None:
     """The generator knows it without a C compiler."""
-    found = {m["name"]: m for m in build.driver_methods()}
+    found = {m["name"]: m for m in build.runtime_methods()}
     gsl = {name for name in METHODS if name.startswith("gsl_")}
     assert set(METHODS) - set(found) in (set(), gsl) and len(METHODS) > 30
     assert set(found) <= set(METHODS)
@@ -81,7 +81,7 @@ def test_kernels_that_a_method_calls() -> None:
 
 
 def test_every_method_but_newtons_is_compiled_with_the_model() -> None:
-    mine = [m for m in build.driver_methods() if not m["name"].startswith("gsl_")]
+    mine = [m for m in build.runtime_methods() if not m["name"].startswith("gsl_")]
     # Newton's method, what takes `linear` and steps on SO(3) go through function pointers; one that
     # is exact evaluates nothing.
     apart = {"jacobians", "linear", "exact", "group"}

@@ -16,7 +16,8 @@ def pendulum() -> Asker:
 
 
 def point(asked: Asker, method: str, h: float) -> dict:
-    return asked.ask(["motion", f"point {method} {h!r}"])[1]
+    asked.motion()
+    return asked.ask("point", method=method, h=h)
 
 
 def test_classes(pendulum: Asker) -> None:
@@ -85,6 +86,9 @@ def test_what_grows_without_bound_is_not_finite() -> None:
 def test_stable_at_999_growing_at_1001(pendulum: Asker) -> None:
     hanging = pendulum.at(pendulum.rest().equilibria[0])
     for method, y in (("verlet", 2.0), ("yoshida4", 1.5734019474), ("rk4", math.sqrt(8))):
-        below, above = hanging.near(f"{method} {y * x!r} all 1e-6 4000" for x in (0.999, 1.001))
+        below, above = (
+            hanging.near(method=method, h=y * x, mode=-1, amplitude=1e-6, count=4000)
+            for x in (0.999, 1.001)
+        )
         assert below.growth < 300 and below.status == "PK_DONE", method
         assert not above.growth < 1000, method

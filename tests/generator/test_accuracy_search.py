@@ -7,14 +7,14 @@ import math
 from dataclasses import dataclass
 
 import pytest
-from pkgen.analysis.chart.points import Method
+from pkgen.analysis.chart.points import ChartedMethod
 from pkgen.analysis.choose import reference, search
 from pkgen.analysis.choose.candidates import TABLE, Candidate, candidates
 from pkgen.analysis.choose.trials import DENSE, LAND, Trial
 
 
-def method(name: str, order: int, *flags: str, requires: tuple[str, ...] = ()) -> Method:
-    return Method(name, order, flags, requires)
+def method(name: str, order: int, *flags: str, requires: tuple[str, ...] = ()) -> ChartedMethod:
+    return ChartedMethod(name, order, flags, requires)
 
 
 FIXED = Candidate(method("rk4", 4), LAND, "")

@@ -8,9 +8,10 @@ import random
 import pytest
 from building import model
 from c_harness import MODELS, Loaded, read_model, read_text
+from pkgen.functions.interval import ANY, Range
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Graph, Kind, Symbol
-from pkgen.graph.ranges import ANY, Range, Ranges
+from pkgen.graph.ranges import Ranges
 from pkgen.graph.wording import wording
 from pkgen.middle.derive.derive import derive
 

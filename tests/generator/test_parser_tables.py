@@ -18,6 +18,7 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
     def read() -> Path:
         parse.parser.cache_clear()
+        parse.parse_all.cache_clear()
         found = parse.parse(MODEL)
         assert len(found.statements) == 4
         (folder,) = (tmp_path / "cache/parser").iterdir()
@@ -46,5 +47,6 @@ def test_a_cache_that_cannot_be_written_is_done_without(monkeypatch, tmp_path: P
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path / "file" / "cache"))
     parse.parser.cache_clear()
+    parse.parse_all.cache_clear()
     assert len(parse.parse(MODEL).statements) == 4
     parse.parser.cache_clear()

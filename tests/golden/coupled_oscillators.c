@@ -600,6 +600,7 @@ static const unsigned char coupled_oscillators_sys_cyclic[3] = {0, 0, 0};
 
 const struct pk_system coupled_oscillators_system = {
     .abi = PK_ABI,
+    .scalar = PK_SCALAR,
     .name = "coupled_oscillators",
     .source_hash = coupled_oscillators_source_hash,
     .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS

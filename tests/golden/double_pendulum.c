@@ -919,6 +919,7 @@ static const unsigned char double_pendulum_sys_cyclic[2] = {0, 0};
 
 const struct pk_system double_pendulum_system = {
     .abi = PK_ABI,
+    .scalar = PK_SCALAR,
     .name = "double_pendulum",
     .source_hash = double_pendulum_source_hash,
     .facts = PK_QUADRATIC | PK_AUTONOMOUS | PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH,

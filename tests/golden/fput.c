@@ -1245,6 +1245,7 @@ static void fput_sys_advance(const void *p, int stages, const pk_real *kick, con
 
 const struct pk_system fput_system = {
     .abi = PK_ABI,
+    .scalar = PK_SCALAR,
     .name = "fput",
     .source_hash = fput_source_hash,
     .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS

@@ -996,6 +996,7 @@ static const unsigned char heavy_top_sys_cyclic[3] = {1, 0, 1};
 
 const struct pk_system heavy_top_system = {
     .abi = PK_ABI,
+    .scalar = PK_SCALAR,
     .name = "heavy_top",
     .source_hash = heavy_top_source_hash,
     .facts = PK_QUADRATIC | PK_AUTONOMOUS | PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH,

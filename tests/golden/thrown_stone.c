@@ -5,14 +5,14 @@
  */
 #include "thrown_stone.h"
 
-static inline pk_real thrown_stone_side_sign(pk_real side, pk_real x)
-{
-    return side > 0 ? 1 : side < 0 ? -1 : x > 0 ? 1 : x < 0 ? -1 : x;
-}
-
 static inline pk_real thrown_stone_side_abs(pk_real side, pk_real x)
 {
     return side > 0 ? x : side < 0 ? -x : PK_F(fabs)(x);
+}
+
+static inline pk_real thrown_stone_side_sign(pk_real side, pk_real x)
+{
+    return side > 0 ? 1 : side < 0 ? -1 : x > 0 ? 1 : x < 0 ? -1 : x;
 }
 
 void thrown_stone_defaults(struct thrown_stone_params *p)
@@ -560,6 +560,7 @@ static const unsigned char thrown_stone_sys_cyclic[1] = {0};
 
 const struct pk_system thrown_stone_system = {
     .abi = PK_ABI,
+    .scalar = PK_SCALAR,
     .name = "thrown_stone",
     .source_hash = thrown_stone_source_hash,
     .facts = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SWITCHED,

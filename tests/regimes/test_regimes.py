@@ -6,7 +6,7 @@ import math
 import re
 
 import pytest
-from pkgen.run.build import driver_methods
+from pkgen.run.build import runtime_methods
 
 from .catalogue import MISSING, PREDICTIONS
 from .chains import kink_frequency
@@ -51,7 +51,7 @@ OTHERS = ("without compensated sums", "the same of each step's start", "RK4 with
 
 
 def test_what_is_worse_is_a_method_or_says_why_not() -> None:
-    names = {m["name"] for m in driver_methods()}
+    names = {m["name"] for m in runtime_methods()}
     for entry in PREDICTIONS:
         first = re.split(r"[,:]| which", entry.worse)[0]
         assert (first in names or entry.worse.startswith(OTHERS)) != bool(entry.no_method), entry.id

@@ -3,7 +3,7 @@
 CC ?= cc
 BUILD ?= build
 RT_WARN = -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-RT_CFLAGS = -std=c11 -O2 -ffp-contract=off $(RT_WARN) -Iruntime/include $(RT_EXTRA)
+RT_CFLAGS = -fPIC -std=c11 -O2 -ffp-contract=off $(RT_WARN) -Iruntime/include $(RT_EXTRA)
 RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
 RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
 
@@ -53,19 +53,20 @@ $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTE
                              $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
 
-# The driver around a hand-written system, for its own tests.
-RT_RUN_CFLAGS = $(RT_CFLAGS) -DPK_WITH_GSL -DRUN_BATCH_BYTES=4096 -Iruntime/run -Itests/runtime
+# The layer of runs around a hand-written system, for its own tests.
+RT_RUN_CFLAGS = $(RT_CFLAGS) -DPK_WITH_GSL -DRUN_BATCH_BYTES=4096 -Itests/runtime
 RT_RUN = $(patsubst runtime/run/%.c,$(RT_TESTS)/run/%.o,$(sort $(wildcard runtime/run/*.c)))
+RT_PYTHON ?= .venv/bin/python
+comma = ,
 .SECONDARY: $(RT_RUN)
 $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_RUN_CFLAGS) -c $< -o $@
-$(RT_TESTS)/run_%: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
-	printf '#include "settings.h"\n#include "systems.h"\n%s\n' \
-	    'const struct pk_system *const run_model = &$*_system;' >$@.c
-	printf '%s\n' 'const struct pk_part *const run_parts = $(if $(filter pair,$*),pair_parts,NULL);' \
-	    'const size_t run_n_parts = $(if $(filter pair,$*),2,0);' >>$@.c
-	$(CC) $(RT_RUN_CFLAGS) $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
+$(RT_TESTS)/run_%.so: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
+	printf '#include <pk/run.h>\n#include "systems.h"\n%s\n%s\n' \
+	    'extern const struct pk_run_model pk_model; const struct pk_run_model pk_model =' \
+	    '{&$*_system, $(if $(filter pair,$*),pair_parts$(comma) 2,NULL$(comma) 0)};' >$@.c
+	$(CC) $(RT_RUN_CFLAGS) -shared $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
 $(RT_TESTS)/example: runtime/README.md $(RT_SYSTEMS) $(RT_DIR)/libpk.a
@@ -101,7 +102,7 @@ $(RT_TESTS)/quad: $(RT_QUAD) $(RT_QUAD_SYSTEMS)
 $(RT_TESTS)/quad_inlined: $(RT_QUAD) $(RT_QUAD_INLINED)
 	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
 
-RT_RUN_PROGRAMS = $(addprefix $(RT_TESTS)/run_,pendulum broken oscillator radial pair)
+RT_RUN_PROGRAMS = $(patsubst %,$(RT_TESTS)/run_%.so,pendulum broken oscillator radial pair)
 RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined) \
               $(RT_RUN_PROGRAMS)
 test-runtime-programs: $(RT_PROGRAMS)
@@ -122,7 +123,7 @@ check-runtime-quad-inlined: $(RT_TESTS)/quad_inlined
 check-runtime-example: $(RT_TESTS)/example
 	$< | grep -q '^t = 10: 1.018731427'
 check-runtime-driver: $(RT_RUN_PROGRAMS)
-	sh tests/runtime/driver.sh $(RT_TESTS)
+	PYTHON=$(RT_PYTHON) sh tests/runtime/driver.sh $(RT_TESTS)
 
 asan-runtime:
 	$(MAKE) -f tests/runtime/runtime.mk RT_SUFFIX=-asan \
@@ -132,7 +133,8 @@ asan-runtime:
 run-asan-runtime: $(RT_TESTS)/runtime $(RT_TESTS)/runtime_inlined $(RT_RUN_PROGRAMS)
 	$(RT_TESTS)/runtime
 	$(RT_TESTS)/runtime_inlined inlined
-	sh tests/runtime/driver.sh $(RT_TESTS)
+	PYTHON=$(RT_PYTHON) PRELOAD="$$($(CC) -print-file-name=libasan.so) $$($(CC) -print-file-name=libubsan.so)" \
+	    sh tests/runtime/driver.sh $(RT_TESTS)
 
 # What is read before it is written, by clang; left out where it lacks that. See test_memory.c.
 RT_MSAN = -w -O1 -g -fsanitize=memory -fno-sanitize-recover=all

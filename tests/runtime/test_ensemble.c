@@ -336,7 +336,7 @@ static void guards_know_why(void)
 static int after_a_while(void *context)
 {
     int *calls = (int *)context;
-    return ++*calls > 2;
+    return ++*calls > 12;
 }
 
 static void refusals(void)
@@ -356,10 +356,13 @@ static void refusals(void)
     CU_ASSERT(c.done[9] == 1 && c.last_t[9] > 0.5 && strangers(&c) == 0);
     CU_ASSERT(pk_ensemble_run_threads(&c.e, 2, c.block, sizeof c.block) == PK_TOO_MANY_STEPS);
     c.e.options.max_steps = 0;
-    c.e.stop = after_a_while;
-    c.e.context = &calls;
-    CU_ASSERT(pk_ensemble_run(&c.e, 0, 1, c.block, sizeof c.block) == PK_STOPPED_USER);
-    CU_ASSERT(c.done[0] == 2 && c.status[0] == PK_STOPPED_USER);
+    c.e.options.stop = after_a_while;
+    c.e.options.context = &calls;
+    /* After 12 steps, one by one and in lanes. */
+    for (size_t count = 1; count <= MEMBERS; count += MEMBERS - 1, calls = 0) {
+        CU_ASSERT(pk_ensemble_run(&c.e, 0, count, c.block, sizeof c.block) == PK_STOPPED_USER);
+        CU_ASSERT(c.status[0] == PK_STOPPED_USER && fabs((double)c.last_t[0] - 1.2) < 1e-6);
+    }
 }
 
 void add_ensemble(void)

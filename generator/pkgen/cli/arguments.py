@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from ..run.diagnostics import NAMES
+
 
 def of_a_motion(parser: argparse.ArgumentParser, until: str) -> None:
     """Which motion of the model; `until` is what its duration is by default."""
@@ -21,3 +23,65 @@ def of_implicit_methods(parser: argparse.ArgumentParser) -> None:
 
 def directory(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+
+
+def canonical(parser: argparse.ArgumentParser) -> None:
+    help_ = "the canonical form too: H(q, p) and its gradients"
+    parser.add_argument("--canonical", action="store_true", help=help_)
+
+
+def sincos(parser: argparse.ArgumentParser) -> None:
+    help_ = "sine and cosine of the C library, not the inline pair"
+    parser.add_argument("--libm", action="store_true", help=help_)
+    help_ = "no fused multiply-add: the same bits on processors with it and without"
+    parser.add_argument("--portable", action="store_true", help=help_)
+
+
+def no_reduce(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--no-reduce",
+        nargs="?",
+        const="all",
+        metavar="LIST",
+        help="keep all that a scene does not need, or make all reductions but these: "
+        "fold,outputs,unconnected,cyclic,apart,exact",
+    )
+
+
+def of_a_run(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    of_a_motion(parser, "10")
+    add(
+        "--method",
+        metavar="NAME",
+        help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
+        "for --rtol above 1e-5",
+    )
+    add("--step", metavar="H", help="of a method with fixed steps; else the first step")
+    add("--max-step", metavar="H", help="of an adaptive method")
+    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
+    add("--atol", metavar="A", help="default: R times the scale that the motion shows")
+    add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")
+    add("--units", action="store_true", help="units in the header of the CSV")
+    add("--record", metavar="a,b,energy", help="only these columns, behind t")
+    add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
+    add("--ensemble", metavar="FILE.csv", help="a row a trajectory: parameters, starts, inputs")
+    add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
+    of_implicit_methods(parser)
+    add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
+    sincos(parser)
+    no_reduce(parser)
+    add("--max-steps", type=int, default=1_000_000_000, metavar="N")
+    add(
+        "-o",
+        dest="output",
+        metavar="FILE",
+        help="FILE.csv or FILE.npy; default: standard output",
+    )
+
+
+def as_of_a_run(parser: argparse.ArgumentParser) -> None:
+    """What a command has no options for is as in a run."""
+    of_run = argparse.ArgumentParser()
+    of_a_run(of_run)
+    parser.set_defaults(**vars(of_run.parse_args([])))

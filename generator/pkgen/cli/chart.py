@@ -11,10 +11,10 @@ from pathlib import Path
 from ..analysis.chart import chart as charts
 from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
-from ..analysis.chart.points import Method
+from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
-from ..run.build import driver_methods
+from ..run.build import runtime_methods
 from ..scenes import asked as parsing
 from ..scenes import scene
 from ..scenes.use import whole
@@ -22,10 +22,11 @@ from ..system.exits import DONE, NumericsFailed, UsageError
 from ..system.files import moved, scratch
 from ..system.progress import progress, unseen
 from . import arguments as shared
-from .commands import compile_within_limits
+from .compilation import compile_within_limits
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.as_of_a_run(parser)
     add = parser.add_argument
     shared.directory(parser)
     shared.of_a_motion(parser, "10")
@@ -60,12 +61,12 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _methods(text: str | None) -> list[Method]:
+def _methods(text: str | None) -> list[ChartedMethod]:
     wanted = None if text is None else [name.strip() for name in text.split(",") if name.strip()]
     try:
         found = charts.methods(wanted)
     except KeyError as missing:
-        known = [str(m["name"]) for m in driver_methods()]
+        known = [str(m["name"]) for m in runtime_methods()]
         raise UsageError(parsing.unknown("--methods", missing.args[0], known, "method")) from None
     if not found:
         raise UsageError("--methods: name one at least")

@@ -10,97 +10,37 @@ import argparse
 import csv
 import json
 import sys
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
-from ..analysis import choose
-from ..analysis.choose import Choice
-from ..compiler import Compilation
+from ..api.prepare import Prepared, prepare
 from ..indices import hidden
-from ..model import Model, Scene
-from ..run import diagnostics, diagnostics_text, rows
-from ..run import ensemble as members
-from ..run.ensemble import Ensemble
-from ..run.settings import Settings
-from ..run.simulate import Outcome, build, csv_to_npy, sidecar, simulate
+from ..model import Model
+from ..run import diagnostics, diagnostics_text
+from ..run.simulate import Outcome, csv_to_npy, sidecar, simulate
 from ..scenes import asked as parsing
-from ..scenes import check as scene_check
 from ..scenes import run as scene_run
-from ..scenes import scene
-from ..scenes import use as scene_use
 from ..scenes.judge import Verdict
 from ..system.exits import DONE, INTERRUPTED, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
-from .commands import compile_within_limits
+from . import arguments as shared
+from .compilation import compile_within_limits
 
 # The share of steps that an iteration may hold back before it is worth a word.
 HELD = 0.75
 
 
-@dataclass(frozen=True)
-class _Run:
-    """What is run: a model, its settings, and the members of an ensemble if it is one."""
-
-    compilation: Compilation
-    settings: Settings
-    ensemble: Ensemble | None
-    threads: int | None
-    scene: Scene | None
-    program: Path | None = None
-    choices: tuple[Choice, ...] = ()  # where the scene promises an accuracy, one of each part
+arguments = shared.of_a_run
 
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     output = parsing.output(options.output)
-    swarm = scene_run.is_swarm(options)
-    several = swarm or options.ensemble is not None
-    # Members of an ensemble run in lanes, which loops do not have.
-    unroll = None if several else parsing.UNROLL
-    asked = diagnostics.asked(options.diagnose, options.ensemble)
-    kernels = diagnostics.kernels(asked)
-    compilation = compile_within_limits(
-        options,
-        libm=options.libm,
-        portable=options.portable,
-        unroll=unroll,
-        kernels=kernels,
-        use=scene_use.of_run(options),
-    )
-    diagnostics.refuse(asked, compilation, several)
-    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
-    if chosen is not None:
-        scene_check.refuse(options, compilation, chosen)
-    threads = parsing.threads(options, several)
-    if swarm:
-        scene_run.refuse_swarm(options, compilation.declared, chosen)
-    ensemble = members.read(options.ensemble, compilation) if options.ensemble else None
-    count = scene_run.count(compilation.declared, chosen) if swarm else None
-    settings = parsing.settings(
-        options, compilation, len(ensemble.lines) if ensemble else count, chosen
-    )
-    if swarm:
-        ensemble = scene_run.members(options, compilation, chosen, settings)
-    if chosen is not None:
-        expected = scene_run.watched(compilation, chosen, settings, several)
-        settings = replace(settings, watched=expected)
-    if several:
-        settings = replace(settings, watch=scene_run.watch(compilation, chosen, settings))
-    if chosen is not None and chosen.accuracy is not None and settings.accuracy is None:
-        print(f"pkgen: {choose.NOT_PROMISED}", file=sys.stderr)
-    choices = choose.chosen(compilation, settings, ensemble)
-    settings = choose.with_choices(settings, choices)
-    what = _Run(compilation, settings, ensemble, threads, chosen, choices=choices)
-    time = "" if compilation.model.dimensionless else "s"
-    for choice in choices:
-        for line in choose.lines(choice, time, options.json):
-            print(line, file=sys.stderr)
-    for note in (rows.note(options, settings, compilation), parsing.unread(options, compilation)):
-        if note:
-            print(f"pkgen: {note}", file=sys.stderr)
-    what = replace(what, program=build(compilation, settings, ensemble))
+    what = prepare(options, compile_within_limits)
+    for note in what.notes:
+        print(note, file=sys.stderr)
+    what = what.built()
     if output is None and not options.json:
         sys.stdout.flush()
         outcome, left = _simulate(what, sys.stdout.fileno()), None
@@ -108,11 +48,11 @@ def run(options: argparse.Namespace) -> int:
         outcome, left = _to_file(options, what, output)
     if outcome.code == DONE and not outcome.whole:  # who read the rows has gone
         return DONE
-    _tell(options, outcome, time)
+    _tell(options, outcome, "" if what.compilation.model.dimensionless else "s")
     if left is not None and not options.json:
         print(f"pkgen: rows as far as they came: {left}", file=sys.stderr)
     if outcome.code == DONE and not options.diagnose:
-        _hint(options, compilation.declared)
+        _hint(options, what.compilation.declared)
     return _judge(options, what, outcome)
 
 
@@ -124,7 +64,7 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 
 
 def _to_file(
-    options: argparse.Namespace, asked: _Run, output: Path | None
+    options: argparse.Namespace, asked: Prepared, output: Path | None
 ) -> tuple[Outcome, Path | None]:
     """Run with the rows in a file: the one asked for, or a scratch file to read them from; where
     they are if they are not all."""
@@ -159,7 +99,7 @@ def _text(description: dict[str, object]) -> str:
     return json.dumps(description, indent=1) + "\n"
 
 
-def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
+def _describe(asked: Prepared, outcome: Outcome, data: str) -> dict[str, object]:
     data += "" if outcome.whole or data == "rows" else PARTIAL
     found = sidecar(asked.compilation, asked.settings, outcome, data, asked.ensemble)
     if asked.scene is not None:
@@ -167,12 +107,14 @@ def _describe(asked: _Run, outcome: Outcome, data: str) -> dict[str, object]:
     if asked.scene is not None and outcome.report:
         found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
     if asked.choices:
+        from ..analysis import choose
+
         made = [choose.record(choice) for choice in asked.choices]
         found["accuracy"] = made[0] if len(made) == 1 else {"parts": made}
     return found
 
 
-def _verdicts(asked: _Run, outcome: Outcome) -> list[Verdict]:
+def _verdicts(asked: Prepared, outcome: Outcome) -> list[Verdict]:
     if asked.scene is None:
         return []
     return scene_run.verdicts(
@@ -180,7 +122,7 @@ def _verdicts(asked: _Run, outcome: Outcome) -> list[Verdict]:
     )
 
 
-def _judge(options: argparse.Namespace, asked: _Run, outcome: Outcome) -> int:
+def _judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int:
     """Say what was expected and missed, and that the rest was met; the exit code."""
     verdicts = _verdicts(asked, outcome)
     missed = [verdict for verdict in verdicts if not verdict.met]
@@ -195,7 +137,7 @@ def _judge(options: argparse.Namespace, asked: _Run, outcome: Outcome) -> int:
     return NUMERICS_FAILED if missed and outcome.code == DONE else outcome.code
 
 
-def _result(asked: _Run, outcome: Outcome, table: Path) -> dict[str, object]:
+def _result(asked: Prepared, outcome: Outcome, table: Path) -> dict[str, object]:
     """Everything of a run in one JSON object, its rows included."""
     result = _describe(asked, outcome, "rows")
     with open(table, newline="", encoding="utf-8") as file:
@@ -203,11 +145,11 @@ def _result(asked: _Run, outcome: Outcome, table: Path) -> dict[str, object]:
     return result
 
 
-def _simulate(asked: _Run, output: IO[bytes] | int) -> Outcome:
+def _simulate(asked: Prepared, output: IO[bytes] | int) -> Outcome:
     with progress(asked.compilation.model.name) as on_progress:
         outcome = simulate(
             asked.compilation,
-            asked.program,
+            asked.library,
             asked.settings,
             output,
             on_progress,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..analysis.stability import map as maps
 from ..analysis.stability import plan, text
-from ..analysis.stability.map import Asked, StabilityMap
+from ..analysis.stability.map import MapOptions, StabilityMap
 from ..analysis.stability.misses import misses, unpredicted
 from ..compiler import Compilation
 from ..scenes import asked as parsing
@@ -19,10 +19,11 @@ from ..system.files import moved, scratch
 from ..system.progress import progress
 from ..system.toolchain import BuildError, find_toolchain
 from . import arguments as shared
-from .commands import compile_within_limits
+from .compilation import compile_within_limits
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.as_of_a_run(parser)
     add = parser.add_argument
     shared.directory(parser)
     shared.of_a_motion(parser, "50 periods of the slowest mode")
@@ -79,7 +80,7 @@ def _refuse_states(compilation: Compilation) -> None:
         )
 
 
-def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
+def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
     structure = compilation.structure
     facts = frozenset(
         name
@@ -106,7 +107,7 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> Asked:
         steps = plan.span("--steps", options.steps, values, values.time, "steps")
         if not steps[0] > 0:
             raise UsageError(f"--steps {options.steps}: steps must be positive")
-    return Asked(
+    return MapOptions(
         plan.settings(options, compilation),
         plan.axis(options.vary, compilation, up),
         across,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from .. import __version__
 from ..back.c.facts import facts, found, loop_facts
 from ..back.c.program import operations_text
 from ..compiler import Compilation
@@ -14,6 +13,7 @@ from ..graph.graph import ZERO, Kind, Node
 from ..middle.analyze import sympy_bridge
 from ..middle.loops.loops import Facts
 from ..system import page
+from ..version import __version__
 from . import mathml
 from .bound import constraint_rows, rates_title
 from .explain import NOTHING, SHOWN_OPERATIONS, canonical_rows, default_text

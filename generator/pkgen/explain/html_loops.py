@@ -8,7 +8,7 @@ from ..compiler import Compilation
 from ..system import page
 from . import mathml
 from .loops import beyond, force_lines, mass_lines, name_of, pair_lines, pair_range, total_of
-from .rows import Line, Style, Writer
+from .rows import EquationLine, Style, Writer
 
 STYLE = Style(
     expression=mathml.expression,
@@ -47,7 +47,7 @@ def loop_sections(compilation: Compilation) -> Iterable[str]:
     yield page.items(said) if said else ""
 
 
-def _line(line: Line) -> str:
+def _line(line: EquationLine) -> str:
     parts = [mathml.equation(mathml.name(line.left), line.right)]
     if line.range:
         parts.append(mathml.words(f"   for {line.range}"))

@@ -9,7 +9,7 @@ from ..compiler import Compilation
 from ..graph.affine import Affine
 from ..middle.loops.loops import Facts, Group, LoopEquations, PairForce, PairPart, Total
 from .explain import constants_text, proofs_record, structure_record
-from .rows import Line, M, Writer
+from .rows import EquationLine, M, Writer
 
 
 def explain_loops(compilation: Compilation) -> str:
@@ -54,7 +54,7 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
     }
 
 
-def _record(lines: list[Line]) -> dict[str, str]:
+def _record(lines: list[EquationLine]) -> dict[str, str]:
     return {f"{x.left} for {x.range}" if x.range else x.left: x.right for x in lines}
 
 
@@ -108,7 +108,7 @@ def _equations(write: Writer) -> str:
     return "\n".join(lines)
 
 
-def mass_lines(write: Writer) -> list[Line]:
+def mass_lines(write: Writer) -> list[EquationLine]:
     """The lower triangle: of a family's member with lower ones, and with families above it."""
     e, found = write.e, []
     order = [g.name for g in e.families]
@@ -126,7 +126,7 @@ def mass_lines(write: Writer) -> list[Line]:
         found += write.rows(g, items)
     scalars = [g.name for g in e.scalars]
     return found + [
-        Line(f"M[{a}, {b}]", total_of(write, total))
+        EquationLine(f"M[{a}, {b}]", total_of(write, total))
         for (a, b), total in e.mass.corner.items()
         if scalars.index(b) <= scalars.index(a)
     ]
@@ -146,22 +146,22 @@ def _member(write: Writer, form: str, group: Group, at: Affine) -> str:
     return form.format(write.name(group, at))
 
 
-def force_lines(write: Writer) -> list[Line]:
+def force_lines(write: Writer) -> list[EquationLine]:
     e, found = write.e, []
     for name, row in e.force.rows.items():
         group = write.groups[name]
         if row.parts:
             found += write.rows(group, [(partial(_member, write, "f[{}]", group), row.parts)])
         elif not e.force.pairs:
-            found.append(Line(f"f[{name}[{write.i}]]", "0", write.span(group.lo, group.hi)))
-    return found + [Line(f"f[{n}]", total_of(write, t)) for n, t in e.force.totals.items()]
+            found.append(EquationLine(f"f[{name}[{write.i}]]", "0", write.span(group.lo, group.hi)))
+    return found + [EquationLine(f"f[{n}]", total_of(write, t)) for n, t in e.force.totals.items()]
 
 
-def pair_lines(write: Writer, pair: PairForce) -> list[Line]:
+def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
     sides = [(f"f[{n}[{write.i}]]", node) for n, node in pair.by_row]
     sides += [(f"f[{n}[{write.j}]]", node) for n, node in pair.by_other]
     sides += [(f"f[{n}]", node) for n, node in pair.by_scalar]
-    return [Line(left, write.text([(node, M)])) for left, node in sides]
+    return [EquationLine(left, write.text([(node, M)])) for left, node in sides]
 
 
 def pair_range(write: Writer, pair: PairForce | PairPart) -> str:

@@ -9,7 +9,6 @@ one by one, for a family of more members than these.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..graph.affine import OTHER, ROW, Affine, variable
@@ -19,6 +18,7 @@ from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
 from ..middle.loops.expand import unlike_loops
 from ..middle.loops.loops import Group, LoopEquations, Part, Slot
 from ..middle.quantities import input_quantities
+from ..record import record
 
 if TYPE_CHECKING:
     import sympy
@@ -35,8 +35,8 @@ class Unclear(Exception):
     """Where a part begins or ends depends on how sizes compare."""
 
 
-@dataclass(frozen=True)
-class Line:
+@record
+class EquationLine:
     left: str
     right: str
     range: str = ""  # "i = 1..N", or "" where i does not occur
@@ -45,7 +45,7 @@ class Line:
         return f"{self.left} = {self.right}" + (f"   for {self.range}" if self.range else "")
 
 
-@dataclass(frozen=True)
+@record
 class Style:
     """How an expression, one that is too large, a sum over a range and a sum of parts look."""
 
@@ -165,7 +165,7 @@ class Writer:
 
     # -- rows ---------------------------------------------------------------------------------
 
-    def rows(self, group: Group, items: list[tuple[Label, tuple[Part, ...]]]) -> list[Line]:
+    def rows(self, group: Group, items: list[tuple[Label, tuple[Part, ...]]]) -> list[EquationLine]:
         """Quantities of a family's members, each with its label and its parts."""
         try:
             below, above = self._ends(group, [part for _, parts in items for part in parts])
@@ -186,16 +186,16 @@ class Writer:
             return lines
         return [*self._inside(items, self.span(group.lo + below, group.hi - above)), *lines]
 
-    def _inside(self, items, where: str) -> list[Line]:
+    def _inside(self, items, where: str) -> list[EquationLine]:
         found = []
         for label, parts in items:
             bulk = [(part.inner, M) for part in parts if not part.is_point]
             left = label(M)
             if left is not None and bulk:
-                found.append(Line(left, self.text(bulk), where))
+                found.append(EquationLine(left, self.text(bulk), where))
         return found
 
-    def _at(self, group: Group, cell: Affine, items) -> list[Line]:
+    def _at(self, group: Group, cell: Affine, items) -> list[EquationLine]:
         found: dict[str, list[tuple[Node, Affine]]] = {}
         for label, parts in items:
             for image in self._images(group, cell):
@@ -203,9 +203,9 @@ class Writer:
                 left = label(image)
                 if left is not None and here:
                     found.setdefault(left, []).extend((part.node, image) for part in here)
-        return [Line(left, self.text(pieces)) for left, pieces in found.items()]
+        return [EquationLine(left, self.text(pieces)) for left, pieces in found.items()]
 
-    def _listed(self, items) -> list[Line]:
+    def _listed(self, items) -> list[EquationLine]:
         """Where sizes would have to be compared: every part with its range."""
         found = []
         for label, parts in items:
@@ -213,7 +213,7 @@ class Writer:
             if left is not None:
                 for k, part in enumerate(parts):
                     right = ("" if k == 0 else "... + ") + self.text([(part.node, M)])
-                    found.append(Line(left, right, self.span(part.lo, part.hi)))
+                    found.append(EquationLine(left, right, self.span(part.lo, part.hi)))
         return found
 
     def _ends(self, group: Group, parts: list[Part]) -> tuple[int, int]:

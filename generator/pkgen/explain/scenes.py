@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ..back.c.program import Kernel
 from ..compiler import Compilation, compile_model
 from ..model import Scene
+from ..record import record
 from ..scenes import check as scene_check
 from ..scenes import use as scene_use
 
 
-@dataclass(frozen=True)
+@record
 class SceneShown:
     """What a scene left out and why, and the operations of each kernel in the model and in what is
     compiled for the scene, of its parts the sum."""

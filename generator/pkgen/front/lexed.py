@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from lark.lexer import Token
 
 from ..source import Diagnostic, Span
-from .words import STATEMENT_WORDS
+from .table import STATEMENTS
 
 _DESCRIPTION_LENGTH = 200
 
@@ -24,7 +24,7 @@ class Lexed:
     def keyword(self) -> str:
         """The statement word, or an empty string."""
         first = self.tokens[0] if self.tokens else None
-        return str(first) if first is not None and first.type.lower() in STATEMENT_WORDS else ""
+        return str(first) if first is not None and first.type.lower() in STATEMENTS else ""
 
     @property
     def span(self) -> Span:

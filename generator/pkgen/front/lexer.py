@@ -18,8 +18,9 @@ from ..tree import COMPONENTS
 from .lexed import Lexed, description
 from .literals import literal_value
 from .stray_characters import stray_character
+from .table import STATEMENTS
 from .units import bare_unit, bracketed
-from .words import CLAUSE_WORDS, STATEMENT_WORDS, greek
+from .words import CLAUSE_WORDS, greek
 
 _PATTERN = re.compile(
     r"""
@@ -138,7 +139,7 @@ class _Lexer:
                 f"a name of {len(name)} characters; the limit is {limits.NAME_LENGTH}", at, end
             )
             name = name[: limits.NAME_LENGTH]
-        if name in STATEMENT_WORDS:
+        if name in STATEMENTS:
             if self.at_line_start and self.open:
                 self._end_statement(f"'{name}' starts a new statement")
             return self._add(name.upper(), name, at, end)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from lark import Lark
@@ -26,10 +26,9 @@ from .lexed import Lexed
 from .lexer import statements
 from .parse_build import Build
 from .parse_errors import declared_names, explain, misplaced
-from .words import MODEL_WORDS
+from .table import BOTH, MODEL, SCENE, STATEMENTS, grammar
 
 GRAMMAR = Path(__file__).with_name("grammar.lark")
-_SHARED_WORDS = frozenset(("start",))  # stand in a model and in a scene
 
 
 class _Tokens(Lexer):
@@ -46,8 +45,8 @@ class _Tokens(Lexer):
 def parser() -> tuple[Lark, Build]:
     """The parser of one statement, made once, and its callbacks."""
     build = Build()
-    grammar = GRAMMAR.read_text(encoding="utf-8")
-    made_by = (grammar, lark_version, sys.version_info[:2])
+    rules = GRAMMAR.read_text(encoding="utf-8") + grammar()
+    made_by = (rules, lark_version, sys.version_info[:2])
     digest = hashlib.sha256(repr(made_by).encode()).hexdigest()[:24]
 
     # A folder that nobody else can write. Lark itself reads no tables that are broken or of another
@@ -56,7 +55,7 @@ def parser() -> tuple[Lark, Build]:
         tables = str(cached("parser", digest, lambda _: None) / "tables")
     except BuildError:
         tables = False
-    return Lark(grammar, parser="lalr", lexer=_Tokens, transformer=build, cache=tables), build
+    return Lark(rules, parser="lalr", lexer=_Tokens, transformer=build, cache=tables), build
 
 
 def parse(source: Source) -> st.File:
@@ -67,6 +66,7 @@ def parse(source: Source) -> st.File:
     return file
 
 
+@lru_cache(maxsize=4)  # each scene is checked from its file
 def parse_all(source: Source) -> st.File:
     """The statements that parse, the broken ones' places and names, and what is wrong."""
     if len(source.text) > limits.FILE_BYTES:
@@ -117,7 +117,7 @@ class _Reader:
             self.headless = False
         elif self.scene is not None:
             self.clauses.append(statement)
-        elif lexed.keyword in MODEL_WORDS and not self.headless:
+        elif _stands_in(lexed.keyword) in (MODEL, BOTH) and not self.headless:
             self.statements.append(statement)
 
     def file(self) -> st.File:
@@ -134,11 +134,12 @@ class _Reader:
     def _place(self, lexed: Lexed) -> None:
         """A scene's statement stands in a scene, a model's outside."""
         word = lexed.keyword
-        if self.scene is not None and word in MODEL_WORDS and word not in _SHARED_WORDS:
+        where = _stands_in(word)
+        if self.scene is not None and where == MODEL:
             self._unended_scene(f"'{word}' cannot stand in a scene")
         elif self.headless:
-            self.headless = word not in MODEL_WORDS or word in _SHARED_WORDS
-        elif self.scene is None and word and word not in MODEL_WORDS:
+            self.headless = where != MODEL
+        elif self.scene is None and where == SCENE:
             self.errors.append(misplaced(lexed))
 
     def _unended_scene(self, why: str) -> None:
@@ -186,6 +187,10 @@ class _Reader:
             self.errors.append(wrong)
             return None
         return statement
+
+
+def _stands_in(word: str) -> str:
+    return STATEMENTS[word].stands_in if word in STATEMENTS else ""
 
 
 def measure(statement: object, nodes: int = 0) -> tuple[int, Diagnostic | None]:

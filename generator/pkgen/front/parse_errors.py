@@ -15,7 +15,7 @@ from lark.parsers.lalr_analysis import Shift
 from ..source import Diagnostic, Source, Span
 from .lexed import Lexed
 from .parse_mistakes import BINARY, RULES, Spot
-from .words import MODEL_WORDS, STATEMENT_WORDS
+from .table import ALL, FIRST, SCENE, STATEMENTS
 
 _ENERGIES = {"L": "lagrangian", "T": "kinetic"} | dict.fromkeys("UV", "potential")
 
@@ -75,11 +75,8 @@ def declared_names(lexed: Lexed) -> tuple[str, ...]:
     """The names that a broken statement meant to declare, as well as one can tell."""
     word = lexed.keyword
     names = [str(t) for t in lexed.tokens if t.type == "NAME"]
-    if word in ("coord", "input", "state", "rotation"):
-        return tuple(names)
-    if word in ("param", "size", "const", "let", "observe", "conserve", "event", "scene"):
-        return tuple(names[:1])
-    return tuple(names[:1]) if not word else ()
+    declares = STATEMENTS[word].declares if word in STATEMENTS else FIRST
+    return tuple(names if declares == ALL else names[:1] if declares == FIRST else ())
 
 
 def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
@@ -96,11 +93,12 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
     if shown in _ENERGIES and types[1:2] == ["EQUAL"]:
         help = f"write '{_ENERGIES[shown]} …', which needs no name and no '='"
         return Diagnostic(f"a statement cannot start with '{shown}'", span, help)
-    near = get_close_matches(shown.lower(), sorted(STATEMENT_WORDS), 1, 0.7)
+    near = get_close_matches(shown.lower(), sorted(STATEMENTS), 1, 0.7)
     if near and (len(types) < 2 or types[1] not in ("EQUAL", "LINDEX", "PRIME")):
         help = f"did you mean '{near[0]}'?"
     elif first.type in ("NAME", "LINDEX") and "EQUAL" in types:
         help = f"write 'let {shown} = …' for a definition, 'param {shown} = …' for a parameter"
     else:
-        help = f"a statement is one of: {' '.join(MODEL_WORDS)}"
+        words = (word for word, row in STATEMENTS.items() if row.stands_in != SCENE)
+        help = f"a statement is one of: {' '.join(words)}"
     return Diagnostic(f"a statement cannot start with '{shown}'", span, help)

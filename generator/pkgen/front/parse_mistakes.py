@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from lark.lexer import Token
 
+from ..record import record
 from ..source import Source, Span
 from .lexed import Lexed
-from .parse_forms import FORMS, ORDER, WHAT
+from .parse_forms import ORDER, WHAT
+from .table import STATEMENTS
 from .units import bare_unit, bracketed
-from .words import CLAUSE_WORDS, STATEMENT_WORDS
+from .words import CLAUSE_WORDS
 
 _VALUE_STARTS = frozenset(("NAME", "NUMBER", "FUNCTION", "SUM", "LPAREN", "LVECTOR"))
 _VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"))
@@ -38,7 +39,7 @@ _LISTS = frozenset(
 )
 
 
-@dataclass(frozen=True)
+@record
 class Spot:
     """Where the parser gave up."""
 
@@ -58,6 +59,11 @@ class Spot:
     @property
     def word(self) -> str:
         return self.lexed.keyword
+
+    @property
+    def form(self) -> str:
+        """How the statement is written, "" of none."""
+        return STATEMENTS[self.word].form if self.word in STATEMENTS else ""
 
     def text(self, token: Token) -> str:
         return self.source.text[token.start_pos : token.end_pos]
@@ -124,12 +130,12 @@ def _nothing_after_keyword(spot: Spot):
     if spot.token.type != "$END" or spot.before is not spot.lexed.tokens[0]:
         return None
     needs = "an expression" if spot.wants_value() else "a name"
-    return f"'{spot.word}' needs {needs} after it", f"e.g. {FORMS[spot.word]}"
+    return f"'{spot.word}' needs {needs} after it", f"e.g. {spot.form}"
 
 
 def _reserved_word(spot: Spot):
     word = str(spot.token)
-    if word not in STATEMENT_WORDS | CLAUSE_WORDS or spot.token.type != word.upper():
+    if word not in STATEMENTS.keys() | CLAUSE_WORDS or spot.token.type != word.upper():
         return None
     if (
         "NAME" in spot.expected
@@ -137,9 +143,9 @@ def _reserved_word(spot: Spot):
         and not (word == "in" and spot.after is not None and spot.after.type == "LEND")
     ):
         return f"'{word}' is a word of the language and cannot be a name", "choose another name"
-    if word in STATEMENT_WORDS and spot.before.type in _VALUE_ENDS:
+    if word in STATEMENTS and spot.before.type in _VALUE_ENDS:
         return f"'{word}' starts a statement of its own", "put it on a new line"
-    if word in STATEMENT_WORDS:
+    if word in STATEMENTS:
         return f"'{word}' is a word of the language and cannot be a name", "choose another name"
     return None
 
@@ -181,7 +187,7 @@ def _unit_in_the_middle(spot: Spot):
 def _one_name_a_line(spot: Spot):
     if spot.token.type != "_COMMA" or spot.word in _LISTS or "RPAREN" in spot.expected:
         return None
-    if spot.word not in FORMS or spot.before.type not in _VALUE_ENDS:
+    if spot.word not in STATEMENTS or spot.before.type not in _VALUE_ENDS:
         return None
     return f"'{spot.word}' takes one item", f"start a new line with '{spot.word}' for the next"
 
@@ -214,9 +220,12 @@ def _no_name_wanted(spot: Spot):
     if spot.word in ("kinetic", "potential", "lagrangian", "dissipation"):
         return (
             f"'{spot.word}' takes an expression, not a definition",
-            f"e.g. {FORMS[spot.word]}; a name is defined with 'let'",
+            f"e.g. {spot.form}; a name is defined with 'let'",
         )
-    return "this '=' has no place here", f"the form is: {FORMS.get(spot.word, '')}"
+    return (
+        "this '=' has no place here",
+        f"the form is: {spot.form}",
+    )
 
 
 def _prime_misplaced(spot: Spot):
@@ -225,7 +234,10 @@ def _prime_misplaced(spot: Spot):
     if spot.before.type == "NUMBER":
         return f"{spot.text(spot.before)} is a number and has no rate", ""
     if "EQUAL" in spot.expected:
-        return "this side of the definition has no prime", f"the form is: {FORMS[spot.word]}"
+        return (
+            "this side of the definition has no prime",
+            f"the form is: {spot.form}",
+        )
     return (
         "a prime stands after a name, an index, a call or a bracket",
         "the rate of x is x'; of a whole expression (a*b)'",
@@ -268,7 +280,7 @@ def _something_missing(spot: Spot):
     shown = "the end of the statement"
     if spot.token.type != "$END":
         shown = f"'{spot.text(spot.token)}'"
-    help = f"the form is: {FORMS[spot.word]}" if spot.word in FORMS else ""
+    help = f"the form is: {spot.form}" if spot.word in STATEMENTS else ""
     if wanted and len(wanted) <= 2:
         return f"{' or '.join(wanted)} is missing before {shown}", help
     if spot.token.type == "$END":

@@ -6,13 +6,14 @@ kept as text with their place; `check` reads them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import ClassVar
 
+from ..record import record
 from ..source import Diagnostic, Source, Span
 from ..tree import Expr, Range
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Left:
     name: str
     index: Expr | None
@@ -20,7 +21,7 @@ class Left:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class UnitText:
     """What stands between the brackets of a unit, not read yet."""
 
@@ -28,15 +29,16 @@ class UnitText:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ModelName:
+    keyword: ClassVar[str] = "model"
     name: str
     name_span: Span
     description: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Interval:
     """`in (lo, hi]`."""
 
@@ -47,8 +49,9 @@ class Interval:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Param:
+    keyword: ClassVar[str] = "param"
     left: Left
     value: Expr
     interval: Interval | None
@@ -56,15 +59,16 @@ class Param:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SizeOf:
+    keyword: ClassVar[str] = "size"
     left: Left
     value: Expr
     description: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Define:
     """`const`, `let`, `observe`, `conserve` or `rate` (the keyword) NAME = EXPR."""
 
@@ -75,7 +79,7 @@ class Define:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Declared:
     """A name of `coord`, `input`, `state` or `rotation`; `lo..hi` if it is a family."""
 
@@ -87,7 +91,7 @@ class Declared:
     name_span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Declare:
     keyword: str
     items: tuple[Declared, ...]
@@ -95,7 +99,7 @@ class Declare:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Ends:
     """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; values only if fixed."""
 
@@ -104,7 +108,7 @@ class Ends:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Energy:
     """`kinetic`, `potential`, `lagrangian` or `dissipation` EXPR."""
 
@@ -113,14 +117,15 @@ class Energy:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ForceAlong:
+    keyword: ClassVar[str] = "force"
     left: Left
     value: Expr
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Equation:
     """`constraint NAME: A = B` or `rolling NAME: A = B`."""
 
@@ -131,8 +136,9 @@ class Equation:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Event:
+    keyword: ClassVar[str] = "event"
     name: str
     name_span: Span
     value: Expr
@@ -142,7 +148,7 @@ class Event:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StartItem:
     """`function` is "omega" in `start omega(R) = [..]`, else empty; `order` counts primes."""
 
@@ -153,13 +159,14 @@ class StartItem:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StartAt:
+    keyword: ClassVar[str] = "start"
     items: tuple[StartItem, ...]
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Assign:
     """In a scene: `set p = EXPR, …` or `hold a = EXPR, …` (a bare `hold a` has no value)."""
 
@@ -168,7 +175,7 @@ class Assign:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Setting:
     """In a scene: `until` or `accuracy` (the keyword) EXPR."""
 
@@ -177,8 +184,9 @@ class Setting:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Method:
+    keyword: ClassVar[str] = "method"
     name: str
     name_span: Span
     step: Expr | None
@@ -186,24 +194,27 @@ class Method:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Record:
+    keyword: ClassVar[str] = "record"
     items: tuple[Expr, ...]
     every: Expr | None
     at: Expr | None
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Swarm:
+    keyword: ClassVar[str] = "swarm"
     range: Range
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Expect:
     """`expect A = B within TOL at T`; the relation is "=", "<" or ">"."""
 
+    keyword: ClassVar[str] = "expect"
     a: Expr
     relation: str
     b: Expr
@@ -215,14 +226,14 @@ class Expect:
 Clause = StartAt | Assign | Setting | Method | Record | Swarm | Expect
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EndOfScene:
     """`end`; consumed while scenes are put together."""
 
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SceneHead:
     """`scene NAME`; consumed while scenes are put together."""
 
@@ -232,8 +243,9 @@ class SceneHead:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Scene:
+    keyword: ClassVar[str] = "scene"
     name: str
     name_span: Span
     clauses: tuple[Clause, ...]
@@ -257,7 +269,7 @@ Statement = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Broken:
     """A statement that could not be parsed, with the names it would have declared."""
 
@@ -266,7 +278,7 @@ class Broken:
     span: Span
 
 
-@dataclass(frozen=True)
+@record(eq=False)
 class File:
     """A parsed file. `diagnostics` is empty if nothing is wrong with its syntax; `units` are
     the texts of all units outside scenes."""

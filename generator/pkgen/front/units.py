@@ -9,10 +9,12 @@ them; pint is imported only then, because that takes half a second.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import cache
+
+from ..record import record
 
 Dimension = tuple  # of seven exponents, in the order of BASE
 
@@ -129,7 +131,7 @@ class UnitError(Exception):
         self.message, self.start, self.end, self.help = message, start, end, help
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Unit:
     """One of it is `factor` * pi^`pi` in SI. `angle` counts radians, for display only."""
 

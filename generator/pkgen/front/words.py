@@ -1,15 +1,12 @@
-"""Words of the language: statements, clauses, what no name may be, and Greek spelt out."""
+"""Words of the language: clauses, what no name may be, and Greek spelt out."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
 
-_MODEL = """
-    model param size const let observe conserve rate coord input state rotation fixed free
-    periodic kinetic potential lagrangian dissipation force constraint rolling event start scene
-"""
-_SCENE = "set start hold until accuracy method record swarm expect end"
+from .table import STATEMENTS
+
 _CLAUSES = "in rising falling either stop every at within step rtol"
 # C11 and C++20 keywords, and the macros of the headers that generated C includes.
 _C = """
@@ -42,9 +39,6 @@ _OTHERS = {
     ),
 }
 
-MODEL_WORDS = tuple(_MODEL.split())
-SCENE_WORDS = tuple(_SCENE.split())
-STATEMENT_WORDS = frozenset(MODEL_WORDS) | frozenset(SCENE_WORDS)
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
 CONSTANTS = frozenset(("t", "pi", "inf", "energy"))
 C_WORDS = frozenset(_C.split())
@@ -67,7 +61,7 @@ _LOOK_ALIKES = {
 
 def reserved(name: str) -> str:
     """Why a name cannot be declared, or an empty string."""
-    if name in STATEMENT_WORDS or name in CLAUSE_WORDS:
+    if name in STATEMENTS or name in CLAUSE_WORDS:
         return "is a word of the language"
     if name in CONSTANTS:
         return {

@@ -7,9 +7,9 @@ loops are such sums of sizes and loop variables.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ..indices import NotAnInteger
+from ..record import record
 from ..tree import Add, Expr, Multiply, Name, Negate, Number
 
 ROW = "m"  # the row of the equations of motion that is being computed
@@ -17,7 +17,7 @@ OTHER = "j"  # the other end of a pair
 LOOPS = (ROW, OTHER)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Affine:
     """constant + sum of factor * name, the names sorted, no factor zero."""
 

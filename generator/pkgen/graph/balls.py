@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from ..functions import FUNCTIONS
 from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
 
@@ -43,28 +44,6 @@ class Balls:
         self.mp = MPContext()
         self.mp.prec = bits
         self.tiny = self.mp.ldexp(1, 4 - bits)
-        self.calls: dict[str, Callable[..., Ball | None]] = {
-            "sin": lambda x: self._turning(self.mp.sin, x),
-            "cos": lambda x: self._turning(self.mp.cos, x),
-            "tan": lambda x: self._quotient(self.calls["sin"](x), self.calls["cos"](x)),
-            "atan": lambda x: self._slope(self.mp.atan, x, 1),
-            "tanh": lambda x: self._slope(self.mp.tanh, x, 1),
-            "asin": lambda x: self._arc(self.mp.asin, x),
-            "acos": lambda x: self._arc(self.mp.acos, x),
-            "atan2": self._atan2,
-            "sinh": lambda x: self._growing(self.mp.sinh, self.mp.cosh, x),
-            "cosh": lambda x: self._growing(self.mp.cosh, self.mp.cosh, x),
-            "exp": lambda x: self._growing(self.mp.exp, self.mp.exp, x),
-            "log": self._log,
-            "sqrt": self._sqrt,
-            "abs": lambda x: self._slope(abs, x, 1),
-            "min": lambda x, y: self._pick(min, x, y),
-            "max": lambda x, y: self._pick(max, x, y),
-            "step": lambda x: self._sign(x, (0, 1, 1)),
-            "sign": lambda x: self._sign(x, (-1, 0, 1)),
-            "pow": self._pow,
-            "reciprocal": lambda x: x if x == (0, 0) else self._inverse(x),
-        }
 
     def number(self, value: Fraction | int) -> Ball:
         value = Fraction(value)
@@ -108,8 +87,9 @@ class Balls:
         if op is Op.POWER:
             if data.denominator == 1:
                 return self._whole(args[0], int(data))
-            return self._pow(args[0], self.number(data))
-        return self.calls[data](*args)
+            return self.pow(args[0], self.number(data))
+        ball = FUNCTIONS[data].ball
+        return None if ball is None else ball(self, *args)
 
     def _rounded(self, mid: Any, rad: Any) -> Ball | None:
         if not self.mp.isfinite(mid):
@@ -125,59 +105,62 @@ class Balls:
             result = result and self._times(result, base)
         if abs(exponent) > LARGE:
             return None
-        return self._inverse(result) if exponent < 0 else result
+        return self.inverse(result) if exponent < 0 else result
 
-    def _inverse(self, x: Ball | None) -> Ball | None:
+    def inverse(self, x: Ball | None) -> Ball | None:
         if x is None or not x.least > 0:
             return None
         return self._rounded(1 / x.mid, x.rad / (x.least * abs(x.mid)))
 
-    def _quotient(self, a: Ball | None, b: Ball | None) -> Ball | None:
-        inverse = self._inverse(b)
+    def quotient(self, a: Ball | None, b: Ball | None) -> Ball | None:
+        inverse = self.inverse(b)
         return None if a is None or inverse is None else self._times(a, inverse)
 
-    def _slope(self, function: Callable, x: Ball, steepest: Any) -> Ball | None:
+    def slope(self, function: Callable, x: Ball, steepest: Any) -> Ball | None:
         return self._rounded(function(x.mid), x.rad * steepest)
 
-    def _turning(self, function: Callable, x: Ball) -> Ball | None:
-        return self._slope(function, x, 1) if x.rad < 1 else None  # it could be any sine
+    def turning(self, function: Callable, x: Ball) -> Ball | None:
+        return self.slope(function, x, 1) if x.rad < 1 else None  # it could be any sine
 
-    def _growing(self, function: Callable, slope: Callable, x: Ball) -> Ball | None:
+    def growing(self, function: Callable, slope: Callable, x: Ball) -> Ball | None:
         if x.rad > 1:
             return None
         end = x.mid + x.rad if function is self.mp.exp else x.most
-        return self._slope(function, x, slope(end) * (1 + self.tiny))
+        return self.slope(function, x, slope(end) * (1 + self.tiny))
 
-    def _arc(self, function: Callable, x: Ball) -> Ball | None:
+    def arc(self, function: Callable, x: Ball) -> Ball | None:
         left = 1 - x.most
-        return self._slope(function, x, 1 / self.mp.sqrt(left)) if left > 0 else None
+        return self.slope(function, x, 1 / self.mp.sqrt(left)) if left > 0 else None
 
-    def _log(self, x: Ball) -> Ball | None:
-        return self._slope(self.mp.log, x, 1 / x.least) if x.mid > 0 and x.least > 0 else None
+    def exp(self, x: Ball) -> Ball | None:
+        return self.growing(self.mp.exp, self.mp.exp, x)
 
-    def _sqrt(self, x: Ball) -> Ball | None:
+    def log(self, x: Ball) -> Ball | None:
+        return self.slope(self.mp.log, x, 1 / x.least) if x.mid > 0 and x.least > 0 else None
+
+    def sqrt(self, x: Ball) -> Ball | None:
         if x == (0, 0):
             return x
         if not (x.mid > 0 and x.least > 0):
             return None
-        return self._slope(self.mp.sqrt, x, 1 / self.mp.sqrt(x.least))
+        return self.slope(self.mp.sqrt, x, 1 / self.mp.sqrt(x.least))
 
-    def _atan2(self, y: Ball, x: Ball) -> Ball | None:
+    def atan2(self, y: Ball, x: Ball) -> Ball | None:
         """Not across the cut."""
         from_origin = self.mp.hypot(y.mid, x.mid) - y.rad - x.rad
         if not from_origin > 0 or (x.mid <= x.rad and abs(y.mid) <= y.rad):
             return None
         return self._rounded(self.mp.atan2(y.mid, x.mid), (y.rad + x.rad) / from_origin)
 
-    def _pick(self, choose: Callable, x: Ball, y: Ball) -> Ball:
+    def pick(self, choose: Callable, x: Ball, y: Ball) -> Ball:
         return Ball(choose(x.mid, y.mid), max(x.rad, y.rad))
 
-    def _sign(self, x: Ball, values: tuple[int, int, int]) -> Ball | None:
+    def chosen(self, x: Ball, values: tuple[int, int, int]) -> Ball | None:
         if x.rad >= abs(x.mid) and x != (0, 0):
             return None
         return self.number(values[(x.mid > 0) - (x.mid < 0) + 1])
 
-    def _pow(self, base: Ball, exponent: Ball) -> Ball | None:
-        log = self._log(base)
+    def pow(self, base: Ball, exponent: Ball) -> Ball | None:
+        log = self.log(base)
         power = None if log is None else self._times(log, exponent)
-        return None if power is None else self.calls["exp"](power)
+        return None if power is None else self.exp(power)

@@ -1,72 +1,15 @@
 """Derivatives on the expression graph: sparse forward sweeps and reverse sweeps.
 
-A function's partial derivatives are a row of the table RULES. `sqrt`, and so `norm` and `abs`,
-have derivative 0 at 0: 1/sqrt is written with `reciprocal`, which is 0 there.
+The partial derivatives of a function are in its row (functions/).
 Reference: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 7.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from fractions import Fraction
 
+from ..functions import FUNCTIONS
 from .graph import MINUS_ONE, ONE, ZERO, Graph, Node, Op
-
-HALF = Fraction(1, 2)
-
-# graph, the call itself, its arguments -> the partial derivatives
-Rule = Callable[..., tuple[Node, ...]]
-
-
-def _square(g: Graph, a: Node) -> Node:
-    return g.power(a, 2)
-
-
-def _inverse(g: Graph, a: Node) -> Node:
-    return g.power(a, -1)
-
-
-def _less(g: Graph, a: Node, b: Node) -> Node:
-    """1 where a < b, else 0."""
-    return g.subtract(g.number(1), g.call("step", g.subtract(a, b)))
-
-
-def _atan2(g: Graph, y: Node, x: Node) -> tuple[Node, Node]:
-    inverse = _inverse(g, g.add(_square(g, x), _square(g, y)))
-    return g.multiply(x, inverse), g.negate(g.multiply(y, inverse))
-
-
-def _pow(g: Graph, node: Node, a: Node, b: Node) -> tuple[Node, Node]:
-    lowered = g.call("pow", a, g.subtract(b, ONE))
-    return g.multiply(b, lowered), g.multiply(node, g.call("log", a))
-
-
-def _arc_root(g: Graph, a: Node) -> Node:
-    return g.power(g.subtract(ONE, _square(g, a)), -HALF)
-
-
-RULES: dict[str, Rule] = {
-    "sin": lambda g, n, a: (g.call("cos", a),),
-    "cos": lambda g, n, a: (g.negate(g.call("sin", a)),),
-    "tan": lambda g, n, a: (g.add(ONE, _square(g, n)),),
-    "asin": lambda g, n, a: (_arc_root(g, a),),
-    "acos": lambda g, n, a: (g.negate(_arc_root(g, a)),),
-    "atan": lambda g, n, a: (_inverse(g, g.add(ONE, _square(g, a))),),
-    "atan2": lambda g, n, y, x: _atan2(g, y, x),
-    "sinh": lambda g, n, a: (g.call("cosh", a),),
-    "cosh": lambda g, n, a: (g.call("sinh", a),),
-    "tanh": lambda g, n, a: (g.subtract(ONE, _square(g, n)),),
-    "exp": lambda g, n, a: (n,),
-    "log": lambda g, n, a: (_inverse(g, a),),
-    "sqrt": lambda g, n, a: (g.multiply(g.number(HALF), g.call("reciprocal", n)),),
-    "abs": lambda g, n, a: (g.call("sign", a),),
-    "min": lambda g, n, a, b: (_less(g, a, b), g.subtract(ONE, _less(g, a, b))),
-    "max": lambda g, n, a, b: (g.subtract(ONE, _less(g, a, b)), _less(g, a, b)),
-    "step": lambda g, n, a: (ZERO,),
-    "pow": _pow,
-    "sign": lambda g, n, a: (ZERO,),
-    "reciprocal": lambda g, n, a: (g.negate(_square(g, n)),),
-}
 
 
 def partials(g: Graph, node: Node) -> tuple[Node, ...]:
@@ -79,7 +22,7 @@ def partials(g: Graph, node: Node) -> tuple[Node, ...]:
     if op is Op.POWER:
         exponent = g.data[node]
         return (g.multiply(g.number(exponent), g.power(args[0], exponent - 1)),)
-    return RULES[g.data[node]](g, node, *args)
+    return FUNCTIONS[g.data[node]].derivative(g, node, *args)
 
 
 def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:

@@ -11,17 +11,9 @@ from .constants import folded
 from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
 
+COMPILED = 5_000  # nodes
+_PLAIN = 1e300  # a larger number may be none of doubles
 BITS = 100_000  # of an exact power
-
-_MATH: dict[str, Callable[..., float]] = {
-    name: getattr(math, row.c) for name, row in FUNCTIONS.items() if not row.c.startswith(":")
-} | {
-    "min": min,
-    "max": max,
-    "step": lambda x: float(x >= 0),
-    "sign": lambda x: float((x > 0) - (x < 0)),
-    "reciprocal": lambda x: 1 / x if x else 0.0,
-}
 
 
 def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) -> list[float]:
@@ -31,6 +23,52 @@ def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) ->
     for node in reachable(g, nodes):
         known[node] = value_of(g, node, [known[a] for a in g.args[node]], values)
     return [known[node] for node in nodes]
+
+
+class Evaluator:
+    """Nodes in floating point at many states: compiled once, to a function of Python's, if they are
+    not so many that this would take longer."""
+
+    def __init__(self, g: Graph, nodes: Iterable[Node]):
+        self.graph, self.nodes = g, list(nodes)
+        order = reachable(g, self.nodes)
+        self._evaluated = self._compiled(order) if len(order) < COMPILED else None
+
+    def _compiled(self, order: list[Node]) -> Callable[[Mapping[Symbol, float]], list[float]]:
+        g = self.graph
+        used: dict[str, object] = {"pow": math.pow}
+        lines = []
+        for node in order:
+            op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
+            if op is Op.NUMBER:
+                value = repr(float(data)) if abs(data) < _PLAIN else f"value({node})"
+            elif op is Op.SYMBOL:
+                used[f"s{node}"] = data
+                value = repr(math.pi) if data.kind is Kind.PI else f"values[s{node}]"
+            elif op is Op.ADD:
+                value = " + ".join(args)
+            elif op is Op.MULTIPLY:
+                value = " * ".join(args)
+            elif op is Op.POWER:
+                value = f"pow({args[0]}, {float(data)!r})"
+            else:
+                used[f"f_{data}"] = FUNCTIONS[data].real
+                value = f"f_{data}({', '.join(args)})"
+            lines.append(f"  x{node} = {value}")
+        used["value"] = lambda node: float(g.data[node])
+        results = ", ".join(f"x{node}" for node in self.nodes)
+        body = "\n".join([*lines, f"  return [{results}]"])
+        exec(f"def evaluated(values):\n{body}", used)
+        return used["evaluated"]
+
+    def __call__(self, values: Mapping[Symbol, float]) -> list[float]:
+        """As evaluate(): what has no value is nan."""
+        if self._evaluated is None:
+            return evaluate(self.graph, self.nodes, values)
+        try:
+            return self._evaluated(values)
+        except (ValueError, OverflowError, ZeroDivisionError):
+            return evaluate(self.graph, self.nodes, values)
 
 
 def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:
@@ -47,7 +85,7 @@ def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, fl
             return args[0] * args[1]
         if op is Op.POWER:
             return math.pow(args[0], float(data))
-        return _MATH[data](*args)
+        return FUNCTIONS[data].real(*args)
     except ValueError:
         return math.nan
     except (OverflowError, ZeroDivisionError):

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import lcm
 
+from ..functions import FUNCTIONS
 from .graph import Graph, Kind, Node, Op, Symbol
 from .normal import POWERS, Monomial, Normal, Polynomial, TooMuch
 from .ranges import Ranges
@@ -22,7 +23,6 @@ from .ranges import Ranges
 WORK = 60_000  # products of two terms: some half a second
 TERMS = 3_000  # of one polynomial
 SUMMANDS = 4  # of an angle or an exponent that is taken apart
-_HYPERBOLIC = {"sinh": (1, -1), "cosh": (1, 1)}
 
 
 class _Finer(Exception):
@@ -145,8 +145,8 @@ class Exact(Normal):
     def _polynomial(self, node: Node) -> Polynomial:
         g = self.graph
         if g.op[node] is Op.CALL:
-            made = _CALLS.get(g.data[node])
-            found = made(self, *(self.known[a] for a in g.args[node])) if made else None
+            opened = FUNCTIONS[g.data[node]].opened
+            found = opened and opened(self, *(self.known[a] for a in g.args[node]))
             if found is not None:
                 return found
         return super()._polynomial(node)
@@ -205,78 +205,45 @@ class Exact(Normal):
         """-a b"""
         return {m: -c for m, c in self.multiplied(a, b).items()}
 
+    # -- what the rows of functions are opened by: None where it is not worth it ----------------
 
-def _cos(x: Exact, angle: Polynomial) -> Polynomial | None:
-    found = x.circle(angle)
-    return found and found[0]
+    def cos(self, angle: Polynomial) -> Polynomial | None:
+        found = self.circle(angle)
+        return found and found[0]
 
+    def sin(self, angle: Polynomial) -> Polynomial | None:
+        found = self.circle(angle)
+        return found and found[1]
 
-def _sin(x: Exact, angle: Polynomial) -> Polynomial | None:
-    found = x.circle(angle)
-    return found and found[1]
+    def quotient(self, a: Polynomial | None, b: Polynomial | None) -> Polynomial | None:
+        return None if a is None or b is None else self.multiplied(a, self.inverse(b))
 
+    def exp(self, exponent: Polynomial, sign: int = 1) -> Polynomial | None:
+        found = self.multiples(exponent)
+        if found is None:
+            return None
+        powers = {self.graph.call("exp", base): sign * times for base, times in found}
+        return {tuple(sorted(powers.items())): 1}
 
-def _tan(x: Exact, angle: Polynomial) -> Polynomial | None:
-    found = x.circle(angle)
-    return found and x.multiplied(found[1], x.inverse(found[0]))
+    def hyperbolic(self, exponent: Polynomial, sign: int) -> Polynomial | None:
+        """cosh for 1, sinh for -1."""
+        up, down = self.exp(exponent), self.exp(exponent, -1)
+        if up is None or down is None:
+            return None
+        return self.halved(self.added(up, {m: c * sign for m, c in down.items()}))
 
+    def pow(self, base: Polynomial, exponent: Polynomial) -> Polynomial | None:
+        """The whole part of the exponent apart."""
+        whole = Fraction(exponent.get((), 0)) // 1
+        rest = self.added(exponent, {(): -whole}) if whole else exponent
+        power: Polynomial = {((self.graph.call("pow", self.plain(base), self.plain(rest)), 1),): 1}
+        return self.multiplied(power, self._power(base, Fraction(whole))) if whole else power
 
-def _exp(x: Exact, exponent: Polynomial, sign: int = 1) -> Polynomial | None:
-    found = x.multiples(exponent)
-    if found is None:
-        return None
-    powers = {x.graph.call("exp", base): sign * times for base, times in found}
-    return {tuple(sorted(powers.items())): 1}
+    def larger(self, a: Polynomial, b: Polynomial, sign: int) -> Polynomial:
+        """max(a, b) = (a + b + |a - b|)/2, and min with a minus sign."""
+        apart = self.added(a, {m: -c for m, c in b.items()})
+        size = {m: sign * c for m, c in self.multiplied(apart, self.sign(apart)).items()}
+        return self.halved(self.added(self.added(a, b), size))
 
-
-def _hyperbolic(x: Exact, exponent: Polynomial, function: str) -> Polynomial | None:
-    up, down = _exp(x, exponent), _exp(x, exponent, -1)
-    if up is None or down is None:
-        return None
-    first, second = _HYPERBOLIC[function]
-    half = Fraction(1, 2)
-    return x.added(
-        {m: c * first * half for m, c in up.items()},
-        {m: c * second * half for m, c in down.items()},
-    )
-
-
-def _tanh(x: Exact, exponent: Polynomial) -> Polynomial | None:
-    sinh, cosh = _hyperbolic(x, exponent, "sinh"), _hyperbolic(x, exponent, "cosh")
-    if sinh is None or cosh is None:
-        return None
-    return x.multiplied(sinh, x.inverse(cosh))
-
-
-def _pow(x: Exact, base: Polynomial, exponent: Polynomial) -> Polynomial | None:
-    """The whole part of the exponent apart."""
-    whole = Fraction(exponent.get((), 0)) // 1
-    rest = x.added(exponent, {(): -whole}) if whole else exponent
-    atom = x.graph.call("pow", x.plain(base), x.plain(rest))
-    power: Polynomial = {((atom, 1),): 1}
-    return x.multiplied(power, x._power(base, Fraction(whole))) if whole else power
-
-
-def _larger(x: Exact, a: Polynomial, b: Polynomial, sign: int) -> Polynomial:
-    """max(a, b) = (a + b + |a - b|)/2, and min with a minus sign."""
-    apart = x.added(a, {m: -c for m, c in b.items()})
-    size = {m: sign * c for m, c in x.multiplied(apart, x.sign(apart)).items()}
-    return {m: c * Fraction(1, 2) for m, c in x.added(x.added(a, b), size).items()}
-
-
-_CALLS = {
-    "sign": lambda x, a: x.sign(a),
-    "step": lambda x, a: {m: c * Fraction(1, 2) for m, c in x.added({(): 1}, x.sign(a)).items()},
-    "abs": lambda x, a: x.multiplied(a, x.sign(a)),
-    "max": lambda x, a, b: _larger(x, a, b, 1),
-    "min": lambda x, a, b: _larger(x, a, b, -1),
-    "cos": _cos,
-    "sin": _sin,
-    "tan": _tan,
-    "exp": _exp,
-    "sinh": lambda x, a: _hyperbolic(x, a, "sinh"),
-    "cosh": lambda x, a: _hyperbolic(x, a, "cosh"),
-    "tanh": _tanh,
-    "reciprocal": lambda x, a: x.inverse(a),
-    "pow": _pow,
-}
+    def halved(self, a: Polynomial) -> Polynomial:
+        return {m: c * Fraction(1, 2) for m, c in a.items()}

@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 from functools import reduce
 
-from ..functions import EVEN, ODD
+from ..functions import FUNCTIONS
 from .constants import fits, folded, raised, square_part
 from .like_terms import merge
 from .monomials import merged, without_reciprocals
@@ -55,7 +55,6 @@ __all__ = [
     "TooLarge",
 ]
 
-_SHAPED = ODD | EVEN | {"sqrt"}
 _HALF = Fraction(1, 2)
 
 
@@ -256,14 +255,12 @@ class Graph(Nodes):
             exact = folded(function, values)
             if exact is not None:
                 return self.number(exact)
-        if len(arguments) == 1 and function in _SHAPED:
-            argument = arguments[0]
-            if function == "sqrt":
-                return self._sqrt(argument)
-            if function in ODD and self._negative(argument):
-                return self.negate(self._call_node(function, (self._opposite(argument),)))
-            if function in EVEN and self._negative(argument):
-                return self._call_node(function, (self._opposite(argument),))
+        if function == "sqrt":
+            return self._sqrt(*arguments)
+        parity = FUNCTIONS[function].parity
+        if parity and self._negative(arguments[0]):
+            node = self._call_node(function, (self._opposite(arguments[0]),))
+            return node if parity == "even" else self.negate(node)
         return self._call_node(function, arguments)
 
     def _sqrt(self, argument: Node) -> Node:

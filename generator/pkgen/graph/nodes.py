@@ -23,7 +23,7 @@ class Op:
     ADD = "add"  # args: two nodes
     MULTIPLY = "multiply"  # args: two nodes; a constant factor comes first, -1 stands for a sign
     POWER = "power"  # args: the base; data: the exponent, a Fraction other than 0 and 1
-    CALL = "call"  # args: one or two nodes; data: a name in functions.FUNCTIONS
+    CALL = "call"  # args: one or two nodes; data: a name of functions/
 
 
 class Kind:

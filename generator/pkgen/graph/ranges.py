@@ -3,89 +3,15 @@
 Coordinates, rates, time and inputs may be anything, parameters what their bounds say. An end may
 be excluded: m > 0 makes m x^2 + m positive and not only not negative. A range is what is proved;
 the values may fill less of it, since x - x is not seen to be 0 here.
-Reference: R. E. Moore, Interval Analysis, Prentice-Hall 1966.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from ..functions import FUNCTIONS
+from ..functions.interval import ANY, INF, POSITIVE, Range
 from .graph import Graph, Kind, Node, Op
-
-INF = math.inf
-ROUND = 1e-12  # of the ends, which are computed in floating point
-
-
-@dataclass(frozen=True)
-class Range:
-    lo: float = -INF
-    hi: float = INF
-    above: bool = False  # lo itself is excluded, though it may be 0
-    below: bool = False
-
-    @property
-    def positive(self) -> bool:
-        return self.lo > ROUND or (self.lo == 0 and self.above)
-
-    @property
-    def not_negative(self) -> bool:
-        return self.lo >= 0
-
-    @property
-    def never_zero(self) -> bool:
-        return self.positive or (-self).positive
-
-    def __neg__(self) -> Range:
-        return Range(-self.hi, -self.lo, self.below, self.above)
-
-    def __add__(self, other: Range) -> Range:
-        return Range(
-            self.lo + other.lo,
-            self.hi + other.hi,
-            self.above or other.above,
-            self.below or other.below,
-        )
-
-    def __mul__(self, other: Range) -> Range:
-        corners = [_corner(*x, *y) for x in self._ends() for y in other._ends()]
-        lo, hi = min(x for x, _ in corners), max(x for x, _ in corners)
-        return Range(
-            lo,
-            hi,
-            all(excluded for x, excluded in corners if x == lo),
-            all(excluded for x, excluded in corners if x == hi),
-        )
-
-    def _ends(self) -> tuple[tuple[float, bool], tuple[float, bool]]:
-        return (self.lo, self.above), (self.hi, self.below)
-
-
-def _corner(x: float, x_excluded: bool, y: float, y_excluded: bool) -> tuple[float, bool]:
-    """A product of two ends, and whether it is not reached."""
-    if x == 0 or y == 0:  # 0 times infinity too: the ends are limits
-        return 0.0, (x != 0 or x_excluded) and (y != 0 or y_excluded)
-    return x * y, x_excluded or y_excluded
-
-
-ANY = Range()
-UNIT = Range(-1, 1)
-NOT_NEGATIVE = Range(0)
-POSITIVE = Range(0, above=True)
-
-_CALLS = {
-    "sin": UNIT,
-    "cos": UNIT,
-    "tanh": UNIT,
-    "sign": UNIT,
-    "cosh": Range(1),
-    "exp": POSITIVE,
-    "step": Range(0, 1),
-    "atan": Range(-math.pi / 2, math.pi / 2),
-    "asin": Range(-math.pi / 2, math.pi / 2),
-    "acos": Range(0, math.pi),
-}
 
 
 class Ranges:
@@ -122,7 +48,7 @@ class Ranges:
             return _power(args[0], 2) if same else args[0] * args[1]
         if op is Op.POWER:
             return _power(args[0], data)
-        return _call(data, args)
+        return FUNCTIONS[data].interval(*args)
 
 
 def _power(base: Range, exponent: float) -> Range:
@@ -143,20 +69,3 @@ def _end(x: float, exponent: float) -> float:
         return x ** int(exponent)
     except OverflowError:
         return INF if x > 0 or int(exponent) % 2 == 0 else -INF
-
-
-def _call(function: str, args: list[Range]) -> Range:
-    first = args[0]
-    if function in ("sqrt", "abs"):
-        nonzero = first.positive if function == "sqrt" else first.never_zero
-        return POSITIVE if nonzero else NOT_NEGATIVE
-    if function == "pow":
-        return POSITIVE if first.positive else ANY
-    if function == "reciprocal":
-        return POSITIVE if first.positive else NOT_NEGATIVE if first.not_negative else ANY
-    if function in ("sinh", "tan", "atan2", "log"):
-        return POSITIVE if function == "sinh" and first.positive else ANY
-    if function in ("min", "max"):
-        pick = min if function == "min" else max
-        return Range(pick(x.lo for x in args), pick(x.hi for x in args))
-    return _CALLS.get(function, ANY)

@@ -14,13 +14,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from ..functions import EVEN, FUNCTIONS, ODD
+from ..functions import FUNCTIONS
 from .graph import BIT, Graph, Node, Op
 from .nodes import SQUARES
 
 PRIME = 2**61 - 1  # 3 modulo 4, so that -1 has no root and 1 + x^2 is never 0
 _PLAIN = {0, 1, PRIME - 1}  # where a function may have an exact value
-_INDEX = {name: -1 - index for index, name in enumerate(FUNCTIONS)}
 
 
 class Residues:
@@ -131,8 +130,9 @@ def _call(function: str, arguments: list[int]) -> int | None:
     if function == "sqrt" or not _PLAIN.isdisjoint(arguments):
         return None
     argument, sign = arguments[0], 1
-    if (function in ODD or function in EVEN) and argument > PRIME // 2:
-        argument, sign = PRIME - argument, -1 if function in ODD else 1
+    parity = FUNCTIONS[function].parity
+    if parity and argument > PRIME // 2:
+        argument, sign = PRIME - argument, -1 if parity == "odd" else 1
     if function == "reciprocal":
         return sign * pow(argument, -1, PRIME) % PRIME
     if function in SQUARES:
@@ -140,4 +140,4 @@ def _call(function: str, arguments: list[int]) -> int | None:
         scale = pow(1 + half * half, -1, PRIME)
         value = 2 * half if function == "sin" else 1 - half * half
         return sign * value * scale % PRIME
-    return sign * _mixed(_INDEX[function], argument, *arguments[1:]) % PRIME
+    return sign * _mixed(int.from_bytes(function.encode()), argument, *arguments[1:]) % PRIME

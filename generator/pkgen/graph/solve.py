@@ -9,8 +9,7 @@ Reference: G. Golub, C. Van Loan, Matrix Computations, 4th edition, sections 4.1
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ..record import record
 from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
@@ -30,7 +29,7 @@ class SingularMass(Exception):
         self.coordinate = coordinate
 
 
-@dataclass(frozen=True)
+@record
 class Factors:
     """M = L D L^T, in the order of elimination: l_ij below the diagonal, d_i and their inverses."""
 

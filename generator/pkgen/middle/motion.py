@@ -6,7 +6,7 @@ See `equations.py` for what they are and `collect.py` for how a form is found.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..equations import Attitude, Linear, Matrix, Row
 from ..graph.collect import THOROUGH, fewest, forms, settled
@@ -14,6 +14,7 @@ from ..graph.count import operations
 from ..graph.differentiate import Columns, Forward, gradient, reachable
 from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from ..graph.solve import Solution, solve
+from ..record import record
 from .attitudes import gyroscopic, slopes
 from .quantities import symbols
 
@@ -47,7 +48,7 @@ class Wanted:
         return "linear" in (self.kernels or ()) or (self(LINEAR_OF_FEW) and count <= LINEARISED)
 
 
-@dataclass(frozen=True)
+@record
 class Energies:
     lagrangian: Node
     kinetic: Node | None
@@ -55,7 +56,7 @@ class Energies:
     dissipation: Node
 
 
-@dataclass(frozen=True)
+@record
 class Motion:
     momenta: Row
     gradient: Row

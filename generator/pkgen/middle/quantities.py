@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..equations import Quantity
 from ..graph.graph import Graph, Kind, Node, Symbol
 from ..indices import indexed, integer
 from ..model import Coordinate, Input, Model, Parameter, State
+from ..record import record
 from ..source import Diagnostic, ModelError, Span
 from ..tree import Range
 
 
-@dataclass(frozen=True)
+@record
 class Family:
     """A declared name: one scalar, or NAME[lo..hi]; `first` is the flat index of the first."""
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from ..equations import ParameterSlot
+from ..record import record
 from .smaller import Start
 
 
-@dataclass(frozen=True)
-class Line:
+@record
+class ReportLine:
     """What one reduction did, or why it did not."""
 
     reduction: str
@@ -21,13 +22,13 @@ class Line:
         return f"{self.what}: {self.why}"
 
 
-@dataclass(frozen=True)
+@record
 class Report:
     """`starts` are parameters that starts have become, `unused` coordinates whose starts have no
     effect, and parameters that nothing reads; of `operations` and `coordinates` the number before
     and after."""
 
-    lines: tuple[Line, ...] = ()
+    lines: tuple[ReportLine, ...] = ()
     starts: dict[Start, str] = field(default_factory=dict)
     unused: frozenset[str] = frozenset()
     operations: tuple[int, int] = (0, 0)  # of the accelerations and the quadratures
@@ -39,6 +40,6 @@ class Report:
         if not gone:
             return self
         families = ", ".join(dict.fromkeys(slot.family for slot in gone))
-        line = Line("unread", families, "nothing that is left reads it")
+        line = ReportLine("unread", families, "nothing that is left reads it")
         unused = self.unused | {slot.quantity.name for slot in gone}
         return replace(self, lines=(*self.lines, line), unused=unused)

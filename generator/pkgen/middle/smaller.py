@@ -8,19 +8,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity
 from ..graph.differentiate import reachable
 from ..graph.graph import BIT, Graph, Kind, Node, Op, Symbol
 from ..graph.substitute import substituted
 from ..model import Coordinate, Model, State
+from ..record import record
 from .quantities import families, indexed, symbols
 
 Start = tuple[str, int]  # a coordinate's name, and 0 for its value, 1 for its rate
 
 
-@dataclass(frozen=True)
+@record
 class Output:
     """What was a coordinate or its rate, and is now computed from the others."""
 

@@ -15,10 +15,10 @@ from ..indices import integer
 from ..model import Coordinate, Definition, End, Hold, Model, Scene, State
 from ..tree import Add, Expr, Name, Number, names, of_member, within
 from .quantities import Family, ends, error, families, indexed, sizes
-from .report import Line
+from .report import ReportLine
 
 
-def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model, list[Line]]:
+def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model, list[ReportLine]]:
     """With the parameters that the scene sets as constants, but not those of `run_time`, which are
     set again when it is run."""
     parameters = {p.name: p for p in model.parameters}
@@ -38,19 +38,19 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
         return model, []
     used = with_definitions(model, list(fixed.values()))
     kept = tuple(p for p in model.parameters if p.name not in fixed)
-    lines = [Line("fold", ", ".join(fixed), "fixed by the scene, so a number in the C")]
+    lines = [ReportLine("fold", ", ".join(fixed), "fixed by the scene, so a number in the C")]
     return replace(used, parameters=kept), lines
 
 
 def held(
     model: Model, scene: Scene, asked_events: frozenset[str] = frozenset()
-) -> tuple[Model, list[Line]]:
+) -> tuple[Model, list[ReportLine]]:
     """Without the coordinates that the scene holds, and without events that are not asked for.
     Raises ModelError where one cannot be held."""
     lines = []
     if scene.holds and model.conserved:
         names = ", ".join(item.name for item in model.conserved)
-        lines.append(Line("hold", names, "claimed of the free motion, not of this one"))
+        lines.append(ReportLine("hold", names, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
     if scene.holds:  # of what is held events may become constant, of which none is an error here
         kept = tuple(e for e in model.events if e.stop or e.name in asked_events)
@@ -60,7 +60,7 @@ def held(
         _refuse_momentum(model, scene, item.name, index)
         model = _without(model, item, index, value)
         name = indexed(item.name, index)
-        lines.append(Line("hold", name, "its motion is given, so it has no equation"))
+        lines.append(ReportLine("hold", name, "its motion is given, so it has no equation"))
     if scene.holds and not model.coordinates:
         _refuse_energy(model, scene)
     return model, lines

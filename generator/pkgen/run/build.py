@@ -1,8 +1,8 @@
-"""From generated C to a program that integrates it: the C compiler, the runtime, the cache.
+"""From generated C to a library that integrates it: the C compiler, the runtime, the cache.
 
-The runtime and the driver are compiled once for each compiler, flags and processor, a model once
+The runtime is compiled once for each compiler, flags and processor, a model once
 for each text and family of methods; both are kept in `PKGEN_CACHE`, else `$XDG_CACHE_HOME/pkgen`,
-else `~/.cache/pkgen`. A cache that comes to another processor is not used there, since programs
+else `~/.cache/pkgen`. A cache that comes to another processor is not used there, since libraries
 are made for the one at hand.
 """
 
@@ -10,19 +10,21 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shlex
 import shutil
-import subprocess
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
 from ..back.c.render import is_portable
 from ..methods import inline_flags
-from ..system import children
 from ..system.cache import cached
+from ..system.files import scratch
 from ..system.progress import say
 from ..system.toolchain import (
+    NATIVE,
     RUNTIME,
     STANDARD,
     BuildError,
@@ -31,7 +33,9 @@ from ..system.toolchain import (
     find_toolchain,
     run,
 )
+from .library import load
 
+SHARED = ("-fPIC", "-fno-semantic-interposition")
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
 
 
@@ -55,15 +59,19 @@ def _build_runtime(tools: Toolchain, directory: Path) -> None:
     ar = shutil.which("ar")
     if ar is None:
         raise BuildError("'ar' is missing; install binutils")
-    say("compiling the runtime (once, 20 s)")
+    say("compiling the runtime (once, 10 s)")
     threads = _threads(tools, directory)
     (directory / LINK_WITH).write_text(shlex.join(threads), encoding="utf-8")
     for library, parts in libraries.items():
-        objects = []
-        for path in (p for part in parts for p in sorted((RUNTIME / part).rglob("*.c"))):
-            objects.append(f"{path.parent.name}_{path.stem}.o")
+        sources = [path for part in parts for path in sorted((RUNTIME / part).rglob("*.c"))]
+        objects = {f"{path.parent.name}_{path.stem}.o": path for path in sources}
+
+        def one(name: str, path: Path) -> None:
             more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
-            compile_c(tools, ["-c", *more, str(path), "-o", objects[-1]], directory)
+            compile_c(tools, ["-c", *SHARED, *more, str(path), "-o", name], directory)
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(one, objects, objects.values()))
         run([ar, "rcs", library, *objects], directory)
         for name in objects:
             (directory / name).unlink()
@@ -86,38 +94,34 @@ def _gsl(tools: Toolchain) -> list[str]:
     return ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
 
 
-# The driver is linked with whatever model this names.
-CHOICE_FILE = "which-model.c"  # no model can be called that
-CHOICE = """#include <pk/apart.h>
+# What the library is linked with, beside the model; no model can be called that.
+CHOICE_FILE = "which-model.c"
+CHOICE = """#include <pk/run.h>
 extern const struct pk_system {name}_system;
-extern const struct pk_system *const run_model;
-extern const struct pk_part *const run_parts;
-extern const size_t run_n_parts;
-const struct pk_system *const run_model = &{name}_system;
+{parts}extern const struct pk_run_model pk_model;
+const struct pk_run_model pk_model = {{&{name}_system, {blocks}, {count}}};
 """
-WHOLE = """const struct pk_part *const run_parts = NULL;
-const size_t run_n_parts = 0;
-"""
+# What a library of a model shows: the documented functions and the model's own.
+EXPORTS_FILE = "exports"
+EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }};\n"
 
 Parts = Sequence[tuple[str, Sequence[int]]]  # of a model: the name of each, its coordinates
 
 
-def _choice(name: str, parts: Parts) -> str:
+def _choice(name: str, parts: Parts, form: str = CHOICE) -> str:
     """The C that says which model is run, and in which parts."""
-    text = CHOICE.format(name=name)
-    if not parts:
-        return text + WHOLE
-    rows = []
+    text = ""
     for k, (part, coordinates) in enumerate(parts):
         text += f"extern const struct pk_system {part}_system;\n"
         text += f"static const size_t part{k}[] = {{{', '.join(map(str, coordinates))}}};\n"
-        rows.append(f"    {{&{part}_system, part{k}}},\n")
-    text += "static const struct pk_part parts[] = {\n" + "".join(rows) + "};\n"
-    text += "const struct pk_part *const run_parts = parts;\n"
-    return text + f"const size_t run_n_parts = {len(parts)};\n"
+    if parts:
+        rows = ", ".join(f"{{&{part}_system, part{k}}}" for k, (part, _) in enumerate(parts))
+        text += f"static const struct pk_part parts[] = {{{rows}}};\n"
+    blocks = "parts" if parts else "NULL"
+    return form.format(name=name, parts=text, blocks=blocks, count=len(parts))
 
 
-def build_program(
+def build_library(
     files: dict[str, str],
     name: str,
     *methods: str | None,
@@ -125,7 +129,7 @@ def build_program(
     tools: Toolchain | None = None,
     parts: Parts = (),
 ) -> Path:
-    """A program that integrates the model NAME, from its generated files, by any method; by
+    """A shared library that integrates the model NAME, from its generated files, by any method; by
     `methods` fastest, and by blocks of an ensemble's members. With `parts`, NAME has no more than
     outputs, and these are integrated.
 
@@ -142,37 +146,82 @@ def build_program(
 
     def make(new: Path) -> None:
         library = runtime_library(tools)
-        for file_name, text in {**files, CHOICE_FILE: choice}.items():
+        exports = EXPORTS.format(name=name)
+        for file_name, text in {**files, CHOICE_FILE: choice, EXPORTS_FILE: exports}.items():
             (new / file_name).write_text(text, encoding="utf-8")
-        libraries = [str(library / archive) for archive in ("librun.a", "libpk.a")]
+        libraries = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
+        libraries += [str(library / "libpk.a")]
         libraries += [*tools.gsl_libs, "-lm"]
         libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
         sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
         if parts:
-            compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], new)
+            compile_c(tools, [*SHARED, "-DPK_RUNTIME", "-c", f"{name}.c"], new)
             sources.append(f"{name}.o")
-        linked = [*sources, "-o", "program", *libraries]
-        compile_c(tools, ["-DPK_RUNTIME", *inlined, *linked], new)
+        shared = ["-shared", f"-Wl,--version-script={EXPORTS_FILE}"]
+        linked = [*shared, *sources, "-o", "model.so", *libraries]
+        compile_c(tools, [*SHARED, "-DPK_RUNTIME", *inlined, *linked], new)
 
-    return cached("programs", f"{name[:40]}-{digest}", make) / "program"
+    return cached("models", f"{name[:40]}-{digest}", make) / "model.so"
 
 
-# The driver lists its methods without a model; it links with this one.
+PROGRAM = """#include <pk/run.h>
+extern const struct pk_system {name}_system;
+{parts}extern const struct pk_run_model program_model;
+extern const struct pk_run_settings program_settings;
+const struct pk_run_model program_model = {{&{name}_system, {blocks}, {count}}};
+"""
+
+
+def build_program(
+    files: dict[str, str],
+    name: str,
+    settings: str,
+    output: Path,
+    *methods: str | None,
+    parts: Parts = (),
+    static: bool = False,
+    native: bool = False,
+    gsl: bool = False,
+) -> None:
+    """A program of its own, with `settings` in C. Without GSL, which is under the GPL, unless asked
+    for; for any processor of this kind unless `native`. Raises BuildError."""
+    tools = find_toolchain()
+    if not gsl:
+        tools = replace(tools, gsl_cflags=None, gsl_libs=())
+    if not native:
+        tools = replace(tools, flags=tuple(f for f in tools.flags if (f,) not in NATIVE))
+    if is_portable(files):
+        tools = replace(tools, flags=(*tools.flags, "-DPK_PORTABLE"))
+    library = runtime_library(tools)
+    with scratch() as folder:
+        text = _choice(name, parts, PROGRAM) + settings
+        for file_name, content in {**files, CHOICE_FILE: text}.items():
+            (folder / file_name).write_text(content, encoding="utf-8")
+        linked = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
+        if parts:
+            compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], folder)
+            linked.append(f"{name}.o")
+        linked += [str(path) for path in sorted((RUNTIME / "program").glob("*.c"))]
+        linked += ["-o", "program", str(library / "librun.a"), str(library / "libpk.a")]
+        linked += [*tools.gsl_libs, "-lm", *(["-static"] if static else [])]
+        linked += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
+        compile_c(tools, ["-DPK_RUNTIME", *inline_flags(methods), *linked], folder)
+        output.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder / "program", output)
+
+
+# The runtime lists its methods without a model; it links with this one.
 NO_MODEL = """#include <pk/system.h>
 extern const struct pk_system no_model_system;
 const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
 """
 
 
-def driver_methods() -> list[dict[str, object]]:
+def runtime_methods() -> list[dict[str, object]]:
     """The methods of the runtime, GSL's included where GSL is installed, as it describes them."""
-    program = build_program({"no_model.c": NO_MODEL}, "no_model")
+    path = build_library({"no_model.c": NO_MODEL}, "no_model")
 
     def make(new: Path) -> None:  # to find their limits takes seconds
-        done = subprocess.run(
-            [program, "--methods"], capture_output=True, text=True, check=True, **children.group()
-        )
-        (new / "methods").write_text(done.stdout, encoding="utf-8")
+        (new / "methods").write_text(json.dumps(load(path).methods()), encoding="utf-8")
 
-    listed = cached("methods", program.parent.name, make) / "methods"
-    return [json.loads(line) for line in listed.read_text(encoding="utf-8").splitlines()]
+    return json.loads((cached("methods", path.parent.name, make) / "methods").read_text("utf-8"))

@@ -1,36 +1,36 @@
 """What `pkgen run --diagnose` asks for, and of which models it is; its results are told by
 `diagnostics_text.py`.
 
-They are made in C, runtime/run/diagnose.c; docs/diagnostics.md has their names and keys.
+Their names and needs are those of runtime/run/diagnostics.h, beside the files that make them;
+docs/diagnostics.md has their keys.
 """
 
 from __future__ import annotations
 
-from ..back.c.kernels import KERNELS
-from ..back.c.kernels_canonical import CANONICAL
+import re
+
 from ..compiler import Compilation
 from ..middle.motion import LINEAR_OF_FEW, PARTICLES
-from ..middle.particles.bodies import listed
-from ..middle.particles.particles import HELP
 from ..source import Diagnostic
 from ..system.exits import UsageError
-from .values import near
+from ..system.near import near
+from ..system.toolchain import RUNTIME
 
-NAMES = (
-    "lyapunov",
-    "reversal",
-    "spectrum",
-    "symplectic",
-    "least_action",
-    "action",
-    "angular_momentum",
-    "lrl",
-    "modes",
-)
-OF_MEMBERS = ("area",)
-OF_REDUCED = ("action",)  # alone, it is of what a scene's reductions leave
-OF_PARTICLES = frozenset(("all", "angular_momentum", "lrl"))
-LINEARISED = frozenset(("all", "lyapunov", "symplectic", "least_action"))  # by `linear`
+TABLE = RUNTIME / "run" / "diagnostics.h"
+_ROW = re.compile(r"X\((\w+), (\w+), (\w+)\)")
+
+
+def _named(column: int, word: str) -> tuple[str, ...]:
+    return tuple(row[0] for row in _ROWS if row[column] == word)
+
+
+_ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8"))
+OF_MEMBERS = _named(1, "MEMBERS")
+OF_REDUCED = _named(1, "REDUCED")  # alone, it is of what a scene's reductions leave
+NAMES = tuple(name for name, *_ in _ROWS if name not in OF_MEMBERS)
+OF_PARTICLES = frozenset(("all", *_named(2, "PARTICLES")))
+LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # by `linear`
+OF_ALL_KERNELS = frozenset(_named(2, "EVERY"))
 
 
 def asked(text: str | None, ensemble: str | None = None) -> tuple[str, ...]:
@@ -60,12 +60,15 @@ def refuse_several(names: tuple[str, ...], what: str) -> None:
 def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
     """All of them where `linear` is needed, which a large model leaves out unless it is named; and
     particles, which every model leaves out, where these are asked for."""
+    from ..back.c.kernels import KERNELS
+    from ..back.c.kernels_canonical import CANONICAL
+
     wanted = frozenset(KERNELS) - CANONICAL
     if not OF_PARTICLES.intersection(names):
         wanted -= {PARTICLES}
     if not LINEARISED.intersection(names):
         wanted = wanted - {"linear"} | {LINEAR_OF_FEW}
-    return wanted if {"linear", PARTICLES} & wanted or "modes" in names else None
+    return wanted if {"linear", PARTICLES} & wanted or OF_ALL_KERNELS.intersection(names) else None
 
 
 def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> None:
@@ -81,6 +84,9 @@ def refuse(names: tuple[str, ...], compilation: Compilation, several: bool) -> N
     of = next(name for name in names if name in OF_PARTICLES)
     if not compilation.model.coordinates:
         raise UsageError(f"--diagnose {of} is of particles, and the model has states alone")
+    from ..middle.particles.bodies import listed
+    from ..middle.particles.particles import HELP
+
     if not particles.masses:
         said = f"--diagnose {of} is of particles, and of this model none are seen: {particles.why}"
         found = Diagnostic(said, particles.span, HELP)

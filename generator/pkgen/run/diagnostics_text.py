@@ -34,8 +34,15 @@ def lines(found: dict[str, dict], time: str) -> list[str]:
     said = []
     for name, result in found.items():
         if result["status"] == "PK_DONE":
-            said += _TEXTS[name](result, time)
+            words = _TEXTS.get(name)
+            said += words(result, time) if words else [_plainly(name, result)]
     return said
+
+
+def _plainly(name: str, found: dict) -> str:
+    """Of a diagnostic without words of its own: its keys and values."""
+    shown = (f"{key} {value}" for key, value in found.items() if key not in ("status", "reason"))
+    return f"{name}: {', '.join(shown)}"
 
 
 def _rad(time: str) -> str:

@@ -14,8 +14,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, TextIO
 
 from .. import limits
@@ -23,6 +22,7 @@ from ..compiler import Compilation
 from ..equations import Quantity
 from ..front.check import options_text
 from ..front.check.options_text import OptionError
+from ..record import record
 from ..system.exits import UsageError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
 
-@dataclass(frozen=True)
+@record
 class Column:
     """What a column sets: the driver's word for its kind, the index there, its SI unit."""
 
@@ -41,7 +41,7 @@ class Column:
     unit: str
 
 
-@dataclass(frozen=True)
+@record
 class Ensemble:
     """Members of a file or of a scene's swarm, all values in SI."""
 
@@ -63,17 +63,8 @@ class Ensemble:
         """What its members are from, for the file beside the rows."""
         return f"swarm {self.counted}" if self.counted else os.path.basename(self.path)
 
-    def settings(self, data: Path, threads: int | None) -> list[str]:
-        """Write the values for the driver to `data`, and say so as it reads settings."""
-        data.write_bytes(self.values.tobytes())
-        said = [f"ensemble {data}", f"members {len(self.lines)}"]
-        if self.counted:
-            said.append(f"count {self.counted} {self.lines[0]}")
-        said += [f"column {c.kind} {c.index}" for c in self.columns]
-        return [*said, f"threads {threads}"] if threads else said
-
     def placed(self, messages: str) -> str:
-        """Messages of the driver, with the line of the file that a member stands on, or with its
+        """Messages of the run, with the line of the file that a member stands on, or with its
         number in the swarm."""
         if self.counted:
             return re.sub(r"\bmember (-?\d+)", rf"{self.counted} = \1", messages)
@@ -84,7 +75,7 @@ class Ensemble:
         return re.sub(r"^run: member (\d+): ", place, messages, flags=re.M)
 
     def named(self, member: int) -> str:
-        """A member, by its number for the driver."""
+        """A member, by its number."""
         return f"{self.counted} = {member}" if self.counted else f"member {member}"
 
 

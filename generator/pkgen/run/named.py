@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import indexed, parted
 from ..middle.quantities import families, input_quantities
 from ..model import Coordinate, Model, Parameter
+from ..record import record
 
 SUGGESTED = 12  # members of a family that a hint goes through
 
 
-@dataclass(frozen=True)
+@record
 class Declared:
     """A declared name: one quantity, or members lo..hi; `first` is the flat index of the first."""
 

@@ -1,11 +1,13 @@
-"""The settings of one run, and the lines in which the driver reads them."""
+"""The settings of one run. All values are in SI."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from ..record import record
 
 
-@dataclass(frozen=True)
+@record
 class PartSettings:
     """How a block of coordinates is integrated by itself."""
 
@@ -14,33 +16,19 @@ class PartSettings:
     rtol: float
     max_step: float | None = None
 
-    def lines(self, k: int) -> list[str]:
-        said = [f"part {k} method {self.method}"]
-        if self.step is not None:
-            return [*said, f"part {k} step {self.step.hex()}"]
-        said.append(f"part {k} rtol {self.rtol.hex()}")
-        if self.max_step is not None:
-            said.append(f"part {k} h_max {self.max_step.hex()}")
-        return said
 
-
-@dataclass(frozen=True)
+@record
 class Shown:
-    """A column of the rows: the driver's word for its kind, the index there."""
+    """A column of the rows: its kind, the index there."""
 
     kind: str  # q, v, observed, z, energy
     index: int
     name: str
 
-    @property
-    def word(self) -> str:
-        """One word for both, as lines of what is expected have it."""
-        return f"{self.kind[0]}{self.index}"
 
-
-@dataclass(frozen=True)
+@record
 class Compared:
-    """A relation between columns, as the driver reads it."""
+    """A relation between columns."""
 
     text: str  # the expectation as it is written
     relation: str
@@ -50,19 +38,10 @@ class Compared:
     at: float | None  # a time
     event: int | None  # with neither: in all rows
 
-    def line(self) -> str:
-        when = "rows"
-        if self.at is not None:
-            when = f"t {self.at.hex()}"
-        elif self.event is not None:
-            when = f"event {self.event}"
-        allowed = "-" if self.within is None else self.within.word
-        return f"expect {self.relation} {self.a.word} {self.b.word} {allowed} {when}"
 
-
-@dataclass(frozen=True)
+@record
 class Watched:
-    """What the driver is to measure; a drift is of an output, or of the energy (None). Outputs that
+    """What is to be measured; a drift is of an output, or of the energy (None). Outputs that
     are hidden are made for this alone."""
 
     compared: tuple[Compared, ...] = ()
@@ -74,19 +53,11 @@ class Watched:
         sides = ((c.text, side) for c in self.compared for side in (c.a, c.b))
         return [replace(side, name=text) for text, side in sides]
 
-    def lines(self) -> list[str]:
-        drifts = ("energy" if d is None else d for d in self.drifts)
-        return [
-            *(f"hidden {i}" for i in self.hidden),
-            *(c.line() for c in self.compared),
-            *(f"drift {d}" for d in drifts),
-        ]
-
 
 NOTHING = Watched()
 
 
-@dataclass(frozen=True)
+@record
 class Settings:
     """Of one run; values in SI. Indices count flattened quantities in declaration order, those of
     parameters declared names where families are loops."""
@@ -115,38 +86,4 @@ class Settings:
     compiled_for: tuple[str, ...] = ()  # methods that are fastest in the program; none: its own
     parts: tuple[PartSettings, ...] = ()  # none: all as the whole
     units: bool = False  # in the header
-
-    def lines(self) -> list[str]:
-        """As the driver reads them; numbers in hexadecimal, so that none is rounded."""
-        said = [
-            f"method {self.method}",
-            f"until {self.until.hex()}",
-            f"rtol {self.rtol.hex()}",
-            f"iteration {self.iteration}",
-            f"max_steps {self.max_steps}",
-        ]
-        if self.atol is not None:
-            said.append(f"atol {self.atol.hex()}")
-        if self.every is not None:
-            said.append(f"every {self.every.hex()}")
-        if self.step is not None:
-            said.append(f"step {self.step.hex()}")
-        if self.max_step is not None:
-            said.append(f"h_max {self.max_step.hex()}")
-        said += [f"param {i} {x.hex()}" for i, x in self.parameters]
-        said += [f"param {i} {x.hex()} {k}" for i, k, x in self.members]
-        said += [f"input {i} {x.hex()}" for i, x in self.inputs]
-        said += [f"start q {i} {x.hex()}" for i, x in self.start_q]
-        said += [f"start v {i} {x.hex()}" for i, x in self.start_v]
-        said += [f"show {c.kind} {c.index}".replace("energy 0", "energy") for c in self.show]
-        if self.rows:
-            said.append(f"rows {self.rows}")
-        if self.at is not None:
-            said.append(f"at {self.at}")
-        if self.watch:
-            said.append(f"watch {self.watch}")
-        said += [f"diagnose {name}" for name in self.diagnose]
-        said += self.watched.lines()
-        for k, part in enumerate(self.parts):
-            said += part.lines(k)
-        return said
+    start_z: tuple[tuple[int, float], ...] = ()  # of quadratures

@@ -1,44 +1,36 @@
-"""`pkgen run`: integrate a compiled model with the C driver, and keep what came out.
-
-The driver (runtime/run) is a program linked with the model. It reads its settings as lines on
-standard input, writes CSV to standard output and a report in JSON to a file.
-"""
+"""`pkgen run`: integrate a compiled model, and keep what came out."""
 
 from __future__ import annotations
 
-import contextlib
-import json
 import os
 import re
-import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from csv import reader, writer
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import IO
 
-from .. import __version__
 from ..back.c.render import is_portable
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import hidden
+from ..record import record
 from ..system import children
-from ..system.exits import INTERRUPTED, NUMERICS_FAILED
-from ..system.files import scratch
+from ..version import __version__
 from . import named, not_finite
-from .build import build_program
+from .build import build_library
 from .ensemble import Ensemble
+from .library import Run, load
 from .reasons import with_options
 from .settings import Settings, Shown
 
 LISTED = 10_000  # members of a family that are described one by one
 
 
-@dataclass(frozen=True)
+@record
 class Outcome:
-    """How a run ended: the driver's exit code, its report, and what it said."""
+    """How a run ended: the code, its report, and what it said."""
 
     code: int
     report: dict[str, object]
@@ -94,8 +86,8 @@ def _column(
 
 
 def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Path:
-    """The program that runs the model. Raises BuildError if C cannot be compiled."""
-    return build_program(
+    """The library of the model. Raises BuildError if C cannot be compiled."""
+    return build_library(
         compilation.files,
         compilation.model.name,
         *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
@@ -106,71 +98,43 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
 
 def simulate(
     compilation: Compilation,
-    program: Path,
+    library: Path,
     settings: Settings,
     output: IO[bytes] | int,
     on_progress: Callable[[float], None] | None = None,
     ensemble: Ensemble | None = None,
     threads: int | None = None,
 ) -> Outcome:
-    """Run the model, its CSV going to `output`."""
-    with scratch() as folder:
-        report_path = folder / "report.json"
-        lines = [*settings.lines(), f"report {report_path}"]
-        lines.append(f"progress {1 if on_progress else 0}")
-        if settings.units:
-            lines.append("header 0")
-            _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), output)
-        if ensemble:
-            lines += ensemble.settings(folder / "members", threads)
-        child = subprocess.Popen(
-            [program],
-            stdin=subprocess.PIPE,
-            stdout=output,
-            stderr=subprocess.PIPE,
-            text=True,
-            **children.group(),
-        )
-        messages = with_options(_converse(child, "\n".join(lines) + "\n", on_progress))
-        messages = not_finite.named(messages, compilation, settings.parameters)
-        report = {}
-        with contextlib.suppress(FileNotFoundError, ValueError):  # where the driver was killed
-            report = json.loads(report_path.read_text())
-    if child.returncode == -signal.SIGINT:  # in the diagnostics, which keep nothing
-        return Outcome(INTERRUPTED, report, messages + "run: interrupted in --diagnose\n")
-    if child.returncode < 0:
-        messages += f"run: ended by signal {-child.returncode}\n"
-        return Outcome(NUMERICS_FAILED, report, messages)
-    return Outcome(child.returncode, report, ensemble.placed(messages) if ensemble else messages)
-
-
-def _write_header(columns: list[Quantity], output: IO[bytes] | int) -> None:
-    """In place of the driver's, which knows no units of time and energy."""
+    """Run the model, its CSV going to `output`. SIGINT ends it with what there is."""
     fd = output if isinstance(output, int) else output.fileno()
+    if settings.units:
+        _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), fd)
+    with children.stopping() as stopped:
+
+        def poll(part: float) -> bool:
+            if on_progress:
+                on_progress(part)
+            return stopped()
+
+        more = {"csv": fd, "header": not settings.units, "threads": threads or 0}
+        done = load(library).run(settings, poll, ensemble, **more)
+    return outcome(compilation, settings, done, ensemble)
+
+
+def outcome(
+    compilation: Compilation, settings: Settings, done: Run, ensemble: Ensemble | None = None
+) -> Outcome:
+    """Of a run that is over, with what its messages name as the user knows it."""
+    messages = with_options("".join(f"run: {line}\n" for line in done.messages.splitlines()))
+    messages = not_finite.named(messages, compilation, settings.parameters)
+    return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
+
+
+def _write_header(columns: list[Quantity], fd: int) -> None:
+    """In place of the runtime's, which knows no units of time and energy."""
     with open(fd, "w", newline="", encoding="utf-8", closefd=False) as file:
         names = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
         writer(file, lineterminator="\n").writerow(names)
-
-
-def _converse(
-    child: subprocess.Popen[str], settings: str, on_progress: Callable[[float], None] | None
-) -> str:
-    """Give the driver its settings, follow its progress, return what else it said."""
-    assert child.stdin is not None and child.stderr is not None
-    messages = []
-    with children.forwarding(child):
-        # A driver that has ended already says why by its exit code and its messages.
-        with contextlib.suppress(BrokenPipeError):
-            child.stdin.write(settings)
-            child.stdin.close()
-        for line in child.stderr:
-            if line.startswith("progress "):
-                if on_progress:
-                    on_progress(float(line.split()[1]))
-            else:
-                messages.append(line)
-        child.wait()
-    return "".join(messages)
 
 
 def sidecar(

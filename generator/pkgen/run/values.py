@@ -3,33 +3,30 @@ UsageError."""
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import sys
-from collections.abc import Iterable
-from dataclasses import dataclass
 
 from ..compiler import Compilation
 from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
+from ..record import record
 from ..system.exits import UsageError
+from ..system.near import unknown
 from . import named
 from .settings import Shown
 from .simulate import columns
 
 
-@dataclass(frozen=True)
+@record
 class _Start:
     order: int  # 0 of a coordinate, 1 of a rate
     index: int
     value: float
 
 
-# What pkgen has, and no model.
-_OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option"))
 _NEXT = re.compile(r",\s*(?=[A-Za-z_]\w*(?:\[[^\]]*\])?'*\s*=)")
 
 
@@ -211,21 +208,3 @@ def assignment(option: str, text: str) -> tuple[str, str]:
         each = " ".join(f"{option} {part}" for part in parts)
         raise UsageError(f"{option} {text}: one value an option: {each}")
     return left.strip(), right.strip()
-
-
-def unknown(option: str, name: str, known: Iterable[str], kind: str) -> str:
-    """What is said of a name that is not there."""
-    who = "there is" if kind in _OF_PKGEN else "the model has"
-    return f"{option} {name}: {who} no such {kind}; {near(name, list(known), kind)}"
-
-
-def near(name: str, known: list[str], kind: str) -> str:
-    """Those that may be meant by a wrong name, or else those that there are."""
-    they = "there are" if kind in _OF_PKGEN else "it has"
-    meant = difflib.get_close_matches(name, known, n=3)
-    if meant:
-        *most, last = (f"'{one}'" for one in meant)
-        return f"did you mean {', '.join(most)}{' or ' if most else ''}{last}?"
-    if not known:
-        return f"{they} none"
-    return f"{they}: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"

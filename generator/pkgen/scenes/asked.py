@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
-from .. import limits
 from ..compiler import Compilation
 from ..front.check.scene_numbers import ROUND_OFF
 from ..indices import hidden
@@ -16,8 +15,9 @@ from ..model import Scene
 from ..run import diagnostics, named, rows
 from ..run.default_method import default_method
 from ..run.settings import PartSettings, Settings, Shown
-from ..run.values import Values, assignment, unknown
+from ..run.values import Values, assignment
 from ..system.exits import UsageError
+from ..system.near import unknown
 from . import model as scene_model
 from . import options as scene_options
 from . import scene
@@ -25,26 +25,7 @@ from . import use as scene_use
 
 UNTIL = 10.0
 RTOL = 1e-10
-UNROLL = 16  # coordinates up to which a run is faster as straight-line code
 THREADS_MOST = 1024  # a system refuses to start many more, and then the program ends
-
-
-def sizes(assignments: Iterable[str]) -> dict[str, int]:
-    """`--size N=64`, repeatable."""
-    found = {}
-    for text in assignments:
-        name, equal, value = text.partition("=")
-        digits = value.strip()
-        if not (equal and digits.isascii() and digits.isdecimal()):
-            raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
-        if not digits.strip("0"):
-            raise UsageError(f"--size {text}: a size is at least 1")
-        if name.strip() in found:
-            raise UsageError(f"--size {text}: it is given twice")
-        if len(digits.lstrip("0")) > 10 or int(digits) > limits.FAMILY:
-            raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
-        found[name.strip()] = int(digits)
-    return found
 
 
 def _once(option: str, names: Iterable[str]) -> None:

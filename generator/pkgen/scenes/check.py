@@ -20,8 +20,7 @@ from ..model import Model, Scene, Start
 from ..run.methods_table import in_words
 from ..source import Diagnostic, ModelError
 from ..system.exits import UsageError
-from . import asked as parsing
-from . import expects
+from . import expects, lengths
 from . import model as scene_model
 from . import use as scene_use
 
@@ -35,10 +34,14 @@ _OTHERWISE = {
     "ensemble": "--ensemble has no loops over families",
 }
 
+NOT_PROMISED = (
+    "the scene's accuracy is not promised: --method, --step, --rtol or --atol choose in its place"
+)
+
 
 def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
     """Of a scene as it is written; `given` are sizes other than the file's."""
-    unroll = parsing.UNROLL if scene.swarm is None else None  # as it is run
+    unroll = lengths.UNROLL if scene.swarm is None else None  # as it is run
     use = scene_use.as_written(scene.name)
     made = stages(declared.source, given, unroll=unroll, use=use)
     try:
@@ -59,7 +62,7 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     if not found:
         return
     declared = compilation.declared
-    as_written = wrong(declared, parsing.sizes(options.size), alone)
+    as_written = wrong(declared, lengths.given(options.size), alone)
     if as_written:
         raise ModelError(declared.source, as_written)
     # What is constant in the scene is so without its reductions: it is the same motion.

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ..front.check.expects import calls
 from ..front.check.scene_numbers import Values, WrongValue
 from ..model import Expect, Model, Scene
+from ..record import record
 from ..source import Diagnostic, Span
 from ..tree import Call, Expr, Number, replaced, within
 from .expects import of_run, written
 
 
-@dataclass(frozen=True)
+@record
 class Verdict:
     """Of one expectation: `value` and `bound` where it was missed most, or least met."""
 

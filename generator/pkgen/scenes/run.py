@@ -19,8 +19,7 @@ from ..run.ensemble import Ensemble, settable
 from ..run.settings import Settings
 from ..run.values import assignment
 from ..system.exits import UsageError
-from . import asked as parsing
-from . import expects
+from . import expects, lengths
 from . import scene as scenes
 from .judge import Judge, Verdict
 
@@ -34,7 +33,7 @@ def is_swarm(options: argparse.Namespace) -> bool:
     source = read(options.model)
     if not _SWARM.search(source.text):
         return False
-    model, _ = check_text(source, parsing.sizes(options.size))
+    model, _ = check_text(source, lengths.given(options.size))
     return any(s.name == options.scene and s.swarm is not None for s in model.scenes)
 
 

@@ -8,13 +8,13 @@ values, so that options of the command line can override them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ..front.check.scene_numbers import Key, Values, WrongValue
 from ..model import Model, Record, Scene
-from ..run.values import unknown
+from ..record import record
 from ..source import ModelError, Span
 from ..system.exits import UsageError
+from ..system.near import unknown
 
 
 def chosen(model: Model, name: str) -> Scene:
@@ -31,7 +31,7 @@ def place(model: Model, span: Span) -> str:
     return model.source.place(span)
 
 
-@dataclass(frozen=True)
+@record
 class Numbers:
     """What a scene sets, in SI; None, "" and nothing where it says nothing."""
 

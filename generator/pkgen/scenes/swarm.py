@@ -6,16 +6,17 @@ Values that use k are arrays, one number a member; the rest is computed as every
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from .. import limits
 from ..front.check.scene_numbers import Values
 from ..front.check.values import NoValue, evaluate
+from ..functions import FUNCTIONS
 from ..indices import assignments, integer
 from ..middle.quantities import indexed
 from ..model import Model, Scene, Start
+from ..record import record
 from ..run.ensemble import Column, Ensemble
 from ..system.exits import UsageError
 from ..tree import Add, Call, Component, Expr, Multiply, Name, Negate, Power, Sum, Vector, names
@@ -79,7 +80,7 @@ def _unrolled(item: Start, sizes: Mapping[str, int]):
         yield loop, loop[item.range.variable]
 
 
-@dataclass(frozen=True)
+@record
 class _Members:
     """Expressions for all members: a number where k does not occur, else an array."""
 
@@ -158,13 +159,6 @@ def _rotated(axis: tuple, angle: Array, vector: tuple) -> tuple:
 
 
 _FUNCTIONS: dict[str, Callable] = {
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "atan2": np.arctan2,
-    "min": np.minimum,
-    "max": np.maximum,
-    "step": lambda x: np.where(np.asarray(x) < 0, 0.0, 1.0),
     "dot": lambda a, b: sum(x * y for x, y in zip(a, b, strict=True)),
     "norm": lambda a: np.sqrt(sum(x * x for x in a)),
     "cross": lambda a, b: tuple(a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))),
@@ -173,7 +167,12 @@ _FUNCTIONS: dict[str, Callable] = {
 
 
 def _called(function: str, arguments: list[Array]) -> Array:
-    return (_FUNCTIONS.get(function) or getattr(np, function))(*arguments)
+    if function in _FUNCTIONS:
+        return _FUNCTIONS[function](*arguments)
+    array = FUNCTIONS[function].array
+    if callable(array):
+        return array(np, *arguments)
+    return getattr(np, array or function)(*arguments)
 
 
 def _each(operation: Callable, *arguments: Array) -> Array:

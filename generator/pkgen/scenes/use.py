@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..compiler import Use
 from ..equations import Equations, Structure
@@ -14,13 +14,14 @@ from ..methods import called, carries_quadratures, in_blocks
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
-from ..middle.report import Line
+from ..middle.report import ReportLine
 from ..middle.specialise import folded, held
 from ..model import Model, Scene
+from ..record import record
 from ..run import diagnostics
 from ..run.default_method import default_method
-from ..run.values import unknown
 from ..system.exits import UsageError
+from ..system.near import unknown
 from . import model as scene_model
 from . import scene as scenes
 from .options import OPTIONS, is_motion, with_options
@@ -31,18 +32,17 @@ UNREAD = "unread"  # parameters
 EVERY = frozenset((*REDUCTIONS, FOLD, APART, EXACT, UNREAD))
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What options say beside the scene: other columns, an event, parameters to be set in the run,
-    and reductions that are not to be made."""
+@record(kw_only=True)
+class Overrides:
+    """What options say beside the scene."""
 
-    columns: tuple[str, ...] | None
-    event: str | None
-    run_time: frozenset[str]
-    off: frozenset[str]
-    quadratures: bool
-    method: str  # "" without
-    apart: bool
+    columns: tuple[str, ...] | None = None  # other ones
+    event: str | None = None
+    run_time: frozenset[str] = frozenset()  # parameters to be set in the run
+    off: frozenset[str] = frozenset()  # reductions that are not to be made
+    quadratures: bool = False
+    method: str = ""
+    apart: bool = False  # blocks of coordinates may be integrated apart
     judged: bool = True  # what the scene expects is measured
     rtol: float | None = None
     steps: bool = False  # a step is given
@@ -61,14 +61,14 @@ def of_run(options: argparse.Namespace) -> Use | None:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
         off |= {*REDUCTIONS}
-    asked = Asked(
-        columns,
-        options.at,
-        _run_time(options),
-        off,
-        True,
-        options.method or "",
-        options.ensemble is None,
+    asked = Overrides(
+        columns=columns,
+        event=options.at,
+        run_time=_run_time(options),
+        off=off,
+        quadratures=True,
+        method=options.method or "",
+        apart=options.ensemble is None,
         rtol=_number(options.rtol),
         steps=options.step is not None,
         several=options.ensemble is not None,
@@ -94,7 +94,7 @@ def _number(text: str | None) -> float | None:
         return None
 
 
-def _of_method(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> frozenset[str]:
+def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
     """What the method of a run calls: the default one, as far as it is known before values are."""
     method, rtol = asked.method or scene.method, asked.rtol
     if rtol is None and scene.rtol is not None:
@@ -113,7 +113,7 @@ def _of_method(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> 
     return found
 
 
-def _of_driver(model: Model, scene: Scene, asked: Asked, made: tuple | None) -> frozenset[str]:
+def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
     """What a run calls besides: the drift of what is constant, and where M is singular."""
     found = {"canonical", "conserve"}
     columns = asked.columns or scene_model.columns(scene)
@@ -143,7 +143,7 @@ def _of_options(options: argparse.Namespace, columns: tuple[str, ...] | None) ->
     """All of a model, or of what a scene makes of it, with columns and motions of inputs."""
     if options.scene is None and columns is None and not any(map(is_motion, options.set)):
         return None
-    asked = Asked(columns, None, _run_time(options), EVERY, False, "", False)
+    asked = Overrides(columns=columns, run_time=_run_time(options), off=EVERY)
     use = _use(options.scene or OPTIONS, asked, swarm=False)
     return replace(use, declared=with_options(options, columns or ()))
 
@@ -156,7 +156,7 @@ def _run_time(options: argparse.Namespace) -> frozenset[str]:
 
 def as_written(name: str) -> Use:
     """For what is to be known of a scene without options; no C is made of it."""
-    use = _use(name, Asked(None, None, frozenset(), frozenset(), True, "", True))
+    use = _use(name, Overrides(quadratures=True, apart=True))
     return Use(use.model, use.needs, lambda *_: ENOUGH)
 
 
@@ -173,12 +173,10 @@ def of_scene(
 ) -> Use:
     """For C to be embedded: named after model and scene, and no more kernels than the scene's
     method calls, and `more`."""
-    asked = Asked(
-        None, None, frozenset(), off, quadratures=True, method="", apart=True, judged=False
-    )
+    asked = Overrides(off=off, quadratures=True, apart=True, judged=False)
     use = _use(name, asked, swarm=True)
 
-    def named(declared: Model) -> tuple[Model, tuple[Line, ...]]:
+    def named(declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         model, lines = use.model(declared)
         return replace(model, name=f"{model.name}_{name}"), lines
 
@@ -215,13 +213,13 @@ def switched_off(text: str | None) -> frozenset[str]:
     return names
 
 
-def _chosen(model: Model, name: str, asked: Asked) -> Scene:
+def _chosen(model: Model, name: str, asked: Overrides) -> Scene:
     scene = scenes.chosen(model, name)
     return scene if asked.judged else replace(scene, expects=())
 
 
-def _use(name: str, asked: Asked, swarm: bool = True) -> Use:
-    def model(declared: Model) -> tuple[Model, tuple[Line, ...]]:
+def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
+    def model(declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         scene = _chosen(declared, name, asked)
         if scene.swarm is not None and not swarm:
             place = scenes.place(declared, scene.swarm.span)

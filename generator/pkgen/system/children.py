@@ -15,16 +15,16 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-from .exits import NumericsFailed
+from .exits import INTERRUPTED, NumericsFailed
 
 # A terminal's signals go to the group in its foreground, which is pkgen's.
 KEEPER = "read nothing; kill -KILL 0"
 ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-GRACE = 5.0  # seconds for the driver to write out what it has, once it is to end
 
 _keeper: subprocess.Popen[bytes] | None = None
 _ended = False  # threads may go on for a while; they start no more
 _starting = threading.Lock()
+_stops: list[Callable[[int], None]] = []
 
 
 def _joined(group: int) -> dict[str, object]:
@@ -51,10 +51,17 @@ def group() -> dict[str, object]:
         return _joined(_keeper.pid)
 
 
+def on_end(stop: Callable[[int], None]) -> None:
+    """What else is to end with them: called with 1, and with 0 where work begins anew."""
+    _stops.append(stop)
+
+
 def kill() -> None:
     """End all of them, at once."""
     global _ended
     _ended = True
+    for stop in _stops:
+        stop(1)
     if _keeper is not None and _keeper.poll() is None:
         with suppress(ProcessLookupError):
             os.killpg(_keeper.pid, signal.SIGKILL)
@@ -66,6 +73,8 @@ def ended_by_signals() -> Iterator[None]:
     ignored, as by nohup, stays so. SIGTSTP (Ctrl-Z) stops all of them."""
     global _ended
     _ended = False
+    for stop in _stops:
+        stop(0)
 
     def end(_signal: int, _frame: object) -> None:
         kill()
@@ -97,22 +106,19 @@ def _stop(_signal: int, _frame: object) -> None:
 
 
 @contextmanager
-def forwarding(child: subprocess.Popen[str]) -> Iterator[None]:
-    """What is to end pkgen lets the child end first, which writes out what it has; a second signal,
-    or a child that does not end, ends it at once."""
-    said = []
+def stopping() -> Iterator[Callable[[], bool]]:
+    """Whether what is to end pkgen was asked for while it runs a model, which then ends with what
+    it has; a second time ends pkgen at once. Threads are not asked."""
+    said: list[int] = []
 
-    def forward(_signal: int, _frame: object) -> None:
-        if said or child.poll() is not None:
-            return kill()
-        child.send_signal(signal.SIGINT)
-        said.append(threading.Timer(GRACE, kill))
-        said[0].daemon = True
-        said[0].start()
+    def note(number: int, _frame: object) -> None:
+        if said:
+            kill()
+            os._exit(INTERRUPTED)
+        said.append(number)
 
-    try:
-        with _handled(dict.fromkeys(ENDS, forward)):
-            yield
-    finally:
-        for timer in said:
-            timer.cancel()
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    with _handled(dict.fromkeys(ENDS, note)):
+        yield lambda: bool(said)

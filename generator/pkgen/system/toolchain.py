@@ -7,11 +7,11 @@ import os
 import shlex
 import shutil
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 
 import pkgen_runtime
 
+from ..record import record
 from . import children
 from .exits import BuildError
 
@@ -36,7 +36,7 @@ STANDARD = "-std=c11"
 TIMEOUT_SECONDS = 300
 
 
-@dataclass(frozen=True)
+@record
 class Toolchain:
     """A C compiler with its flags, and GSL's where it is installed."""
 

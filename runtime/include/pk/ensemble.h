@@ -28,7 +28,7 @@ extern "C" {
 struct pk_ensemble {
     const struct pk_system *system;
     const struct pk_method *method;
-    struct pk_options options;
+    struct pk_options options; /* a member that options.stop ends has PK_STOPPED_USER */
     size_t members;
 
     /* Of member i: number i of params_size bytes each, prepared; q0[i * n], v0[i * n], and inputs
@@ -52,10 +52,6 @@ struct pk_ensemble {
     enum pk_status *status;
     pk_real *z; /* quadratures, z[(i * rows + row) * n_quadratures], or NULL. A system that has any
                    takes its members one after the other. */
-
-    /* Asked between rows where it is not NULL; not 0: members end there with PK_STOPPED_USER. */
-    int (*stop)(void *context);
-    void *context;
 };
 
 /* Bytes of the block that one thread wants, a multiple of 64, 0 if a pointer is null. It is to be
@@ -85,6 +81,8 @@ void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_
                  void *context);
 /* How many threads there are to be had; 1 without OpenMP. */
 size_t pk_ensemble_threads(void);
+/* Which of them this is; 0: the one that has called. */
+size_t pk_thread(void);
 
 #ifdef __cplusplus
 }

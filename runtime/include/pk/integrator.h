@@ -63,6 +63,10 @@ struct pk_options {
                            foreseen to be far below round-off, the choice for long runs,
                            or for gauss what is left of a step's error below its tolerance */
     int max_iterations; /* 0: 50 for Newton, 1000 for fixed-point, 30 for gauss */
+    /* Asked before each step; not 0: the step is not made, PK_STOPPED_USER, and only reset goes on.
+     * NULL: nobody is. */
+    int (*stop)(void *context);
+    void *context;
 };
 
 struct pk_counters {

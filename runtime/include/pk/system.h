@@ -23,7 +23,23 @@
 extern "C" {
 #endif
 
-#define PK_ABI 10u
+/* Which layout the structs of a system have, and of which scalar type. A library is of one: a system
+ * of another does not link with it, since it names the library's PK_SCALAR; one that is loaded at run
+ * time is refused by its number. */
+#if defined PK_FLOAT
+#define PK_SCALAR pk_scalar_is_float
+#define PK_ABI 45u
+#elif defined PK_LONG_DOUBLE
+#define PK_SCALAR pk_scalar_is_long_double
+#define PK_ABI 46u
+#elif defined PK_FLOAT128
+#define PK_SCALAR pk_scalar_is_float128
+#define PK_ABI 47u
+#else
+#define PK_SCALAR pk_scalar_is_double
+#define PK_ABI 44u
+#endif
+extern const char PK_SCALAR[];
 
 /* Facts about a system that methods may require; proved by pkgen, never guessed. */
 enum pk_fact {
@@ -115,7 +131,8 @@ struct pk_range {
 };
 
 struct pk_system {
-    unsigned abi; /* PK_ABI */
+    unsigned abi;       /* PK_ABI */
+    const char *scalar; /* PK_SCALAR; NULL: not asked */
     const char *name;
     const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
     unsigned facts;          /* of enum pk_fact */

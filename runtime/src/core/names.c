@@ -5,6 +5,8 @@
 
 #include <pk/system.h>
 
+const char PK_SCALAR[] = "pk_real"; /* its name is what counts */
+
 int pk_system_name(const struct pk_system *system, const void *params,
                    const struct pk_quantity *table, size_t i, char *text, size_t size)
 {

@@ -2,6 +2,7 @@
 #ifndef PK_TABLEAU_H
 #define PK_TABLEAU_H
 
+#include <pk/methods.h>
 #include <pk/step/tableau.h>
 
 /* An implicit Runge-Kutta method: nodes, weights, and mu_ij = a_ij / b_j, for q. For p the same, or
@@ -14,19 +15,11 @@ struct pk_gauss {
     int conjugate;
 };
 
-extern const struct pk_gauss pk_radau5_table, pk_radau9_table;
-extern const struct pk_method pk_euler, pk_rk2, pk_rk3, pk_rk4, pk_dopri5, pk_dop853;
-extern const struct pk_method pk_symplectic_euler, pk_verlet, pk_yoshida4, pk_suzuki4;
-extern const struct pk_method pk_mclachlan4, pk_blanes_moan4, pk_yoshida6, pk_kahan_li6;
-extern const struct pk_method pk_blanes_moan6, pk_yoshida8, pk_kahan_li8;
-extern const struct pk_method pk_gauss1, pk_gauss2, pk_gauss3, pk_gauss4;
-extern const struct pk_method pk_gauss5, pk_gauss6, pk_gauss7, pk_gauss8;
-extern const struct pk_method pk_lobatto2, pk_lobatto3, pk_lobatto4, pk_radau5, pk_radau9;
-extern const struct pk_method pk_adaptive_verlet, pk_gauss_adaptive, pk_radau_adaptive;
-extern const struct pk_method pk_exponential;
-extern const struct pk_method pk_lie_midpoint, pk_lie_midpoint4, pk_lie_midpoint6;
-extern const struct pk_method pk_rattle, pk_rattle4, pk_rattle6, pk_rkmk4, pk_rkmk8;
-/* Coordinates that it is for: of so many, its matrix takes seconds to make. */
+#define PK_DECLARE_TABLE(A, name, p, s, p_dense, flags, of, text) \
+    extern const struct pk_gauss pk_##of##_table;
+PK_METHODS_COLLOCATION(PK_DECLARE_TABLE, )
+PK_METHODS_CORE(PK_DECLARE_METHOD, )
+/* Coordinates that `exponential` is for: of so many, its matrix takes seconds to make. */
 enum { PK_EXPONENTIAL_MOST = 256 };
 
 /* Kicks and drifts of a splitting method; NULL of any other. */

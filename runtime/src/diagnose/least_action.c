@@ -174,7 +174,7 @@ static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 
 static enum pk_status along(struct pk_least_action *found, pk_real *path, pk_real *B, pk_real *C)
 {
-    const struct pk_gauss *rule = (const struct pk_gauss *)pk_gauss8.table;
+    const struct pk_gauss *rule = (const struct pk_gauss *)pk_method_gauss8.table;
     const size_t n = found->n, m = n * found->modes, wide = n * (1 + n);
     const size_t panels = found->nodes / NODES;
     struct pk_integrator *it = &found->it;
@@ -255,7 +255,7 @@ enum pk_status pk_least_action_find(struct pk_least_action *found, const struct 
 
 pk_real pk_least_action_at(const struct pk_least_action *found, const pk_real *a)
 {
-    const struct pk_gauss *rule = (const struct pk_gauss *)pk_gauss8.table;
+    const struct pk_gauss *rule = (const struct pk_gauss *)pk_method_gauss8.table;
     const size_t n = found->n, modes = found->modes;
     const pk_real width = found->time / (pk_real)(found->nodes / NODES);
     struct node x = node_of(found->scratch, n, modes);

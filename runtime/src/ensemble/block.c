@@ -208,9 +208,11 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
 {
     const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? PK_C(-1.0) : PK_C(1.0);
     while (live && way * (t - clock->t) > 0 && !pk_integrator_is_at(clock, t)) {
-        const enum pk_status status = pk_step_choose(clock, pk_integrator_limit(clock, t, last), 1);
+        const enum pk_status status =
+            pk_ensemble_stopped(e) ? PK_STOPPED_USER
+                                   : pk_step_choose(clock, pk_integrator_limit(clock, t, last), 1);
         b->now = clock->t;
-        if (status < 0) {
+        if (status != PK_DONE) {
             retire(b, e, first, live, status, &live);
             break;
         }
@@ -277,8 +279,6 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
             copy_lane(&b, e, lowest(live), l);
     b.now = e->t0;
     for (size_t row = 0; live && row < e->rows; row++) {
-        if (pk_ensemble_stopped(e))
-            retire(&b, e, first, live, PK_STOPPED_USER, &live);
         live = advance(&b, s, e, &clock, first, memory, e->t[row], live);
         if (pk_integrator_is_at(&clock, e->t[row])) {
             store_row(&b, e, first, row, live, b.state);

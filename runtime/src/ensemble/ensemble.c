@@ -78,7 +78,7 @@ static enum pk_status go(const struct pk_ensemble *e, size_t member, struct pk_m
     enum pk_status status = pk_member_begin(e, member, m);
     for (size_t row = 0; row < e->rows && status == PK_DONE; row++) {
         const struct pk_integrator *there = &m->it;
-        status = pk_ensemble_stopped(e) ? PK_STOPPED_USER : to_row(e, member, m, e->t[row], &there);
+        status = to_row(e, member, m, e->t[row], &there);
         if (kept)
             e->last_t[member] = m->it.t;
         if (kept && status == PK_DONE)

@@ -13,7 +13,7 @@ struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member
     return problem;
 }
 
-int pk_ensemble_stopped(const struct pk_ensemble *e) { return e->stop && e->stop(e->context); }
+int pk_ensemble_stopped(const struct pk_ensemble *e) { return e->options.stop && e->options.stop(e->options.context); }
 
 size_t pk_member_size(const struct pk_ensemble *e)
 {

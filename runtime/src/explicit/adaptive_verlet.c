@@ -249,18 +249,7 @@ static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_
     return status < 0 || (pk_all_finite(q, n) && pk_all_finite(v, n)) ? status : PK_NOT_FINITE;
 }
 
-const struct pk_method pk_adaptive_verlet = {
-    .name = "adaptive_verlet",
-    .doc = "Verlet with reversible steps that follow ||da/dq||; W. Huang, B. Leimkuhler, "
-           "SIAM J. Sci. Comput. 18 (1997) 239",
-    .order = 2,
-    .stages = 1,
-    .dense_order = 2,
-    .traits = PK_SYMMETRIC | PK_ADAPTIVE | PK_DENSE | PK_LINEAR,
-    .needs = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS,
-    .formula = &pk_verlet,
-    .size = size,
-    .init = init,
-    .step = step,
-    .dense = dense,
-};
+#define ADAPTIVE_VERLET(of)                                                             \
+    .needs = PK_NEEDS_ADAPTIVE_VERLET, .formula = &pk_method_verlet, .size = size, .init = init, \
+    .step = step, .dense = dense
+PK_METHODS_ADAPTIVE_VERLET(PK_DEFINE_METHOD, ADAPTIVE_VERLET)

@@ -168,21 +168,8 @@ static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_rea
     return pk_all_finite(q, it->n) && pk_all_finite(v, it->n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-#define EMBEDDED(symbol, text, p, s, dense_p)                                  \
-    const struct pk_method pk_##symbol = {.name = #symbol,                    \
-                                          .doc = text,                        \
-                                          .order = p,                         \
-                                          .stages = s,                        \
-                                          .dense_order = dense_p,             \
-                                          .traits = PK_ADAPTIVE | PK_DENSE | PK_QUADRATURE, \
-                                          .table = &pk_##symbol##_table,      \
-                                          .size = embedded_size,              \
-                                          .init = embedded_init,              \
-                                          .step = embedded_step,              \
-                                          .dense = embedded_dense,            \
-                                          .stage = embedded_stage,            \
-                                          .stage_error = embedded_error}
-
-EMBEDDED(dopri5,
-         "Dormand-Prince 5(4), PI control; J. Comp. Appl. Math. 6 (1980) 19, HNW II.5", 5, 6, 4);
-EMBEDDED(dop853, "Dormand-Prince 8(5,3); Hairer, Norsett, Wanner, HNW II.5 and II.10", 8, 12, 7);
+#define EMBEDDED(of)                                                                  \
+    .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = embedded_size,      \
+    .init = embedded_init, .step = embedded_step, .dense = embedded_dense,             \
+    .stage = embedded_stage, .stage_error = embedded_error
+PK_METHODS_EMBEDDED(PK_DEFINE_METHOD, EMBEDDED)

@@ -51,19 +51,7 @@ const struct pk_tableau *pk_erk_table(const struct pk_method *method)
     return method->step == erk_step ? (const struct pk_tableau *)method->table : NULL;
 }
 
-#define ERK(symbol, text, p, s)                                         \
-    const struct pk_method pk_##symbol = {.name = #symbol,              \
-                                          .doc = text,                  \
-                                          .order = p,                   \
-                                          .stages = s,                  \
-                                          .traits = PK_QUADRATURE,      \
-                                          .table = &pk_##symbol##_table, \
-                                          .size = erk_size,             \
-                                          .init = erk_init,             \
-                                          .step = erk_step,              \
-                                          .stage = erk_stage}
-
-ERK(euler, "explicit Euler; HNW I.7", 1, 1);
-ERK(rk2, "the explicit midpoint rule; C. Runge (1895), HNW II.1", 2, 2);
-ERK(rk3, "Kutta's method of order 3, of Simpson's weights; W. Kutta (1901)", 3, 3);
-ERK(rk4, "the classical Runge-Kutta method; W. Kutta (1901), HNW II.1 Table 1.2", 4, 4);
+#define ERK(of)                                                                          \
+    .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = erk_size, .init = erk_init, \
+    .step = erk_step, .stage = erk_stage
+PK_METHODS_ERK(PK_DEFINE_METHOD, ERK)

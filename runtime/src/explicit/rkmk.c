@@ -109,18 +109,7 @@ static int rkmk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, p
     return 1;
 }
 
-#define RKMK(symbol, text, p, s, of)                                                         \
-    const struct pk_method pk_##symbol = {.name = #symbol,                                   \
-                                          .doc = text,                                       \
-                                          .order = p,                                        \
-                                          .stages = s,                                       \
-                                          .traits = PK_QUADRATURE | PK_GROUP,                \
-                                          .table = &pk_##of##_table,                         \
-                                          .size = rkmk_size,                                 \
-                                          .init = rkmk_init,                                 \
-                                          .step = rkmk_step,                                 \
-                                          .stage = rkmk_stage}
-
-RKMK(rkmk4, "rk4 on SO(3); H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115", 4, 4, rk4);
-RKMK(rkmk8, "dop853 at a fixed step, on SO(3); H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115", 8,
-     12, dop853);
+#define RKMK(of)                                                                      \
+    .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = rkmk_size, .init = rkmk_init, \
+    .step = rkmk_step, .stage = rkmk_stage
+PK_METHODS_RKMK(PK_DEFINE_METHOD, RKMK)

@@ -278,15 +278,7 @@ static pk_real exponential_resolved(const struct pk_integrator *it)
     return PK_PI / *work_of(it).norm;
 }
 
-const struct pk_method pk_exponential = {
-    .name = "exponential",
-    .doc = "the exact flow of an affine system, by the exponential of its matrix, scaled and "
-           "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179",
-    .traits = PK_SYMPLECTIC | PK_SYMMETRIC | PK_DENSE | PK_EXACT,
-    .needs = PK_AFFINE,
-    .size = exponential_size,
-    .init = exponential_init,
-    .step = exponential_step,
-    .dense = exponential_dense,
-    .resolved = exponential_resolved,
-};
+#define EXPONENTIAL(of)                                                                \
+    .needs = PK_NEEDS_EXPONENTIAL, .size = exponential_size, .init = exponential_init, \
+    .step = exponential_step, .dense = exponential_dense, .resolved = exponential_resolved
+PK_METHODS_EXPONENTIAL(PK_DEFINE_METHOD, EXPONENTIAL)

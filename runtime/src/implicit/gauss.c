@@ -163,3 +163,8 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     it->flags |= PK_HAVE_STEP;
     return PK_DONE;
 }
+
+#define COLLOCATION(of)                                                                     \
+    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size,         \
+    .init = pk_gauss_init, .step = pk_gauss_step, .stage = pk_gauss_stage
+PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

@@ -56,20 +56,7 @@ static pk_real stage_error(const struct pk_integrator *it, pk_real size, const p
     return size * theta8 * theta8 / (PK_GAUSS_SHARE * PK_F(exp)(PK_GAUSS_ACCEPT_LOG));
 }
 
-const struct pk_method pk_gauss_adaptive = {
-    .name = "gauss",
-    .doc = "adaptive Gauss-Legendre, 8 stages, in (q, q'), symmetric where M varies, symplectic "
-           "where not; after Antonana, Makazaga, Murua (2017) and Rein, Spiegel (2015)",
-    .order = 16,
-    .stages = 8,
-    .dense_order = 16,
-    .traits = PK_SYMMETRIC | PK_ADAPTIVE | PK_IMPLICIT | PK_DENSE | PK_QUADRATURE,
-    .needs = PK_SMOOTH,
-    .formula = &pk_gauss8,
-    .size = size,
-    .init = init,
-    .step = step,
-    .dense = pk_gauss_dense,
-    .stage = stage,
-    .stage_error = stage_error,
-};
+#define GAUSS(of)                                                                          \
+    .needs = PK_NEEDS_GAUSS, .formula = &pk_method_##of, .size = size, .init = init,        \
+    .step = step, .dense = pk_gauss_dense, .stage = stage, .stage_error = stage_error
+PK_METHODS_GAUSS(PK_DEFINE_METHOD, GAUSS)

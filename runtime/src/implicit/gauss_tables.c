@@ -172,25 +172,13 @@ static const pk_real gauss7_mu[] = {
 #define gauss8_b pk_gauss8_b
 #define gauss8_mu pk_gauss8_mu
 
-#define GAUSS(s, p, text)                                                                     \
-    static const struct pk_gauss gauss##s = {s, gauss##s##_c, gauss##s##_b, gauss##s##_mu, 1}; \
-    const struct pk_method pk_gauss##s = {.name = "gauss" #s,                                  \
-                                          .doc = text,                                         \
-                                          .order = p,                                          \
-                                          .stages = s,                                         \
-                                          .traits = PK_SYMPLECTIC | PK_SYMMETRIC |             \
-                                                    PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE, \
-                                          .table = &gauss##s,                                  \
-                                          .size = pk_gauss_size,                               \
-                                          .init = pk_gauss_init,                               \
-                                          .step = pk_gauss_step,                               \
-                                          .stage = pk_gauss_stage}
-
-GAUSS(1, 2, "implicit midpoint rule in (q, p); GNI II.1.3, VI.4");
-GAUSS(2, 4, "Gauss-Legendre, 2 stages, in (q, p); P. C. Hammer, J. W. Hollingsworth (1955)");
-GAUSS(3, 6, "Gauss-Legendre, 3 stages, in (q, p); J. C. Butcher, Math. Comp. 18 (1964) 50");
-GAUSS(4, 8, "Gauss-Legendre, 4 stages, in (q, p); J. C. Butcher, Math. Comp. 18 (1964) 50");
-GAUSS(5, 10, "Gauss-Legendre, 5 stages, in (q, p); J. C. Butcher, Math. Comp. 18 (1964) 50");
-GAUSS(6, 12, "Gauss-Legendre, 6 stages, in (q, p); J. C. Butcher, Math. Comp. 18 (1964) 50");
-GAUSS(7, 14, "Gauss-Legendre, 7 stages, in (q, p); J. C. Butcher, Math. Comp. 18 (1964) 50");
-GAUSS(8, 16, "Gauss-Legendre, 8 stages, in (q, p); J. C. Butcher, Math. Comp. 18 (1964) 50");
+#define TABLE(s) \
+    const struct pk_gauss pk_gauss##s##_table = {s, gauss##s##_c, gauss##s##_b, gauss##s##_mu, 1};
+TABLE(1)
+TABLE(2)
+TABLE(3)
+TABLE(4)
+TABLE(5)
+TABLE(6)
+TABLE(7)
+TABLE(8)

@@ -50,22 +50,9 @@ static const pk_real lobatto4_mu[] = {
     PK_C(-0.32360679774997896964091736687312762354), PK_C(1.0),
 };
 
-#define LOBATTO(s, p, text)                                                                 \
-    static const struct pk_gauss lobatto##s = {s, lobatto##s##_c, lobatto##s##_b,           \
-                                               lobatto##s##_mu, 1};                         \
-    const struct pk_method pk_lobatto##s = {.name = "lobatto" #s,                           \
-                                            .doc = text,                                    \
-                                            .order = p,                                     \
-                                            .stages = s,                                    \
-                                            .traits = PK_SYMPLECTIC | PK_SYMMETRIC |        \
-                                                      PK_IMPLICIT | PK_JACOBIANS |          \
-                                                      PK_QUADRATURE,                        \
-                                            .table = &lobatto##s,                           \
-                                            .size = pk_gauss_size,                          \
-                                            .init = pk_gauss_init,                          \
-                                            .step = pk_gauss_step,                          \
-                                            .stage = pk_gauss_stage}
-
-LOBATTO(2, 2, "Lobatto IIIA-IIIB, 2 stages, in (q, p), Verlet for any L; GNI II.2.2, VI.4");
-LOBATTO(3, 4, "Lobatto IIIA-IIIB, 3 stages, in (q, p); G. Sun (1993), GNI II.2.2, VI.4");
-LOBATTO(4, 6, "Lobatto IIIA-IIIB, 4 stages, in (q, p); G. Sun (1993), GNI II.2.2, VI.4");
+#define TABLE(s)                                                                       \
+    const struct pk_gauss pk_lobatto##s##_table = {s, lobatto##s##_c, lobatto##s##_b, \
+                                                   lobatto##s##_mu, 1};
+TABLE(2)
+TABLE(3)
+TABLE(4)

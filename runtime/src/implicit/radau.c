@@ -232,18 +232,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-const struct pk_method pk_radau_adaptive = {
-    .name = "radau",
-    .doc = "adaptive Radau IIA, 3 stages, in (q, p), L-stable, for stiff and dissipative systems; "
-           "RADAU5, Hairer, Wanner II, IV.8",
-    .order = 5,
-    .stages = 3,
-    .traits = PK_ADAPTIVE | PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE,
-    .table = &pk_radau5_table,
-    .formula = &pk_radau5,
-    .size = size,
-    .init = init,
-    .step = step,
-    .stage = pk_radau_stage,
-    .stage_error = pk_radau_stage_error,
-};
+#define RADAU(of)                                                                        \
+    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of,       \
+    .size = size, .init = init, .step = step, .stage = pk_radau_stage,                    \
+    .stage_error = pk_radau_stage_error
+PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

@@ -55,18 +55,7 @@ static const pk_real radau9_mu[] = {
     PK_C(-0.39272293447013320969473642125163289466), PK_C(1.0),
 };
 
-#define RADAU(s, p, text)                                                                   \
-    const struct pk_gauss pk_radau##p##_table = {s, radau##p##_c, radau##p##_b, radau##p##_mu, 0}; \
-    const struct pk_method pk_radau##p = {.name = "radau" #p,                               \
-                                          .doc = text,                                      \
-                                          .order = p,                                       \
-                                          .stages = s,                                      \
-                                          .traits = PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE, \
-                                          .table = &pk_radau##p##_table,                    \
-                                          .size = pk_gauss_size,                            \
-                                          .init = pk_gauss_init,                            \
-                                          .step = pk_gauss_step,                            \
-                                          .stage = pk_gauss_stage}
-
-RADAU(3, 5, "Radau IIA, 3 stages, in (q, p), L-stable; Hairer, Wanner II, IV.5");
-RADAU(5, 9, "Radau IIA, 5 stages, in (q, p), L-stable; Hairer, Wanner II, IV.5, IV.8");
+#define TABLE(s, p) \
+    const struct pk_gauss pk_radau##p##_table = {s, radau##p##_c, radau##p##_b, radau##p##_mu, 0};
+TABLE(3, 5)
+TABLE(5, 9)

@@ -234,6 +234,10 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     const pk_real left = limit - it->t;
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
+    if (it->options.stop && it->options.stop(it->options.context)) {
+        it->ready = 0; /* what goes on all the same ends at its next step */
+        return it->status = PK_STOPPED_USER;
+    }
 
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     enum pk_status status = pk_step_choose(it, limit, fixed);

@@ -182,33 +182,11 @@ static int variational_stage(struct pk_integrator *it, int k, struct pk_stage *s
     return 1;
 }
 
-#define VARIATIONAL(symbol, text, p, s, of, at_ends)                                         \
-    static const struct pk_variational symbol##_table = {&pk_##of##_table, at_ends};         \
-    const struct pk_method pk_##symbol = {.name = #symbol,                                   \
-                                          .doc = text,                                       \
-                                          .order = p,                                        \
-                                          .stages = s,                                       \
-                                          .traits = PK_SYMPLECTIC | PK_SYMMETRIC |           \
-                                                    PK_IMPLICIT | PK_QUADRATURE |            \
-                                                    PK_HOLONOMIC | PK_GROUP,                 \
-                                          .table = &symbol##_table,                          \
-                                          .size = pk_variational_size,                         \
-                                          .init = variational_init,                          \
-                                          .step = variational_step,                          \
-                                          .stage = variational_stage}
-
-VARIATIONAL(lie_midpoint,
-            "L at the middle, on SO(3) too; Bou-Rabee, Marsden, Found. Comput. Math. 9 (2009) 197",
-            2, 1, verlet, 0);
-VARIATIONAL(lie_midpoint4, "five steps of lie_midpoint; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4,
-            5, suzuki4, 0);
-VARIATIONAL(lie_midpoint6,
-            "nine steps of lie_midpoint; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 9,
-            kahan_li6, 0);
-VARIATIONAL(rattle,
-            "Verlet for any L, constraints, SO(3); H. C. Andersen, J. Comput. Phys. 52 (1983) 24",
-            2, 2, verlet, 1);
-VARIATIONAL(rattle4, "five steps of rattle; M. Suzuki, Phys. Lett. A 146 (1990) 319", 4, 10, suzuki4,
-            1);
-VARIATIONAL(rattle6, "nine steps of rattle; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089", 6, 18,
-            kahan_li6, 1);
+#define VARIATIONAL(of, ends)                                                           \
+    .table = &(const struct pk_variational){&pk_##of##_table, ends},                     \
+    .size = pk_variational_size, .init = variational_init, .step = variational_step,     \
+    .stage = variational_stage
+#define LIE_MIDPOINT(of) .needs = PK_NEEDS_LIE_MIDPOINT, VARIATIONAL(of, 0)
+#define RATTLE(of) .needs = PK_NEEDS_RATTLE, VARIATIONAL(of, 1)
+PK_METHODS_LIE_MIDPOINT(PK_DEFINE_METHOD, LIE_MIDPOINT)
+PK_METHODS_RATTLE(PK_DEFINE_METHOD, RATTLE)

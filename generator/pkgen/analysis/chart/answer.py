@@ -6,22 +6,21 @@ runs a little finer (search.py, which measures what is missing). "None" is said 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from .points import AXES, Method, Point, Track
+from ...record import record
+from .points import AXES, ChartedMethod, Point, Track
 from .search import Search
 from .sweep import Bench
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
-@dataclass(frozen=True)
+@record
 class Answer:
     """`point` is None where no method gets there; then `reason` says why."""
 
     accuracy: float
     axis: str
-    method: Method | None
+    method: ChartedMethod | None
     point: Point | None
     reason: str = ""
 

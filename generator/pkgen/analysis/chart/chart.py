@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from ...compiler import Compilation
+from ...record import record
 from ...run import named
-from ...run.build import build_program, driver_methods
+from ...run.build import build_library, runtime_methods
 from ...run.settings import Settings
 from ...system.progress import Show
 from . import answer, reference, spectrum, sweep
 from .answer import Answer
 from .measure import Program
-from .points import Method, Track
+from .points import ChartedMethod, Track
 from .reference import Reference
 from .spectrum import Spectrum
 from .sweep import Bench, Effort
@@ -21,7 +21,7 @@ from .sweep import Bench, Effort
 TITLE_PARAMETERS = 12
 
 
-@dataclass(frozen=True)
+@record
 class Chart:
     model: str
     unit: str  # of time; "" without units
@@ -45,12 +45,12 @@ class Chart:
         return ", ".join(said)
 
 
-def methods(wanted: list[str] | None) -> list[Method]:
+def methods(wanted: list[str] | None) -> list[ChartedMethod]:
     """Those that the driver lists, or the wanted ones of them. Raises KeyError for another."""
     known = {}
-    for m in driver_methods():
+    for m in runtime_methods():
         limits = m.get("limits") or {}
-        known[m["name"]] = Method(
+        known[m["name"]] = ChartedMethod(
             name=str(m["name"]),
             order=int(m["order"]),
             flags=tuple(m["flags"]),
@@ -70,28 +70,28 @@ def _end(limit: object) -> float | None:
 def measure(
     compilation: Compilation,
     settings: Settings,
-    chosen: list[Method],
+    chosen: list[ChartedMethod],
     effort: Effort,
     on_progress: Show,
 ) -> Chart:
     """Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
-    path = build_program(compilation.files, name, *(m.name for m in chosen))
-    with Program(path, settings) as program:
-        given = program.given()
-        on_progress(0.02, "compiling and integrating the reference")
-        exact = reference.find(compilation, given)
-        structure = compilation.structure
-        follower = "gauss" if structure.smooth_in_pieces else "dop853"
-        found = spectrum.find(program, follower, settings.until, not structure.variational)
-        bench = Bench(program, exact.final, exact.scales, exact.error, settings.until, effort)
-        tracks = sweep.measure(
-            bench, chosen, found, lambda part, text="": on_progress(0.1 + 0.8 * part, text)
-        )
-        on_progress(0.9, "the answers")
-        able = [t for t in tracks if not t.points[0].refused]
-        told, able = answer.answers(bench, able)
+    path = build_library(compilation.files, name, *(m.name for m in chosen))
+    program = Program(path, settings)
+    given = program.given()
+    on_progress(0.02, "compiling and integrating the reference")
+    exact = reference.find(compilation, given)
+    structure = compilation.structure
+    follower = "gauss" if structure.smooth_in_pieces else "dop853"
+    found = spectrum.find(program, follower, settings.until, not structure.variational)
+    bench = Bench(program, exact.final, exact.scales, exact.error, settings.until, effort)
+    tracks = sweep.measure(
+        bench, chosen, found, lambda part, text="": on_progress(0.1 + 0.8 * part, text)
+    )
+    on_progress(0.9, "the answers")
+    able = [t for t in tracks if not t.points[0].refused]
+    told, able = answer.answers(bench, able)
     on_progress(1.0)
     return Chart(
         model=name,

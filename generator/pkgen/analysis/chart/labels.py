@@ -4,8 +4,9 @@ nearest its anchor, the most important first."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
+
+from ...record import record
 
 PAD = 1.0  # points around a text
 BESIDE = 66.0  # points right of the axes that labels may take
@@ -16,7 +17,7 @@ COVERED = 0.35  # the price of a curve's point under a label, that of another la
 FAR = 0.12  # and of a height's distance
 
 
-@dataclass(frozen=True)
+@record
 class Label:
     text: str
     x: float  # in data
@@ -26,7 +27,7 @@ class Label:
     bold: bool = False
 
 
-@dataclass(frozen=True)
+@record
 class _Box:
     x0: float
     y0: float

@@ -1,22 +1,20 @@
-"""The driver as it measures points of one model (runtime/run/chart.c): a request a line, an
-answer a line."""
+"""Points of one model measured in process: a run by a method at a setting, and laps of it."""
 
 from __future__ import annotations
 
-import contextlib
-import json
 import math
-import subprocess
+import time
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 
-from ...run.settings import Settings
-from ...system import children
-from ...system.exits import USAGE, NumericsFailed, UsageError
-from ...system.files import scratch
-from .points import Method, Point
+from ...methods import METHODS
+from ...run.library import USAGE, Run, load
+from ...run.settings import Settings, Shown
+from ...system.exits import NumericsFailed, UsageError
+from .points import ChartedMethod, Point
 
 
 class Exact(list):
@@ -26,12 +24,13 @@ class Exact(list):
     coordinates = 0  # how many of the former
 
     @staticmethod
-    def of(state: dict[str, list]) -> Exact:
-        pairs = [*state["q"], *state["v"]]
-        if any(x is None for pair in pairs for x in pair):
+    def of(high: Iterable[float], low: Iterable[float], coordinates: int) -> Exact:
+        """Each number is the sum of two doubles."""
+        pairs = list(zip(high, low, strict=True))
+        if not all(math.isfinite(x) for pair in pairs for x in pair):
             raise NumericsFailed("a state is not finite")
-        exact = Exact(Fraction(high) + Fraction(low) for high, low in pairs)
-        exact.coordinates = len(state["q"])
+        exact = Exact(Fraction(float(x)) + Fraction(float(y)) for x, y in pairs)
+        exact.coordinates = coordinates
         return exact
 
 
@@ -41,59 +40,38 @@ def difference(one: Exact, other: Exact, scales: list[float]) -> float:
 
 
 class Program:
-    """One model in one precision, with settings that stay; a context manager."""
-
-    mode = "--chart"  # of the driver
+    """One model in one precision, with settings that stay."""
 
     def __init__(self, path: Path, settings: Settings):
-        self.path = path
+        self.library = load(path)
         self.settings = settings
 
-    def __enter__(self) -> Program:
-        self._scratch = scratch()
-        lines = self._scratch.__enter__() / "settings"
-        lines.write_text("\n".join(self.settings.lines()) + "\n", encoding="utf-8")
-        self._child = subprocess.Popen(
-            [self.path, self.mode, lines],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            **children.group(),
+    def run(self, method: str, setting: float, **more: object) -> Run:
+        """By a method at a step or rtol. Raises UsageError for wrong settings."""
+        fixed = METHODS[method].fixed or METHODS[method].exact
+        given = replace(self.settings, method=method, **more.pop("but", {}))
+        if fixed:
+            given = replace(given, step=setting)
+        else:
+            given = replace(given, step=None, rtol=setting, atol=None)
+        done = self.library.run(given, **more)
+        if done.code == USAGE and not done.report:
+            raise UsageError(done.messages.strip())
+        return done
+
+    @cached_property
+    def start(self) -> dict[str, list[float]]:
+        """Parameters and start as they are in memory."""
+        done = self.library.run(
+            replace(self.settings, method="rk4", step=self.settings.until), bare=1
         )
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if kind is not None:
-            self._child.kill()
-        with contextlib.suppress(BrokenPipeError):
-            self._child.communicate()
-        self._scratch.__exit__(None, None, None)
-
-    def ask(self, *words: object) -> dict:
-        assert self._child.stdin is not None and self._child.stdout is not None
-        said = [word.hex() if isinstance(word, float) else str(word) for word in words]
-        with contextlib.suppress(BrokenPipeError):
-            self._child.stdin.write(" ".join(said) + "\n")
-            self._child.stdin.flush()
-        line = self._child.stdout.readline()
-        if not line:
-            assert self._child.stderr is not None
-            message = self._child.stderr.read().strip()
-            code = self._child.wait()
-            if code == USAGE:
-                raise UsageError(message.removeprefix("run: "))
-            raise NumericsFailed(message or f"the driver ended with code {code}")
-        return json.loads(line)
+        if done.code == USAGE and not done.report:
+            raise UsageError(done.messages.strip())
+        return done.given()
 
     def given(self) -> Settings:
         """The settings with every parameter and start written out, as doubles."""
-        found = self.ask("given")
+        found = self.start
         return replace(
             self.settings,
             parameters=tuple(enumerate(map(float, found["parameters"]))),
@@ -101,9 +79,28 @@ class Program:
             start_v=tuple(enumerate(map(float, found["v"]))),
         )
 
+    @cached_property
+    def state(self) -> tuple[Shown, ...]:
+        """Columns of coordinates, rates and first-order variables."""
+        kinds = (("q", self.start["q"]), ("v", self.start["v"]))
+        return tuple(Shown(kind, i, "") for kind, xs in kinds for i in range(len(xs)))
+
+    def states(self, done: Run) -> tuple[list[float], list[Exact]]:
+        """Of a run that shows `state`: times, and the states there."""
+        high, low = done.rows(), done.rows(low=True)
+        n = len(self.start["q"])
+        exact = [Exact.of(x[1:], y[1:], n) for x, y in zip(high, low, strict=True)]
+        return [float(x[0]) for x in high], exact
+
+    def path(self, method: str, tolerance: float, count: int, cap: float) -> Run:
+        """`count` equal times on the way, by an adaptive method."""
+        until = self.settings.until
+        but = {"every": until / count, "show": self.state, "rows": "land"}
+        return self.run(method, tolerance, but=but, bare=1, cap=cap)
+
     def point(
         self,
-        method: Method,
+        method: ChartedMethod,
         setting: float,
         seconds: float,
         cap: float,
@@ -116,24 +113,28 @@ class Program:
             setting = self.settings.until / max(
                 1, math.ceil(self.settings.until / setting * (1 - 1e-12))
             )
-        found = self.ask("point", method.name, setting, seconds, cap)
-        error = None
+        but = {"every": None, "show": self.state}
+        done = self.run(method.name, setting, but=but, bare=1, cap=cap)
+        found, error, fastest = done.report, None, None
         if found["status"] == "PK_DONE" and not found["slow"]:
-            error = difference(Exact.of(found), exact, scales)
+            error = difference(self.states(done)[1][-1], exact, scales)
+            began = time.process_time()
+            fastest = done.laps(seconds)
+            found["processor"] += time.process_time() - began
         return Point(
             method=method.name,
             setting=setting,
             status=found["status"],
-            reason=found["reason"],
+            reason=found["reason"] if found["status"] != "PK_DONE" else "",
             slow=found["slow"],
             t=found["t"],
             error=error,
-            seconds=found["seconds"],
+            seconds=fastest,
             steps=found["steps"],
             rejections=found["rejections"],
             evaluations=found["evaluations"],
             jacobians=found["jacobians"],
             work=found["evaluations"] + len(exact) * found["jacobians"],
-            took=found["took"],
+            took=found["processor"],
             drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
         )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from ... import __version__
 from ...system import page
+from ...version import __version__
 from . import table
 from .chart import Chart
 from .text import HEADINGS, answer_rows, preamble

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
+from ...record import record
 from .chart import Chart
 from .labels import Label, place
 from .points import Point, Track
@@ -24,7 +24,7 @@ FAILED = "#8a3a10"
 UNITS = {"seconds": "time of one integration", "work": "evaluations (a Jacobian: 2n of them)"}
 
 
-@dataclass(frozen=True)
+@record
 class Style:
     colour: str
     marker: str | None
@@ -35,7 +35,7 @@ class Style:
 BEHIND = Style(PALE, None, False, False)
 
 
-@dataclass(frozen=True)
+@record
 class Curve:
     """A method's points, of which `measure` is drawn against the cost; `limit` is a step."""
 

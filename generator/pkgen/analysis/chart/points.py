@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from ...record import record
 
 LOST = 1.0  # an error as large as the motion itself
 AXES = ("seconds", "work")  # of cost
@@ -27,8 +29,8 @@ FAMILIES = (
 )
 
 
-@dataclass(frozen=True)
-class Method:
+@record
+class ChartedMethod:
     """`imaginary` and `real`: how far the method is stable on these axes (of h times the
     eigenvalue); infinite where there is no end, 0 where there is no beginning, None: not known."""
 
@@ -63,7 +65,7 @@ class Method:
         return SYMMETRIC if "symmetric" in self.flags else DISSIPATIVE
 
 
-@dataclass(frozen=True)
+@record
 class Point:
     """`error` and `seconds` are None where the integration did not arrive. `slow`: it was given
     up, which is no failure of the method."""
@@ -117,11 +119,11 @@ class Point:
         return self.seconds if axis == "seconds" else float(self.work)
 
 
-@dataclass(frozen=True)
+@record
 class Track:
     """A method's points, from loose to tight."""
 
-    method: Method
+    method: ChartedMethod
     points: tuple[Point, ...]
 
     @property

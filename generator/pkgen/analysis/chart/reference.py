@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import shutil
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...compiler import Compilation
-from ...run.build import build_program
+from ...record import record
+from ...run.build import build_library
 from ...run.settings import Settings
 from ...system.exits import NumericsFailed, UsageError
 from ...system.toolchain import BuildError, Toolchain, find_toolchain
@@ -34,7 +35,7 @@ TYPES = {
 }
 
 
-@dataclass(frozen=True)
+@record
 class Reference:
     """The state at `until`; `error` is its own, `holds` until when that is below MUST_AGREE."""
 
@@ -81,12 +82,13 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
     for scalar in TYPES:
         for tools in precise_tools(scalar):
             try:
-                program = build_program(compilation.files, compilation.model.name, tools=tools)
+                program = build_library(compilation.files, compilation.model.name, tools=tools)
             except BuildError as error:
                 refusal = error
                 continue
-            with Program(program, settings) as running:
-                return _agree(running, scalar, compilation.structure.smooth_in_pieces)
+            return _agree(
+                Program(program, settings), scalar, compilation.structure.smooth_in_pieces
+            )
     assert refusal is not None
     raise refusal
 
@@ -126,7 +128,8 @@ def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
 
 
 def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[float, Exact]], int]:
-    found = program.ask("path", method, tolerance, TIMES, SLOWEST)
+    done = program.path(method, tolerance, TIMES, SLOWEST)
+    found = done.report
     if found["status"] != "PK_DONE":
         raise NumericsFailed(
             f"the reference ends early: {found['reason']}; give an --until before that"
@@ -135,8 +138,7 @@ def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[f
         raise NumericsFailed(
             f"the reference came to t = {found['t']:.3g} in {SLOWEST:g} s; take a shorter --until"
         )
-    states = [(state["t"], Exact.of(state)) for state in found["states"]]
-    return states, found["steps"]
+    return list(zip(*program.states(done), strict=True)), found["steps"]
 
 
 def _at_rest(states: list[Exact]) -> bool:

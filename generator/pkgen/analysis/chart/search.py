@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
-from .points import AXES, Method, Point, Track
+from .points import AXES, ChartedMethod, Point, Track
 from .sweep import TIGHTEST, Bench
 
 FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # of a step; of a tolerance
@@ -106,7 +106,7 @@ class Search:
         paces = [p.seconds / p.work for p in self.points[point.method] if p.seconds and p.work]
         return min(_cost(point, "seconds"), point.work * min(paces, default=math.inf))
 
-    def _close_in(self, method: Method, accuracy: float, axis: str) -> None:
+    def _close_in(self, method: ChartedMethod, accuracy: float, axis: str) -> None:
         for _ in range(TRIALS):
             found = self._bracket(method, accuracy, True)
             best = self.cheapest(accuracy, axis)
@@ -120,7 +120,7 @@ class Search:
                 return
 
     def _looser(
-        self, method: Method, tight: Point, accuracy: float, best: float, axis: str
+        self, method: ChartedMethod, tight: Point, accuracy: float, best: float, axis: str
     ) -> bool:
         """Whether one that is looser still keeps the accuracy, past some that do not: errors of
         long steps need not grow with the step."""
@@ -150,7 +150,9 @@ class Search:
         able = sorted(falling, key=lambda x: x[0])[:FOREMOST]
         return any([self._measure(method, setting) for _, method, setting in able])
 
-    def _bracket(self, method: Method, accuracy: float, judged: bool) -> tuple[Point, Point] | None:
+    def _bracket(
+        self, method: ChartedMethod, accuracy: float, judged: bool
+    ) -> tuple[Point, Point] | None:
         """The loosest point that keeps the accuracy, and before it the one that does not: itself,
         where there is none."""
         points = [p for p in self.points[method.name] if not p.slow]
@@ -159,7 +161,7 @@ class Search:
                 return points[max(k - 1, 0)], p
         return None
 
-    def _between(self, method: Method, loose: Point, tight: Point, accuracy: float) -> float:
+    def _between(self, method: ChartedMethod, loose: Point, tight: Point, accuracy: float) -> float:
         share = 0.5
         if loose.good and loose.error and tight.error and loose.error > accuracy > tight.error:
             aim = max(AIM * accuracy, math.sqrt(accuracy * tight.error))
@@ -168,7 +170,7 @@ class Search:
         setting = loose.setting * (tight.setting / loose.setting) ** share
         return self._whole(setting) if method.fixed else _two_digits(setting)
 
-    def _finer(self, method: Method, setting: float) -> Iterator[float]:
+    def _finer(self, method: ChartedMethod, setting: float) -> Iterator[float]:
         until = self.bench.until
         for k, part in enumerate(FINER[method.fixed], 1):
             if not method.fixed:
@@ -181,7 +183,7 @@ class Search:
         """A step of which a whole number makes the time to go."""
         return self.bench.until / math.ceil(self.bench.until / step * (1 - ROUNDING))
 
-    def _within(self, method: Method, low: float, high: float) -> list[Point]:
+    def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
         """What tells of them, from loose to tight: low <= setting < high."""
         return [
             p
@@ -190,7 +192,7 @@ class Search:
             and not (p.slow or p.refused)
         ]
 
-    def _measure(self, method: Method, setting: float, again: bool = False) -> Point | None:
+    def _measure(self, method: ChartedMethod, setting: float, again: bool = False) -> Point | None:
         """None if there is nothing to measure: it is known, or the time is up."""
         known = self.points[method.name]
         old = next((p for p in known if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
@@ -223,7 +225,7 @@ def _cost(point: Point | None, axis: str) -> float:
     return math.inf if cost is None else cost
 
 
-def _least(method: Method, bracket: tuple[Point, Point], axis: str) -> float:
+def _least(method: ChartedMethod, bracket: tuple[Point, Point], axis: str) -> float:
     """What a setting between the two costs at least."""
     loose, tight = bracket
     foreseen = _cost(tight, axis) * tight.setting / loose.setting if method.fixed else 0.0

@@ -15,10 +15,10 @@ is fastest. Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equat
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ...record import record
 from .measure import Program
-from .points import Method
+from .points import ChartedMethod
 
 TIMES = 200
 TOLERANCE = 1e-8
@@ -26,7 +26,7 @@ SLOWEST = 10.0  # seconds
 DAMPED = 1e-6  # an eigenvalue with a smaller imaginary part, relative to its size, is real
 
 
-@dataclass(frozen=True)
+@record
 class Spectrum:
     """Of the motion up to `until`; rates per unit of time, 0 where there are none."""
 
@@ -38,7 +38,7 @@ class Spectrum:
     def fastest(self) -> float:
         return max(self.omega, self.rho) or 1.0 / self.until
 
-    def limit(self, method: Method) -> float | None:
+    def limit(self, method: ChartedMethod) -> float | None:
         """The step at which a fixed-step method stops being stable; None: none, or not known."""
         if not method.fixed:
             return None
@@ -64,15 +64,19 @@ def find(program: Program, method: str, until: float, dissipative: bool) -> Spec
     """Along the motion as `method`, an adaptive one, makes it."""
     import numpy
 
-    found = program.ask("jacobians", method, TOLERANCE, TIMES, SLOWEST)
+    done = program.path(method, TOLERANCE, TIMES, SLOWEST)
+    rows = done.rows()
+    t, q, v = (
+        rows[:, 0],
+        rows[:, 1 : 1 + len(program.start["q"])],
+        rows[:, 1 + len(program.start["q"]) :],
+    )
+    n = v.shape[1]
     omega = rho = 0.0
-    for state in found["states"]:
-        if "a_q" not in state or None in (*state["a_q"], *state["a_v"]):
+    for a in done.evaluate("jacobian", t, q, v).reshape(-1, 2, n, n):
+        if not numpy.isfinite(a).all():
             continue
-        n = len(state["v"])
-        a_q = numpy.array(state["a_q"]).reshape(n, n)
-        a_v = numpy.array(state["a_v"]).reshape(n, n)
-        jacobian = numpy.block([[numpy.zeros((n, n)), numpy.eye(n)], [a_q, a_v]])
+        jacobian = numpy.block([[numpy.zeros((n, n)), numpy.eye(n)], [a[0], a[1]]])
         for value in numpy.linalg.eigvals(jacobian):
             if abs(value.imag) > DAMPED * abs(value):
                 omega = max(omega, abs(float(value.imag)))

@@ -4,11 +4,11 @@ error is round-off, or the next point would take more than its share of the time
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ...record import record
 from ...system.progress import Show
 from .measure import Exact, Program
-from .points import Method, Point, Track
+from .points import ChartedMethod, Point, Track
 from .spectrum import Spectrum
 
 SWEPT = 2 / 3  # of the time to measure; what is left is the answers' (search.py)
@@ -22,7 +22,7 @@ ROUND_OFF = 3e-16
 EASED = 1e-8  # below it an error that no longer falls has met round-off
 
 
-@dataclass(frozen=True)
+@record
 class Effort:
     """How long to measure."""
 
@@ -39,7 +39,7 @@ class Effort:
         )
 
 
-@dataclass(frozen=True)
+@record
 class Bench:
     """What points are measured against."""
 
@@ -50,7 +50,9 @@ class Bench:
     until: float
     effort: Effort
 
-    def point(self, method: Method, setting: float, cap: float, lap: float = math.inf) -> Point:
+    def point(
+        self, method: ChartedMethod, setting: float, cap: float, lap: float = math.inf
+    ) -> Point:
         lap = min(lap, self.effort.lap_seconds)
         return self.program.point(method, setting, lap, cap, self.exact, self.scales)
 
@@ -60,7 +62,7 @@ class Steps:
     an oscillation has few steps) on; the next so much finer that the error falls by its share of
     DECADES, as far as the last two errors tell."""
 
-    def __init__(self, method: Method, spectrum: Spectrum, count: int):
+    def __init__(self, method: ChartedMethod, spectrum: Spectrum, count: int):
         limit = spectrum.limit(method)
         self.order = max(1, method.order)
         first = PAST_LIMIT * limit if limit else max(LONGEST, self.order) / spectrum.fastest
@@ -96,7 +98,7 @@ class Tolerances:
 
 def measure(
     bench: Bench,
-    methods: list[Method],
+    methods: list[ChartedMethod],
     spectrum: Spectrum,
     on_progress: Show,
 ) -> list[Track]:
@@ -112,7 +114,7 @@ def measure(
     return tracks
 
 
-def _sweep(bench: Bench, method: Method, spectrum: Spectrum, share: float) -> list[Point]:
+def _sweep(bench: Bench, method: ChartedMethod, spectrum: Spectrum, share: float) -> list[Point]:
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
     left, points = share, []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 
-from .points import Method, Point, Track
+from .points import ChartedMethod, Point, Track
 
 COLUMNS = (
     "method",
@@ -27,7 +27,7 @@ COLUMNS = (
 )
 
 
-def record(method: Method, point: Point) -> dict[str, object]:
+def record(method: ChartedMethod, point: Point) -> dict[str, object]:
     """A point by columns; None where there is nothing to say."""
     return {
         "method": method.name,

@@ -6,7 +6,7 @@ candidates  the methods that are tried, a table
 search      the loosest setting of one that keeps the accuracy
 race        the candidates at these settings, and the cheapest of them
 whole       that one over a scene of which a part was tried
-choose      all of it, of what is `Asked`, to a Choice
+choose      all of it, of what is `Task`, to a Choice
 prepared    the program by which choices are made
 sample      the members of an ensemble that are tried
 parts       the Choice for a scene, or one for each block of coordinates that is integrated apart
@@ -15,6 +15,6 @@ report      what is said of it
 
 from .choice import Choice
 from .parts import chosen, with_choices
-from .report import NOT_PROMISED, lines, record
+from .report import lines, record
 
-__all__ = ["NOT_PROMISED", "Choice", "chosen", "lines", "record", "with_choices"]
+__all__ = ["Choice", "chosen", "lines", "record", "with_choices"]

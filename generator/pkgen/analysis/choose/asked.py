@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...record import record
 from .candidates import Candidate
 from .trials import Trials
 
 STEPS = 1000  # at least, of what is to be exact, where the equations have the time in them
 
 
-@dataclass(frozen=True)
-class Asked:
+@record
+class Task:
     trials: Trials
     able: tuple[Candidate, ...]  # what may be chosen
     exact: tuple[str, ...]  # methods whose tightest runs may be exact, in turns until one arrives

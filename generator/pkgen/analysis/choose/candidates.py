@@ -8,16 +8,16 @@ trial. The first of two that cost the same is chosen, so simpler ones come first
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from ...methods import provides
+from ...record import record
 from ..chart.chart import methods as all_methods
-from ..chart.points import Method
+from ..chart.points import ChartedMethod
 from .trials import DENSE, LAND
 
 
-@dataclass(frozen=True)
-class Line:
+@record
+class CandidateRow:
     """`if_` and `if_not`: facts of a system, see enum pk_fact."""
 
     method: str
@@ -30,29 +30,29 @@ class Line:
 KEEPS = "separable: its energy does not drift"
 STIFF = "dissipative: where that is stiff, steps need not follow it"
 TABLE = (
-    Line("exponential", LAND, "the equations are linear: each step is exact"),
-    Line("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
-    Line("dop853", LAND, "loose accuracies, and motions with kinks"),
-    Line("dop853", DENSE, "rows closer than its steps"),
-    Line("dopri5", DENSE, "rows closer than its steps, loose accuracies"),
-    Line("dopri5", LAND, "loose accuracies"),
-    Line("gauss", DENSE, "rows closer than its steps"),
-    Line("rk4", LAND, "rows as close as its steps"),
-    Line("mclachlan4", LAND, KEEPS),
-    Line("blanes_moan4", LAND, KEEPS),
-    Line("blanes_moan6", LAND, KEEPS),
-    Line("kahan_li8", LAND, KEEPS),
-    Line("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
-    Line("gauss2", LAND, STIFF, if_not=("variational",)),
-    Line("gauss4", LAND, STIFF, if_not=("variational",)),
-    Line("radau5", LAND, STIFF, if_not=("variational",)),
-    Line("radau", LAND, STIFF, if_not=("variational",)),
+    CandidateRow("exponential", LAND, "the equations are linear: each step is exact"),
+    CandidateRow("gauss", LAND, "smooth: its error falls with the 16th power of the step"),
+    CandidateRow("dop853", LAND, "loose accuracies, and motions with kinks"),
+    CandidateRow("dop853", DENSE, "rows closer than its steps"),
+    CandidateRow("dopri5", DENSE, "rows closer than its steps, loose accuracies"),
+    CandidateRow("dopri5", LAND, "loose accuracies"),
+    CandidateRow("gauss", DENSE, "rows closer than its steps"),
+    CandidateRow("rk4", LAND, "rows as close as its steps"),
+    CandidateRow("mclachlan4", LAND, KEEPS),
+    CandidateRow("blanes_moan4", LAND, KEEPS),
+    CandidateRow("blanes_moan6", LAND, KEEPS),
+    CandidateRow("kahan_li8", LAND, KEEPS),
+    CandidateRow("gauss8", LAND, "Newton's iteration where that of gauss would shorten steps"),
+    CandidateRow("gauss2", LAND, STIFF, if_not=("variational",)),
+    CandidateRow("gauss4", LAND, STIFF, if_not=("variational",)),
+    CandidateRow("radau5", LAND, STIFF, if_not=("variational",)),
+    CandidateRow("radau", LAND, STIFF, if_not=("variational",)),
 )
 
 
-@dataclass(frozen=True)
+@record
 class Candidate:
-    method: Method
+    method: ChartedMethod
     rows: str
     why: str
 
@@ -65,7 +65,7 @@ class Candidate:
         return f"{self.name} {self.rows}"
 
 
-def candidates(structure: object, methods: Iterable[Method]) -> list[Candidate]:
+def candidates(structure: object, methods: Iterable[ChartedMethod]) -> list[Candidate]:
     """Those that apply to a system of these facts."""
     known = {m.name: m for m in methods}
     return [
@@ -80,7 +80,7 @@ def alone(name: str) -> Candidate:
     return Candidate(all_methods([name])[0], LAND, "the reference itself")
 
 
-def _applies(line: Line, method: Method, structure: object) -> bool:
+def _applies(line: CandidateRow, method: ChartedMethod, structure: object) -> bool:
     facts = (*line.if_, *(fact.replace(" ", "_") for fact in method.requires))
     return all(provides(structure, fact) for fact in facts) and not any(
         getattr(structure, fact, False) for fact in line.if_not

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from ...record import record
 from ...run.settings import PartSettings, Settings
 from .reference import Check
 from .search import Found
 
 
-@dataclass(frozen=True)
+@record
 class GivenUp:
     """A trial of a whole scene: how far it came in how many seconds, and where it would end."""
 
@@ -18,7 +19,7 @@ class GivenUp:
     until: float
 
 
-@dataclass(frozen=True)
+@record
 class Choice:
     """`expected` is the error of this very run beside a tighter one."""
 

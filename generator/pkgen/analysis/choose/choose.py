@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from . import reference
-from .asked import Asked
+from .asked import Task
 from .candidates import alone
 from .choice import Choice
 from .race import Race
@@ -28,7 +28,7 @@ from .whole import SECONDS, Kept, TooLong, Whole
 REFERENCE_SECONDS = 0.03  # that the reference may take; else a part of the scene is tried
 
 
-def choose(asked: Asked, whole_seconds: float = SECONDS) -> Choice:
+def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
     """Trials of a whole scene may take so many seconds each."""
     check = reference.find(asked, REFERENCE_SECONDS)
     if check.ends or check.floor > FLOOR * asked.accuracy:
@@ -56,7 +56,7 @@ def choose(asked: Asked, whole_seconds: float = SECONDS) -> Choice:
     return _choice(asked, check, made, found)
 
 
-def _reference(asked: Asked, check: Check, found: Sequence[Found]) -> Choice:
+def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
     """No other run keeps it: the reference itself, and until when two of them agree."""
     seconds = math.inf if check.ends else check.exact.seconds * asked.until / check.span
     trial = replace(check.exact, error=check.floor, seconds=seconds)
@@ -64,7 +64,7 @@ def _reference(asked: Asked, check: Check, found: Sequence[Found]) -> Choice:
     return _choice(asked, check, Kept(alone(check.method), trial, horizon), found)
 
 
-def _choice(asked: Asked, check: Check, kept: Kept, found: Sequence[Found]) -> Choice:
+def _choice(asked: Task, check: Check, kept: Kept, found: Sequence[Found]) -> Choice:
     candidate, trial = kept.candidate, kept.trial
     return Choice(
         accuracy=asked.accuracy,

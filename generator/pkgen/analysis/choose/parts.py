@@ -20,9 +20,7 @@ from .sample import of_members
 def chosen(
     compilation: Compilation, settings: Settings, ensemble: Ensemble | None
 ) -> tuple[Choice, ...]:
-    """The choice for a scene, one for each part, or none where nothing is promised."""
-    if settings.accuracy is None:
-        return ()
+    """The choice for a scene, or one for each part."""
     if compilation.parts:
         return tuple(_of_part(compilation, part, settings) for part in compilation.parts)
     return (_of_all(compilation, settings, ensemble),)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-from ...run.build import build_program
+from ...record import record
+from ...run.build import build_library
 from ...run.settings import Settings
 from ..chart.chart import methods as all_methods
 from . import reference
-from .asked import Asked
+from .asked import Task
 from .candidates import Candidate, candidates
 from .choice import Choice
 from .choose import choose
 from .trials import LAND, Trials
 
 
-@dataclass(frozen=True)
+@record
 class Prepared:
     program: Path
     methods: tuple[str, ...]  # that are fastest in it
@@ -35,7 +36,7 @@ class Prepared:
         began = time.perf_counter()
         able = candidates(structure, all_methods(None))  # of the runtime, which is compiled first
         methods = tuple(dict.fromkeys(c.name for c in able))
-        program = build_program(files, name, *methods)
+        program = build_library(files, name, *methods)
         return Prepared(
             program,
             methods,
@@ -50,7 +51,6 @@ class Prepared:
         return replace(self, able=tuple(c for c in self.able if c.name == method))
 
     def choose(self, settings: Settings, accuracy: float) -> Choice:
-        with Trials(self.program, settings) as trials:
-            asked = Asked(trials, self.able, self.exact, self.damped, accuracy, self.timed)
-            found = choose(asked)
+        trials = Trials(self.program, settings)
+        found = choose(Task(trials, self.able, self.exact, self.damped, accuracy, self.timed))
         return replace(found, compile_seconds=self.seconds)

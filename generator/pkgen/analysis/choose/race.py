@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 from . import search
-from .asked import Asked
+from .asked import Task
 from .candidates import Candidate
 from .reference import Check
 from .search import Found
@@ -21,7 +21,7 @@ TIE = 1.05
 LAPS = 0.002  # seconds
 
 
-def growth(asked: Asked, check: Check, steady: bool) -> float:
+def growth(asked: Task, check: Check, steady: bool) -> float:
     """Of errors, from the span of the trials to the end: linearly where the method keeps the
     energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or where the
     motion is damped; else with the square."""
@@ -30,7 +30,7 @@ def growth(asked: Asked, check: Check, steady: bool) -> float:
 
 
 class Race:
-    def __init__(self, asked: Asked, check: Check):
+    def __init__(self, asked: Task, check: Check):
         self.asked, self.check = asked, check
         self.best = math.inf
 

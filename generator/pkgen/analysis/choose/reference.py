@@ -9,9 +9,8 @@ Linear equations have an exact flow: there the two runs are of one step a row, a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from .asked import Asked
+from ...record import record
+from .asked import Task
 from .trials import LAND, Trial
 
 EXACT = "exponential"
@@ -27,7 +26,7 @@ WRONG = 1e3  # times that two runs of one method differ, another method must not
 # nor by so many times its own tolerance
 
 
-@dataclass(frozen=True)
+@record
 class Check:
     """A reference up to `span`, the run `exact`. `floor` is its own error, `holds` until when two
     runs agreed to FLOOR of the accuracy."""
@@ -56,7 +55,7 @@ def loose(method: str, every: float) -> float:
     return every / 2 if method == EXACT else TOLERANCES.get(method, USUAL)[1]
 
 
-def other_steps(asked: Asked) -> float | None:
+def other_steps(asked: Task) -> float | None:
     """Of a run beside: two whose steps end at the same times leap over the same."""
     return asked.max_step and OTHER * asked.max_step
 
@@ -71,7 +70,7 @@ def methods(structure: object, events: bool) -> tuple[str, ...]:
 
 
 class _Finder:
-    def __init__(self, asked: Asked):
+    def __init__(self, asked: Task):
         self.asked, self.trials = asked, asked.trials
         self.span, self.interval = asked.until, 0.0
 
@@ -121,7 +120,7 @@ class _Finder:
         return trial
 
 
-def find(asked: Asked, cap: float) -> Check:
+def find(asked: Task, cap: float) -> Check:
     """Over the whole duration, or as far as `cap` seconds reach; exact rows stay in the trials."""
     finder = _Finder(asked)
     exact = finder.farthest(cap)

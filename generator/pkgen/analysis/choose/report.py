@@ -9,9 +9,6 @@ from .reference import EXACT
 from .search import Found
 
 SHOWN = 0.1  # seconds of compiling, of which is said
-NOT_PROMISED = (
-    "the scene's accuracy is not promised: --method, --step, --rtol or --atol choose in its place"
-)
 
 
 def lines(choice: Choice, time: str, brief: bool) -> list[str]:

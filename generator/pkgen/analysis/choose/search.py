@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ..chart.points import Method
+from ..chart.points import ChartedMethod
 from .candidates import Candidate
 from .trials import Trial
 
@@ -122,7 +122,7 @@ def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
 class _Steps:
     """Whole parts of the time between rows."""
 
-    def __init__(self, interval: float, method: Method):
+    def __init__(self, interval: float, method: ChartedMethod):
         self.interval = interval
         self.other = SHORTENED if "implicit" in method.flags else None
 
@@ -158,7 +158,7 @@ class _Steps:
 class _Tolerances:
     other: float | None = LOOSENED
 
-    def __init__(self, method: Method):
+    def __init__(self, method: ChartedMethod):
         self.order, self.implicit = max(method.order, 1), "implicit" in method.flags
 
     def allowed(self, setting: float) -> float:

@@ -1,18 +1,22 @@
-"""Runs of one scene, made and measured by the driver (runtime/run/choose.c)."""
+"""Runs of one scene, and how far their rows are from those of an exact one."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+import numpy
+
+from ...record import record
+from ...run.library import Run
+from ...run.settings import Settings
 from ..chart.measure import Program
 
 LAND, DENSE = "land", "dense"
 
 
-@dataclass(frozen=True)
+@record
 class Trial:
     """One method at one setting. `error` is relative to each column's largest magnitude, infinite
     where there is none."""
@@ -42,12 +46,81 @@ class Trial:
         return not self.able
 
 
-class Trials(Program):
-    """A context manager."""
+@record
+class Rows:
+    """Kept rows; `low` is what `x` lacks of more digits."""
 
-    mode = "--choose"
-    spent = 0.0  # seconds of the processor, for all so far
-    without = False  # the exact rows are the start and the end: there were no crossings to be at
+    t: numpy.ndarray
+    x: numpy.ndarray  # a row each
+    low: numpy.ndarray
+    by_number: bool  # they are at crossings, whose times differ: the third is the third
+    without: bool = False  # there were none: the start and the end are in their place
+
+    @property
+    def scales(self) -> numpy.ndarray:
+        """The largest magnitude of each column."""
+        return abs(self.x).max(axis=0, initial=0.0)
+
+    def found_in(self, tried: Rows) -> numpy.ndarray:
+        """For each row the one of `tried` that is it; -1 where that is missing. Rows by time are at
+        the same doubles but for the last one, which may be at an event."""
+        count, theirs = len(self.t), len(tried.t)
+        if self.by_number:
+            at = numpy.arange(count)
+            at[at >= theirs] = -1
+            if count and theirs != count:
+                at[-1] = -1
+            return at
+        at = numpy.searchsorted(tried.t, self.t)
+        missing = at >= theirs
+        missing[~missing] = tried.t[at[~missing]] != self.t[~missing]
+        if count and missing[-1] and theirs and at[-1] >= theirs - 1:
+            at[-1], missing[-1] = theirs - 1, False
+        return numpy.where(missing, -1, at)
+
+    def compare(
+        self, tried: Rows, accuracy: float, ignored: set[int]
+    ) -> tuple[tuple[float, ...], float, float]:
+        """The largest error of each column of `tried`, relative to its scale here; the largest of
+        those that count; until when none of these was beyond the accuracy."""
+        at = self.found_in(tried)
+        there = at >= 0
+        errors = numpy.full(self.x.shape, math.inf)
+        off = abs(tried.x[at[there]] - self.x[there] + (tried.low[at[there]] - self.low[there]))
+        with numpy.errstate(divide="ignore", invalid="ignore"):
+            relative = numpy.where(off == 0, 0.0, off / self.scales)
+        errors[there] = numpy.where(relative < math.inf, relative, math.inf)
+        kept = [i for i in range(self.x.shape[1]) if i not in ignored]
+        row = errors[:, kept].max(axis=1, initial=0.0)
+        row[~there] = math.inf
+        if len(self.t) and self.t[-1] > 0:  # the time of an event is known to errors
+            row[there] = numpy.maximum(
+                row[there], abs(tried.t[at[there]] - self.t[there]) / self.t[-1]
+            )
+        beyond = numpy.flatnonzero(~(row <= accuracy))
+        held = len(row) if not len(beyond) else beyond[0]
+        holds = float(self.t[held - 1]) if held else 0.0
+        return (
+            tuple(map(float, errors.max(axis=0, initial=0.0))),
+            float(row.max(initial=0.0)),
+            holds,
+        )
+
+
+class Trials(Program):
+    """Runs of one scene, with its rows."""
+
+    def __init__(self, path: Path, settings: Settings):
+        super().__init__(path, settings)
+        self.spent = 0.0  # seconds of the processor, for all so far
+        self.exact: Rows | None = None
+        self.ignored: set[int] = set()  # columns of rows
+        self._last: Rows | None = None
+
+    @property
+    def without(self) -> bool:
+        """The exact rows are the start and the end: there were no crossings to be at."""
+        return self.exact is not None and self.exact.without
 
     def attempt(
         self,
@@ -64,52 +137,67 @@ class Trials(Program):
     ) -> Trial:
         """One run up to `span`, and laps of it for so many seconds; `cap` 0: never given up;
         `every` 0: rows as in the scene."""
-        found = self.ask(
-            "try", method, setting, rows, span, laps, cap, accuracy, every, max_step or 0.0
-        )
-        self.spent += found["took"]
-        arrived = found["arrived"]
+        bounds = [x for x in (max_step, self.settings.max_step) if x]
+        but = {"until": span, "rows": rows, "diagnose": (), "max_step": min(bounds, default=None)}
+        but["every"] = every or self.settings.every
+
+        def once(cap: float = 0.0) -> Run:
+            return self.run(method, setting, but=but, compared=1, cap=cap)
+
+        done = once(cap)
+        found = done.report
+        able = bool(found.get("begun"))
+        status = found.get("status", "PK_REFUSED")
+        arrived = able and found["code"] >= 0 and not found["slow"]
+        fastest = took = found.get("processor", 0.0)
+        self._last = self._rows(done)
+        columns, error, holds = (), math.inf, 0.0
+        if self.exact is not None and able:
+            columns, error, holds = self.exact.compare(self._last, accuracy, self.ignored)
+        elif self.exact is not None:
+            columns = (math.inf,) * self.exact.x.shape[1]
+        while arrived and took < laps:
+            again = once().report["processor"]
+            took += again
+            fastest = min(fastest, again)
+        self.spent += took
+        failed = found.get("reason", "") if found.get("code", 0) < 0 else ""
         return Trial(
             method=method,
             rows=rows,
-            setting=_number(found["setting"]),
-            able=found["able"],
-            status=found["status"],
-            reason=found["reason"] or ("" if found["able"] else "does not apply"),
+            setting=found.get("step") or found.get("rtol", setting),
+            able=able,
+            status=status,
+            reason=failed or ("" if able else "does not apply"),
             arrived=arrived,
-            slow=found["slow"],
-            t=_number(found["t"]),
-            seconds=found["seconds"] if arrived else math.inf,
-            took=found["took"],
-            steps=found["steps"],
-            evaluations=found["evaluations"],
-            held=found["held"],
-            compared=found.get("compared", 0),
-            error=_number(found.get("error")) if arrived else math.inf,
-            holds=_number(found.get("holds", 0.0)),
+            slow=bool(found.get("slow")),
+            t=_number(found.get("t", 0.0)),
+            seconds=fastest if arrived else math.inf,
+            took=took,
+            steps=found.get("steps", 0),
+            evaluations=found.get("evaluations", 0),
+            held=found.get("held", 0),
+            compared=0 if self.exact is None else len(self.exact.t),
+            error=error if arrived else math.inf,
+            holds=holds,
             max_step=max_step,
-            columns=_numbers(found.get("columns", ())),
+            columns=columns,
         )
+
+    def _rows(self, done: Run) -> Rows:
+        high, low = done.rows(), done.rows(low=True)
+        at = self.settings.at is not None
+        without = at and done.report.get("rows") == 0
+        return Rows(high[:, 0], high[:, 1:], low[:, 1:], at, without)
 
     def keep_as_exact(self) -> tuple[float, ...]:
         """The rows of the last run; the largest magnitude of each column."""
-        found = self.ask("exact")
-        self.without = found["without"]
-        return _numbers(found["scales"])
+        self.exact = self._last
+        return tuple(map(float, self.exact.scales))
 
     def ignore(self, column: int) -> None:
-        self.ask("ignore", column)
-
-    def save(self, path: Path) -> None:
-        self.ask("save", path)
-
-    def load(self, path: Path) -> None:
-        self.ask("load", path)
+        self.ignored.add(column)
 
 
 def _number(x: float | None) -> float:
     return math.inf if x is None else float(x)
-
-
-def _numbers(xs: Iterable[float | None]) -> tuple[float, ...]:
-    return tuple(map(_number, xs))

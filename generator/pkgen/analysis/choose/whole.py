@@ -3,10 +3,9 @@ until it is kept. Where even the tightest runs differ by too much, until when th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...record import record
 from . import reference, search
-from .asked import Asked
+from .asked import Task
 from .candidates import Candidate, alone
 from .choice import GivenUp
 from .race import MARGIN, growth
@@ -19,7 +18,7 @@ TIGHTER = 0.03  # of the accuracy: the error of what a choice is compared with
 MENDED = 4  # times that the setting is mended
 
 
-@dataclass(frozen=True)
+@record
 class Kept:
     """`trial` keeps the accuracy, up to the `horizon` if there is one."""
 
@@ -38,7 +37,7 @@ class TooLong(Exception):
 class Whole:
     """Its methods raise TooLong where a trial takes more than so many `seconds`."""
 
-    def __init__(self, asked: Asked, check: Check, seconds: float):
+    def __init__(self, asked: Task, check: Check, seconds: float):
         self.asked, self.check, self.seconds = asked, check, seconds
 
     def verified(self, best: Found | None, found: list[Found]) -> Kept:

@@ -1,26 +1,21 @@
-"""Questions to the program built for a model, and its answers as data; see
-runtime/run/stability.h for the questions."""
+"""Questions about a compiled model (pk/stability.h), and its answers as data."""
 
 from __future__ import annotations
 
-import json
 import math
-import subprocess
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
+from ...record import record
+from ...run.library import Stability, load
 from ...run.settings import Settings
-from ...system import children
-from ...system.exits import USAGE, NumericsFailed, UsageError
-from ...system.files import scratch
 
 ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
 UNDECIDED = "not decided by the linear terms"
 TRIES = 100  # starts from which equilibria are sought
 
 
-@dataclass(frozen=True)
+@record
 class Mode:
     """exp(lambda t) with lambda = growth + i frequency; the shape's real and imaginary parts."""
 
@@ -35,7 +30,7 @@ class Mode:
         return (self.growth**2 + self.frequency**2) ** 0.5
 
 
-@dataclass(frozen=True)
+@record
 class Equilibrium:
     q: tuple[float, ...]
     v: tuple[float, ...]
@@ -70,7 +65,7 @@ class Equilibrium:
         return [k for k, m in enumerate(self.modes) if m.frequency > 0 and m.growth <= 0]
 
 
-@dataclass(frozen=True)
+@record
 class Rest:
     """What was found of equilibria."""
 
@@ -87,7 +82,7 @@ class Rest:
         return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q
 
 
-@dataclass(frozen=True)
+@record
 class Motion:
     """The motion itself: how far it goes, its first energy, the range of v.p, how it began."""
 
@@ -106,7 +101,7 @@ class Motion:
         return self.status == "PK_DONE" and not self.leaves
 
 
-@dataclass(frozen=True)
+@record
 class Point:
     """What becomes of the motion by a method at a step; rise and away in units of its scale."""
 
@@ -119,7 +114,7 @@ class Point:
     away: float | None
 
 
-@dataclass(frozen=True)
+@record
 class Close:
     """How a motion went that began close to an equilibrium."""
 
@@ -130,56 +125,44 @@ class Close:
 
 
 class Asker:
-    """Asks one program about one model; `settings` are those of a run."""
+    """Asks about one model; `settings` are those of a run."""
 
     def __init__(self, program: Path, settings: Settings):
         self.program, self.settings = program, settings
+        self._stability = Stability(load(program), settings)
 
     def with_settings(self, settings: Settings) -> Asker:
         return Asker(self.program, settings)
 
-    def ask(self, questions: Iterable[str]) -> list[dict]:
-        """An answer a question, in their order."""
-        asked = list(questions)
-        with scratch() as folder:
-            (folder / "questions").write_text("\n".join(asked) + "\n", encoding="utf-8")
-            done = subprocess.run(
-                [self.program, "--stability", folder / "questions"],
-                input="\n".join(self.settings.lines()) + "\n",
-                capture_output=True,
-                text=True,
-                **children.group(),
-            )
-        if done.returncode == USAGE:
-            raise UsageError(done.stderr.strip().removeprefix("run: "))
-        if done.returncode != 0:
-            raise NumericsFailed(done.stderr.strip() or f"ended by signal {-done.returncode}")
-        answers = [json.loads(line) for line in done.stdout.splitlines()]
-        if len(answers) != len(asked):
-            raise NumericsFailed(f"{len(answers)} answers to {len(asked)} questions")
-        return answers
+    def check(self) -> None:
+        """Raises UsageError where the settings are wrong."""
+        self.ask("start")
+
+    def ask(self, what: str, **question: object) -> dict:
+        return self._stability.ask(what, **question)
 
     def rest(self, tries: int = TRIES) -> Rest:
-        return rest(self.ask([f"equilibria {tries}"])[0])
+        return rest(self.ask("equilibria", count=tries))
 
     def start(self) -> Motion:
         """None of it yet: where it begins."""
-        return motion(self.ask(["start"])[0])
+        return motion(self.ask("start"))
 
     def motion(self) -> Motion:
-        return motion(self.ask(["motion"])[0])
+        return motion(self.ask("motion"))
+
+    def point(self, method: str, h: float) -> Point:
+        return point(self.ask("point", method=method, h=h))
 
     def at(self, place: Equilibrium) -> Asker:
         """Asks from there."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
         return self.with_settings(replace(self.settings, start_q=q, start_v=v))
 
-    def near(self, questions: Iterable[str]) -> list[Close]:
-        """Answers to `near` questions, without the word, from at() an equilibrium."""
-        return [
-            Close(a["status"], a["steps"], _number(a["growth"]), a["turn"] or 0.0)
-            for a in self.ask(f"near {q}" for q in questions)
-        ]
+    def near(self, **question: object) -> Close:
+        """From at() an equilibrium."""
+        a = self.ask("near", **question)
+        return Close(a["status"], a["steps"], _number(a["growth"]), a["turn"] or 0.0)
 
 
 def _floats(xs: list[float]) -> tuple[float, ...]:

@@ -6,10 +6,11 @@ import math
 import os
 from collections.abc import Iterable
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...compiler import Compilation
-from ...run.build import build_program, driver_methods
+from ...record import record
+from ...run.build import build_library, runtime_methods
 from ...run.settings import Settings
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
@@ -25,8 +26,8 @@ TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
 MOST_STEPS = 2_000_000  # of a point
 
 
-@dataclass(frozen=True)
-class Asked:
+@record
+class MapOptions:
     """What the options say, read."""
 
     settings: Settings
@@ -39,12 +40,12 @@ class Asked:
     quick: bool
 
 
-@dataclass(frozen=True)
+@record
 class StabilityMap:
     """Everything that is drawn, written and said."""
 
     compilation: Compilation
-    asked: Asked
+    asked: MapOptions
     until: float
     motion: Motion  # its start alone
     rest: Rest  # at the model's own start and parameters
@@ -64,11 +65,13 @@ def known_methods() -> list[Traits]:
             tuple(m["requires"]),
             math.inf if m["limits"]["imaginary"] == "infinite" else m["limits"]["imaginary"],
         )
-        for m in driver_methods()
+        for m in runtime_methods()
     ]
 
 
-def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None) -> StabilityMap:
+def make(
+    compilation: Compilation, asked: MapOptions, on_progress: Show | None = None
+) -> StabilityMap:
     """Raises NumericsFailed, BuildError, UsageError."""
     structure = compilation.structure
     if all(structure.cyclic) and structure.conservative:
@@ -78,13 +81,13 @@ def make(compilation: Compilation, asked: Asked, on_progress: Show | None = None
         )
     show = on_progress or unseen
     show(0.0, "compiling")
-    program = build_program(compilation.files, compilation.model.name)
+    program = build_library(compilation.files, compilation.model.name)
     show(0.0, "equilibria")
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.start()
     if asked.axis.kind == "parameter":
         for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
-            asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).ask([])
+            asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).check()
     cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
     if primary is None and asked.axis.kind == "amplitude":
@@ -176,7 +179,7 @@ def _suggested(compilation: Compilation, asker: Asker, motion: Motion) -> str:
         axis = plan.axis(text, compilation, 2)
         try:
             for x in axis.values:
-                asker.with_settings(axis.settings(asker.settings, x, None, motion)).ask([])
+                asker.with_settings(axis.settings(asker.settings, x, None, motion)).check()
         except UsageError:
             continue
         return text
@@ -211,7 +214,9 @@ def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> 
     )
 
 
-def _steps(asked: Asked, predicted: list[Prediction], fastest: float, until: float) -> list[float]:
+def _steps(
+    asked: MapOptions, predicted: list[Prediction], fastest: float, until: float
+) -> list[float]:
     """Evenly from the shortest to somewhat beyond what is predicted."""
     count = asked.across
     if asked.steps:

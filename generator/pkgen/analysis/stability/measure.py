@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
-from .ask import Asker, Close, Motion, Point, Rest, motion, point, rest
+from ...record import record
+from .ask import Asker, Close, Motion, Point, Rest
 from .method import FURTHEST, combined
 from .predict import RESONANCES, Prediction
 
@@ -27,7 +27,7 @@ FINE = 1e-6  # relative: how well it is known then
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
 
 
-@dataclass(frozen=True)
+@record
 class Effort:
     """What a resonance is measured with."""
 
@@ -41,7 +41,7 @@ FULL = Effort(1000, 17, 1500, (0.02, 0.1, 0.5))
 QUICK = Effort(500, 9, 700, (0.1, 0.5))
 
 
-@dataclass(frozen=True)
+@record
 class Row:
     """One value of what is varied: what is predicted there and what came of it."""
 
@@ -53,7 +53,7 @@ class Row:
     points: tuple[Point, ...]  # a method after the other, steps ascending
 
 
-@dataclass(frozen=True)
+@record
 class Measured:
     """A prediction and what the model did: h is where it happened, None where it never did."""
 
@@ -64,7 +64,7 @@ class Measured:
     peak: float | None = None  # the step of that peak
 
 
-@dataclass(frozen=True)
+@record
 class Growth:
     """A mode that leaves an equilibrium: predicted and measured rate."""
 
@@ -78,12 +78,8 @@ def row(
     asker: Asker, steps: dict[str, Sequence[float]], known: Rest | None, tries: int
 ) -> tuple[Rest, Motion, tuple[Point, ...]]:
     """The motion and what becomes of it at each step; equilibria too, unless they are known."""
-    questions = [] if known else [f"equilibria {tries}"]
-    questions.append("motion")
-    questions += [f"point {name} {float(h).hex()}" for name, hs in steps.items() for h in hs]
-    answers = asker.ask(questions)
-    found = known or rest(answers.pop(0))
-    return found, motion(answers[0]), tuple(point(a) for a in answers[1:])
+    found, moved = known or asker.rest(tries), asker.motion()
+    return found, moved, tuple(asker.point(name, h) for name, hs in steps.items() for h in hs)
 
 
 def small(at: Rest, cyclic: frozenset[int], size: float) -> float:
@@ -118,11 +114,10 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
     found = []
     for e, place in enumerate(at.equilibria):
         growing = [k for k, mode in enumerate(place.modes) if mode.growth > 0]
-        answers = asker.at(place).ask(f"leave {k} {amplitude / 10!r}" for k in growing)
-        found += [
-            Growth(e, k, place.modes[k].growth, answer["rate"] or 0.0)
-            for k, answer in zip(growing, answers, strict=True)
-        ]
+        here = asker.at(place)
+        for k in growing:
+            rate = here.ask("leave", mode=k, amplitude=amplitude / 10)["rate"]
+            found.append(Growth(e, k, place.modes[k].growth, rate or 0.0))
     return found
 
 
@@ -136,7 +131,7 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     seen: list[Close] = []
 
     def grows(hs: Sequence[float]) -> list[bool]:
-        closes = asker.near(f"{p.method} {float(h).hex()} all {amplitude!r} {steps}" for h in hs)
+        closes = [asker.near(method=p.method, h=h, amplitude=amplitude, count=steps) for h in hs]
         found = [_grows(c) for c in closes]
         seen[:] = [c for c, bad in zip(closes, found, strict=True) if bad][:1] or seen
         return found
@@ -163,9 +158,8 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
     seen: list[str] = []
 
     def fails(hs: Sequence[float]) -> list[bool]:
-        closes = asker.near(
-            f"{p.method} {float(h).hex()} {p.mode} {amplitude / 1e6!r} 1" for h in hs
-        )
+        tiny = {"method": p.method, "mode": p.mode, "amplitude": amplitude / 1e6, "count": 1}
+        closes = [asker.near(h=h, **tiny) for h in hs]
         seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
         return [c.status != "PK_DONE" for c in closes]
 
@@ -196,7 +190,8 @@ def _resonance(
 
     def excess(h: float) -> float | None:
         modes = [p.mode] if p.other is None else [p.mode, p.other]
-        closes = asker.near(f"{p.method} {h.hex()} {k} {amplitude!r} {effort.turns}" for k in modes)
+        turns = {"method": p.method, "amplitude": amplitude, "count": effort.turns}
+        closes = [asker.near(h=h, mode=k, **turns) for k in modes]
         if any(c.status != "PK_DONE" or c.steps < effort.turns for c in closes):
             return None
         if p.other is None:
@@ -238,10 +233,9 @@ def _response(
     found: list[tuple[float, float]] = []
     for part in effort.sizes:
         amplitude = part * size
-        more = "" if p.other is None else f" {p.other} {amplitude / 100!r}"
-        closes = asker.near(
-            f"{p.method} {h.hex()} {p.mode} {amplitude!r} {effort.steps}{more}" for h in hs
-        )
+        more = {} if p.other is None else {"other": p.other, "seed": amplitude / 100}
+        more |= {"method": p.method, "mode": p.mode, "amplitude": amplitude}
+        closes = [asker.near(h=h, count=effort.steps, **more) for h in hs]
         # A motion that fails there, and not on either side, has responded.
         grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
         beside = max(grown[0], grown[-1])

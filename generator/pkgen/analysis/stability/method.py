@@ -18,6 +18,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from ...record import record
 from .ask import Asker
 
 FURTHEST = 30.0  # y up to which limits and poles are sought
@@ -31,7 +32,7 @@ TWO_PI = 2 * math.pi
 PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
 
-@dataclass(frozen=True)
+@record
 class Map:
     """Of A; numbers that are not finite are None."""
 
@@ -45,7 +46,7 @@ class Map:
         return self.growth is None or self.growth > 1 + OUTSIDE
 
 
-@dataclass(frozen=True)
+@record
 class Traits:
     """What the driver says of a method."""
 
@@ -75,8 +76,9 @@ class StepMap:
     def maps(self, ys: Sequence[float], stiffness: float = 1, damping: float = 0) -> list[Map]:
         """Of a step that was not made nothing is known."""
         name = self.traits.name
-        asked = [f"oscillator {name} {stiffness!r} {damping!r} {float(y).hex()}" for y in ys]
-        return [Map(a["growth"], a["turn"], a["trace"]) for a in self.asker.ask(asked)]
+        given = {"method": name, "stiffness": stiffness, "damping": damping}
+        answers = [self.asker.ask("oscillator", h=float(y), **given) for y in ys]
+        return [Map(a["growth"], a["turn"], a["trace"]) for a in answers]
 
     def turns(self, ys: Sequence[float]) -> list[float | None]:
         return [a.turn for a in self.maps(ys)]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...record import record
 from .ask import UNDECIDED
 from .map import StabilityMap
 from .measure import Growth, Measured, Row
@@ -16,7 +15,7 @@ RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is se
 FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
 
 
-@dataclass(frozen=True)
+@record
 class Miss:
     method: str
     kind: str  # limit, 1:3, ..., response, below, above, growth

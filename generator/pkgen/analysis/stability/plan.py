@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...compiler import Compilation
+from ...record import record
 from ...run import named
 from ...run.methods_table import in_words
 from ...run.settings import Settings
@@ -24,7 +25,7 @@ PERIODS = 50  # of the slowest mode, that a point is run for
 MOST_POINTS = 1_000_000
 
 
-@dataclass(frozen=True)
+@record
 class Axis:
     """The vertical axis: `amplitude`, a factor on the start's displacement from rest; or a start
     or a parameter, by its index."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ...record import record
 from .ask import Equilibrium, Rest
 from .method import PAIRS, StepMap
 
@@ -18,7 +18,7 @@ RESONANCES = {
 }
 
 
-@dataclass(frozen=True)
+@record
 class Prediction:
     """At step h a `kind` of thing happens near an equilibrium, by its modes.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from ...equations import Equations, Matrix, Row
 from ...graph.graph import ZERO, Node, Op
+from ...record import record
 from .program import CHECK, FILL, STORE, Output
 from .schedule import Target
 
@@ -18,7 +18,7 @@ def _nothing(_: Equations) -> list[Node]:
     return []
 
 
-@dataclass(frozen=True)
+@record
 class KernelSpec:
     """`says` is the equation in the kernel's comment; `units` the unit of an output's entries."""
 

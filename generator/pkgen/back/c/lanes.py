@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
+from ...record import record
 from . import tables
 from .program import CHECK, LOAD, LOCAL, TRIG, Kernel, Program, Statement
 
@@ -21,8 +21,8 @@ _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 _MEMBER = re.compile(r"p->(\w+(?:\[\d+\])?)")
 
 
-@dataclass(frozen=True)
-class Part:
+@record
+class LanePart:
     """Statements that are run together, the arguments that they read, and those they do not."""
 
     statements: tuple[Statement, ...]
@@ -30,14 +30,14 @@ class Part:
     unused: tuple[str, ...]
 
     @staticmethod
-    def of(statements: Iterable[Statement]) -> Part:
+    def of(statements: Iterable[Statement]) -> LanePart:
         """With those loads alone that the others read."""
         body = list(statements)
         words = _words(s.text for s in body if s.kind != LOAD)
         body = [s for s in body if s.kind != LOAD or s.target in words]
         words = _words(s.text for s in body)
         arguments = ("p", "t", "q", "v", "u")
-        return Part(
+        return LanePart(
             tuple(body),
             tuple(a for a in arguments if a in words),
             tuple(a for a in arguments if a not in words),
@@ -47,7 +47,7 @@ class Part:
 def context(program: Program) -> dict[str, Any]:
     model = program.equations.model.name
     kernel = program.kernel("acceleration")
-    angles, algebra, pairs = _parts(kernel) if kernel else (Part.of([]), Part.of([]), ())
+    angles, algebra, pairs = _parts(kernel) if kernel else (LanePart.of([]), LanePart.of([]), ())
     return {
         "lane_arguments": f"const struct {model}_params *p, {_LANES}",
         "member_arguments": f"const pk_real *P, {_LANES}",
@@ -66,17 +66,17 @@ def is_uniform(statement: Statement) -> bool:
     return statement.kind == CHECK and not any(words)
 
 
-def _parts(kernel: Kernel) -> tuple[Part, Part, tuple[str, ...]]:
+def _parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
     """Leading angles; the rest; the names of the former's sines and cosines."""
     made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
     leading = [s for s in kernel.statements if s.kind == TRIG and not made & _words([s.text])]
     loads = [s for s in kernel.statements if s.kind == LOAD]
     rest = [s for s in kernel.statements if s not in leading]
     pairs = tuple(name for s in leading for name in s.defines)
-    return Part.of([*loads, *leading] if leading else []), Part.of(rest), pairs
+    return LanePart.of([*loads, *leading] if leading else []), LanePart.of(rest), pairs
 
 
-def _seen(program: Program, part: Part) -> dict[str, Any]:
+def _seen(program: Program, part: LanePart) -> dict[str, Any]:
     statements = part.statements
     return {
         "groups": tables.groups(statements),
@@ -97,7 +97,7 @@ def _places(array: str, count: int) -> str:
     return ", ".join(f"{array}[{i} * W + l]" for i in range(count))
 
 
-def _used_fields(program: Program, part: Part) -> list[tuple[str, int]]:
+def _used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
     """The members of struct NAME_params that it reads: C text and place."""
     places = {name: k for k, name in enumerate(program.parameter_names)}
     places |= {f"c_[{k}]": len(places) + k for k in range(program.hoisted)}

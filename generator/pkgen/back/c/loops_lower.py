@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
-from ... import __version__
 from ...graph.affine import ROW, variable
 from ...middle.loops.expand import size_values
 from ...middle.loops.loops import Assigned, Facts, LoopEquations
 from ...middle.quantities import input_quantities
+from ...record import record
+from ...version import __version__
 from .describe import labelled
 from .facts import loop_facts, loop_invariants
+from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
 from .loops_plan import TOTALS, VECTORS, emitted, entries, planned
 from .loops_sets import Builder
@@ -37,7 +38,7 @@ SAYS = {
 }
 
 
-@dataclass(frozen=True)
+@record
 class LoopProgram:
     """All that the templates see: strings, numbers and lists of them."""
 
@@ -213,7 +214,7 @@ class _Context:
             "constant_mass": facts.mass_constant,
             "facts": [flag for field, flag in FACTS if getattr(facts, field)],
             "tables": [{"name": k, "rows": rows} for k, rows in quantities.items()],
-            "helpers": sorted(w.helpers),
+            "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
             "operations": self._operations(sets, totals),
             "proved": labelled(loop_facts(e)),

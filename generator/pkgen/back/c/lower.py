@@ -8,12 +8,13 @@ the parameter struct. The rest of the work is in `rewrite.py` (powers, products)
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...equations import Equations, Structure
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Graph, Kind, Node, Op, Symbol
 from ...middle.derive.switches import sides
+from ...record import record
 from .chunk import blocks
 from .kernels import KERNELS, STARTS, KernelSpec, needed_kernels
 from .literals import PI
@@ -84,7 +85,7 @@ def _parameters_in(g: Graph, nodes: Iterable[Node]) -> frozenset[int]:
     return frozenset(s.index for s in below if s.kind is Kind.PARAMETER)
 
 
-@dataclass(frozen=True)
+@record
 class _Draft:
     """A kernel rewritten, but not yet written out: hoisted constants have no numbers yet."""
 

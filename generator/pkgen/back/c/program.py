@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
 
 from ...equations import Equations, Structure
+from ...record import record
 from .expressions import count_operations
 
 LANES = ("lanes", "members")  # many states side by side, with one set of parameters or many
@@ -52,7 +53,7 @@ class Statement(NamedTuple):
         return _SHOWN[self.kind].format(target=self.target, text=self.text)
 
 
-@dataclass(frozen=True)
+@record
 class Block:
     """A run of statements. All but a kernel's last block become functions of their own, which
     hand values on through a work array: compilers are superlinear on straight-line code."""
@@ -65,7 +66,7 @@ class Block:
         return any(s.kind == CHECK for s in self.statements)
 
 
-@dataclass(frozen=True)
+@record
 class Output:
     """An array that a kernel writes; `shape` is its dimensions, each with its C constant."""
 
@@ -78,7 +79,7 @@ class Output:
         return self.rows * self.columns
 
 
-@dataclass(frozen=True)
+@record
 class Kernel:
     name: str
     result: str  # the C type it returns
@@ -107,7 +108,7 @@ class Kernel:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True)
+@record
 class Assignment:
     """The default of one parameter, computed from earlier ones."""
 
@@ -116,7 +117,7 @@ class Assignment:
     text: str
 
 
-@dataclass(frozen=True)
+@record
 class Interval:
     """Where one parameter may lie; None is infinite."""
 
@@ -125,7 +126,7 @@ class Interval:
     hi: str | None
 
 
-@dataclass(frozen=True)
+@record
 class Field:
     """A member of struct NAME_params: a parameter, or with `length` a family of them."""
 
@@ -135,7 +136,7 @@ class Field:
     first: int  # index of the (first) parameter
 
 
-@dataclass(frozen=True)
+@record
 class Program:
     equations: Equations
     structure: Structure

@@ -4,19 +4,25 @@ and lists, made here.
 
 from __future__ import annotations
 
+import hashlib
+import sys
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pkgen_runtime
 
-from ... import __version__
 from ...middle.report import Report
+from ...system.cache import cached
+from ...system.exits import BuildError
+from ...version import __version__
 from . import lanes, tables
 from .chunk import ARGUMENTS
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .facts import facts, invariants
+from .helpers import helpers
 from .kernels import KERNELS, STARTS
 from .kernels_bound import BOUND
 from .program import Block, Kernel, Program, operations_text
@@ -128,12 +134,15 @@ def _refuse_parts(program: Program) -> None:
         raise ValueError(f"a self-test needs the kernels {', '.join(missing)} too")
 
 
+TEMPLATES = Path(__file__).parent / "templates"
+
+
 @cache
 def environment() -> jinja2.Environment:
     import jinja2  # only where there is C to write: it takes longer to load than a model to check
 
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=jinja2.FileSystemLoader(TEMPLATES),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -147,6 +156,18 @@ def environment() -> jinja2.Environment:
         "fold": fold,
         "fold_call": fold_call,
     }
+    texts = [path.read_bytes() for path in sorted(TEMPLATES.iterdir())]
+    made_by = repr((texts, jinja2.__version__, sys.version_info[:2]))
+
+    def translate(folder: Path) -> None:
+        environment.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
+        for name in environment.list_templates():
+            environment.get_template(name)
+
+    # Templates as bytecode: to translate them takes longer than a short run.
+    with suppress(BuildError):
+        folder = cached("templates", hashlib.sha256(made_by.encode()).hexdigest()[:24], translate)
+        environment.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
     return environment
 
 
@@ -212,7 +233,7 @@ def _context(program: Program) -> dict[str, Any]:
                 )
             )
         ),
-        "helpers": list(program.helpers),
+        "helpers": helpers(program.helpers),
         "float_too": program.float_too,
         "guards": tables.guards(program),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],

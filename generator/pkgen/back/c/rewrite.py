@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
+from ...functions import SIDE as SIDE_OF
 from ...graph.graph import MINUS_ONE, Graph, Node, Op, Symbol
-from ...middle.derive.switches import SIDED
 from .beyond import Constants, Tables
 
 _ONE = Fraction(1)
@@ -117,7 +117,7 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
         elif op is Op.CALL:
             arguments, called = tuple(new[a] for a in work.args[node]), work.data[node]
             if node in work.sides:
-                arguments, called = (work.sides[node], *arguments), SIDED[str(called)]
+                arguments, called = (work.sides[node], *arguments), SIDE_OF + str(called)
             new[node] = work.node(op, arguments, called)
         else:
             new[node] = node

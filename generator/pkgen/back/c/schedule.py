@@ -13,8 +13,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
 
-from ...functions import IN_C
+from ...functions import FUNCTIONS, SIDE
 from ...graph.graph import Node, Op
+from ...graph.nodes import SQUARES
+from ...record import record
 from .expressions import Form, added, atom, called, inverted, multiplied, negated, text
 from .literals import literal
 from .names import Names
@@ -25,11 +27,10 @@ from .rewrite import Workspace
 _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
-_PARTNERS = {"sin": "cos", "cos": "sin"}
 _AT_HAND = re.compile(r"\w+|p->\w+(\[\d+\])?")
 
 
-@dataclass(frozen=True)
+@record
 class Target:
     """A node whose value goes somewhere; `also` are further places that get a copy.
 
@@ -114,12 +115,12 @@ class Schedule:
         """The cosine that belongs to a sine, and the other way round."""
         if self.work.op[node] is not Op.CALL:
             return None
-        other = _PARTNERS.get(str(self.work.data[node]))
+        other = SQUARES.get(str(self.work.data[node]))
         return other and self.work.find(Op.CALL, self.work.args[node], other)
 
     def _is_trig(self, node: Node) -> bool:
         """Whether the inline pair computes it."""
-        call = self.work.op[node] is Op.CALL and str(self.work.data[node]) in _PARTNERS
+        call = self.work.op[node] is Op.CALL and str(self.work.data[node]) in SQUARES
         return call and self.inline_sincos
 
     def _compute(self, root: Node) -> None:
@@ -170,7 +171,7 @@ class Schedule:
         values, places = [], []
         for x in angles:
             values.append(text(self._forms[x]))
-            for function in _PARTNERS:
+            for function in SQUARES:
                 node = self.work.find(Op.CALL, (x,), function)
                 if node is None or node not in self._local:
                     places.append("NULL")
@@ -207,12 +208,13 @@ class Schedule:
         if op is Op.POWER:
             assert self.work.data[node] == Fraction(-1)  # the rest is rewritten
             return inverted(forms[args[0]])
-        function = IN_C[str(self.work.data[node])].c
-        if function[0] == ":":
-            self.helpers.add(function[1:])
-            function = self.prefix + function[1:]
+        function = str(self.work.data[node])
+        row = FUNCTIONS[function.removeprefix(SIDE)]
+        if row.body or function.startswith(SIDE):
+            self.helpers.add(function)
+            function = self.prefix + function
         else:
-            function = f"PK_F({function})"
+            function = f"PK_F({row.c or function})"
         return called(function, [forms[a] for a in args])
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:

@@ -14,7 +14,7 @@ from .. import units
 from ..units import NONE, Dimension
 from . import values
 from .checking import Checked, Checking
-from .names import CALLABLE, ROTATIONS, SPECIAL, UNKNOWN, Facts, joined
+from .names import ROTATIONS, SPECIAL, UNKNOWN, Facts, callable_names, joined
 from .rotations import RotationCalls
 from .scope import PLACES, Scope
 
@@ -40,7 +40,7 @@ class Calls:
             return self.call(_written_out(expr), scope)
         parts = [self.x.check(argument, scope) for argument in expr.arguments]
         facts = [f for _, f in parts]
-        if function not in CALLABLE:
+        if function not in callable_names():
             self._not_callable(expr)
             return expr, UNKNOWN
         arity = (VECTOR_FUNCTIONS | WRITTEN_OUT).get(function) or FUNCTIONS[function].arity

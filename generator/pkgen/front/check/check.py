@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 from ... import limits
 from ... import model as m
 from ...source import Diagnostic, ModelError, Source, Span
 from .. import statements as st
 from ..parse import parse_all
+from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
 from .constraints import Constraints
 from .coordinates import Coordinates
@@ -42,7 +44,12 @@ def check_text(
 
 def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     """The model and its warnings; `sizes` are those set on the command line."""
-    checker = _Checker(file, sizes)
+    return _checked(file, tuple(sorted(sizes.items())))
+
+
+@lru_cache(maxsize=4)  # each scene is checked with its model
+def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+    checker = _Checker(file, dict(sizes))
     model = checker.run()
     errors = [*file.diagnostics, *checker.report.errors]
     if errors:
@@ -84,27 +91,16 @@ class _Checker:
             lagrangian=lagrangian,
         )
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
-        definitions, self.states = Definitions(self.shared), States(self.shared)
-        dynamics = self.dynamics = Dynamics(self.shared)
-        coordinates = Coordinates(self.shared, self.states, dynamics.rotations)
-        self.define = definitions.define
+        self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
+        self.scenes = Scenes(self.shared, self.dynamics)
         self.checks = {
-            st.ModelName: definitions.model,
-            st.SizeOf: definitions.size,
-            st.Param: definitions.param,
-            st.Define: self._define,
-            st.Declare: coordinates.declare,
-            st.Ends: coordinates.ends,
-            st.Energy: dynamics.energy,
-            st.ForceAlong: dynamics.force,
-            st.Event: dynamics.event,
-            st.Equation: Constraints(self.shared).equation,
-            st.StartAt: dynamics.start,
-            st.Scene: lambda _: None,  # when all names are known
+            "definitions": Definitions(self.shared),
+            "states": self.states,
+            "coordinates": Coordinates(self.shared, self.states, self.dynamics.rotations),
+            "dynamics": self.dynamics,
+            "constraints": Constraints(self.shared),
+            "scenes": self.scenes,
         }
-
-    def _define(self, statement: st.Define) -> None:
-        (self.states.rate if statement.keyword == "rate" else self.define)(statement)
 
     def _line(self, span: Span) -> int:
         return self.file.source.position(span.start)[0]
@@ -112,10 +108,9 @@ class _Checker:
     def run(self) -> m.Model:
         for statement in self.file.statements:
             self._check(statement)
-        scenes = Scenes(self.shared, self.dynamics)
         for statement in self.file.statements:
-            if isinstance(statement, st.Scene):
-                scenes.check(statement)
+            if isinstance(statement, st.Scene):  # when all names are known
+                self.scenes.check(statement)
         self.expressions.indices.finish()
         if "rate" not in self.broken:
             self.states.finish()
@@ -123,7 +118,7 @@ class _Checker:
         required.check()
         parts = self.shared.parts
         check_bounds(
-            [p for p in parts["param"] if p.span in self.shared.sound],
+            [p for p in parts["parameters"] if p.span in self.shared.sound],
             [d for d in parts["definitions"] if d.span in self.shared.sound],
             self.expressions.sizes,
             self.report,
@@ -157,7 +152,8 @@ class _Checker:
         return found
 
     def _check(self, statement: st.Statement) -> None:
-        self.checks[type(statement)](statement)
+        group, _, method = STATEMENTS[statement.keyword].check.partition(".")
+        getattr(self.checks[group], method)(statement)
 
     def _unused(self) -> None:
         for entry in self.names.table.values():
@@ -165,37 +161,22 @@ class _Checker:
                 self.report.warn(f"{_UNUSED[entry.kind]} '{entry.name}' is never used", entry.span)
 
     def _model(self) -> m.Model | None:
-        parts = self.shared.parts
         if self.report.errors or self.file.diagnostics:
             return None
-        head: st.ModelName = parts["name"][0]
-        rotations = tuple(parts["rotation"])
+        parts = {field: tuple(found) for field, found in self.shared.parts.items() if field}
+        (head,) = parts.pop("name")
+        rotations = parts["rotations"]
+        parts["coordinates"] += tuple(c for r in rotations for c in coordinates_of(r))
+        parts["states"] = (*(s for r in rotations for s in states_of(r)), *parts["states"])
+        parts["starts"] = (*map(identity, rotations), *parts["starts"])
+        parts["inputs"] = tuple(self._input(*i) for i in parts["inputs"])
         return m.Model(
             source=self.file.source,
             name=head.name,
             description=head.description,
             dimensionless=self.dimensionless,
-            sizes=tuple(parts["size"]),
-            parameters=tuple(parts["param"]),
-            coordinates=(*parts["coord"], *(c for r in rotations for c in coordinates_of(r))),
-            ends=tuple(parts["ends"]),
-            inputs=tuple(self._input(*i) for i in parts["input"]),
-            definitions=tuple(parts["definitions"]),
-            kinetic=tuple(parts["kinetic"]),
-            potential=tuple(parts["potential"]),
-            lagrangian=tuple(parts["lagrangian"]),
-            dissipation=tuple(parts["dissipation"]),
-            forces=tuple(parts["force"]),
-            observed=tuple(parts["observe"]),
-            conserved=tuple(parts["conserve"]),
-            events=tuple(parts["event"]),
-            starts=(*map(identity, rotations), *parts["start"]),
-            scenes=tuple(parts["scene"]),
             span=head.span,
-            states=(*(s for r in rotations for s in states_of(r)), *parts["state"]),
-            rates=tuple(parts["rate"]),
-            rotations=rotations,
-            constraints=tuple(parts["constraint"]),
+            **parts,
         )
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:

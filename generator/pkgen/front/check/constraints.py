@@ -13,6 +13,7 @@ from ...source import Span
 from ...tree import AXES, Add, Expr
 from .. import statements as st
 from .. import units
+from ..table import STATEMENTS
 from ..units import Dimension, si_text
 from .names import UNKNOWN, Entry, Facts
 from .shared import Shared, name_span
@@ -55,7 +56,7 @@ class Constraints:
         if len(self.report.errors) > before or not facts.known:
             return
         for name, one in self._rows(left.name, value, bool(facts.vector)):
-            self.shared.parts["constraint"].append(
+            self.shared.parts["constraints"].append(
                 m.Constraint(
                     name,
                     left.index,
@@ -121,7 +122,8 @@ class Constraints:
 
     def _multiplier(self, keyword: str, dimension: Dimension | None) -> Facts:
         of = self.expressions
-        work = of.energy_dimension if keyword == "constraint" else of.power_dimension
+        power = STATEMENTS[keyword].needs == "power"
+        work = of.power_dimension if power else of.energy_dimension
         everything = self.names.moving
         return Facts(
             None if dimension is None else units.over(work, dimension),

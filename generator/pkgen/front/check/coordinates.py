@@ -54,7 +54,7 @@ class Coordinates:
             return
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         momentum = units.over(units.times(energy, time), found.dimension)
-        self.parts["coord"].append(
+        self.parts["coordinates"].append(
             m.Coordinate(
                 item.name,
                 found.family,
@@ -79,7 +79,7 @@ class Coordinates:
             inputs={item.name: 0},
         )
         self.names.declare(Entry(item.name, "input", facts, item.name_span))
-        self.parts["input"].append((item, unit or units.ONE, description))
+        self.parts["inputs"].append((item, unit or units.ONE, description))
 
     def ends(self, statement: st.Ends) -> None:
         keyword = statement.keyword

@@ -9,6 +9,7 @@ from ... import model as m
 from ...tree import Expr, Name, Negate, Quantity, children
 from .. import statements as st
 from .. import units
+from ..table import STATEMENTS
 from ..units import NONE
 from ..words import C_HEADERS, reserved, symbols_of
 from .expr import Target
@@ -68,7 +69,7 @@ class Definitions:
         facts = Facts(NONE, False, Fraction(value), bare=True)
         if self.names.declare(Entry(left.name, "size", facts, left.span)):
             self.shared.sizes[left.name] = value
-        self.parts["size"].append(m.Size(left.name, value, statement.description, statement.span))
+        self.parts["sizes"].append(m.Size(left.name, value, statement.description, statement.span))
 
     def param(self, statement: st.Param) -> None:
         left = statement.left
@@ -97,7 +98,7 @@ class Definitions:
         ):
             self.shared.sound.add(statement.span)
         follows = facts.value is None and _mentions_parameter(value, self.names)
-        self.parts["param"].append(
+        self.parts["parameters"].append(
             m.Parameter(
                 left.name,
                 left.range,
@@ -139,8 +140,8 @@ class Definitions:
 
     def define(self, statement: st.Define) -> None:
         keyword, left = statement.keyword, statement.left
-        place = "output" if keyword in ("observe", "conserve") else keyword
-        scope, members = self.shared.left_scope(left, place)
+        row = STATEMENTS[keyword]
+        scope, members = self.shared.left_scope(left, row.place)
         if keyword in ("const", "conserve") and (left.range or left.index):
             self.report.error(
                 f"'{keyword}' defines one name, not a family",
@@ -179,9 +180,8 @@ class Definitions:
         )
         if facts.turns:
             return
-        where = keyword if keyword in ("observe", "conserve") else "definitions"
-        vector = facts.vector and where != "definitions"
-        self.parts[where] += by_component(definition) if vector else (definition,)
+        vector = facts.vector and row.place == "output"
+        self.parts[row.fills] += by_component(definition) if vector else (definition,)
 
     def _let(self, statement: st.Define, scope: Scope, members: Members | None):
         left = statement.left

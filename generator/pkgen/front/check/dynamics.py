@@ -7,6 +7,7 @@ from ...source import Span
 from ...tree import Call, Expr, Multiply, Name, Negate, Prime, names, within
 from .. import statements as st
 from .. import units
+from ..table import STATEMENTS
 from ..units import NONE, si_text
 from .expr import Target
 from .names import UNKNOWN, Entry
@@ -27,13 +28,14 @@ class Dynamics:
 
     def energy(self, statement: st.Energy) -> None:
         keyword = statement.keyword
-        power = keyword == "dissipation"
+        row = STATEMENTS[keyword]
+        power = row.needs == "power"
         dimension = self.expressions.power_dimension if power else self.expressions.energy_dimension
         needs = f"{keyword} needs {'a power [W]' if power else 'an energy [J]'}"
         if dimension == NONE:
             needs = f"{keyword} needs a number"
         value, facts = self.expressions.wanted(
-            statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
+            statement.value, Scope(PLACES[row.place]), Target(dimension, needs)
         )
         if facts.rough:
             self.report.warn(
@@ -52,7 +54,7 @@ class Dynamics:
         if not power:
             self.shared.energies.append(facts)
         self.shared.use_inputs(facts)
-        self.parts[keyword].append(value)
+        self.parts[row.fills].append(value)
 
     def _rate_of_a_state(self, value: Expr) -> Span:
         """The first place where it occurs, by itself or in a definition."""
@@ -70,7 +72,7 @@ class Dynamics:
         kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
         entry = self.shared.named(left, "a force", kinds)
         if entry is not None and entry.kind == "rotation":
-            self.parts["force"] += self.rotations.force(statement)
+            self.parts["forces"] += self.rotations.force(statement)
             return
         scope = self.shared.member_scope(left, entry, Scope(PLACES["force"]))
         if entry is None or scope is None or entry.facts.dimension is None:
@@ -85,13 +87,13 @@ class Dynamics:
         target = Target(dimension, f"the force along {left.name} needs {needs}")
         value, facts = self.expressions.wanted(statement.value, scope, target)
         self.shared.use_inputs(facts)
-        self.parts["force"].append(
+        self.parts["forces"].append(
             m.Force(left.name, left.index, left.range, value, statement.span)
         )
 
     def start(self, statement: st.StartAt) -> None:
         for item in statement.items:
-            self.parts["start"] += self.start_item(item) or ()
+            self.parts["starts"] += self.start_item(item) or ()
 
     def start_item(
         self, item: st.StartItem, around: Scope | None = None
@@ -151,7 +153,7 @@ class Dynamics:
             )
         self.shared.use_inputs(facts)
         self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
-        self.parts["event"].append(
+        self.parts["events"].append(
             m.Event(
                 statement.name,
                 value,

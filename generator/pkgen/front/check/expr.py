@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from ...record import record
 from ...source import Span
 from ...tree import (
     AXES,
@@ -37,7 +38,7 @@ from .scope import Place, Scope
 from .vectors import EXAMPLE, output_vector
 
 
-@dataclass(frozen=True)
+@record
 class Target:
     """What a place needs: a dimension (None takes any), in words, and whether a number without
     a unit may stand for one in SI."""

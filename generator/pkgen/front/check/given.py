@@ -241,7 +241,7 @@ class Given:
     def _holds_all(self) -> bool:
         if self.names.rotations:  # which nothing holds
             return False
-        for coordinate in (*self.shared.parts["coord"], *self.shared.parts["state"]):
+        for coordinate in (*self.shared.parts["coordinates"], *self.shared.parts["states"]):
             whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)
             held = self.held.get(coordinate.name)
             if held is None or not held.hold(*whole):

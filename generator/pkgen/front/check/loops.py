@@ -7,16 +7,16 @@ one; only where that says no are the loops gone through point by point.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ... import limits
 from ...indices import assignments, integer
+from ...record import record
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range
 
 Interval = tuple[int, int]
 
 
-@dataclass(frozen=True)
+@record
 class Loop:
     """A range whose ends are known to be integers, and the interval its variable covers."""
 

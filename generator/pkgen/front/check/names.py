@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from ... import limits
 from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
+from ...record import record
 from ...source import Diagnostic, Span
 from ...tree import Expr
 from ..units import Dimension
@@ -20,13 +21,17 @@ NOTHING: frozenset[str] = frozenset()
 NO_INPUTS: dict[str, int] = {}
 _UNITS = frozenset(("kg", "cm", "mm", "km", "Hz", "Pa", "rad", "deg", "ohm", "N", "J", "W"))
 BUILT_IN = ("T", "V", "L", "energy")
-CALLABLE = frozenset(n for n, f in FUNCTIONS.items() if not f.internal) | VECTOR_FUNCTIONS.keys()
-CALLABLE |= WRITTEN_OUT.keys()
 ROTATIONS = frozenset(("omega", "rot", "inverse", "euler", "tait_bryan"))
 SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 
 
-@dataclass(frozen=True, slots=True)
+def callable_names() -> frozenset[str]:
+    """The functions that a model may call, but for SPECIAL."""
+    rows = (name for name, row in FUNCTIONS.items() if not row.internal)
+    return frozenset(rows) | VECTOR_FUNCTIONS.keys() | WRITTEN_OUT.keys()
+
+
+@record
 class Turn:
     """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
     of its numbers w, x, y, z. `name` is of one that stands as it is declared."""
@@ -279,13 +284,13 @@ class Names:
             return ""
         if called and name in self.table:
             return f"a product is written {name}*(…)"
-        if not called and name in CALLABLE | SPECIAL:
+        if not called and name in callable_names() | SPECIAL:
             return f"'{name}' is a function: write {name}(…)"
         if called and name in MEANT:
             return f"write {MEANT[name]}(…)"
         if not called and (rate := self._rate(name)):
             return rate
-        known = sorted(CALLABLE | {"sum"}) if called else [*self.table, "t", "pi"]
+        known = sorted(callable_names() | {"sum"}) if called else [*self.table, "t", "pi"]
         if built_in:
             known += [*BUILT_IN, *(f"p_{name}" for name in sorted(self.moving))]
         if not called and name in _UNITS:
@@ -297,7 +302,7 @@ class Names:
         if near:
             return f"did you mean '{near[0]}'?"
         if called:
-            return "functions: " + " ".join(sorted(CALLABLE | {"sum"}))
+            return "functions: " + " ".join(sorted(callable_names() | {"sum"}))
         return (missing or self.missing).format(name=name)
 
     def _rate(self, name: str) -> str:

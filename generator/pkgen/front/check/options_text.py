@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from lark.exceptions import UnexpectedToken
 from lark.lexer import Token
 
 from ...indices import NotAnInteger, indexed, integer
+from ...record import record
 from ...source import Diagnostic, ModelError, Source, Span
 from ...tree import COMPONENTS
 from ..lexer import statements
@@ -44,7 +45,7 @@ class OptionError(Exception):
         return "\n".join([self.diagnostic.message, *(f"   {s}" for s in shown), *help])
 
 
-@dataclass(frozen=True)
+@record
 class LeftSide:
     """`q[1]'` is LeftSide("q", 1, 1); without an index and primes LeftSide("q", None, 0), and
     `r[1].x` is LeftSide("r.x", 1, 0)."""

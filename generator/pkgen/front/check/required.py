@@ -79,7 +79,7 @@ class Required:
         if not has_kinetic or not all(f.known for f in energies):
             return
         with_rate = frozenset().union(*(f.rates for f in energies))
-        for rotation in self.shared.parts["rotation"]:
+        for rotation in self.shared.parts["rotations"]:
             if rotation.name not in with_rate:
                 self.report.error(
                     f"the rotation '{rotation.name}' has no inertia: no energy contains its rates",
@@ -87,7 +87,7 @@ class Required:
                     f"add a kinetic term, e.g. kinetic I/2*dot(omega({rotation.name}),"
                     f" omega({rotation.name}))",
                 )
-        for coordinate in self.shared.parts["coord"]:
+        for coordinate in self.shared.parts["coordinates"]:
             if coordinate.name not in with_rate:
                 self.report.error(
                     f"the coordinate '{coordinate.name}' has no inertia: no energy contains"

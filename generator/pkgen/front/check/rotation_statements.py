@@ -47,7 +47,7 @@ class Rotations:
         self.names.declare(Entry(item.name, "rotation", facts, item.name_span))
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         per_time, action = units.over(NONE, time), units.times(energy, time)
-        self.shared.parts["rotation"].append(
+        self.shared.parts["rotations"].append(
             m.Rotation(
                 item.name,
                 quaternion_names(item.name),

@@ -6,7 +6,7 @@ expectations in `check/expects.py`; `check/scene_values.py` computes what is a n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ... import model as m
@@ -14,6 +14,7 @@ from ...indices import NotAnInteger, indexed, integer
 from ...source import Span
 from ...tree import Call, Component, Expr, Name, Prime
 from .. import statements as st
+from ..table import STATEMENTS
 from ..units import NONE
 from .dynamics import Dynamics
 from .expects import Expects
@@ -32,8 +33,11 @@ class Scenes:
         self.settings = Settings(shared)
         self.expects = Expects(shared, self.settings)
 
+    def head(self, scene: st.Scene) -> None:
+        """Its clauses are checked when all names are known."""
+
     def check(self, scene: st.Scene) -> None:
-        if any(s.name == scene.name for s in self.shared.parts["scene"]):
+        if any(s.name == scene.name for s in self.shared.parts["scenes"]):
             self.report.error(f"there is a scene '{scene.name}' already", scene.name_span)
         if not scene.clauses:
             self.report.error(
@@ -47,7 +51,7 @@ class Scenes:
         one = _Scene(self, Given(self.shared, self.dynamics, swarms[0].range if swarms else None))
         for clause in scene.clauses:
             one.clause(clause)
-        self.shared.parts["scene"].append(one.made(scene))
+        self.shared.parts["scenes"].append(one.made(scene))
 
     def second(self, keyword: str, span: Span) -> None:
         self.report.error(f"a scene has one '{keyword}'; this is the second", span)
@@ -59,11 +63,11 @@ class _Scene:
     def __init__(self, scenes: Scenes, given: Given) -> None:
         self.scenes, self.given = scenes, given
         self.settings, self.report = scenes.settings, scenes.report
-        self.until: Expr | None = None
-        self.accuracy: Expr | None = None
-        self.method, self.step, self.rtol = "", None, None
-        self.method_span: Span | None = None
-        self.record: m.Record | None = None
+        self.end: Expr | None = None
+        self.wanted: Expr | None = None  # the accuracy
+        self.name, self.step, self.rtol = "", None, None  # of the method
+        self.name_span: Span | None = None
+        self.rows: m.Record | None = None
         self.expects: list[m.Expect] = []
         self.seen: set[str] = set()
 
@@ -73,30 +77,31 @@ class _Scene:
             help = "the rows' column in front says which member it is, without being recorded"
         if not isinstance(clause, st.StartAt) and self.given.swarm_of(_expressions(clause), help):
             return
-        if isinstance(clause, _ONCE):
-            keyword = getattr(clause, "keyword", type(clause).__name__.lower())
-            if keyword in self.seen:
-                self.scenes.second(keyword, clause.span)
-            self.seen.add(keyword)
-        _READ[type(clause)](self, clause)
+        row = STATEMENTS[clause.keyword]
+        if row.once:
+            if clause.keyword in self.seen:
+                self.scenes.second(clause.keyword, clause.span)
+            self.seen.add(clause.keyword)
+        group, _, method = row.clause.partition(".")
+        getattr(self.given if group == "given" else self, method)(clause)
 
-    def _assign(self, clause: st.Assign) -> None:
-        (self.given.set if clause.keyword == "set" else self.given.hold)(clause)
+    def until(self, clause: st.Setting) -> None:
+        self.end = self.settings.time("until", clause.value)
 
-    def _setting(self, clause: st.Setting) -> None:
-        if clause.keyword == "until":
-            self.until = self.settings.time("until", clause.value)
-        else:
-            self.accuracy = self.settings.accuracy(clause.value)
-            self._one_of_both(clause.span)
+    def accuracy(self, clause: st.Setting) -> None:
+        self.wanted = self.settings.accuracy(clause.value)
+        self._one_of_both(clause.span)
 
-    def _method(self, clause: st.Method) -> None:
-        self.method, self.method_span = clause.name, clause.name_span
+    def method(self, clause: st.Method) -> None:
+        self.name, self.name_span = clause.name, clause.name_span
         self.settings.method(clause)
         self.step = self.settings.time("step", clause.step)
         if clause.rtol is not None:
             self.rtol = self.settings.setting("rtol", clause.rtol, NONE)[0]
         self._one_of_both(clause.span)
+
+    def swarm(self, clause: st.Swarm) -> None:
+        """Read before the others."""
 
     def _one_of_both(self, span: Span) -> None:
         if {"accuracy", "method"} <= self.seen:
@@ -106,19 +111,19 @@ class _Scene:
                 "leave one of them out",
             )
 
-    def _expect(self, clause: st.Expect) -> None:
+    def expect(self, clause: st.Expect) -> None:
         self.expects += self.scenes.expects.check(clause)
 
     # record
 
-    def _record(self, clause: st.Record) -> None:
+    def record(self, clause: st.Record) -> None:
         columns: dict[str, m.Definition] = {}
         for column in (column for item in clause.items for column in self._columns(item)):
             if column.name in columns:
                 self.report.error(f"'{column.name}' is recorded already", column.span)
             columns[column.name] = column
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
-        self.record = m.Record(
+        self.rows = m.Record(
             columns=tuple(columns.values()),
             every=self.settings.time("every", clause.every),
             at=event,
@@ -176,30 +181,18 @@ class _Scene:
             scene.description,
             assignments=tuple(self.given.assignments),
             starts=tuple(self.given.starts),
-            until=self.until,
-            method=self.method,
+            until=self.end,
+            method=self.name,
             step=self.step,
             rtol=self.rtol,
-            record=self.record,
+            record=self.rows,
             span=scene.span,
             holds=tuple(self.given.holds),
-            accuracy=self.accuracy,
+            accuracy=self.wanted,
             swarm=self.given.swarm,
             expects=tuple(self.expects),
-            method_span=self.method_span,
+            method_span=self.name_span,
         )
-
-
-_ONCE = (st.Setting, st.Method, st.Record)
-_READ: dict[type, Callable[[_Scene, st.Clause], None]] = {
-    st.StartAt: lambda scene, clause: scene.given.start(clause),
-    st.Assign: _Scene._assign,
-    st.Setting: _Scene._setting,
-    st.Method: _Scene._method,
-    st.Record: _Scene._record,
-    st.Swarm: lambda scene, clause: None,  # read before the others
-    st.Expect: _Scene._expect,
-}
 
 
 def _expressions(clause: st.Clause) -> tuple[Expr | None, ...]:

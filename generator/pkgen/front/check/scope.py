@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ...record import record
 from .loops import Loop
 
 
-@dataclass(frozen=True)
+@record
 class Place:
     """`what` it is in messages, which kinds of names it takes, whether derivatives mean
     anything there."""
@@ -76,7 +77,7 @@ PLACES: dict[str, Place] = {
 }
 
 
-@dataclass(frozen=True)
+@record
 class Scope:
     """A place and the loops around it, outermost first. `name` is what is being defined."""
 

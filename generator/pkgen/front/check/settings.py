@@ -82,7 +82,7 @@ class Settings:
 
     def event(self, at: Expr, clause: str) -> str:
         """The name of an event, "" after an error."""
-        events = {e.name for e in self.shared.parts["event"]}
+        events = {e.name for e in self.shared.parts["events"]}
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id
         if isinstance(at, Name) and self.names.table.get(at.id) is None:

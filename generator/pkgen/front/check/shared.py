@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 
 from ...indices import integer
+from ...record import record
 from ...source import Span
 from ...tree import Expr, Name, Quantity, Range
 from .. import statements as st
 from .. import units
+from ..table import STATEMENTS
 from ..units import NONE, Dimension, si_text
 from ..units import described as described_dimension
 from .expr import Expressions
 from .names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
 from .scope import PLACES, Scope
 
-_PART_NAMES = """
-    name size param coord ends input definitions kinetic potential lagrangian dissipation force
-    observe conserve event start scene state rate rotation constraint
-"""
-_PARTS = tuple(_PART_NAMES.split())
 
-
-@dataclass(frozen=True)
+@record
 class Variable:
     """What was declared: its family, its unit, and whether the name was free."""
 
@@ -42,7 +38,7 @@ class Shared:
         self.expressions, self.report, self.names = expressions, report, names
         self.indices, self.sizes = expressions.indices, expressions.sizes
         self.given = given  # sizes set on the command line
-        self.parts: dict[str, list] = {key: [] for key in _PARTS}
+        self.parts: dict[str, list] = {row.fills: [] for row in STATEMENTS.values()}
         self.energies: list[Facts] = []  # of kinetic, potential and lagrangian
         self.inputs: dict[str, int] = {}  # the highest derivative of each that occurs
         self.sound: set[Span] = set()  # of parameters and constants without errors
@@ -170,7 +166,7 @@ class Shared:
         return scope if len(self.report.errors) == before else None
 
     def range_of(self, name: str) -> tuple[int, int]:
-        declared = (*self.parts["coord"], *self.parts["state"])
+        declared = (*self.parts["coordinates"], *self.parts["states"])
         family = next(c.range for c in declared if c.name == name)
 
         return integer(family.lo, self.sizes), integer(family.hi, self.sizes)

@@ -30,7 +30,7 @@ class States:
         per_time = units.over(found.dimension, self.expressions.time_dimension)
         own = unit.shown if unit else si_text(found.dimension, found.angle)
         shown = own, si_text(per_time, found.angle)
-        self.shared.parts["state"].append(
+        self.shared.parts["states"].append(
             m.State(item.name, found.family, *shown, description, item.span)
         )
 
@@ -48,7 +48,7 @@ class States:
         target = Target(dimension, f"the rate of {left.name} needs {needs}")
         value, facts = self.expressions.wanted(statement.value, scope, target)
         self.shared.use_inputs(facts)
-        self.shared.parts["rate"].append(
+        self.shared.parts["rates"].append(
             m.Rate(left.name, left.index, left.range, value, statement.span)
         )
 
@@ -73,7 +73,7 @@ class States:
 
     def finish(self) -> None:
         """No state is left without a rate."""
-        for state in self.shared.parts["state"]:
+        for state in self.shared.parts["states"]:
             if state.name in self.wrong:
                 continue
             given = self.given.get(state.name, Members())

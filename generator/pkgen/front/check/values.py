@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from ... import limits
+from ...functions import FUNCTIONS
 from ...indices import assignments, integer
 from ...tree import Add, Call, Component, Expr, Multiply, Name, Negate, Number, Power, Sum, Vector
 
@@ -83,17 +84,8 @@ def raised(base: Fraction | float, exponent: Fraction | float) -> Fraction | flo
     return checked(result)
 
 
-_BY_NAME: dict[str, Callable[..., float]] = {
-    "abs": abs,
-    "min": min,
-    "max": max,
-    "step": lambda x: 0.0 if x < 0 else 1.0,
-    "sign": lambda x: (x > 0) - (x < 0),
-}
-
-
 def called(function: str, arguments: list[Fraction | float]) -> float:
-    apply = _BY_NAME.get(function) or getattr(math, function)
+    apply = FUNCTIONS[function].real
     try:
         return checked(float(apply(*(float(a) for a in arguments))))
     except ValueError:

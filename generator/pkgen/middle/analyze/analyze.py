@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...equations import Equations, Structure
-from ...functions import FUNCTIONS
+from ...equations import Equations, Structure, Symmetries
+from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from ...graph.normal import WORK, Normal
@@ -19,7 +19,6 @@ from .affine import affine
 from .coupling import blocks_of, influences, mass_band, mass_blocks, ties
 from .mass import definite, singular
 from .proofs import claims_of
-from .symmetries import symmetries
 
 RATES = BIT[Kind.RATE]
 STATES = BIT[Kind.STATE]
@@ -48,6 +47,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     smooth = _smooth(equations) and not equations.jolted
     coupled = mass_blocks(equations)
     influence = influences(equations, coupled)
+    solvable = symmetric and n and untouched and not (jumping or equations.jolted)
+    solvable = solvable and not equations.attitudes and bound is None
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
@@ -74,16 +75,14 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         influences=influence,
         blocks=blocks_of(influence, coupled),
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
-        symmetries=symmetries(equations, coupled, influence)
-        if symmetric
-        and n
-        and untouched
-        and not jumping
-        and not equations.jolted
-        and not equations.attitudes
-        and bound is None
-        else None,
+        symmetries=_symmetries(equations, coupled, influence) if solvable else None,
     )
+
+
+def _symmetries(*of: object) -> Symmetries | None:
+    from .symmetries import symmetries  # which few ask for
+
+    return symmetries(*of)
 
 
 class _Seen:
@@ -123,15 +122,11 @@ def _jumping(equations: Equations) -> frozenset[int]:
     there: the energy is no constant of this motion, nor is the momentum one of the model.
     """
     g = equations.graph
-    jumps = [
-        node
-        for node in reachable(g, [equations.lagrangian], VARIABLE)
-        if g.op[node] is Op.CALL and g.data[node] in ("step", "sign")
-    ]
+    inside = [node for node in reachable(g, [equations.lagrangian], VARIABLE) if jumps(g, node)]
     first = {Kind.COORDINATE: 0, Kind.RATE: 0, Kind.STATE: len(equations.coordinates)}
     return frozenset(
         first[g.data[node].kind] + g.data[node].index
-        for node in reachable(g, jumps, VARIABLE)
+        for node in reachable(g, inside, VARIABLE)
         if g.op[node] is Op.SYMBOL and g.data[node].kind in first
     )
 
@@ -161,8 +156,4 @@ def _smooth(equations: Equations) -> bool:
     g = equations.graph
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]
-    return all(
-        FUNCTIONS[g.data[node]].smooth
-        for node in reachable(g, outputs, VARIABLE)
-        if g.op[node] is Op.CALL
-    )
+    return smooth(g, reachable(g, outputs, VARIABLE))

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from ...equations import Claim, Equations, Indices
+from ...functions import FUNCTIONS
+from ...functions.row import DIVISOR
 from ...graph.balls import Balls
 from ...graph.differentiate import reachable
 from ...graph.evaluate import evaluate
@@ -23,7 +25,7 @@ from ...graph.wording import wording
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..attitudes import on_sphere
-from ..points.guards import DIVISOR, about, bounds_of, dangerous, squared, zeros
+from ..points.guards import about, bounds_of, dangerous, squared, zeros
 from ..points.samples import Sample, samples, started
 from .along import Along
 
@@ -32,9 +34,6 @@ SHOWN = 12  # values of a counterexample
 VISIBLE = 1e-300
 OFF = 1e-6  # of its terms: no rounding of doubles, nor of a start that is on constraints but for it
 NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
-# Whose derivative does not say where they jump.
-_BRANCHED = {"abs", "min", "max", "sqrt", "asin", "acos", "atan"}  # one of several values
-_JUMPING = {"step": "step jumps", "sign": "sign jumps", "atan2": "atan2 jumps by 2 pi"}
 
 
 def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Claim, ...]:
@@ -90,12 +89,12 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
     derivative vanishes beside kinks is constant. |x|/x is not, nor is atan(1/x) + atan(x)."""
     g = along.graph
     below = reachable(g, [node], VARIABLE)
-    calls = {g.data[n] for n in below if g.op[n] is Op.CALL}
-    jumps = sorted(_JUMPING[function] for function in calls & _JUMPING.keys())
+    calls = [FUNCTIONS[g.data[n]] for n in below if g.op[n] is Op.CALL]
+    jumps = sorted(row.jump for row in calls if row.jump)
     if jumps:
         return jumps[0]
     roots = any(g.op[n] is Op.POWER and g.data[n].denominator > 1 for n in below)
-    if not roots and not calls & _BRANCHED:
+    if not roots and not any(row.branched for row in calls):
         return ""
     e = along.equations
     motion = _divisors(

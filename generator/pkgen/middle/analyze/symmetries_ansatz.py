@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from ...equations import Indices, Matrix
 from ...graph.graph import ZERO
+from ...record import record
 
 WHOLE = 9  # coordinates up to which every q_j may be in every xi_i
 
 
-@dataclass(frozen=True)
+@record
 class Unknown:
     kind: str  # of KINDS
     i: int = 0
     j: int = 0
 
 
-@dataclass(frozen=True)
+@record
 class Meaning:
     """`factors`: what stands beside it in the invariant; `along`: the generator's derivative,
     "" for the gauge term, which is subtracted. Both by (unknown, names of q, names of p)."""

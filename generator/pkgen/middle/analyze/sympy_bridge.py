@@ -102,16 +102,6 @@ def to_sympy(
     import sympy as sp
 
     nodes = list(nodes)
-    functions: dict[str, Callable[..., sp.Expr]] = {
-        name: getattr(sp, name) for name in FUNCTIONS if hasattr(sp, name)
-    } | {
-        "abs": sp.Abs,
-        "min": sp.Min,
-        "max": sp.Max,
-        "step": lambda x: sp.Heaviside(x, 1),
-        "pow": sp.Pow,
-        "reciprocal": lambda x: 1 / x,
-    }
 
     def made(node: Node) -> sp.Expr:
         op, data = g.op[node], g.data[node]
@@ -126,7 +116,10 @@ def to_sympy(
             return sp.Mul(*args)
         if op is Op.POWER:
             return sp.Pow(args[0], _rational(data))
-        return functions[data](*args)
+        row = FUNCTIONS[data]
+        if callable(row.sympy):
+            return row.sympy(sp, *args)
+        return (getattr(sp, row.sympy or data, None) or sp.Function(data))(*args)
 
     def _rational(value: Fraction) -> sp.Rational:
         return sp.Rational(value.numerator, value.denominator)

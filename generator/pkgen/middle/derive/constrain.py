@@ -15,19 +15,20 @@ Equations II, section VII.1."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...equations import Constraints, Matrix, Quantity, Row
 from ...graph.differentiate import Forward, gradient
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import Normal
 from ...graph.solve import Factors, SingularMass, Solution, elimination_order, factors, solve
+from ...record import record
 from ...source import Span
 from ..motion import RATES, Motion
 from ..quantities import symbols
 
 
-@dataclass(frozen=True)
+@record
 class Rows:
     """What a model states, a row each constraint: the `holonomic` ones, which come first, as
     phi(t, q), and all as J v + j0, which of those is the rate of phi."""

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass
 
 from ...equations import Attitude, ParameterSlot, Row
 from ...graph.differentiate import gradient
 from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.rounding import sizes
+from ...record import record
 from ...source import Diagnostic
 from ..points.samples import started
 from .constrain import Rows
@@ -28,7 +28,7 @@ DEBRIS = 64 * EPS  # beside the largest number of the start: what rounding leave
 DEPENDENT = math.sqrt(16 * EPS)  # left of a row without its parts along others; squared, a pivot
 
 
-@dataclass(frozen=True)
+@record
 class Start:
     """Numbers of the start, and by each rate what one unit of it is in the metric of M."""
 

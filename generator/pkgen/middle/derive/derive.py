@@ -7,7 +7,6 @@ of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyon
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ... import limits
 from ...equations import Equations, Guard, ParameterSlot, Quantity, Row
@@ -15,12 +14,11 @@ from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...model import Model, Parameter
+from ...record import record
 from ...source import Diagnostic, ModelError, Span
 from ..expand.expand import Expander
 from ..expand.names import NeedsDerivative
 from ..motion import PARTICLES, Energies, Motion, Wanted
-from ..particles.masses import Given
-from ..particles.particles import particles_of
 from ..quantities import error, families, indexed, input_quantities, quantities
 from .constrain import CannotConstrain
 from .constraint_start import wrong_starts
@@ -62,6 +60,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         raise ModelError(model.source, wrong)
     bodies = None
     if wanted.named(PARTICLES):
+        from ..particles.masses import Given
+        from ..particles.particles import particles_of
+
         bodies = particles_of(x, energies, Given(parameters, start_q, state_start))
     with x.statement(model.span):
         try:
@@ -275,7 +276,7 @@ def _generalized_forces(x: Expander) -> list[Node]:
 # -- outputs -------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@record
 class _Outputs:
     observed_names: tuple[Quantity, ...]
     conserved_names: tuple[Quantity, ...]

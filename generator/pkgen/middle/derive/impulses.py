@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from ...equations import Equations, Quantity, Switch
+from ...graph.calls import jumps
 from ...graph.differentiate import gradient, reachable
 from ...graph.exact import Exact
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
@@ -37,13 +38,11 @@ from .switches import Surfaces, argument_of, free
 
 OF_ENERGY, OF_ROLLING = 1, 2  # what may jump: L or a row of positions; a row of rates alone
 _PLACES = BIT[Kind.COORDINATE]
-_JUMPING = ("step", "sign")
 
 
 def arguments_of(g: Graph, nodes: Iterable[Node]) -> list[Node]:
     """Those at whose zeros a node may jump."""
-    calls = (n for n in reachable(g, nodes, VARIABLE) if g.op[n] is Op.CALL)
-    found = dict.fromkeys(argument_of(g, n) for n in calls if g.data[n] in _JUMPING)
+    found = dict.fromkeys(argument_of(g, n) for n in reachable(g, nodes, VARIABLE) if jumps(g, n))
     return [x for x in found if g.depends[x] & VARIABLE]
 
 
@@ -75,7 +74,7 @@ class Across:
     def _jump(self, node: Node, argument: Node) -> Node:
         g = self.graph
         below = reachable(g, [node], VARIABLE)
-        if not any(self._side(n, argument) and g.data[n] in _JUMPING for n in below):
+        if not any(self._side(n, argument) and jumps(g, n) for n in below):
             return ZERO
         known, solved = self._zero(argument)
         try:
@@ -164,11 +163,7 @@ def with_impulses(
     across, found, marked = Across(e.graph), {}, []
     surfaces = across.surfaces
     places = {surfaces(x.node)[0]: x.node for x in known}
-    loose = {
-        surfaces.of_call(n)[0]
-        for n in free(across.graph, jumping)
-        if across.graph.data[n] in _JUMPING
-    }
+    loose = {surfaces.of_call(n)[0] for n in free(across.graph, jumping) if jumps(across.graph, n)}
     for node in arguments_of(across.graph, jumping):
         surface, _ = surfaces(node)
         argument = places.setdefault(surface, node)

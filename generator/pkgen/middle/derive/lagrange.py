@@ -7,13 +7,14 @@ is the same for both.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...equations import Attitude, Constraints, Equations, Guard, ParameterSlot, Quantity, Row
 from ...graph.collect import THOROUGH, fewest, settled
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Solution
+from ...record import record
 from ..motion import (
     Energies,
     Motion,
@@ -32,7 +33,7 @@ from .marks import marks_of
 from .switches import switches_of
 
 
-@dataclass(frozen=True)
+@record
 class Derived:
     """What follows from L and the forces; fields() are those of Equations."""
 

@@ -19,20 +19,19 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 from ...equations import Quantity, Switch
+from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.wording import wording
 
-# What an argument is multiplied by, for its function to be constant, 0 or huge beyond +-36.
-_SCALES = {"exp": 1, "sinh": 1, "cosh": 1, "tanh": 2}
 LADDER = [Fraction(1, 1000**k) for k in range(9)]
 _HIGH = 16  # a power that high is shorter than what it is of
 
 
 def _arguments(g: Graph, node: Node) -> list[Node]:
     op, data = g.op[node], g.data[node]
-    if op is Op.CALL and data in _SCALES:
-        return [g.multiply(g.number(_SCALES[data]), g.args[node][0])]
+    if op is Op.CALL and FUNCTIONS[data].short:
+        return [g.multiply(g.number(FUNCTIONS[data].short), g.args[node][0])]
     if op is Op.POWER and data >= _HIGH:
         square = g.multiply(g.args[node][0], g.args[node][0])
         return [g.multiply(g.number(Fraction(data) / 2), g.add(square, g.number(-1)))]

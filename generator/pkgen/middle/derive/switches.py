@@ -17,17 +17,12 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ...equations import Quantity, Switch
+from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.normal import Normal
 from ...graph.substitute import substituted
 from ...graph.wording import wording
-
-# What each of them is called where its side is given too, as a first argument.
-SIDED = {name: f"side_{name}" for name in ("step", "sign", "abs", "min", "max")}
-
-# Where the functions that have a value for some arguments alone cease to have one.
-_ENDS = {"sqrt": (0,), "log": (0,), "pow": (0,), "asin": (-1, 1), "acos": (-1, 1)}
 
 
 class Surfaces:
@@ -90,7 +85,7 @@ def _ends(g: Graph, node: Node) -> tuple[int, ...]:
     """Where what has a value for some arguments alone ceases to have one."""
     if g.op[node] is Op.POWER:
         return (0,) if g.data[node].denominator != 1 else ()
-    return _ENDS.get(g.data[node], ()) if g.op[node] is Op.CALL else ()
+    return FUNCTIONS[g.data[node]].ends if g.op[node] is Op.CALL else ()
 
 
 def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
@@ -140,7 +135,7 @@ def argument_of(g: Graph, node: Node) -> Node:
 
 
 def _deciding(g: Graph, node: Node) -> Node:
-    if g.op[node] is not Op.CALL or g.data[node] not in SIDED:
+    if g.op[node] is not Op.CALL or FUNCTIONS[g.data[node]].smooth:
         return ZERO
     a, *b = g.args[node]
     return g.subtract(a, *b) if b else a

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...functions import FUNCTIONS
+from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Kind, Node, Op
 from ..analyze.affine import is_affine
@@ -25,24 +25,17 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     energies = total_nodes([e.lagrangian])
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
-    smooth = all(
-        FUNCTIONS[x.graph.data[node]].smooth
-        for node in reachable(x.graph, [*energies, *forces])
-        if x.graph.op[node] is Op.CALL
-    )
-    jumps = any(
-        x.graph.op[node] is Op.CALL and x.graph.data[node] in ("step", "sign")
-        for node in reachable(x.graph, energies)
-    )
+    is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces]))
+    jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal,
         quadratic="v" not in _kinds(x, entries),
         separable=constant and "v" not in _kinds(x, forces),
         autonomous=steady,
-        conservative=not gather.applied and steady and not jumps,
+        conservative=not gather.applied and steady and not jumping,
         variational=not gather.applied,
-        smooth=smooth,
+        smooth=is_smooth,
         affine=constant and steady and _affine(x, forces),
     )
 

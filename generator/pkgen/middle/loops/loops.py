@@ -15,19 +15,20 @@ length of a family down to one member.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...equations import Claim, Symmetries
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
 from ...model import Coordinate, End, Model, Parameter
+from ...record import record
 
 
 class Unrolled(Exception):
     """The model's families cannot stay loops; the text says why."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Slot:
     """What a symbol of the graph stands for.
 
@@ -41,7 +42,7 @@ class Slot:
     at: Affine | None = None
 
 
-@dataclass(frozen=True)
+@record
 class Group:
     """A declared coordinate: one scalar (lo is None) or a family lo..hi, and its ends."""
 
@@ -64,7 +65,7 @@ class Group:
         return Affine(1) if self.lo is None else self.hi - self.lo + 1
 
 
-@dataclass(frozen=True)
+@record
 class Part:
     """What one body, seen from one offset, adds to a row: only where lo <= m <= hi.
 
@@ -83,14 +84,14 @@ class Part:
         return length.is_constant and length.constant <= 8
 
 
-@dataclass(frozen=True)
+@record
 class Row:
     """A quantity with a value for each cell of a family."""
 
     parts: tuple[Part, ...] = ()
 
 
-@dataclass(frozen=True)
+@record
 class PairPart:
     """A double sum over m = lo..hi and j = first..last; nodes by what they add to.
 
@@ -104,7 +105,7 @@ class PairPart:
     node: Node
 
 
-@dataclass(frozen=True)
+@record
 class Total:
     """A quantity with one value: a constant part, single sums, double sums."""
 
@@ -113,7 +114,7 @@ class Total:
     pairs: tuple[PairPart, ...] = ()
 
 
-@dataclass(frozen=True)
+@record
 class PairForce:
     """The derivatives of one double sum by the cells and the scalar coordinates in it."""
 
@@ -126,7 +127,7 @@ class PairForce:
     by_scalar: tuple[tuple[str, Node], ...]
 
 
-@dataclass(frozen=True)
+@record
 class Vector:
     """A quantity with a value for each coordinate."""
 
@@ -135,7 +136,7 @@ class Vector:
     pairs: tuple[PairForce, ...] = ()
 
 
-@dataclass(frozen=True)
+@record
 class Band:
     """M as rows: entry (family, other, d) is M of cell m of one and m + d of the other;
     `border` is of a scalar coordinate with a family's cell m, `corner` of two scalars."""
@@ -152,7 +153,7 @@ class Band:
         )
 
 
-@dataclass(frozen=True)
+@record
 class Assigned:
     """Members lo..hi of a declared name take the value of a node, m being the index."""
 
@@ -163,7 +164,7 @@ class Assigned:
     node: Node
 
 
-@dataclass(frozen=True)
+@record
 class Limit:
     """A size is large enough where `needs` >= 0, or where the range `unless` is empty."""
 
@@ -171,7 +172,7 @@ class Limit:
     unless: Affine | None  # its length - 1
 
 
-@dataclass(frozen=True)
+@record
 class Facts:
     mass_constant: bool
     mass_diagonal: bool
@@ -191,7 +192,7 @@ class Facts:
         return self.smooth or self.switched
 
 
-@dataclass(frozen=True)
+@record
 class Bounded:
     """Where the members of a declared parameter may lie; nodes in its index m."""
 
@@ -199,7 +200,7 @@ class Bounded:
     hi: Node | None
 
 
-@dataclass(frozen=True)
+@record
 class LoopGuard:
     """The equations end where one of `terms` vanishes, each for itself: a member's, a pair's, or a
     constant. `name` is the expression in i, of a pair in i and j; `use` as of a Guard."""
@@ -209,7 +210,7 @@ class LoopGuard:
     terms: Total
 
 
-@dataclass(frozen=True)
+@record
 class LoopEquations:
     model: Model
     graph: Graph

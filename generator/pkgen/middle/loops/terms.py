@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ...graph.affine import Affine, variable
 from ...graph.graph import ONE, ZERO, Node
+from ...record import record
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
 from ..quantities import error
 from .expand import Loop, LoopExpander, has_sum
@@ -15,7 +15,7 @@ from .loops import Unrolled
 SHORT = 8  # a range of constant length up to this is written out
 
 
-@dataclass(frozen=True)
+@record
 class Factor:
     """An expression that multiplies or divides, and what its loop variables stand for: a `let`
     may sum over a variable that has another meaning where it is used."""
@@ -25,7 +25,7 @@ class Factor:
     loop: Loop
 
 
-@dataclass(frozen=True)
+@record
 class Term:
     """The sum of a product over the ranges, none, one or two of them."""
 

@@ -7,12 +7,12 @@ rx, ry and rz; a_x and a_y; X and Y. Two of them are a plane.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import dataclass
 from typing import TypeVar
 
 from ...equations import Row
 from ...graph.graph import Node
 from ...model import Model
+from ...record import record
 
 AXES = "xyz"
 Key = tuple[Hashable, int]  # what the components of one place share, and which of them it is
@@ -27,7 +27,7 @@ class NoParticles(Exception):
         self.why = why
 
 
-@dataclass(frozen=True)
+@record
 class Body:
     mass: Node
     place: Row  # of three, 0 beside a plane

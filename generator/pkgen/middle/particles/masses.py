@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass
 
 from ...equations import ParameterSlot, Row
 from ...graph.differentiate import reachable
 from ...graph.evaluate import evaluate
 from ...graph.graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
+from ...record import record
 from ..points.samples import defaults
 
 Entries = dict[tuple[int, int], Node]  # of a symmetric matrix, i <= j, without zeros
@@ -26,7 +26,7 @@ SAME = 1e-8  # relative, of numbers that are equal but for rounding
 ANGLES = ("sin", "cos", "tan")
 
 
-@dataclass(frozen=True)
+@record
 class Given:
     """What a model is at where it is looked at in numbers."""
 

@@ -8,12 +8,12 @@ What is found here is proved elsewhere.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...equations import Row
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node
 from ...indices import indexed
+from ...record import record
 from ...source import ModelError
 from ..expand.expand import Expander
 from ..expand.names import Value
@@ -26,7 +26,7 @@ PLACES, COUNT = 100, 150  # of coordinates; so that it takes seconds at most
 ALIKE = 4  # places of one particle that are tried
 
 
-@dataclass(frozen=True)
+@record
 class _Place:
     name: str
     at: Row  # of three

@@ -13,11 +13,11 @@ What is not of the second degree in the rates is passed over. What is found is p
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ...indices import assignments, indexed, integer
+from ...record import record
 from ...tree import Add, Call, Component, Expr, Multiply, Name, Negate, Power, Prime, Sum, Vector
 from ..expand.expand import Expander
 from ..expand.names import Loop
@@ -30,7 +30,7 @@ class _Unread(Exception):
     """The text is of another form."""
 
 
-@dataclass(frozen=True)
+@record
 class _Square:
     """factor * (place')^2. `keys` say of which particle it may be; `bracket` counts the sums that
     it may be together with others in."""

@@ -15,20 +15,20 @@ import random
 from collections.abc import Callable, Iterable, Iterator
 
 from ...equations import Guard, Matrix, ParameterSlot, Quantity, Row
+from ...functions import FUNCTIONS
+from ...functions.interval import INF, Range
+from ...functions.row import COORDINATES, DIVISOR, ROOT
+from ...functions.smooth import where_positive
 from ...graph.differentiate import reachable
-from ...graph.evaluate import evaluate
-from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
-from ...graph.ranges import INF, Range, Ranges
+from ...graph.evaluate import Evaluator, evaluate
+from ...graph.graph import VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...graph.ranges import Ranges
 from ...graph.wording import wording
 
-# Functions that vanish where their argument does, and never elsewhere.
-_LIKE_ARGUMENT = frozenset({"abs", "sinh", "tanh", "asin", "atan", "sqrt"})
 SAMPLES = 25  # states at which the pivots of M are looked at,
 EFFORT = 50_000  # values computed in the search for a worse one: some 0.05 s
 SCATTER = 200  # and at most so many states with parameters anywhere,
 WIDE = 1e3  # so far from their defaults where nothing bounds them
-# What the equations use a guard for, Guard.use.
-COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
 NEARLY = 1e-4  # a pivot beside its diagonal entry: M is singular nearby
 
 
@@ -57,8 +57,9 @@ def guards_of(
         wanted = [of_mass[i] for i in rows] + [mass[i][i] for i in rows]
         suspects = [(state, NEARLY) for state in _least_definite(g, parameters, mass)]
         suspects += [(state, 0.0) for state in _anywhere(g, parameters, wanted)]
+        pivots_at = Evaluator(g, wanted)
         for state, limit in suspects:
-            values = evaluate(g, wanted, state)
+            values = pivots_at(state)
             for node, pivot, diagonal in zip(unsure, values, values[len(rows) :], strict=False):
                 if not pivot > limit * diagonal:
                     charts[node] = None
@@ -102,22 +103,11 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
                 g.data[node].denominator > 1 and not ranges(first).not_negative
             ):
                 yield first, DIVISOR if g.data[node] < 0 else ROOT
-        elif _is_call(g, node, "log", "reciprocal"):
-            yield first, DIVISOR if g.data[node] == "reciprocal" else LOGARITHM
-        elif _is_call(g, node, "pow"):
-            yield _where_positive(g, first, g.negate(g.args[node][1])), DIVISOR
-        elif _is_call(g, node, "sqrt") and not ranges(first).not_negative:
-            yield first, ROOT  # of a sum of squares, a root alone is no more than a kink
-        elif _is_call(g, node, "tan"):
-            yield g.call("cos", first), DIVISOR
-        elif _is_call(g, node, "asin", "acos"):
-            yield g.subtract(ONE, g.power(first, 2)), ARC
-
-
-def _where_positive(g: Graph, base: Node, exponent: Node) -> Node:
-    """|x|^max(n, 0), which vanishes with x as far as x^-n is singular there: n is a parameter, so
-    that is known when the model runs. A root of a negative x is no number, and told as such."""
-    return g.call("pow", g.call("abs", base), g.call("max", exponent, g.number(0)))
+        elif g.op[node] is Op.CALL and (singular := FUNCTIONS[g.data[node]].singular):
+            vanishing, use = singular(g, *g.args[node])
+            # Of a sum of squares, a root alone is no more than a kink.
+            if use != ROOT or not ranges(vanishing).not_negative:
+                yield vanishing, use
 
 
 def about(g: Graph, guard: Node) -> Node:
@@ -132,7 +122,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
         if not g.depends[base] & VARIABLE or ranges(base).never_zero:
             continue
         op, first = g.op[base], (g.args[base] or (base,))[0]
-        inside = op is Op.POWER or _is_call(g, base, *_LIKE_ARGUMENT)
+        inside = op is Op.POWER or (op is Op.CALL and FUNCTIONS[g.data[base]].like_argument)
         if inside and not (_is_call(g, base, "sqrt") and ranges(first).not_negative):
             yield from zeros(g, ranges, first)
         elif op is Op.ADD:
@@ -142,7 +132,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
             if not ranges(rest).never_zero:
                 yield rest, True
         elif _is_call(g, base, "pow") and not _is_call(g, first, "abs"):
-            yield _where_positive(g, first, g.args[base][1]), False
+            yield where_positive(g, first, g.args[base][1]), False
         else:
             yield base, False
 
@@ -242,8 +232,10 @@ def _least_definite_at(
     moving, _ = _moving(g, entries)
     left = max(SAMPLES, effort // (len(reachable(g, entries)) + len(mass) ** 3))
 
+    entries_at = Evaluator(g, entries)
+
     def ratio(state: dict[Symbol, float]) -> float:
-        return _least_ratio(len(mass), evaluate(g, entries, state))
+        return _least_ratio(len(mass), entries_at(state))
 
     states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
     least, best = min((ratio(state), k) for k, state in enumerate(states))

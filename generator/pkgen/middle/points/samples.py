@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ...equations import Equations, ParameterSlot, Row
@@ -12,6 +11,7 @@ from ...graph.balls import Ball, Balls
 from ...graph.differentiate import reachable
 from ...graph.evaluate import evaluate
 from ...graph.graph import VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...record import record
 from .guards import bounds_of
 from .solved import accelerations
 
@@ -20,7 +20,7 @@ EFFORT = 100_000  # or fewer, for so many values of nodes: some 2 s
 LEAST, MOST = 1e-3, 1e6  # numbers that are looked near
 
 
-@dataclass(frozen=True)
+@record
 class Sample:
     values: dict[Symbol, Ball]
     chosen: dict[Symbol, Fraction]  # what was not left at its default

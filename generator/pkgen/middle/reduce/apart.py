@@ -4,10 +4,11 @@ method and steps of its own, and without the work of the others."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...equations import Equations, Indices, Structure
 from ...graph.graph import ZERO, Kind
+from ...record import record
 from ..analyze.analyze import analyze
 from ..analyze.coupling import partition
 from ..derive.lagrange import derived_again
@@ -16,8 +17,8 @@ from ..quantities import symbols
 from ..smaller import smaller, symbols_in
 
 
-@dataclass(frozen=True)
-class Part:
+@record
+class Subsystem:
     """A block as a system of its own; `coordinates` are their indices in the whole."""
 
     equations: Equations
@@ -27,7 +28,7 @@ class Part:
 
 def parts_of(
     equations: Equations, structure: Structure, kernels: frozenset[str] | None
-) -> tuple[Part, ...]:
+) -> tuple[Subsystem, ...]:
     """The parts of a system, or none where it is one block, or something belongs to several."""
     if equations.events or equations.states or equations.constraints:
         return ()
@@ -62,7 +63,7 @@ def _part(
     number: int,
     block: tuple[int, ...],
     quadratures: list[int],
-) -> Part:
+) -> Subsystem:
     """The others rest at their starts: L without them, but for what cannot move these."""
     g, n = e.graph, len(e.coordinates)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
@@ -81,4 +82,4 @@ def _part(
     )
     alone = smaller(alone, block, swap, e.lagrangian, (e.kinetic, e.potential))
     alone = derived_again(alone, kernels)
-    return Part(alone, analyze(alone), tuple(block))
+    return Subsystem(alone, analyze(alone), tuple(block))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ...equations import Equations
 from ..derive.impulses import NoRate
 from ..motion import COORDINATES
-from ..report import Line
+from ..report import ReportLine
 from ..smaller import symbols_in
 from .reduction import Needs, State, cost
 from .routh import NotReduced, Reduced, routh
@@ -33,16 +33,16 @@ def cyclic(state: State, needs: Needs) -> State:
     for i in found:
         name = e.coordinates[i].name
         if name in used:
-            lines.append(Line("cyclic", f"{name} kept", f"it is in {used[name]}"))
+            lines.append(ReportLine("cyclic", f"{name} kept", f"it is in {used[name]}"))
         elif name in needs.columns and not needs.quadratures:
-            lines.append(Line("cyclic", f"{name} kept", "the method makes no quadratures"))
+            lines.append(ReportLine("cyclic", f"{name} kept", "the method makes no quadratures"))
         elif name in needs.columns and state.structure.affine:
-            lines.append(Line("cyclic", f"{name} kept", "a linear system has an exact flow"))
+            lines.append(ReportLine("cyclic", f"{name} kept", "a linear system has an exact flow"))
         else:
             chosen.append(i)
             angles += [i] if name in needs.columns else []
     if len(chosen) == len(e.coordinates) and not e.states:
-        lines.append(Line("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
+        lines.append(ReportLine("cyclic", f"{e.coordinates[chosen[0]].name} kept", "one must move"))
         angles = [i for i in angles if i != chosen[0]]
         chosen = chosen[1:]
     state = replace(state, report=replace(state.report, lines=(*state.report.lines, *lines)))
@@ -66,7 +66,7 @@ def _states(e: Equations) -> int:
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:
     names = ", ".join(e.coordinates[i].name for i in which)
-    lines = (*state.report.lines, Line("cyclic", f"{names} kept", why))
+    lines = (*state.report.lines, ReportLine("cyclic", f"{names} kept", why))
     return replace(state, report=replace(state.report, lines=lines))
 
 
@@ -83,7 +83,7 @@ def _recorded(
         observed=tuple(found.observed[i] for i in keep),
     )
     lines = [
-        Line(
+        ReportLine(
             "cyclic",
             e.coordinates[i].name,
             f"{e.momenta_names[i].name} is constant, of the start"

@@ -8,19 +8,20 @@ it is switched off. What a scene fixes or holds is not there when the equations 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...equations import Equations, Structure
 from ...graph.graph import BIT, ZERO, Kind
 from ...indices import parted
 from ...model import Model
+from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
 from ..motion import STATE
 from ..quantities import symbols
-from ..report import Line, Report
+from ..report import Report, ReportLine
 from ..smaller import smaller, symbols_in
-from .apart import Part, parts_of
+from .apart import Subsystem, parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost
 
@@ -29,12 +30,12 @@ APART = "apart"  # the reduction that makes parts
 OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
 
 
-@dataclass(frozen=True)
+@record
 class Reduced:
     equations: Equations
     structure: Structure
     report: Report
-    parts: tuple[Part, ...]  # none: it is integrated as it is
+    parts: tuple[Subsystem, ...]  # none: it is integrated as it is
 
 
 def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
@@ -62,7 +63,7 @@ def reduce(
     if parts:
         names = (", ".join(q.name for q in part.equations.coordinates) for part in parts)
         why = "neither moves the other: integrated apart"
-        lines = (*lines, Line(APART, " | ".join(names), why))
+        lines = (*lines, ReportLine(APART, " | ".join(names), why))
         kernels = of_the_whole(kernels)
     lines = (*lines, *_of_itself(state.equations, state.structure))
     reduced = derived_again(state.equations, kernels)
@@ -76,14 +77,14 @@ def reduce(
     return Reduced(reduced, analyze(reduced), report, parts)
 
 
-def _of_itself(equations: Equations, structure: Structure) -> tuple[Line, ...]:
+def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, ...]:
     """What follows from the structure, without anything that is left out."""
     lines = []
     if structure.mass_constant and equations.coordinates:
-        lines.append(Line("constant mass", "M is constant", "factored once, when prepared"))
+        lines.append(ReportLine("constant mass", "M is constant", "factored once, when prepared"))
     if structure.affine:
         why = "stepped by its exact exponential, unless another method is asked for"
-        lines.append(Line("exact", "linear with constant coefficients", why))
+        lines.append(ReportLine("exact", "linear with constant coefficients", why))
     return tuple(lines)
 
 
@@ -99,7 +100,7 @@ def outputs(state: State, needs: Needs) -> State:
         found = [wanted(i) for i, _ in enumerate(names)]
         gone = [q.name for q, keep in zip(names, found, strict=True) if not keep]
         if gone:
-            lines.append(Line("outputs", f"{what} {', '.join(gone)}", why))
+            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
         return [i for i, keep in enumerate(found) if keep]
 
     observed = kept(
@@ -141,7 +142,7 @@ def outputs(state: State, needs: Needs) -> State:
     )
 
 
-def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[Line, ...]]:
+def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLine, ...]]:
     """The same of a model whose families are loops."""
     if "outputs" in needs.off:
         return model, ()
@@ -155,7 +156,7 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[Line, ...
         items = getattr(model, field)
         gone = [item.name for item in items if item.name not in columns]
         if gone:
-            lines.append(Line("outputs", f"{what} {', '.join(gone)}", why))
+            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
             model = replace(model, **{field: tuple(x for x in items if x.name in columns)})
     return model, tuple(lines)
 
@@ -196,7 +197,7 @@ def unconnected(state: State, needs: Needs) -> State:
     parts = (e.kinetic, e.potential)
     return state.after(
         smaller(e, left, swap, e.lagrangian, parts, kept_states=states),
-        Line("unconnected", ", ".join(names), "nothing recorded depends on it"),
+        ReportLine("unconnected", ", ".join(names), "nothing recorded depends on it"),
         unused=state.report.unused | frozenset(names),
     )
 

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...equations import Equations, Structure
 from ...graph.count import operations
 from ...graph.graph import Graph
+from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
-from ..report import Line, Report
+from ..report import Report, ReportLine
 
 # What must be known of equations to reduce them.
 ENOUGH = frozenset({"acceleration"})
 
 
-@dataclass(frozen=True)
+@record
 class Needs:
     """What is wanted of a motion. Columns are names as in the head of a CSV: "theta", "phi'"."""
 
@@ -26,7 +27,7 @@ class Needs:
     off: frozenset[str] = frozenset()  # reductions that are not to be made
 
 
-@dataclass(frozen=True)
+@record
 class State:
     """What one reduction hands to the next."""
 
@@ -34,7 +35,7 @@ class State:
     structure: Structure
     report: Report
 
-    def after(self, equations: Equations, *lines: Line, **more: object) -> State:
+    def after(self, equations: Equations, *lines: ReportLine, **more: object) -> State:
         """With other equations, derived again if their coordinates are others."""
         before = self.equations
         if (equations.coordinates, equations.states) != (before.coordinates, before.states):

@@ -15,7 +15,7 @@ E. M. Lifshitz, Mechanics, 3rd edition, section 41.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from ...equations import Equations, Row
@@ -23,6 +23,7 @@ from ...graph.collect import fewest
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Factors, SingularMass, elimination_order, factors
 from ...graph.substitute import substituted
+from ...record import record
 from ..quantities import symbols
 from ..smaller import Output, Start, StartParameters, smaller, symbols_in
 
@@ -33,7 +34,7 @@ class NotReduced(Exception):
     """Why these coordinates cannot be reduced; the text says it."""
 
 
-@dataclass(frozen=True)
+@record
 class Reduced:
     """The motion in `equations` is still to be derived again."""
 

@@ -20,11 +20,12 @@
  * Numer. Algorithms 76 (2017) 861; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
  * Differential Equations I, II.4 (4.14) for the first step. Over the macros of pk/inlined.h.
  */
+#include <pk/methods.h>
 #include <pk/step/gauss_stages.h>
 
 #ifndef PK_STEP_GAUSS_H
 #define PK_STEP_GAUSS_H
-#define PK_GAUSS_METHODS(X) X(gauss)
+#define PK_GAUSS_METHODS(X) PK_METHODS_GAUSS(PK_NAME_OF, X)
 
 /* Measured over the models and others for the least work at a given final error. */
 #define PK_GAUSS_SAFETY PK_C(0.9)

@@ -6,15 +6,16 @@
 #ifndef PK_STEP_TABLES_H
 #define PK_STEP_TABLES_H
 
+#include <pk/methods.h>
 #include <pk/step/dop853.h>
 #include <pk/step/dopri5.h>
 #include <pk/step/tables_splitting.h>
 
 #ifndef PK_ERK_METHODS
-#define PK_ERK_METHODS(X) X(euler) X(rk2) X(rk3) X(rk4)
+#define PK_ERK_METHODS(X) PK_METHODS_ERK(PK_NAME_OF, X)
 #endif
 #ifndef PK_EMBEDDED_METHODS
-#define PK_EMBEDDED_METHODS(X) X(dopri5) X(dop853)
+#define PK_EMBEDDED_METHODS(X) PK_METHODS_EMBEDDED(PK_NAME_OF, X)
 #endif
 
 static const pk_real pk_euler_c[] = {PK_C(0.0)};

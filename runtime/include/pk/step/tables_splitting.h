@@ -12,12 +12,11 @@
 #ifndef PK_STEP_TABLES_SPLITTING_H
 #define PK_STEP_TABLES_SPLITTING_H
 
+#include <pk/methods.h>
 #include <pk/step/tableau.h>
 
 #ifndef PK_SPLITTING_METHODS
-#define PK_SPLITTING_METHODS(X)                                                       \
-    X(symplectic_euler) X(verlet) X(yoshida4) X(suzuki4) X(mclachlan4) X(blanes_moan4) \
-    X(yoshida6) X(kahan_li6) X(blanes_moan6) X(yoshida8) X(kahan_li8)
+#define PK_SPLITTING_METHODS(X) PK_METHODS_SPLITTING(PK_NAME_OF, X)
 #endif
 
 /* R. de Vogelaere (1956), GNI I.1.9. */

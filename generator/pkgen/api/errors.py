@@ -1,0 +1,22 @@
+"""What can go wrong, as exceptions. All are in `pkgen` by name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..source import ModelError
+from ..system.exits import BuildError, NumericsFailed, UsageError
+
+if TYPE_CHECKING:
+    from .result import Result
+
+__all__ = ["BuildError", "ModelError", "NumericsFailed", "RunError", "UsageError"]
+
+
+class RunError(NumericsFailed):
+    """The numerics of a run failed. `status` is the runtime's (PK_STEP_UNDERFLOW, ...),
+    `last_valid` the last time up to which its rows hold, `result` what there is of it."""
+
+    def __init__(self, message: str, status: str, last_valid: float, result: Result):
+        super().__init__(message)
+        self.status, self.last_valid, self.result = status, last_valid, result

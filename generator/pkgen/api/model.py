@@ -1,0 +1,355 @@
+"""A model as an object: its parameters, runs of it, its kernels on arrays."""
+
+from __future__ import annotations
+
+import argparse
+import array
+import os
+import warnings
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ..compiler import Compilation, compile_model
+from ..front.read import read
+from ..run import named
+from ..run.ensemble import Column, Ensemble, settable
+from ..run.library import INTERRUPTED, USAGE, Run
+from ..run.library import load as load_library
+from ..run.settings import Settings
+from ..run.simulate import Outcome, build, columns, outcome
+from ..run.values import Values
+from ..scenes import asked as parsing
+from ..scenes import lengths
+from ..scenes import run as scene_run
+from ..system import children
+from ..system.near import near
+from .errors import RunError, UsageError
+from .prepare import Prepared, prepare
+from .result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+Value = str | float  # "2 [kg]", or a number in SI
+# Options of `pkgen run` that a call has none for.
+DEFAULTS = {
+    **dict.fromkeys(("until", "method", "step", "max_step", "rtol", "atol", "every", "record")),
+    **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "output")),
+    "iteration": "newton",
+    "max_steps": 1_000_000_000,
+    "units": False,
+    "libm": False,
+    "portable": False,
+    "json": True,
+}
+
+
+def load(
+    path: str | os.PathLike[str], scene: str | None = None, sizes: Mapping[str, int] | None = None
+) -> Model:
+    """A model's file, and one of its scenes. `sizes` are the lengths of families, where they are to
+    be others than the file's. Raises ModelError with the places of all that is wrong in it."""
+    return Model(path, scene, sizes or {})
+
+
+class Parameters(MutableMapping[str, float]):
+    """Values of parameters in SI, by name (`m1`, `k[2]`). What is set may carry a unit: `"2 [kg]"`.
+    Raises KeyError for a name that the model has not, UsageError for a value that cannot be."""
+
+    def __init__(self, model: Model):
+        self._model = model
+        self._set: dict[str, float] = {}
+
+    def _known(self, name: str) -> tuple[int, Any]:
+        known = named.parameters(self._model.compilation)
+        if name not in known:
+            raise KeyError(f"{name}: {near(name, [*known], 'parameter')}")
+        return known[name]
+
+    def __getitem__(self, name: str) -> float:
+        index, _ = self._known(name)
+        if name in self._set:
+            return self._set[name]
+        return float(self._model._handle.given()["parameters"][index])
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        _, quantity = self._known(name)
+        values = Values(self._model.compilation)
+        self._set[name] = values.value("params", _text(value), quantity.unit, name)
+        self._model._forget()
+
+    def __delitem__(self, name: str) -> None:
+        """Back to the model's own value."""
+        self._known(name)
+        self._set.pop(name, None)
+        self._model._forget()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(named.parameters(self._model.compilation))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+class Model:
+    """A model, and one scene of it or none. `params` are its parameters.
+
+    Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, whatever the scene leaves
+    of it, at the values of `params`. q and v have the model's coordinates and rates along their
+    last axis, in the order of `coordinates` and `rates`, in SI; all other axes, those of t too, are
+    any that NumPy broadcasts.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], scene: str | None, sizes: Mapping[str, int]
+    ) -> None:
+        self.path, self.scene = os.fspath(path), scene
+        self._sizes = dict(sizes)
+        self._made: dict[object, Compilation] = {}
+        self.params = Parameters(self)
+        self.compilation  # noqa: B018 (its errors are told now)
+
+    @cached_property
+    def compilation(self) -> Compilation:
+        """The whole model, compiled."""
+        return self._compiled(argparse.Namespace(scene=None), unroll=lengths.UNROLL)
+
+    def _compiled(self, options: argparse.Namespace, **how: Any) -> Compilation:
+        source = read(self.path)
+        key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"))
+        if key not in self._made:
+            made = self._made[key] = compile_model(source, sizes=self._sizes, **how)
+            for warning in made.warnings:
+                warnings.warn(warning.text(source), stacklevel=4)
+        return self._made[key]
+
+    def _forget(self) -> None:
+        self.__dict__.pop("_handle", None)
+
+    @property
+    def name(self) -> str:
+        return self.compilation.model.name
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        return tuple(named.coordinates(self.compilation))
+
+    @property
+    def rates(self) -> tuple[str, ...]:
+        """Rates of the coordinates, then first-order variables."""
+        return tuple(named.coordinates(self.compilation, rates=True))
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        return tuple(s.name for s in self.compilation.declared.scenes)
+
+    # -- runs ---------------------------------------------------------------------------------
+
+    def run(
+        self,
+        until: Value | None = None,
+        *,
+        method: str | None = None,
+        every: Value | None = None,
+        step: Value | None = None,
+        max_step: Value | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
+        start: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Value] | None = None,
+        record: Sequence[str] | None = None,
+        at: str | None = None,
+        diagnose: Sequence[str] = (),
+        iteration: str = "newton",
+        max_steps: int = 1_000_000_000,
+    ) -> Result:
+        """Integrate, by what the scene says where nothing is said here: each argument is the option
+        of `pkgen run` of that name. Numbers are in SI, or carry a unit: `until="2 [min]"`.
+
+        Raises UsageError for what cannot be asked, RunError where the numerics fail (its `result`
+        has the rows up to the last valid time), and KeyboardInterrupt.
+        """
+        return self._run(self._options(**_given(locals())))
+
+    def ensemble(
+        self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
+    ) -> Result:
+        """Many trajectories side by side: `table` has what differs from member to member, a column
+        for each parameter, input, coordinate or rate (a dictionary of arrays, a data frame, a
+        structured array, or the name of a CSV file). `more` as in `run`."""
+        options = self._options(until=until, threads=threads, **more)
+        if isinstance(table, str | os.PathLike):
+            options.ensemble = os.fspath(table)
+            return self._run(options)
+        options.ensemble = "table"
+        return self._run(options, lambda made: _members(made, table))
+
+    def _options(self, **given: Any) -> argparse.Namespace:
+        start, inputs = given.pop("start", None) or {}, given.pop("inputs", None) or {}
+        record, diagnose = given.pop("record", None), given.pop("diagnose", ())
+        unknown = given.keys() - DEFAULTS.keys()
+        if unknown:
+            raise TypeError(f"run() has no argument {sorted(unknown)[0]!r}")
+        numbers = ("until", "every", "step", "max_step", "rtol", "atol")
+        texts = {k: _text(given[k]) for k in numbers if given.get(k) is not None}
+        options = argparse.Namespace(**{**DEFAULTS, **given, **texts})
+        options.model, options.scene = self.path, self.scene
+        options.size = [f"{name}={length}" for name, length in self._sizes.items()]
+        values = {**self.params._set, **inputs}
+        options.set = [f"{name}={_text(value)}" for name, value in values.items()]
+        options.start = [f"{name}={_text(value)}" for name, value in start.items()]
+        options.record = None if record is None else ",".join(record)
+        options.diagnose = ",".join(diagnose) or None
+        return options
+
+    def _run(self, options: argparse.Namespace, table: Any = None) -> Result:
+        prepared = prepare(options, self._compiled, table).built()
+        done, told = _simulated(prepared)
+        expects = []
+        if prepared.scene is not None and told.report:
+            expects = [
+                v.record()
+                for v in scene_run.verdicts(
+                    prepared.compilation,
+                    prepared.scene,
+                    prepared.settings,
+                    told.report,
+                    prepared.ensemble,
+                )
+            ]
+        shown = columns(prepared.compilation, prepared.ensemble, prepared.settings.show, 10**9)
+        notes = "".join(f"{note}\n" for note in prepared.notes)
+        result = Result(self.name, shown, done.rows(), told.report, notes + told.messages, expects)
+        if told.code == INTERRUPTED:
+            raise KeyboardInterrupt
+        said = told.messages.strip().replace("run: ", "") or "the run failed"
+        if told.code == USAGE:
+            raise UsageError(said)
+        if told.code:
+            report = told.report
+            first = report.get("first_failed") or report
+            valid = first.get("last_valid", first.get("t", 0.0))
+            raise RunError(said, first.get("status", ""), valid, result)
+        return result
+
+    # -- kernels ------------------------------------------------------------------------------
+
+    @cached_property
+    def _handle(self) -> Run:
+        """What kernels are called through, with the parameters as they are."""
+        compilation = self.compilation
+        values = [f"{name}={value!r}" for name, value in self.params._set.items()]
+        options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=values)
+        options.until, options.method, options.step = "1.0", "rk4", "1.0"
+        settings: Settings = parsing.settings(options, compilation)
+        library = load_library(build(compilation, settings, None))
+        return library.run(replace(settings, every=None, show=()), bare=1, idle=1)
+
+    def _kernel(self, what: str, q: ArrayLike, v: ArrayLike, t: ArrayLike) -> NDArray[Any]:
+        import numpy
+
+        n, m = len(self.coordinates), len(self.rates)
+        places, rates = numpy.asarray(q, float), numpy.asarray(v, float)
+        if places.shape[-1:] != (n,) or rates.shape[-1:] != (m,):
+            raise ValueError(f"q must be of shape (..., {n}), v of shape (..., {m})")
+        shape = numpy.broadcast_shapes(places.shape[:-1], rates.shape[:-1], numpy.shape(t))
+        return self._handle.evaluate(
+            what,
+            numpy.broadcast_to(numpy.asarray(t, float), shape).reshape(-1),
+            numpy.broadcast_to(places, (*shape, n)).reshape(-1, n),
+            numpy.broadcast_to(rates, (*shape, m)).reshape(-1, m),
+        ).reshape(*shape, -1)
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+        """q'' (and x' of first-order variables), of shape (..., n); not a number where M is
+        singular."""
+        return self._kernel("acceleration", q, v, t)
+
+    def f(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+        """The force, M a = f, of shape (..., n)."""
+        return self._kernel("force", q, v, t)
+
+    def M(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+        """The mass matrix, of shape (..., n, n)."""
+        found = self._kernel("mass", q, v, t)
+        return found.reshape(*found.shape[:-1], len(self.rates), -1)
+
+    def momenta(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+        """dL/dv, of shape (..., n)."""
+        return self._kernel("momenta", q, v, t)
+
+    def energy(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+        """v.dL/dv - L, of shape (...)."""
+        return self._kernel("energy", q, v, t)[..., 0]
+
+    def jacobian(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+        """da/dq and da/dv, of shape (..., 2, n, n)."""
+        found = self._kernel("jacobian", q, v, t)
+        return found.reshape(*found.shape[:-1], 2, len(self.rates), -1)
+
+    @property
+    def start(self) -> NDArray[Any]:
+        """The model's start, coordinates then rates: y at t = 0 of `rhs`."""
+        import numpy
+
+        given = self._handle.given()
+        return numpy.array([*given["q"], *given["v"]])
+
+    def rhs(self, t: float, y: ArrayLike) -> NDArray[Any]:
+        """y' of y = (q, v), for solvers of first-order equations: `solve_ivp(m.rhs, ...)`. y is of
+        shape (n,), or (n, count) as `vectorized=True` has it."""
+        import numpy
+
+        state = numpy.asarray(y, float)
+        n = len(self.coordinates)
+        q, v = state[:n].T, state[n:].T
+        return numpy.concatenate([state[n : 2 * n], self.acceleration(q, v, t).T])
+
+    def __repr__(self) -> str:
+        scene = f", scene {self.scene}" if self.scene else ""
+        return f"<pkgen model {self.name}: {', '.join(self.coordinates)}{scene}>"
+
+
+def _text(value: Value) -> str:
+    return value if isinstance(value, str) else repr(float(value))
+
+
+def _given(arguments: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in arguments.items() if name != "self"}
+
+
+def _simulated(prepared: Prepared) -> tuple[Run, Outcome]:
+    assert prepared.library is not None
+    with children.stopping() as stopped:
+        done = load_library(prepared.library).run(
+            prepared.settings,
+            lambda _part: stopped(),
+            prepared.ensemble,
+            threads=prepared.threads or 0,
+        )
+    return done, outcome(prepared.compilation, prepared.settings, done, prepared.ensemble)
+
+
+def _members(compilation: Compilation, table: Any) -> Ensemble:
+    """Of a table in memory, its columns by name. Raises UsageError."""
+    import numpy
+
+    names = table.dtype.names if isinstance(table, numpy.ndarray) else list(table)
+    known = settable(compilation)
+    found: list[Column] = []
+    for name in names or ():
+        if name not in known:
+            raise UsageError(f"column {name}: {near(name, list(known), 'parameter or start')}")
+        found.append(known[name])
+    data = [numpy.asarray(table[name], float) for name in names or ()]
+    if not data or any(x.shape != data[0].shape or x.ndim != 1 for x in data):
+        raise UsageError("a table has columns of one length, named as what they set")
+    values = array.array("d", numpy.stack(data, axis=1).tobytes())
+    if not numpy.isfinite(values).all():
+        raise UsageError("a table has numbers that are not finite")
+    return Ensemble("table", tuple(found), range(1, len(data[0]) + 1), values)

@@ -1,0 +1,101 @@
+"""From the options of a run to what is run: compiled, its settings settled, a method chosen."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..compiler import Compilation
+from ..model import Scene
+from ..record import record
+from ..run import diagnostics, rows
+from ..run import ensemble as members
+from ..run.ensemble import Ensemble
+from ..run.settings import Settings
+from ..run.simulate import build
+from ..scenes import asked as parsing
+from ..scenes import check as scene_check
+from ..scenes import lengths, scene
+from ..scenes import run as scene_run
+from ..scenes import use as scene_use
+
+if TYPE_CHECKING:
+    from ..analysis.choose import Choice
+
+
+@record
+class Prepared:
+    """What is run: a model, its settings, and the members of an ensemble if it is one."""
+
+    compilation: Compilation
+    settings: Settings
+    ensemble: Ensemble | None
+    threads: int | None
+    scene: Scene | None
+    notes: tuple[str, ...] = ()  # what there is to say before it runs
+    choices: tuple[Choice, ...] = ()  # where the scene promises an accuracy, one of each part
+    library: Path | None = None
+
+    def built(self) -> Prepared:
+        """With the library of the model. Raises BuildError."""
+        return replace(self, library=build(self.compilation, self.settings, self.ensemble))
+
+
+def prepare(
+    options: argparse.Namespace,
+    compiled: Callable[..., Compilation],
+    table: Callable[[Compilation], Ensemble] | None = None,
+) -> Prepared:
+    """`compiled(options, **how)` compiles the model; `table` makes the members of an ensemble that
+    is no file. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    swarm = scene_run.is_swarm(options)
+    several = swarm or options.ensemble is not None
+    asked = diagnostics.asked(options.diagnose, options.ensemble)
+    compilation = compiled(
+        options,
+        libm=options.libm,
+        portable=options.portable,
+        # Members of an ensemble run in lanes, which loops do not have.
+        unroll=None if several else lengths.UNROLL,
+        kernels=diagnostics.kernels(asked),
+        use=scene_use.of_run(options),
+    )
+    diagnostics.refuse(asked, compilation, several)
+    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    if chosen is not None:
+        scene_check.refuse(options, compilation, chosen)
+    threads = parsing.threads(options, several)
+    if swarm:
+        scene_run.refuse_swarm(options, compilation.declared, chosen)
+    ensemble = None
+    if options.ensemble is not None:
+        ensemble = table(compilation) if table else members.read(options.ensemble, compilation)
+    count = scene_run.count(compilation.declared, chosen) if swarm else None
+    settings = parsing.settings(
+        options, compilation, len(ensemble.lines) if ensemble else count, chosen
+    )
+    if swarm:
+        ensemble = scene_run.members(options, compilation, chosen, settings)
+    if chosen is not None:
+        expected = scene_run.watched(compilation, chosen, settings, several)
+        settings = replace(settings, watched=expected)
+    if several:
+        settings = replace(settings, watch=scene_run.watch(compilation, chosen, settings))
+    notes = []
+    if chosen is not None and chosen.accuracy is not None and settings.accuracy is None:
+        notes.append(f"pkgen: {scene_check.NOT_PROMISED}")
+    choices: tuple[Choice, ...] = ()
+    if settings.accuracy is not None:
+        from ..analysis import choose
+
+        choices = choose.chosen(compilation, settings, ensemble)
+        settings = choose.with_choices(settings, choices)
+        time = "" if compilation.model.dimensionless else "s"
+        for choice in choices:
+            notes += choose.lines(choice, time, options.json)
+    more = (rows.note(options, settings, compilation), parsing.unread(options, compilation))
+    notes += [f"pkgen: {note}" for note in more if note]
+    return Prepared(compilation, settings, ensemble, threads, chosen, tuple(notes), choices)

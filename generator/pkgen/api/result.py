@@ -1,0 +1,116 @@
+"""What came of a run: rows as arrays, and how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from ..equations import Quantity
+
+if TYPE_CHECKING:
+    import numpy
+    import pandas
+    import xarray
+
+SHOWN = 5  # rows at either end of a table in a notebook
+
+
+class Result:
+    """The rows of a run.
+
+    `t` are their times, `r["theta1"]` a column of them, `units` the unit of each column, `report`
+    how the run went (docs/running.md), `events` the times of each event, `expects` what came of
+    the scene's expectations, `messages` what there was to say. Of an ensemble `member` says of
+    which one a row is, and `by_member("theta1")` has a row for each.
+    """
+
+    def __init__(
+        self,
+        model: str,
+        columns: list[Quantity],
+        rows: numpy.ndarray,
+        report: dict[str, Any],
+        messages: str,
+        expects: list[dict[str, Any]],
+    ):
+        self.model, self.report, self.messages, self.expects = model, report, messages, expects
+        self.units = {c.name: c.unit for c in columns}
+        self._index = {c.name: i for i, c in enumerate(columns)}
+        self._rows = rows
+        self._several = "members" in report
+
+    @property
+    def t(self) -> numpy.ndarray:
+        """Times of the rows, of shape (rows,)."""
+        return self._rows[:, self._index["t"]]
+
+    @property
+    def member(self) -> numpy.ndarray:
+        """The member that each row is of, of shape (rows,). Raises KeyError without members."""
+        if not self._several:
+            raise KeyError("member")
+        return self._rows[:, 0].astype(int)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self._index)
+
+    @property
+    def events(self) -> dict[str, list[float]]:
+        """The times of each event, the first thousand; of an ensemble those of its first ones."""
+        return {e["name"]: e.get("times", e.get("first", [])) for e in self.report["events"]}
+
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        """A column, of shape (rows,). Raises KeyError."""
+        if name not in self._index:
+            raise KeyError(f"{name}: the rows have {', '.join(self._index)}")
+        return self._rows[:, self._index[name]]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._index)
+
+    def __len__(self) -> int:
+        """How many rows there are."""
+        return len(self._rows)
+
+    def by_member(self, name: str) -> numpy.ndarray:
+        """A column, of shape (members, rows of one); not a number where a member ended before."""
+        import numpy
+
+        members, counts = numpy.unique(self.member, return_counts=True)
+        found = numpy.full((len(members), counts.max(initial=0)), numpy.nan)
+        for k, member in enumerate(members):
+            found[k, : counts[k]] = self[name][self.member == member]
+        return found
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows, units in `attrs`; the index is time. Needs pandas."""
+        import pandas
+
+        frame = pandas.DataFrame({name: self[name] for name in self}).set_index("t")
+        frame.attrs["units"] = self.units
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A variable for each column with its unit, over `t`. Needs xarray."""
+        import xarray
+
+        variables = {n: ("t", self[n], {"units": self.units[n]}) for n in self if n != "t"}
+        return xarray.Dataset(variables, {"t": ("t", self.t, {"units": self.units["t"]})})
+
+    def __repr__(self) -> str:
+        way = f"{self.report.get('method')}, {len(self)} rows of {', '.join(self)}"
+        return f"<{self.model}: {way}>"
+
+    def _repr_html_(self) -> str:
+        def cells(values: Any, tag: str = "td") -> str:
+            return "<tr>" + "".join(f"<{tag}>{escape(str(v))}</{tag}>" for v in values) + "</tr>"
+
+        heads = [f"{n} [{u}]" if u else n for n, u in self.units.items()]
+        count = len(self)
+        some = range(count) if count <= 2 * SHOWN else [*range(SHOWN), *range(count - SHOWN, count)]
+        body = [cells(f"{x:.6g}" for x in self._rows[k]) for k in some]
+        if len(some) < count:
+            body.insert(SHOWN, cells(["…"] * len(heads)))
+        return f"<p>{escape(repr(self))}</p><table>{cells(heads, 'th')}{''.join(body)}</table>"

@@ -1,0 +1,34 @@
+"""The C of functions that <math.h> lacks, from the table of functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...functions import FUNCTIONS, SIDE
+
+
+def helpers(names: Iterable[str]) -> list[dict[str, str]]:
+    """What helpers.j2 writes, in the order of the table; then those that are told a side."""
+    names = set(names)
+    plain = [_plain(name) for name in FUNCTIONS if name in names]
+    return plain + [_sided(name) for name in FUNCTIONS if SIDE + name in names]
+
+
+def _helper(name: str, arguments: Iterable[str], body: str, note: str, remark: str = "") -> dict:
+    typed = ", ".join(f"pk_real {x}" for x in arguments)
+    return {"name": name, "arguments": typed, "body": body, "note": note, "remark": remark}
+
+
+def _plain(name: str) -> dict[str, str]:
+    row = FUNCTIONS[name]
+    return _helper(name, row.arguments, row.body, row.note, row.remark)
+
+
+def _sided(name: str) -> dict[str, str]:
+    """A side other than 0 says which of its two smooth functions it is."""
+    row = FUNCTIONS[name]
+    assert row.kinked is not None
+    free = row.body or f"PK_F({row.c or name})({', '.join(row.arguments)})"
+    body = f"side > 0 ? {row.kinked.above} : side < 0 ? {row.kinked.below} : {free}"
+    note = f"`side`: that of {' - '.join(row.arguments)}." if row.arity > 1 else ""
+    return _helper(SIDE + name, ("side", *row.arguments), body, note)

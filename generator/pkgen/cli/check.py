@@ -1,0 +1,36 @@
+"""`pkgen check`: errors and warnings alone."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from ..compiler import check_model
+from ..front.read import read
+from ..scenes import check as scene_check
+from ..scenes import lengths
+from ..source import ModelError
+from ..system.exits import DONE
+from .compilation import warn, within_limits
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """None of its own."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Report the errors and warnings of a model, and write nothing."""
+    source = read(options.model)
+    sizes = lengths.given(options.size)
+    with within_limits(options):
+        model, warnings = check_model(source, sizes=sizes)
+        # What other sizes than the file's make wrong of a scene, who chooses it hears.
+        scenes = [item for item in model.scenes if not item.misfits]
+        wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]
+    if wrong:
+        raise ModelError(source, wrong)
+    if options.json:
+        print(json.dumps({"diagnostics": [w.record(source) for w in warnings]}))
+    else:
+        warn(source, warnings)
+    return DONE

@@ -1,0 +1,69 @@
+"""`pkgen MODEL.lag`: C for a model or one of its scenes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from ..back.c.kernels import KERNELS
+from ..back.c.kernels_canonical import CANONICAL
+from ..compiler import STAGES
+from ..front.read import read
+from ..scenes import asked as parsing
+from ..scenes import check as scene_check
+from ..scenes import lengths, scene
+from ..scenes import use as scene_use
+from ..system.exits import DONE
+from ..system.files import replace
+from . import arguments as shared
+from .compilation import compile_within_limits, within_limits
+
+USAGE = "pkgen MODEL.lag [-o DIR] [options]"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.directory(parser)
+    parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
+    shared.no_reduce(parser)
+    parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
+    shared.sincos(parser)
+    shared.canonical(parser)
+    parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
+    parser.add_argument(
+        "--dump", choices=STAGES, metavar="STAGE", help="show a stage's result as text"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
+    source = read(options.model)
+    kernels = parsing.kernels(options.kernels, KERNELS)
+    if options.dump:
+        from ..explain.dump import dump
+
+        with within_limits(options):
+            text = dump(options.dump, source, lengths.given(options.size), kernels, options.libm)
+        print(text)
+        return DONE
+    compilation = compile_within_limits(
+        options,
+        source,
+        kernels=kernels,
+        self_test=options.self_test,
+        canonical=options.canonical or bool(kernels and kernels & CANONICAL),
+        libm=options.libm,
+        portable=options.portable,
+        use=scene_use.of_compile(options),
+        symmetric=True,
+    )
+    if options.scene:
+        chosen = scene.chosen(compilation.declared, options.scene)
+        scene_check.refuse_method(compilation, chosen)
+    directory = parsing.directory(options.directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    replace({directory / name: text for name, text in compilation.files.items()})
+    if options.json:
+        files = [str(directory / name) for name in compilation.files]
+        warnings = [w.record(source) for w in compilation.warnings]
+        print(json.dumps({"files": files, "warnings": warnings}))
+    return DONE

@@ -1,0 +1,55 @@
+"""`pkgen explain`: equations, structure, what scenes leave of them."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from importlib.util import find_spec
+from pathlib import Path
+
+from ..explain import explain as explanation
+from ..explain import scenes as explain_scenes
+from ..explain.html import html
+from ..explain.loops import explain_loops, record_loops
+from ..explain.scenes import scenes_shown
+from ..scenes import lengths
+from ..scenes import use as scene_use
+from ..system.exits import DONE, UsageError
+from ..system.files import replace
+from . import arguments as shared
+from .compilation import compile_within_limits, within_limits
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--scene", metavar="NAME", help="what one scene leaves of the model")
+    shared.no_reduce(parser)
+    shared.canonical(parser)
+    parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show a model's equations and structure."""
+    if find_spec("sympy") is None:
+        raise UsageError("explain shows equations by SymPy, which is not installed; C needs none")
+    compilation = compile_within_limits(
+        options, symmetric=True, canonical=options.canonical, use=scene_use.of_compile(options)
+    )
+    with within_limits(options):
+        if compilation.looped:
+            shown, record = explain_loops, record_loops
+        else:
+            shown, record = explanation.explain, explanation.record
+        scenes = [] if options.scene else scenes_shown(compilation, lengths.given(options.size))
+        written = html(compilation, scenes) if options.html else ""
+        text = ""
+        if options.json:
+            found = record(compilation) | {"scenes": explain_scenes.record(scenes)}
+            text = json.dumps(found, indent=1)
+        elif not options.html:
+            text = shown(compilation).rstrip("\n")
+            text += f"\n\n{explain_scenes.text(scenes)}" if scenes else ""
+    if options.html:
+        replace({Path(options.html): written})
+    if text:
+        print(text)
+    return DONE

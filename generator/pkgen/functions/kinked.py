@@ -1,0 +1,101 @@
+"""The functions that bend or jump, a row each.
+
+In C each has a twin, `side_` before its name, that takes the side of its switch as well: not 0
+while a run holds the function on one side of it (see middle/derive/switches.py).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from .interval import NOT_NEGATIVE, POSITIVE, UNIT, Range
+from .row import Function, Kinked
+
+_NAN = "a + b: one of them is not a number"
+
+
+def _less(g, a, b):
+    """1 where a < b, else 0."""
+    return g.subtract(g.number(1), g.call("step", g.subtract(a, b)))
+
+
+def _not_less(g, a, b):
+    return g.subtract(g.number(1), _less(g, a, b))
+
+
+KINKED: dict[str, Function] = {
+    "abs": Function(
+        units="same",
+        c="fabs",
+        kinked=Kinked("-x", "x"),
+        real=abs,
+        exact=abs,
+        parity="even",
+        derivative=lambda g, n, a: (g.call("sign", a),),
+        interval=lambda x: POSITIVE if x.never_zero else NOT_NEGATIVE,
+        ball=lambda b, x: b.slope(abs, x, 1),
+        opened=lambda p, a: p.multiplied(a, p.sign(a)),
+        branched=True,
+        like_argument=True,
+        sympy="Abs",
+    ),
+    "min": Function(
+        arguments=("a", "b"),
+        units="same",
+        body="a < b ? a : b <= a ? b : a + b",
+        remark=_NAN,
+        kinked=Kinked("a", "b"),
+        real=min,
+        array="minimum",
+        exact=min,
+        derivative=lambda g, n, a, b: (_less(g, a, b), _not_less(g, a, b)),
+        interval=lambda x, y: Range(min(x.lo, y.lo), min(x.hi, y.hi)),
+        ball=lambda b, x, y: b.pick(min, x, y),
+        opened=lambda p, a, b: p.larger(a, b, -1),
+        branched=True,
+        sympy="Min",
+    ),
+    "max": Function(
+        arguments=("a", "b"),
+        units="same",
+        body="a > b ? a : b >= a ? b : a + b",
+        remark=_NAN,
+        kinked=Kinked("b", "a"),
+        real=max,
+        array="maximum",
+        exact=max,
+        derivative=lambda g, n, a, b: (_not_less(g, a, b), _less(g, a, b)),
+        interval=lambda x, y: Range(max(x.lo, y.lo), max(x.hi, y.hi)),
+        ball=lambda b, x, y: b.pick(max, x, y),
+        opened=lambda p, a, b: p.larger(a, b, 1),
+        branched=True,
+        sympy="Max",
+    ),
+    "step": Function(  # 0 below 0, 1 from 0 on
+        units="any",
+        body="x >= 0 ? 1 : x < 0 ? 0 : x",
+        kinked=Kinked("0", "1"),
+        real=lambda x: float(x >= 0),
+        array=lambda np, x: np.where(np.asarray(x) < 0, 0.0, 1.0),
+        exact=lambda x: Fraction(x >= 0),
+        derivative=lambda g, n, a: (g.number(0),),
+        interval=lambda x: Range(0, 1),
+        ball=lambda b, x: b.chosen(x, (0, 1, 1)),
+        opened=lambda p, a: p.halved(p.added({(): 1}, p.sign(a))),
+        jump="step jumps",
+        sympy=lambda sp, x: sp.Heaviside(x, 1),
+    ),
+    "sign": Function(  # -1, 0 or 1: the derivative of abs
+        units="any",
+        body="x > 0 ? 1 : x < 0 ? -1 : x",
+        kinked=Kinked("-1", "1"),
+        real=lambda x: float((x > 0) - (x < 0)),
+        exact=lambda x: Fraction((x > 0) - (x < 0)),
+        parity="odd",
+        derivative=lambda g, n, a: (g.number(0),),
+        interval=lambda x: UNIT,
+        ball=lambda b, x: b.chosen(x, (-1, 0, 1)),
+        opened=lambda p, a: p.sign(a),
+        jump="sign jumps",
+    ),
+}

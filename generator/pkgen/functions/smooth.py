@@ -1,0 +1,218 @@
+"""The smooth functions, a row each."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from .interval import ANY, NOT_NEGATIVE, POSITIVE, UNIT, Range
+from .row import ARC, DIVISOR, LOGARITHM, ROOT, Function, at
+
+_HALF = Fraction(1, 2)
+_QUARTER = Range(-math.pi / 2, math.pi / 2)
+
+
+def _one_and_square(g, a, sign: int = 1):
+    """1 + a^2 or 1 - a^2."""
+    square = g.power(a, 2)
+    return g.add(g.number(1), square if sign > 0 else g.negate(square))
+
+
+def _atan2(g, n, y, x):
+    inverse = g.power(g.add(g.power(x, 2), g.power(y, 2)), -1)
+    return g.multiply(x, inverse), g.negate(g.multiply(y, inverse))
+
+
+def _pow(g, n, a, b):
+    lowered = g.call("pow", a, g.subtract(b, g.number(1)))
+    return g.multiply(b, lowered), g.multiply(n, g.call("log", a))
+
+
+def where_positive(g, base, exponent):
+    """|x|^max(n, 0), which vanishes with x as far as x^-n is singular there: n is a parameter, so
+    that is known when the model runs. A root of a negative x is no number, and told as such."""
+    return g.call("pow", g.call("abs", base), g.call("max", exponent, g.number(0)))
+
+
+def _beyond_one(what: str):
+    return lambda x: f"the {what} of a number beyond 1" if abs(x) > 1 else ""
+
+
+def _root(value: Fraction) -> Fraction | None:
+    """The exact square root, or None."""
+    if value < 0:
+        return None
+    n, d = math.isqrt(value.numerator), math.isqrt(value.denominator)
+    return Fraction(n, d) if n * n == value.numerator and d * d == value.denominator else None
+
+
+SMOOTH: dict[str, Function] = {
+    "sin": Function(
+        real=math.sin,
+        exact=at(0, 0),
+        parity="odd",
+        derivative=lambda g, n, a: (g.call("cos", a),),
+        interval=lambda x: UNIT,
+        ball=lambda b, x: b.turning(b.mp.sin, x),
+        opened=lambda p, a: p.sin(a),
+    ),
+    "cos": Function(
+        real=math.cos,
+        exact=at(0, 1),
+        parity="even",
+        derivative=lambda g, n, a: (g.negate(g.call("sin", a)),),
+        interval=lambda x: UNIT,
+        ball=lambda b, x: b.turning(b.mp.cos, x),
+        opened=lambda p, a: p.cos(a),
+    ),
+    "tan": Function(
+        real=math.tan,
+        exact=at(0, 0),
+        parity="odd",
+        derivative=lambda g, n, a: (_one_and_square(g, n),),
+        ball=lambda b, x: b.quotient(b.turning(b.mp.sin, x), b.turning(b.mp.cos, x)),
+        opened=lambda p, a: p.quotient(p.sin(a), p.cos(a)),
+        singular=lambda g, a: (g.call("cos", a), DIVISOR),
+    ),
+    "asin": Function(
+        real=math.asin,
+        array="arcsin",
+        exact=at(0, 0),
+        undefined=_beyond_one("arc sine"),
+        parity="odd",
+        derivative=lambda g, n, a: (g.power(_one_and_square(g, a, -1), -_HALF),),
+        interval=lambda x: _QUARTER,
+        ball=lambda b, x: b.arc(b.mp.asin, x),
+        branched=True,
+        ends=(-1, 1),
+        singular=lambda g, a: (_one_and_square(g, a, -1), ARC),
+        like_argument=True,
+    ),
+    "acos": Function(
+        real=math.acos,
+        array="arccos",
+        exact=at(1, 0),
+        undefined=_beyond_one("arc cosine"),
+        derivative=lambda g, n, a: (g.negate(g.power(_one_and_square(g, a, -1), -_HALF)),),
+        interval=lambda x: Range(0, math.pi),
+        ball=lambda b, x: b.arc(b.mp.acos, x),
+        branched=True,
+        ends=(-1, 1),
+        singular=lambda g, a: (_one_and_square(g, a, -1), ARC),
+    ),
+    "atan": Function(
+        real=math.atan,
+        array="arctan",
+        exact=at(0, 0),
+        parity="odd",
+        derivative=lambda g, n, a: (g.power(_one_and_square(g, a), -1),),
+        interval=lambda x: _QUARTER,
+        ball=lambda b, x: b.slope(b.mp.atan, x, 1),
+        branched=True,
+        like_argument=True,
+    ),
+    "atan2": Function(
+        arguments=("y", "x"),
+        units="any",
+        real=math.atan2,
+        array="arctan2",
+        derivative=_atan2,
+        ball=lambda b, y, x: b.atan2(y, x),
+        jump="atan2 jumps by 2 pi",
+    ),
+    "sinh": Function(
+        real=math.sinh,
+        exact=at(0, 0),
+        parity="odd",
+        derivative=lambda g, n, a: (g.call("cosh", a),),
+        interval=lambda x: POSITIVE if x.positive else ANY,
+        ball=lambda b, x: b.growing(b.mp.sinh, b.mp.cosh, x),
+        opened=lambda p, a: p.hyperbolic(a, -1),
+        like_argument=True,
+        short=1,
+    ),
+    "cosh": Function(
+        real=math.cosh,
+        exact=at(0, 1),
+        parity="even",
+        derivative=lambda g, n, a: (g.call("sinh", a),),
+        interval=lambda x: Range(1),
+        ball=lambda b, x: b.growing(b.mp.cosh, b.mp.cosh, x),
+        opened=lambda p, a: p.hyperbolic(a, 1),
+        short=1,
+    ),
+    "tanh": Function(
+        real=math.tanh,
+        exact=at(0, 0),
+        parity="odd",
+        derivative=lambda g, n, a: (_one_and_square(g, n, -1),),
+        interval=lambda x: UNIT,
+        ball=lambda b, x: b.slope(b.mp.tanh, x, 1),
+        opened=lambda p, a: p.quotient(p.hyperbolic(a, -1), p.hyperbolic(a, 1)),
+        like_argument=True,
+        short=2,
+    ),
+    "exp": Function(
+        real=math.exp,
+        exact=at(0, 1),
+        derivative=lambda g, n, a: (n,),
+        interval=lambda x: POSITIVE,
+        ball=lambda b, x: b.exp(x),
+        opened=lambda p, a: p.exp(a),
+        short=1,
+    ),
+    "log": Function(
+        real=math.log,
+        exact=at(1, 0),
+        undefined=lambda x: "the logarithm of a number that is not positive" if x <= 0 else "",
+        derivative=lambda g, n, a: (g.power(a, -1),),
+        ball=lambda b, x: b.log(x),
+        ends=(0,),
+        singular=lambda g, a: (a, LOGARITHM),
+    ),
+    # The derivative is 0 at 0: 1/sqrt is written with `reciprocal`, which is 0 there.
+    "sqrt": Function(
+        units="root",
+        real=math.sqrt,
+        exact=_root,
+        undefined=lambda x: "the square root of a negative number" if x < 0 else "",
+        derivative=lambda g, n, a: (g.multiply(g.number(_HALF), g.call("reciprocal", n)),),
+        interval=lambda x: POSITIVE if x.positive else NOT_NEGATIVE,
+        ball=lambda b, x: b.sqrt(x),
+        branched=True,
+        ends=(0,),
+        singular=lambda g, a: (a, ROOT),
+        like_argument=True,
+    ),
+    # A base to a power that is not a constant.
+    "pow": Function(
+        arguments=("x", "y"),
+        internal=True,
+        real=math.pow,
+        array="power",
+        derivative=_pow,
+        interval=lambda x, y: POSITIVE if x.positive else ANY,
+        ball=lambda b, x, y: b.pow(x, y),
+        opened=lambda p, a, b: p.pow(a, b),
+        ends=(0,),
+        singular=lambda g, a, b: (where_positive(g, a, g.negate(b)), DIVISOR),
+        sympy="Pow",
+    ),
+    # 1/x, and 0 at 0: with it sqrt, norm and abs have derivative 0 at 0.
+    "reciprocal": Function(
+        units="any",
+        internal=True,
+        body="x == 0 ? 0 : 1 / x",
+        note="0 at 0: with it the derivatives of sqrt, norm and abs vanish there.",
+        real=lambda x: 1 / x if x else 0.0,
+        array=lambda np, x: np.where(x == 0, 0.0, 1 / np.where(x == 0, 1.0, x)),
+        exact=lambda x: 1 / x if x else Fraction(0),
+        parity="odd",
+        derivative=lambda g, n, a: (g.negate(g.power(n, 2)),),
+        interval=lambda x: POSITIVE if x.positive else NOT_NEGATIVE if x.not_negative else ANY,
+        ball=lambda b, x: x if x == (0, 0) else b.inverse(x),
+        opened=lambda p, a: p.inverse(a),
+        singular=lambda g, a: (a, DIVISOR),
+        sympy=lambda sp, x: 1 / x,
+    ),
+}

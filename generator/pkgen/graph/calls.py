@@ -1,0 +1,19 @@
+"""Whether calls bend or jump."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..functions import FUNCTIONS
+from .graph import Graph, Node, Op
+
+
+def smooth(g: Graph, nodes: Iterable[Node]) -> bool:
+    """Whether no call among the nodes bends or jumps."""
+    return all(FUNCTIONS[g.data[node]].smooth for node in nodes if g.op[node] is Op.CALL)
+
+
+def jumps(g: Graph, node: Node) -> bool:
+    """Whether a node is a call that jumps at the zero of its argument."""
+    row = FUNCTIONS[g.data[node]] if g.op[node] is Op.CALL else None
+    return row is not None and bool(row.kinked and row.jump)

@@ -1,0 +1,28 @@
+"""Lengths of families: those of the command line, and up to which a run has no loops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .. import limits
+from ..system.exits import UsageError
+
+UNROLL = 16  # coordinates up to which a run is faster as straight-line code
+
+
+def given(assignments: Iterable[str]) -> dict[str, int]:
+    """`--size N=64`, repeatable."""
+    found = {}
+    for text in assignments:
+        name, equal, value = text.partition("=")
+        digits = value.strip()
+        if not (equal and digits.isascii() and digits.isdecimal()):
+            raise UsageError(f"--size {text}: give a name and a whole number, e.g. --size N=64")
+        if not digits.strip("0"):
+            raise UsageError(f"--size {text}: a size is at least 1")
+        if name.strip() in found:
+            raise UsageError(f"--size {text}: it is given twice")
+        if len(digits.lstrip("0")) > 10 or int(digits) > limits.FAMILY:
+            raise UsageError(f"--size {text}: the limit is {limits.FAMILY:,}")
+        found[name.strip()] = int(digits)
+    return found

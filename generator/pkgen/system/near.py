@@ -1,0 +1,27 @@
+"""What somebody may have meant who wrote a word that is not known."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+# What pkgen has, and no model.
+_OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option"))
+
+
+def near(name: str, known: list[str], kind: str) -> str:
+    """Those that may be meant by a wrong name, or else those that there are."""
+    they = "there are" if kind in _OF_PKGEN else "it has"
+    meant = difflib.get_close_matches(name, known, n=3)
+    if meant:
+        *most, last = (f"'{one}'" for one in meant)
+        return f"did you mean {', '.join(most)}{' or ' if most else ''}{last}?"
+    if not known:
+        return f"{they} none"
+    return f"{they}: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+
+
+def unknown(option: str, name: str, known: Iterable[str], kind: str) -> str:
+    """What is said of a name that is not there."""
+    who = "there is" if kind in _OF_PKGEN else "the model has"
+    return f"{option} {name}: {who} no such {kind}; {near(name, list(known), kind)}"

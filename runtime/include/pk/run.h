@@ -1,0 +1,158 @@
+/* A run of a model as one call: settings in, rows and a report out. `pkgen run`, pkgen's Python and
+ * the programs of `pkgen build` are made of this layer. It allocates memory of its own, writes where
+ * it is told to, and never ends the process. Numbers of settings are in SI.
+ *
+ *     struct pk_run_settings s = pk_run_defaults();
+ *     s.method = "gauss";
+ *     s.until = 20;
+ *     s.every = 0.01;
+ *     struct pk_run *run = pk_run_new(&model, &s);
+ *     int code = pk_run_go(run);
+ *     ... pk_run_rows(run, &rows), pk_run_report(run), pk_run_messages(run)
+ *     pk_run_free(run);
+ *
+ * One run is for one thread at a time; several runs may go on at once.
+ */
+#ifndef PK_RUN_H
+#define PK_RUN_H
+
+#include <pk/apart.h>
+#include <pk/system.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A model, and the blocks of coordinates that it is integrated in, each by itself; or no blocks. */
+struct pk_run_model {
+    const struct pk_system *system;
+    const struct pk_part *parts;
+    size_t n_parts;
+};
+
+/* What a run ends with: also the exit code of a program. */
+enum pk_run_code {
+    PK_RUN_DONE = 0,
+    PK_RUN_USAGE = 2,       /* wrong settings, or output that cannot be written */
+    PK_RUN_FAILED = 4,      /* the numerics failed, or what rows show was not finite */
+    PK_RUN_INTERRUPTED = 130 /* by `poll` */
+};
+
+/* One number: of a parameter, an input, a start. `member` counts from 0 in a family kept as a loop. */
+struct pk_run_value {
+    size_t index, member;
+    double value;
+};
+
+/* A column of the rows, or of an ensemble's members. */
+struct pk_run_column {
+    char kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q, v, z */
+    size_t index;
+};
+
+/* A relation between columns, to be measured: a = b up to `within`, a < b, or a > b. */
+struct pk_run_expected {
+    char relation; /* =, <, > */
+    char when;     /* r in all rows, t at a time, e at an event */
+    struct pk_run_column a, b, within; /* within.kind 0: none */
+    double at;
+    size_t event;
+};
+
+/* How one block of coordinates is integrated; NULL and 0: as the whole. */
+struct pk_run_part {
+    const char *method;
+    double step, rtol, h_max;
+};
+
+struct pk_run_settings {
+    const char *method;
+    double until;              /* > 0 */
+    double every;              /* between rows; 0: each step; < 0: none but at events, or `until`/1000 */
+    double step, rtol, atol;   /* step 0: the method's own; atol < 0: of the motion */
+    double h_min, h_max;       /* of adaptive steps; 0: none */
+    int fixed_point;           /* iteration of implicit methods, in place of Newton's */
+    unsigned long max_steps;   /* 0: no limit */
+    int land;                  /* on rows: 1 by steps that end there, 0 between steps, -1 as it is best */
+    size_t n_sizes, n_parameters, n_inputs, n_q, n_v, n_z;
+    const struct pk_run_value *sizes, *parameters, *inputs, *q, *v, *z;
+    size_t n_columns;          /* of rows behind t; 0: all */
+    const struct pk_run_column *columns;
+    size_t n_hidden;           /* outputs that are no columns where there are all */
+    const size_t *hidden;
+    size_t at;                 /* 1 + the event that has rows; 0: none */
+    size_t n_expected, n_drifts;
+    const struct pk_run_expected *expected;
+    const struct pk_run_column *drifts; /* o, e: outputs and the energy, over all steps */
+    unsigned diagnose;         /* of pk_run_diagnostic() */
+    size_t n_parts;            /* of the model's, or 0 */
+    const struct pk_run_part *parts;
+    int bare;                  /* steps alone: no events or quadratures, no second opinion, and no rows
+                                  without `every` but the final state */
+    int compared;              /* with other runs: no second opinion; and where no event was met that
+                                  has rows, the start and the end are rows */
+    double cap;                /* seconds of the processor after which it is given up; 0: none */
+
+    size_t members;            /* 0: one trajectory. Else an ensemble: */
+    size_t n_member_columns;
+    const struct pk_run_column *member_columns;
+    const double *member_values; /* members by n_member_columns */
+    const char *member_name;   /* of the column that counts members; NULL: "member" */
+    long first_member;
+    size_t threads;            /* 0: all */
+    int watch;                 /* events of members are looked for; 2: and their first times reported */
+
+    int csv;                   /* file descriptor for rows as CSV; < 0: they are kept in memory */
+    int header;                /* of names above the CSV */
+    int (*poll)(void *context, double part); /* some ten times a second, with the part of the way that
+                                  is done; not 0: stop. NULL: never */
+    void *context;
+};
+
+struct pk_run;
+
+struct pk_run_settings pk_run_defaults(void);
+
+/* Copies what it needs of the settings. Never NULL but without memory. */
+struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings);
+/* To the end; the code. Rows up to the last valid time are there, whatever it is. */
+enum pk_run_code pk_run_go(struct pk_run *run);
+/* The kept rows, t first: how many, each of *columns numbers, the next two behind the last digit of
+ * the first where numbers have more digits than doubles: x is rows[i] + low[i], or low is NULL. */
+size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
+                   size_t *columns);
+/* The name of column i of the rows, its unit in *unit; 0 behind the last. */
+int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t size,
+                       const char **unit);
+/* How it went, in JSON (docs/running.md), after pk_run_go(). */
+const char *pk_run_report(struct pk_run *run);
+/* What there is to say to a person, a line each. */
+const char *pk_run_messages(const struct pk_run *run);
+/* The processor's seconds for one bare run from the start, the fastest of laps over `seconds` or more;
+ * 0 if it fails. After pk_run_go(). */
+double pk_run_laps(struct pk_run *run, double seconds);
+/* A kernel at `count` states: "acceleration", "force", "momenta" (n numbers a state), "mass" (n by n),
+ * "energy" (1), "outputs", or "jacobian" (da/dq, then da/dv, n by n each), with the run's parameters
+ * and inputs. q and v have n numbers a state, out as many as pk_run_width() says, t one. How many
+ * failed, whose numbers are NAN: M is singular there. */
+size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
+                       const double *q, const double *v, double *out);
+size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: there is no such kernel */
+/* Parameters and start in JSON, as they are in memory. */
+const char *pk_run_given(struct pk_run *run);
+void pk_run_free(struct pk_run *run);
+/* 1: all runs and questions of this library end as soon as they can, also those in other threads; those
+ * to come too, until 0. A signal's handler may call it. */
+void pk_run_stop(int whether);
+
+/* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_stability_question: 0 to 3. */
+size_t pk_run_size(int which);
+/* The bit of a diagnostic, 0: there is none of that name. The list of methods, a line of JSON each. */
+unsigned pk_run_diagnostic(const char *name);
+const char *pk_run_methods(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

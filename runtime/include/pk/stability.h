@@ -1,0 +1,46 @@
+/* What `pkgen stability` asks of one model: its equilibria and modes, a motion, and what methods at
+ * steps make of it. A question is a call, its answer one JSON object.
+ *
+ *     equilibria   where the system can rest, sought from `count` starts, and its modes there
+ *     start        where and with which parameters the motion begins
+ *     motion       the motion itself over `until`, by dop853 at rtol 1e-10
+ *     point        what becomes of that motion by `method` at `h` (after `motion`)
+ *     near         `count` steps of a method from close to the start, an equilibrium, along `mode` or
+ *                  all (-1) at `amplitude`; with mode `other` (-1: none) begun at `seed`
+ *     leave        how fast `mode` leaves the start, by dop853 at rtol 1e-13
+ *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
+ *
+ * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near` and `leave` need GSL.
+ */
+#ifndef PK_STABILITY_H
+#define PK_STABILITY_H
+
+#include <pk/run.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct pk_stability;
+
+struct pk_stability_question {
+    const char *method;
+    double h, amplitude, seed, stiffness, damping;
+    long mode, other;
+    size_t count;
+};
+
+/* Never NULL but without memory; what is wrong with the settings is said to each question. */
+struct pk_stability *pk_stability_new(const struct pk_run_model *model,
+                                      const struct pk_run_settings *settings);
+/* The answer, valid until the next question; NULL: pk_stability_wrong() says why. */
+const char *pk_stability_ask(struct pk_stability *stability, const char *what,
+                             const struct pk_stability_question *question);
+const char *pk_stability_wrong(const struct pk_stability *stability);
+void pk_stability_free(struct pk_stability *stability);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,317 @@
+/* The options of `pkgen run`, for one model. */
+#include "program.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int usage(const char *option, const char *value, const char *why)
+{
+    fprintf(stderr, "run: %s%s%s: %s\n", option, value ? " " : "", value ? value : "", why);
+    return PK_RUN_USAGE;
+}
+
+void *keep(struct program *p, void *old, size_t size)
+{
+    size_t k = 0;
+    while (k < p->n_lists && p->lists[k] != old)
+        k++;
+    void *memory = k < 16 ? realloc(old, size ? size : 1) : NULL;
+    if (!memory) {
+        fputs("run: out of memory\n", stderr);
+        exit(PK_RUN_FAILED);
+    }
+    p->lists[k] = memory;
+    p->n_lists += k == p->n_lists;
+    return memory;
+}
+
+void options_free(struct program *p)
+{
+    for (size_t k = 0; k < p->n_lists; k++)
+        free(p->lists[k]);
+}
+
+static int among(const struct pk_quantity *list, size_t count, size_t stride, const char *name,
+                 size_t length, size_t *index, const char **unit)
+{
+    for (size_t i = 0; list && i < count; i++) {
+        const struct pk_quantity *q =
+            (const struct pk_quantity *)(const void *)((const char *)list + i * stride);
+        if (strlen(q->name) == length && strncmp(q->name, name, length) == 0) {
+            *index = i;
+            *unit = q->unit;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+int find_name(const char *name, size_t length, char kind, size_t *index, size_t *member,
+              const char **unit)
+{
+    const struct pk_system *s = program_model.system;
+    const size_t one = sizeof(struct pk_quantity), n = s->count ? s->n_coordinates : s->n;
+    const size_t rates = s->count ? 2 * s->n_coordinates : s->n;
+    *member = 0;
+    switch (kind) {
+    case 'p':
+        return s->n_parameters && among(&s->parameters->what, s->n_parameters,
+                                        sizeof *s->parameters, name, length, index, unit);
+    case 'i':
+        return among(s->inputs, s->n_inputs, one, name, length, index, unit);
+    case 'q':
+        return among(s->coordinates, n - (s->count ? 0 : s->n_states), one, name, length, index,
+                     unit);
+    case 'v':
+        return among(s->rates, s->count ? n : rates, one, name, length, index, unit);
+    case 'o':
+        return among(s->observed, s->n_observed, one, name, length, index, unit);
+    case 'z':
+        return among(s->quadratures, s->n_quadratures, one, name, length, index, unit);
+    case 's':
+        return s->n_sizes &&
+               among(&s->sizes->what, s->n_sizes, sizeof *s->sizes, name, length, index, unit);
+    default:
+        return s->n_events &&
+               among(&s->events->what, s->n_events, sizeof *s->events, name, length, index, unit);
+    }
+}
+
+int read_number(const char *text, const char *unit, double *x)
+{
+    char *end;
+    *x = strtod(text, &end);
+    if (end == text || !(*x - *x == 0))
+        return 0;
+    while (isspace((unsigned char)*end))
+        end++;
+    if (*end == '\0')
+        return 1;
+    const size_t length = strlen(unit);
+    return *unit && *end == '[' && strncmp(end + 1, unit, length) == 0 &&
+           strcmp(end + 1 + length, "]") == 0;
+}
+
+static struct pk_run_value *add(struct program *p, const struct pk_run_value **list, size_t *count,
+                                const struct pk_run_value *fixed)
+{
+    const int own = *list != fixed;
+    struct pk_run_value *more = (struct pk_run_value *)keep(
+        p, own ? (void *)(size_t)*list : NULL, (*count + 1) * sizeof *more);
+    if (!own && *count)
+        memcpy(more, fixed, *count * sizeof *more);
+    *list = more;
+    return &more[(*count)++];
+}
+
+/* NAME=VALUE of `kinds`, each with its list. */
+static int assign(struct program *p, const char *option, const char *text, const char *kinds)
+{
+    struct pk_run_settings *s = &p->settings;
+    const struct pk_run_settings *f = &program_settings;
+    const char *equals = strchr(text, '='), *unit = "";
+    size_t index, member;
+    if (!equals)
+        return usage(option, text, "give a name and a value");
+    for (; *kinds; kinds++) {
+        if (!find_name(text, (size_t)(equals - text), *kinds, &index, &member, &unit))
+            continue;
+        struct pk_run_value x = {index, member, 0};
+        if (!read_number(equals + 1, unit, &x.value))
+            return usage(option, text, *unit ? "not a number in SI, nor with the unit that it has"
+                                             : "not a number");
+        switch (*kinds) {
+        case 'p':
+            *add(p, &s->parameters, &s->n_parameters, f->parameters) = x;
+            break;
+        case 'i':
+            *add(p, &s->inputs, &s->n_inputs, f->inputs) = x;
+            break;
+        case 'q':
+            *add(p, &s->q, &s->n_q, f->q) = x;
+            break;
+        case 'v':
+            *add(p, &s->v, &s->n_v, f->v) = x;
+            break;
+        default:
+            *add(p, &s->sizes, &s->n_sizes, f->sizes) = x;
+        }
+        return 0;
+    }
+    return usage(option, text, "the model has no such name; see --help");
+}
+
+/* --record a,b,energy */
+static int record(struct program *p, const char *text)
+{
+    struct pk_run_settings *s = &p->settings;
+    struct pk_run_column *columns = NULL;
+    const char *unit;
+    size_t member, count = 0;
+    for (const char *name = text; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL) {
+        const size_t length = strcspn(name, ",");
+        const char *kind = "qvoz";
+        struct pk_run_column c = {0, 0};
+        for (; *kind && !c.kind; kind++)
+            if (find_name(name, length, *kind, &c.index, &member, &unit))
+                c.kind = *kind;
+        if (!c.kind && length == 6 && strncmp(name, "energy", 6) == 0)
+            c.kind = 'e';
+        if (!c.kind)
+            return usage("--record", text, "the rows have no such column; see --help");
+        columns = (struct pk_run_column *)keep(p, columns, (count + 1) * sizeof *columns);
+        columns[count++] = c;
+    }
+    s->columns = columns;
+    s->n_columns = count;
+    return 0;
+}
+
+static int diagnose(struct program *p, const char *text)
+{
+    char name[64];
+    for (const char *from = text; from; from = strchr(from, ',') ? strchr(from, ',') + 1 : NULL) {
+        const size_t length = strcspn(from, ",");
+        memcpy(name, from, length < 63 ? length : 63);
+        name[length < 63 ? length : 63] = '\0';
+        if (!pk_run_diagnostic(name))
+            return usage("--diagnose", text, "there is no such diagnostic");
+        p->settings.diagnose |= pk_run_diagnostic(name);
+    }
+    return 0;
+}
+
+static int at(struct program *p, const char *text)
+{
+    const char *unit;
+    size_t index, member;
+    if (!find_name(text, strlen(text), 'E', &index, &member, &unit))
+        return usage("--at", text, "the model has no such event");
+    p->settings.at = index + 1;
+    return 0;
+}
+
+static int output(struct program *p, const char *path)
+{
+    const size_t length = strlen(path);
+    p->output = strcmp(path, "-") == 0 ? NULL : path;
+    return !p->output || (length > 4 && (strcmp(path + length - 4, ".csv") == 0 ||
+                                         strcmp(path + length - 4, ".npy") == 0))
+               ? 0
+               : usage("-o", path, "the file's name must end in .csv or .npy");
+}
+
+static int whole(const char *text, unsigned long *x)
+{
+    char *end;
+    *x = strtoul(text, &end, 10);
+    return isdigit((unsigned char)*text) && *end == '\0' && *x > 0;
+}
+
+enum kind { NUMBER, COUNT, TEXT, SET, START, SIZE, RECORD, AT, DIAGNOSE, TABLE, OUTPUT, ITERATION };
+
+static const struct option {
+    const char *name, *value, *help;
+    enum kind kind;
+    size_t offset; /* in the settings */
+} options[] = {
+#define PLACE(member) offsetof(struct pk_run_settings, member)
+    {"--set", "p=VALUE", "a parameter or input", SET, 0},
+    {"--start", "a=VALUE", "a coordinate or a rate", START, 0},
+    {"--size", "N=64", "length of a family", SIZE, 0},
+    {"--until", "T", "duration", NUMBER, PLACE(until)},
+    {"--method", "NAME", "see pkgen methods", TEXT, PLACE(method)},
+    {"--step", "H", "of a method with fixed steps; else the first step", NUMBER, PLACE(step)},
+    {"--max-step", "H", "of an adaptive method", NUMBER, PLACE(h_max)},
+    {"--rtol", "R", "of an adaptive method", NUMBER, PLACE(rtol)},
+    {"--atol", "A", "default: R times the scale that the motion shows", NUMBER, PLACE(atol)},
+    {"--every", "DT", "time between rows", NUMBER, PLACE(every)},
+    {"--record", "a,b,energy", "only these columns, behind t", RECORD, 0},
+    {"--at", "EVENT", "a row at each crossing", AT, 0},
+    {"--ensemble", "FILE.csv", "a row a trajectory: parameters, starts, inputs", TABLE, 0},
+    {"--threads", "N", "of an ensemble (default: all cores)", COUNT, PLACE(threads)},
+    {"--iteration", "newton|fixed", "of implicit methods", ITERATION, 0},
+    {"--diagnose", "LIST", "as of pkgen run", DIAGNOSE, 0},
+    {"--max-steps", "N", "", COUNT, PLACE(max_steps)},
+    {"-o", "FILE", "FILE.csv or FILE.npy; default: standard output", OUTPUT, 0},
+};
+
+void options_help(FILE *file)
+{
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        fprintf(file, "  %-12s %-14s %s\n", options[i].name, options[i].value, options[i].help);
+    fputs("  --json                      the report as JSON\n"
+          "  --help                      this, and the names of the model\n",
+          file);
+}
+
+static int take(struct program *p, const struct option *o, const char *value)
+{
+    char *const place = (char *)&p->settings + o->offset;
+    unsigned long count;
+    double x;
+    switch (o->kind) {
+    case NUMBER:
+        if (!read_number(value, strchr("THD", o->value[0]) ? "s" : "", &x) || !(x > 0))
+            return usage(o->name, value, "not a positive number in SI");
+        memcpy(place, &x, sizeof x);
+        return 0;
+    case COUNT:
+        if (!whole(value, &count))
+            return usage(o->name, value, "not a positive whole number");
+        memcpy(place, &count, sizeof count); /* size_t is as long */
+        return 0;
+    case TEXT:
+        memcpy(place, &value, sizeof value);
+        return 0;
+    case SET:
+        return assign(p, o->name, value, "pi");
+    case START:
+        return assign(p, o->name, value, "qv");
+    case SIZE:
+        return assign(p, o->name, value, "s");
+    case RECORD:
+        return record(p, value);
+    case AT:
+        return at(p, value);
+    case DIAGNOSE:
+        return diagnose(p, value);
+    case TABLE:
+        return table_read(p, value);
+    case ITERATION:
+        p->settings.fixed_point = strcmp(value, "fixed") == 0;
+        return p->settings.fixed_point || strcmp(value, "newton") == 0
+                   ? 0
+                   : usage(o->name, value, "newton or fixed");
+    default:
+        return output(p, value);
+    }
+}
+
+int options_read(struct program *p, int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        const char *word = argv[i];
+        const size_t length = strcspn(word, "=");
+        const int joined = word[0] == '-' && word[1] == '-' && word[length] == '=';
+        size_t k = 0;
+        if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+            return OPTIONS_HELP;
+        if (strcmp(word, "--json") == 0) {
+            p->json = 1;
+            continue;
+        }
+        while (k < sizeof options / sizeof *options &&
+               (strlen(options[k].name) != length || strncmp(options[k].name, word, length) != 0))
+            k++;
+        if (k == sizeof options / sizeof *options)
+            return usage(word, NULL, "there is no such option; see --help");
+        if (!joined && i + 1 == argc)
+            return usage(word, NULL, "a value is missing");
+        const int code = take(p, &options[k], joined ? word + length + 1 : argv[++i]);
+        if (code)
+            return code;
+    }
+    return 0;
+}

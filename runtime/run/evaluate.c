@@ -1,0 +1,203 @@
+/* Kernels at many states in one call: the acceleration in lanes, da/dq and da/dv by the kernel `linear`
+ * or, where the system has none, by central differences, good to some PK_EPSILON^(2/3).
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include "state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <pk/linear.h>
+
+static size_t jacobian_size(const struct pk_problem *problem)
+{
+    const size_t n = pk_system_count(problem->system, problem->params);
+    const size_t exact = 2 * n + pk_system_linear_size(problem), differences = 4 * n;
+    return exact > differences ? exact : differences;
+}
+
+static int differences(const struct pk_problem *problem, pk_real t, const pk_real *q,
+                       const pk_real *v, const pk_real *u, pk_real *a_q, pk_real *a_v,
+                       pk_real *work)
+{
+    const struct pk_system *system = problem->system;
+    const size_t n = pk_system_count(system, problem->params);
+    pk_real *y = work, *plus = y + 2 * n, *minus = plus + n;
+    const pk_real delta = PK_F(cbrt)(PK_EPSILON);
+    for (size_t j = 0; j < 2 * n; j++) {
+        memcpy(y, q, n * sizeof *y);
+        memcpy(y + n, v, n * sizeof *y);
+        const pk_real x = y[j], h = delta * (PK_F(fabs)(x) > 1 ? PK_F(fabs)(x) : 1);
+        y[j] = x + h;
+        const pk_real up = y[j];
+        if (system->acceleration(problem->params, t, y, y + n, u, plus))
+            return 0;
+        y[j] = x - h;
+        if (system->acceleration(problem->params, t, y, y + n, u, minus))
+            return 0;
+        pk_real *const column = j < n ? a_q + j : a_v + (j - n);
+        for (size_t i = 0; i < n; i++)
+            column[i * n] = (plus[i] - minus[i]) / (up - y[j]);
+    }
+    return 1;
+}
+
+static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
+                 const pk_real *u, pk_real *a_q, pk_real *a_v, pk_real *work)
+{
+    const size_t n = pk_system_count(problem->system, problem->params);
+    const enum pk_status status =
+        pk_system_linear(problem, t, q, v, work, a_q, a_v, work + n, work + 2 * n);
+    return status == PK_REFUSED ? differences(problem, t, q, v, u, a_q, a_v, work)
+                                : status == PK_DONE;
+}
+
+/* What is asked for, and its numbers at a state of n numbers. */
+static const struct {
+    const char *name;
+    enum what { ACCELERATION, FORCE, MASS, MOMENTA, ENERGY, OUTPUTS, JACOBIAN } what;
+} kinds[] = {{"acceleration", ACCELERATION}, {"force", FORCE},     {"mass", MASS},
+             {"momenta", MOMENTA},           {"energy", ENERGY},   {"outputs", OUTPUTS},
+             {"jacobian", JACOBIAN}};
+
+static size_t width(const struct settings *s, enum what what)
+{
+    const struct pk_system *system = s->system;
+    switch (what) {
+    case MASS:
+        return system->mass ? s->n * s->n : 0;
+    case JACOBIAN:
+        return system->acceleration ? 2 * s->n * s->n : 0;
+    case ENERGY:
+        return system->energy != NULL;
+    case OUTPUTS:
+        return system->n_observed;
+    case MOMENTA:
+        return system->canonical ? s->n : 0;
+    case FORCE:
+        return system->force ? s->n : 0;
+    default:
+        return system->acceleration ? s->n : 0;
+    }
+}
+
+/* One state. 0 where M is singular: `out` is not a number then. */
+static int at(const struct settings *s, const struct pk_problem *problem, enum what what, pk_real t,
+              const pk_real *q, const pk_real *v, pk_real *out, pk_real *work)
+{
+    const struct pk_system *system = s->system;
+    const void *params = s->params;
+    switch (what) {
+    case ACCELERATION:
+        return system->acceleration(params, t, q, v, s->u, out) == 0;
+    case FORCE:
+        system->force(params, t, q, v, s->u, out);
+        return 1;
+    case MASS:
+        system->mass(params, t, q, v, s->u, out);
+        return 1;
+    case MOMENTA:
+        system->canonical(params, t, q, v, s->u, out, work);
+        return 1;
+    case ENERGY:
+        *out = system->energy(params, t, q, v, s->u);
+        return 1;
+    case OUTPUTS:
+        system->observe(params, t, q, v, s->u, out);
+        return 1;
+    default:
+        return jacobian(problem, t, q, v, s->u, out, out + s->n * s->n, work);
+    }
+}
+
+/* Blocks of PK_LANES states. */
+static size_t in_lanes(const struct settings *s, size_t count, const double *t, const double *q,
+                       const double *v, double *out, pk_real *work)
+{
+    const size_t n = s->n, m = s->system->n_inputs;
+    pk_real *T = work, *Q = T + PK_LANES, *V = Q + n * PK_LANES, *A = V + n * PK_LANES,
+            *U = A + n * PK_LANES;
+    for (size_t i = 0; i < m; i++)
+        for (size_t l = 0; l < PK_LANES; l++)
+            U[i * PK_LANES + l] = s->u[i];
+    size_t failed = 0;
+    for (size_t k = 0; k < count; k += PK_LANES) {
+        const size_t some = count - k < PK_LANES ? count - k : PK_LANES;
+        for (size_t l = 0; l < PK_LANES; l++) {
+            const size_t from = k + (l < some ? l : 0);
+            T[l] = (pk_real)t[from];
+            for (size_t i = 0; i < n; i++) {
+                Q[i * PK_LANES + l] = (pk_real)q[from * n + i];
+                V[i * PK_LANES + l] = (pk_real)v[from * n + i];
+            }
+        }
+        const unsigned long long bad = s->system->lanes(s->params, T, Q, V, U, A);
+        for (size_t l = 0; l < some; l++) {
+            const int wrong = bad >> l & 1;
+            failed += (size_t)wrong;
+            for (size_t i = 0; i < n; i++)
+                out[(k + l) * n + i] = wrong ? (double)NAN : (double)A[i * PK_LANES + l];
+        }
+    }
+    return failed;
+}
+
+static enum what find(const char *what, int *known)
+{
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if ((*known = strcmp(kinds[i].name, what) == 0))
+            return kinds[i].what;
+    return ACCELERATION;
+}
+
+size_t pk_run_width(const struct pk_run *of, const char *what)
+{
+    int known;
+    const enum what found = find(what, &known);
+    return known ? width(&((const struct run *)of)->settings, found) : 0;
+}
+
+/* NULL without memory. */
+static pk_real *work_of(struct run *run, size_t count)
+{
+    return setjmp(run->memory.none)
+               ? NULL
+               : (pk_real *)memory_take(&run->memory, count, sizeof(pk_real));
+}
+
+size_t pk_run_evaluate(struct pk_run *of, const char *what, size_t count, const double *t,
+                       const double *q, const double *v, double *out)
+{
+    struct run *run = (struct run *)of;
+    const struct settings *s = &run->settings;
+    int known;
+    const enum what wanted = find(what, &known);
+    const size_t n = s->n, wide = known && !run->code ? width(s, wanted) : 0;
+    if (!wide)
+        return count;
+    const struct pk_problem problem = run_problem(run);
+    const size_t lanes = (3 * n + 1 + s->system->n_inputs) * PK_LANES, one = 3 * n + wide;
+    pk_real *work = work_of(run, lanes + one + jacobian_size(&problem));
+    if (!work)
+        return count;
+    if (wanted == ACCELERATION && s->system->lanes) {
+        const size_t failed = in_lanes(s, count, t, q, v, out, work);
+        memory_drop(&run->memory, work);
+        return failed;
+    }
+    pk_real *Q = work, *V = Q + n, *found = V + n, *rest = found + wide;
+    size_t failed = 0;
+    for (size_t k = 0; k < count; k++) {
+        for (size_t i = 0; i < n; i++) {
+            Q[i] = (pk_real)q[k * n + i];
+            V[i] = (pk_real)v[k * n + i];
+        }
+        const int good = at(s, &problem, wanted, (pk_real)t[k], Q, V, found, rest);
+        failed += !good;
+        for (size_t i = 0; i < wide; i++)
+            out[k * wide + i] = good ? (double)found[i] : (double)NAN;
+    }
+    memory_drop(&run->memory, work);
+    return failed;
+}

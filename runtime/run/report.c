@@ -1,0 +1,182 @@
+/* The report, and pieces of JSON, where a number that is not finite is null: it has no other word. */
+#include "state.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "apart.h"
+#include "diagnose.h"
+#include "ensemble.h"
+#include "expect.h"
+#include "numbers.h"
+#include "trust.h"
+#include "watch.h"
+
+#define LARGE PK_C(0.1) /* a drift, of its scale */
+
+enum { MOST_LISTED = 10000 };
+
+void report_text(FILE *file, const char *text)
+{
+    fputc('"', file);
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\')
+            fprintf(file, "\\%c", c);
+        else if (c < 0x20)
+            fprintf(file, "\\u%04x", c);
+        else
+            fputc(c, file);
+    }
+    fputc('"', file);
+}
+
+void report_real(FILE *file, pk_real x)
+{
+    if (x - x == PK_C(0.0))
+        numbers_write(file, (double)x);
+    else
+        fputs("null", file);
+}
+
+void report_numbers(FILE *file, const char *key, const pk_real *x, size_t count)
+{
+    fprintf(file, "\"%s\": [", key);
+    for (size_t i = 0; x && i < count; i++) {
+        fputs(i ? ", " : "", file);
+        report_real(file, x[i]);
+    }
+    fputs("]", file);
+}
+
+void report_drift(FILE *file, const char *name, const struct pk_drift *drift)
+{
+    fputs("{\"name\": ", file);
+    report_text(file, name);
+    fputs(", \"max\": ", file);
+    report_real(file, pk_drift_max(drift));
+    fputs(", \"final\": ", file);
+    report_real(file, pk_drift_final(drift));
+    fputs(", \"slope\": ", file);
+    report_real(file, pk_drift_slope(drift));
+    /* What the three are relative to: where it is round-off, so is the drift. */
+    fputs(", \"scale\": ", file);
+    report_real(file, drift->scale);
+    pk_real exponent, spread;
+    const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
+    fputs(", \"first\": ", file);
+    report_real(file, drift->first);
+    fputs(", \"exponent\": ", file);
+    report_real(file, exponent);
+    fputs(", \"spread\": ", file);
+    report_real(file, spread);
+    fputs(", \"growth\": ", file);
+    /* That a drift grows no more does not make it small. */
+    const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
+    report_text(file, far ? "off by more than a tenth" : pk_growth_text(growth));
+    fputs("}", file);
+}
+
+static void json_drifts(struct run *run, FILE *file)
+{
+    const struct pk_system *system = run->problem.system;
+    const struct pk_monitor *m = &run->monitor;
+    int first = 1;
+    /* Of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
+    fputs("  \"drifts\": [", file);
+    if (m->has_energy) {
+        report_drift(file, "energy", &m->energy);
+        first = 0;
+    }
+    for (size_t i = 0; m->momenta && i < run->settings.n; i++)
+        if (system->cyclic && system->cyclic[i]) {
+            fputs(first ? "" : ", ", file);
+            first = 0;
+            report_drift(file, system->momenta[i].name, &m->momenta[i]);
+        }
+    for (size_t i = 0; m->conserved && i < system->n_conserved; i++) {
+        fputs(first ? "" : ", ", file);
+        first = 0;
+        report_drift(file, system->conserved[i].name, &m->conserved[i]);
+    }
+    fputs("]", file);
+    diagnose_report(run, file);
+    fputs("\n}\n", file);
+}
+
+void report_run(struct run *run, FILE *file)
+{
+    const struct pk_integrator *it = &run->it;
+    const struct pk_method *method = run->settings.method;
+    const struct pk_counters *c = &it->count;
+    char reason[640];
+
+    fputs("{\n  \"model\": ", file);
+    report_text(file, run->settings.system->name);
+    fputs(",\n  \"source_hash\": ", file);
+    report_text(file, run->settings.system->source_hash);
+    trust_reason(run, reason, sizeof reason);
+    fprintf(file, ",\n  \"status\": \"%s\",\n  \"code\": %d,\n  \"text\": ",
+            run->beyond ? TRUST_BEYOND_NAME : pk_status_name(it->status),
+            run->beyond ? TRUST_BEYOND_CODE : (int)it->status);
+    report_text(file, run->beyond ? TRUST_BEYOND_TEXT : pk_status_text(it->status));
+    fputs(",\n  \"reason\": ", file);
+    report_text(file, reason);
+    fputs(",\n  \"besides\": ", file); /* "; the energy ..." */
+    report_text(file, run->besides && *run->besides ? run->besides + 2 : "");
+    trust_warning(run, reason, sizeof reason);
+    fputs(",\n  \"warning\": ", file);
+    report_text(file, reason);
+    fprintf(file, ",\n  \"interrupted\": %s,\n  \"whole\": %s,\n  \"t\": ",
+            run->interrupted ? "true" : "false",
+            it->status >= 0 && !run->beyond && report_whole(run) ? "true" : "false");
+    report_real(file, it->t);
+    fputs(",\n  \"last_valid\": ", file);
+    report_real(file, trust_last_valid(run));
+    fputs(",\n  ", file);
+    /* Of a large system the last row has them. */
+    const size_t coordinates = it->n - run->problem.system->n_states;
+    report_numbers(file, "q", it->q, it->n <= MOST_LISTED ? coordinates : 0);
+    fputs(", ", file);
+    report_numbers(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
+    if (it->z) {
+        fputs(", ", file);
+        report_numbers(file, "z", it->z, run->problem.system->n_quadratures);
+    }
+    fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
+    fputs("  \"step\": ", file);
+    if (method->traits & PK_ADAPTIVE || run->settings.n_parts)
+        fputs("null", file);
+    else
+        report_real(file, run->settings.options.h);
+    fputs(",\n  \"not_finite\": ", file);
+    if (run->not_finite)
+        report_text(file, run->not_finite);
+    else
+        fputs("null", file);
+    fputs(",\n  \"step_min\": ", file);
+    report_real(file, run->h_min);
+    fputs(",\n  \"step_max\": ", file);
+    report_real(file, run->h_max);
+    fputs(",\n  \"rtol\": ", file);
+    report_real(file, run->settings.options.rtol);
+    fputs(",\n  \"atol\": ", file);
+    if (run->settings.options.atol < 0) /* of the motion */
+        fputs("null", file);
+    else
+        report_real(file, run->settings.options.atol);
+    fprintf(file,
+            ",\n  \"rows\": %lu,\n  \"steps\": %lu,\n  \"rejections\": %lu,\n"
+            "  \"evaluations\": %lu,\n  \"jacobians\": %lu,\n  \"factorisations\": %lu,\n"
+            "  \"iterations\": %lu,\n  \"held\": %lu,\n  \"seconds\": %.6g,\n"
+            "  \"processor\": %.9g,\n  \"begun\": %s,\n  \"slow\": %s,\n",
+            run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
+            c->iterations, c->held, run->seconds, run->processor, run->begun ? "true" : "false",
+            run->control.slow ? "true" : "false");
+    watch_report(run, file);
+    expect_report(run, file);
+    apart_report(run, file);
+    json_drifts(run, file);
+}
+
+int report_whole(const struct run *run) { return !run->interrupted && !run->write_failed; }

@@ -1,0 +1,221 @@
+/* A run while it is made: what its observers share. Not installed.
+ *
+ * An observer of a run has a file: rows (rows.c), events (watch.c), what is expected (expect.c),
+ * diagnostics (diagnose.c), how far it can be trusted (trust.c). integrate.c makes the steps.
+ */
+#ifndef RUN_STATE_H
+#define RUN_STATE_H
+
+#include <setjmp.h>
+#include <signal.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <pk/pk.h>
+#include <pk/run.h>
+
+struct run;
+
+/* Memory of a run, of memory.c: zeroed, or the run ends. */
+struct memory {
+    struct piece *pieces;
+    jmp_buf none;     /* where control goes without memory */
+    FILE *text;       /* being written, of run_text() */
+    size_t text_size; /* which open_memstream() sets when the text is closed */
+};
+void *memory_take(struct memory *m, size_t count, size_t size);
+void *memory_grow(struct memory *m, void *old, size_t count, size_t size);
+void memory_drop(struct memory *m, void *begin);
+void memory_end(struct memory *m);
+/* A line for a person; a text in memory of malloc(), one at a time, there once it is ended. */
+#if defined __GNUC__
+__attribute__((format(printf, 2, 3)))
+#endif
+void run_say(struct run *run, const char *format, ...);
+FILE *run_text(struct run *run, char **text);
+void run_text_end(struct run *run);
+
+/* By how much a relation was missed at the worst. */
+struct expected {
+    struct pk_run_expected of;
+    unsigned long count, missed;
+    pk_real off, value, bound, allowed, t;
+    size_t member;
+};
+
+/* An output whose drift is wanted, or the energy; of an ensemble the worst member's. */
+struct drifting {
+    int energy;
+    size_t output, member, members;
+    struct pk_drift drift;
+    pk_real max;
+};
+
+/* Whether a run is to stop; shared by an ensemble's members. */
+struct control {
+    int (*poll)(void *context, double part);
+    void *context;
+    volatile sig_atomic_t stop;
+    double last, began, cap; /* cap: seconds of the processor, 0 without */
+    int slow;                /* given up at the cap */
+    unsigned asked;
+};
+
+/* Settings as the run uses them. */
+struct settings {
+    const struct pk_system *system;
+    const struct pk_part *parts;
+    size_t n_parts;
+    const struct pk_run_part *part_given; /* n_parts of them, or NULL */
+    const struct pk_method *method;
+    struct memory *memory;
+    struct control *control;
+    pk_real until, every; /* every: < 0 until / 1000, 0 each step */
+    struct pk_options options;
+    int has_every, has_step, bare, compared, polls;
+    int land; /* rows: 1 by a step that ends there, 0 by dense output */
+    unsigned diagnose; /* flags of diagnose.h */
+    size_t n; /* degrees of freedom */
+    void *params;
+    unsigned char *given; /* which parameters were set */
+    pk_real *q, *v, *z, *u; /* z: of those that were given */
+    unsigned char *start_given; /* 2 n flags, and of each quadrature */
+    struct pk_run_column *show; /* the columns of rows behind t */
+    size_t n_show;
+    struct expected *expected;
+    struct drifting *drifting;
+    size_t n_expected, n_drifting;
+    int watch; /* events of an ensemble's members; 2: and their first times are reported */
+    size_t at; /* 1 + which event has rows; 0: none */
+    size_t members, threads, n_columns; /* members 0: one trajectory */
+    const struct pk_run_column *columns;
+    const double *values; /* of members, a row of columns each */
+    const char *member_name; /* the column that counts members */
+    long first_member; /* and the number of the first */
+    int header;
+};
+
+/* The crossings of one event; the first of them by their times. */
+struct crossed {
+    unsigned long count;
+    pk_real *t;
+    unsigned long states; /* of steps, at which its function was looked at: */
+    unsigned long doubts; /* parts of steps in which crossings may be missed, and the first's time */
+    pk_real doubtful_t;
+    int leaves;    /* it has been away from zero by more than errors, */
+    pk_real parts; /* beside the largest contribution to it so far */
+};
+
+struct run {
+    struct settings settings;
+    struct memory memory;
+    struct control control;
+    char *said;
+    char *report, *told; /* JSON; of malloc() */
+    enum pk_run_code code;
+    struct pk_system bare; /* the system without quadratures and, of a bare run, events */
+    struct pk_problem problem;
+    struct pk_integrator it;
+    struct pk_monitor monitor;
+    struct pk_apart apart;            /* of blocks integrated apart, */
+    struct pk_choice *choices;        /* by these, */
+    struct pk_monitor *part_monitors; /* each watched */
+    void *block, *monitor_block;
+    struct pk_events events;
+    struct crossed *crossed; /* of each event */
+    pk_real *event_values;   /* work of watch.c */
+    pk_real *expected;       /* outputs, work of expect.c */
+    size_t member;           /* of an ensemble, whose state is looked at */
+    pk_real *row, *cells;    /* q, v, observed, quadratures of a row; t and the columns of one */
+    FILE *out;               /* where rows go as CSV; NULL: they are kept */
+    double *kept, *kept_low; /* rows; what they lack of more digits */
+    size_t n_kept, room;
+    pk_real count, next;     /* rows by time behind the first, and the number of the next one */
+    pk_real expecting;       /* what is expected at times within steps was looked at up to here */
+    struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */
+    void *aside_block;
+    pk_real last_row;        /* its time */
+    int at_event;            /* the row being written is at one */
+    unsigned long rows;
+    int begun;               /* it could start */
+    pk_real h_min, h_max;    /* steps made */
+    pk_real trusted;         /* until when the energy was what it is to be; see trust.h */
+    int distrusted;
+    pk_real ends;            /* where dop853 says that the motion does, */
+    int beyond;              /* and the steps have gone on behind it */
+    int goes_on;             /* by dop853 the motion does, where the steps ended */
+    char *besides;           /* behind the reason of a failure, or NULL; of malloc() */
+    int interrupted;
+    int write_failed;
+    const char *not_finite;  /* the first energy or observed value that was not, or NULL */
+    double bad_t;            /* and in which row, and how many rows there were */
+    unsigned long bad_rows;
+    double part;             /* of an ensemble that is done */
+    double seconds, processor; /* on the wall's clock and the processor's, of the steps and rows */
+    struct diagnostics *diagnostics; /* NULL: none asked for */
+    struct loop *loop;               /* of members, for their area */
+};
+
+/* Of settings.c: what was asked for, with parameters and starts computed; a code. */
+enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model,
+                               const struct pk_run_settings *given);
+/* Of the model with these parameters, its inputs constant; without quadratures that nothing shows. */
+struct pk_problem run_problem(struct run *run);
+/* Quadratures at the start: those given, the others as the parameters say; and into an integrator. */
+void settings_z(const struct settings *s, const void *params, pk_real *z);
+enum pk_status run_quadratures(struct run *run, struct pk_integrator *it);
+/* Which parameter prepare() refused, its value and bounds; of what follows from all, their values. */
+void parameters_refused(FILE *file, const struct pk_system *system, const void *params, int outside);
+/* Parameters and start as they are in memory, one JSON object. */
+void settings_tell(const struct settings *s, FILE *file);
+/* The core's methods, then GSL's. */
+const struct pk_method *run_method_find(const char *name);
+const struct pk_method *run_method_at(size_t index);
+
+/* Of run.c. Whether it is to stop: asks `poll` now and then. */
+int run_stopped(struct run *run, double part);
+int run_ending(void *context); /* of pk_options.stop: whether all runs are to end */
+double run_now(void);       /* seconds on the wall's clock */
+double run_processor(void); /* of this thread */
+/* Settings that depend on one another; memory, integrators and events; all rows; and all is given
+ * back but the settings. */
+enum pk_run_code run_settle(struct run *run);
+enum pk_run_code run_begin(struct run *run);
+void run_steps(struct run *run);
+void run_end(struct run *run);
+
+/* Of integrate.c. Rows from the start to the end, which may be at an event; rows by time, and what is
+ * expected at times, up to t in the last step: 0 where the motion there cannot be had. */
+void run_integrate(struct run *run);
+int run_due(struct run *run, pk_real t);
+/* A state that a step has made, or the start: for drifts and for what is expected. */
+void run_sample(struct run *run);
+pk_real run_intervals(pk_real whole, pk_real part);
+/* A step that was asked for, made a whole part of the interval where it is one but for rounding. */
+pk_real run_step(pk_real interval, pk_real h);
+/* Of row k of `count`: a double in every precision, as it is written. */
+pk_real run_row_time(const struct run *run, pk_real k, pk_real count);
+
+/* Of rows.c. z: the quadratures, where the system has any. Columns' values; `out` are the outputs
+ * there, where the system has any. */
+void rows_begin(struct run *run);
+void rows_header(struct run *run);
+void rows_write(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
+/* The rows that a member has kept, behind those of the run. */
+void rows_take(struct run *run, const struct run *from);
+pk_real rows_value(const struct run *run, const struct pk_run_column *column, pk_real t,
+                   const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out);
+/* All are written; the code with what there is to say. */
+enum pk_run_code rows_end(struct run *run, enum pk_run_code code);
+
+/* Of report.c: a report of one trajectory, and pieces of JSON. */
+void report_run(struct run *run, FILE *file);
+void report_text(FILE *file, const char *text);
+void report_real(FILE *file, pk_real x);
+void report_numbers(FILE *file, const char *key, const pk_real *x, size_t count);
+void report_drift(FILE *file, const char *name, const struct pk_drift *drift);
+/* Whether all rows are written. */
+int report_whole(const struct run *run);
+
+#endif
