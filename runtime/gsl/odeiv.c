@@ -41,16 +41,16 @@ static size_t no_size(const struct pk_method *method, size_t n)
 static int right_hand_side(double t, const double *y, double *dy, void *context)
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
-    struct foreign *f = (struct foreign *)it->extra;
+    struct foreign *f = (struct foreign *)it->own->extra;
     const struct pk_problem *problem = &it->problem;
     if (problem->system->n_inputs && problem->input)
-        problem->input(problem->context, t, it->u);
+        problem->input(problem->context, t, it->own->u);
     it->count.evaluations++;
     memcpy(dy, y + it->n, it->n * sizeof *y);
     for (size_t i = it->n - problem->system->n_states; i < it->n; i++)
         dy[i] = 0; /* the integral of a state, which nobody sees and no error is to be of */
     const int failed =
-        problem->system->acceleration(problem->params, t, y, y + it->n, it->u, dy + it->n);
+        problem->system->acceleration(problem->params, t, y, y + it->n, it->own->u, dy + it->n);
     if (failed) {
         f->status = pk_eval_failed(it, t, y, y + it->n, failed);
     } else if (!pk_all_finite(dy, 2 * it->n)) {
@@ -65,7 +65,7 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
 static int jacobian(double t, const double *y, double *df_dy, double *df_dt, void *context)
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
-    struct foreign *f = (struct foreign *)it->extra;
+    struct foreign *f = (struct foreign *)it->own->extra;
     const size_t n = it->n, m = 2 * n;
     double *a = f->linear, *a_q = a + n, *a_v = a_q + n * n, *rest = a_v + n * n;
     f->status = pk_eval_linear(it, t, y, y + n, a, a_q, a_v, df_dt + n, rest);
@@ -85,14 +85,14 @@ static int jacobian(double t, const double *y, double *df_dy, double *df_dt, voi
 
 static void release(struct pk_integrator *it)
 {
-    struct foreign *f = (struct foreign *)it->extra;
+    struct foreign *f = (struct foreign *)it->own->extra;
     if (f) {
         if (f->driver)
             gsl_odeiv2_driver_free(f->driver);
         free(f->linear);
         free(f);
     }
-    it->extra = NULL;
+    it->own->extra = NULL;
 }
 
 /* Steps as GSL's standard control has them ("Adaptive Step-size Control" in its manual), by the
@@ -158,7 +158,7 @@ static enum pk_status init(struct pk_integrator *it)
     struct foreign *f = (struct foreign *)calloc(1, sizeof *f);
     if (!f)
         return PK_NO_MEMORY;
-    it->extra = f;
+    it->own->extra = f;
     if (it->method->traits & PK_LINEAR) {
         const size_t reals = it->n + 2 * it->n * it->n + pk_system_linear_size(&it->problem);
         f->linear = (double *)calloc(reals, sizeof *f->linear);
@@ -195,17 +195,17 @@ static enum pk_status fall_back(struct foreign *f, enum pk_status status)
 
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
-    struct foreign *f = (struct foreign *)it->extra;
+    struct foreign *f = (struct foreign *)it->own->extra;
     const double left = limit - it->t;
     double t = it->t, h = f->h;
     if (!(h * left > 0)) { /* first step, or the direction turned */
         h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
         h = left > 0 ? h : -h;
-        it->flags = 0;
+        it->own->flags = 0;
     }
-    if (!(it->flags & PK_HAVE_STEP)) /* a step that GSL has made was refused: its end is none */
+    if (!(it->own->flags & PK_HAVE_STEP)) /* a step that GSL has made was refused: its end is none */
         fall_back(f, PK_DONE);
-    it->flags = 0;
+    it->own->flags = 0;
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
         h = h > 0 ? it->options.h_max : -it->options.h_max;
     const double round = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
@@ -213,16 +213,16 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     const unsigned long rejected = f->driver->e->failed_steps;
-    memcpy(it->next, it->state, 2 * it->n * sizeof *it->next);
+    memcpy(it->own->next, it->own->state, 2 * it->n * sizeof *it->own->next);
     f->status = PK_DONE;
     enum pk_status status = PK_DONE;
     const double planned = h;
     for (;;) {
         const int failed = gsl_odeiv2_evolve_apply(f->driver->e, f->driver->c, f->driver->s,
-                                                   &f->system, &t, limit, &h, it->next);
+                                                   &f->system, &t, limit, &h, it->own->next);
         if (!failed)
             break;
-        memcpy(it->next, it->state, 2 * it->n * sizeof *it->next);
+        memcpy(it->own->next, it->own->state, 2 * it->n * sizeof *it->own->next);
         t = it->t;
         gsl_odeiv2_step_reset(f->driver->s);
         h *= 0.2;
@@ -243,9 +243,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     /* A step cut short by the limit says nothing about the next. */
     const int cut = (t <= limit && t >= limit) && made * made < planned * planned;
     f->h = cut && h * h < planned * planned ? planned : h;
-    it->next_t = t;
-    it->h = f->h;
-    it->flags = PK_HAVE_STEP;
+    it->own->next_t = t;
+    it->own->h = f->h;
+    it->own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
 

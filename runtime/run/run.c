@@ -220,7 +220,7 @@ static enum pk_run_code one(struct run *run)
 {
     const double began = run_now(), processor = run->control.began = run_processor();
     enum pk_run_code code = run_begin(run);
-    if (code == PK_RUN_DONE || run->it.state)
+    if (code == PK_RUN_DONE || run->it.q)
         rows_header(run);
     run->begun = code == PK_RUN_DONE;
     if (run->begun)

@@ -25,14 +25,12 @@ struct pk_integrator *stability_begin(struct stability *s, const struct pk_metho
                                       const double *v, enum pk_status *status)
 {
     struct memory *memory = &s->run->memory;
-    struct pk_integrator *it = (struct pk_integrator *)memory_take(memory, 1, sizeof *it);
     const size_t size = pk_integrator_size(&s->problem, method);
-    void *block = memory_take(memory, size, 1);
-    *status = pk_integrator_init(it, &s->problem, method, options, 0, q, v, block, size);
+    struct pk_integrator *it = (struct pk_integrator *)memory_take(memory, 1, sizeof *it + size);
+    *status = pk_integrator_init(it, &s->problem, method, options, 0, q, v, it + 1, size);
     if (*status >= 0)
         return it;
     pk_integrator_free(it);
-    memory_drop(memory, block);
     memory_drop(memory, it);
     return NULL;
 }
@@ -42,7 +40,6 @@ void stability_end(struct stability *s, struct pk_integrator *it)
     if (!it)
         return;
     pk_integrator_free(it);
-    memory_drop(&s->run->memory, it->quadratures); /* what the block begins with */
     memory_drop(&s->run->memory, it);
 }
 

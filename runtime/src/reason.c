@@ -40,7 +40,7 @@ static const struct {
 static int no_convergence(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
-    const double t = (double)it->t, h = (double)pk_abs(it->h), detail = (double)it->detail;
+    const double t = (double)it->t, h = (double)pk_abs(it->own->h), detail = (double)it->detail;
     if (it->where == PK_BY_NEWTON)
         return snprintf(text, size,
                         "%s: by Newton's method there is a solution up to a step of %.6g, not to "
@@ -72,14 +72,14 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
-    if (it->where >= it->n_guards)
+    if (it->where >= it->own->n_guards)
         return snprintf(text, size, "%s; last valid time %.17g", pk_status_text(it->status),
                         (double)it->t);
     const struct pk_guard *guard =
         &system->guards[pk_system_guard(system, params, it->where).guard];
     char name[128];
     pk_system_guard_name(system, params, it->where, name, sizeof name);
-    const int removable = guard->kind == PK_GUARD_DIVISOR && pk_finite(it->condition);
+    const int removable = guard->kind == PK_GUARD_DIVISOR && pk_finite(it->own->condition);
     return snprintf(text, size, "%s: %s vanishes at t = %.17g, and %s%s; last valid time %.17g",
                     pk_status_text(it->status), name, (double)it->detail,
                     guard_use[guard->kind],
@@ -163,7 +163,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_SINGULAR_MASS:
         pk_system_name(system, it->problem.params,
                        it->where < it->n ? system->coordinates : NULL, it->where, name, sizeof name);
-        if (!pk_finite(it->condition))
+        if (!pk_finite(it->own->condition))
             return snprintf(text, size,
                             "%s: pivot of coordinate %s is not positive at t = %.17g; "
                             "last valid time %.17g",
@@ -171,13 +171,13 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return snprintf(text, size,
                         "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g; "
                         "last valid time %.17g",
-                        what, name, (double)it->condition, (double)it->detail, t);
+                        what, name, (double)it->own->condition, (double)it->detail, t);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
         return singular(it, text, size);
     case PK_STEP_TOO_LONG:
         snprintf(name, sizeof name, "a guard");
-        if (it->where < it->n_guards)
+        if (it->where < it->own->n_guards)
             pk_system_guard_name(system, it->problem.params, it->where, name, sizeof name);
         return snprintf(text, size,
                         "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
@@ -201,7 +201,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return snprintf(text, size,
                         "%s: the one that belongs to short steps is followed up to a step of %.6g, "
                         "not to %.6g: make the step shorter; last valid time %.17g",
-                        what, (double)it->detail, (double)pk_abs(it->h), t);
+                        what, (double)it->detail, (double)pk_abs(it->own->h), t);
     case PK_STEP_UNDERFLOW:
         if (it->detail < 0) /* adaptive_verlet's */
             return snprintf(text, size,
@@ -220,8 +220,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "%s: the last %lu lead from t = %.17g to here, and at this rate %.3g more "
                         "would arrive, or double the time passed: the motion may end here in a "
                         "singularity, or be stiff (method radau); last valid time %.17g",
-                        what, it->count.steps + it->count.rejections - it->judged,
-                        (double)it->judged_t, (double)it->detail, t);
+                        what, it->count.steps + it->count.rejections - it->own->judged,
+                        (double)it->own->judged_t, (double)it->detail, t);
     case PK_STOPPED_EVENT:
         if (it->event)
             return snprintf(text, size, "stopped at event %s at t = %.17g",

@@ -75,7 +75,7 @@ static void check(const struct pk_integrator *it)
     char text[400];
     if (pk_integrator_reason(it, text, sizeof text) < 3 || strstr(text, "(null)"))
         fail("no reason");
-    if (it->ready && (!pk_all_finite(it->q, it->n) || !pk_all_finite(it->v, it->n)))
+    if (it->own->ready && (!pk_all_finite(it->q, it->n) || !pk_all_finite(it->v, it->n)))
         fail("a state that is not finite");
 }
 

@@ -2,6 +2,7 @@
  * Every bound below also asserts that what it bounds is not zero, or that a worse
  * method misses it.
  */
+#include <pk/step/state.h>
 #include <stdlib.h>
 
 #include <CUnit/Basic.h>
@@ -121,7 +122,7 @@ static void right_instance(void)
         CU_ASSERT(fixture_init(&f, method->name) == PK_DONE);
         const int calls = /* Newton's method, `linear` and coefficients through pointers */
             (method->traits & (PK_LINEAR | PK_JACOBIANS | PK_EXACT | PK_GROUP)) != 0;
-        CU_ASSERT((f.it.step != method->step) == (inlined && !calls));
+        CU_ASSERT((f.it.own->step != method->step) == (inlined && !calls));
     }
 }
 

@@ -1,6 +1,7 @@
 /* pk_integrator_steps() over a system's own fused steps: they end where single steps do, and a step
  * that fails is found in few tries.
  */
+#include <pk/step/state.h>
 #include "fixture.h"
 
 static const struct pk_system *fused_of;
@@ -76,7 +77,7 @@ static void row_after_row(void)
         fixture_init(&f, "verlet");
         for (unsigned long row = 1; row <= 2000; row++) {
             CU_ASSERT(pk_integrator_steps(&f.it, (double)row * rows[k], 0) == PK_DONE);
-            CU_ASSERT(f.it.direction > 0 && f.it.t == (double)row * rows[k]);
+            CU_ASSERT(f.it.own->direction > 0 && f.it.t == (double)row * rows[k]);
             CU_ASSERT(f.it.count.steps == each[k] * row);
         }
     }

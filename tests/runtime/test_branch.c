@@ -51,7 +51,7 @@ static enum pk_status from_guess(struct fixture *f, double q0, double v0, double
     f->options.h = h;
     CU_ASSERT_FATAL(fixture_init(f, "gauss1") == PK_DONE);
     struct pk_gauss_work w = pk_gauss_parts(&f->it);
-    f->it.h = h;
+    f->it.own->h = h;
     pk_gauss_set_step(&f->it, &w, h);
     w.V[0] = (*y - q0) * 2 / h;
     const enum pk_status status = f->it.status = pk_gauss_solve(&f->it, &w);
@@ -205,7 +205,7 @@ static void mass_inside(void)
             CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
             CU_ASSERT(pk_integrator_to(&f.it, 10) == PK_SINGULAR_MASS);
             CU_ASSERT(f.it.t == step && fabs(f.it.detail - f.params.limit) < 1e-9);
-            CU_ASSERT(f.it.v[0] == f.v0[0] && f.it.condition < -0.999);
+            CU_ASSERT(f.it.v[0] == f.v0[0] && f.it.own->condition < -0.999);
         }
     /* Between the stages nothing is asked. */
     fixture_set(&f, &dipping_system);

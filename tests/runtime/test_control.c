@@ -2,6 +2,7 @@
  * counts of the published codes. Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
  * Differential Equations I, II.0 (0.1)-(0.2) for the orbit, II.4 and II.5 for the control.
  */
+#include <pk/step/state.h>
 #include <stdlib.h>
 
 #include "fixture.h"
@@ -25,16 +26,16 @@ static void formula(void)
         CU_ASSERT_FATAL(fixture_init(&f, row[i].name) == PK_DONE);
         for (int count = 0; f.it.t < period; count++) {
             const unsigned long before = f.it.count.rejections;
-            const double planned = f.it.h;
+            const double planned = f.it.own->h;
             CU_ASSERT_FATAL(count < 4000 && pk_integrator_step(&f.it, period) == PK_DONE);
-            const double h = f.it.t - f.it.last_t, err = f.it.error;
+            const double h = f.it.t - f.it.last_t, err = f.it.own->error;
             CU_ASSERT(err <= 1);
             double fac = pow(err, alpha) / pow(old, row[i].beta) / 0.9;
             fac = fmin(1 / row[i].shrink, fmax(1 / row[i].grow, fac));
             const int again = f.it.count.rejections > before;
             const double next = again ? fmin(h / fac, h) : h / fac;
             if (f.it.t < period && count) {
-                CU_ASSERT(fabs(f.it.h / next - 1) < 1e-9);
+                CU_ASSERT(fabs(f.it.own->h / next - 1) < 1e-9);
                 CU_ASSERT(again ? h < planned : fabs(h / planned - 1) < 1e-9);
                 checked++;
                 rejected += again;
@@ -84,9 +85,9 @@ static void cut_short(void)
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
         for (int k = 0; k < 10; k++)
             CU_ASSERT(pk_integrator_step(&f.it, 1e3) == PK_DONE);
-        const double planned = f.it.h;
+        const double planned = f.it.own->h;
         CU_ASSERT(pk_integrator_to(&f.it, f.it.t + planned / 1000) == PK_DONE);
-        CU_ASSERT(f.it.h >= planned);
+        CU_ASSERT(f.it.own->h >= planned);
     }
 }
 

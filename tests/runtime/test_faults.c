@@ -201,10 +201,10 @@ static enum pk_status motion(const struct pk_method *method, double h, double *x
         CU_ASSERT(told(&it) && it.t >= 0 && it.t <= 0.1);
         pk_events_free(&events);
     }
-    if (status < 0 && status != PK_REFUSED && it.state && !fault.for_ever) {
+    if (status < 0 && status != PK_REFUSED && it.own->state && !fault.for_ever) {
         /* It has passed: from the last valid state on, if that is one. */
-        CU_ASSERT(!it.ready || (pk_all_finite(it.q, n) && pk_all_finite(it.v, n)));
-        if (it.ready && pk_integrator_to(&it, 0.1) >= 0)
+        CU_ASSERT(!it.own->ready || (pk_all_finite(it.q, n) && pk_all_finite(it.v, n)));
+        if (it.own->ready && pk_integrator_to(&it, 0.1) >= 0)
             status = PK_DONE;
         CU_ASSERT(told(&it));
     }

@@ -1,6 +1,7 @@
 /* What symplectic and symmetric methods promise: bounded energy over long runs with M(q), the
  * symplectic form kept by the step map in (q, p), reversal; each with a method that fails it.
  */
+#include <pk/step/state.h>
 #include "fixture.h"
 
 static double energy_drift(const char *method, double h, double t_end, double *slope)
@@ -15,7 +16,7 @@ static double energy_drift(const char *method, double h, double t_end, double *s
     while (f.it.t < t_end) {
         CU_ASSERT_FATAL(pk_integrator_step(&f.it, t_end) == PK_DONE);
         const struct pk_system *s = f.problem.system;
-        pk_drift_update(&drift, f.it.t, s->energy(&f.params, f.it.t, f.it.q, f.it.v, f.it.u));
+        pk_drift_update(&drift, f.it.t, s->energy(&f.params, f.it.t, f.it.q, f.it.v, f.it.own->u));
     }
     *slope = pk_drift_slope(&drift) * t_end;
     return pk_drift_max(&drift);

@@ -143,7 +143,7 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     options.h = 0.01;
     options.rtol = options.atol = 1e-7;
     const size_t size = pk_integrator_size(&problem, method);
-    const size_t kept = pk_quadrature_size(&system, system.n) * sizeof(double);
+    const size_t quadratures = pk_quadrature_size(&system, system.n) * sizeof(double);
     CU_ASSERT_FATAL(size <= sizeof room / 2 && system.n <= 16);
     poison(room, size, with);
     enum pk_status status =
@@ -151,7 +151,8 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     note(to, status);
     if (status >= 0) {
         steps(to, &it, 4, 1);
-        poison((char *)room + kept, size - kept, with);
+        char *const from = (char *)(it.own + 1) + quadratures;
+        poison(from, size - (size_t)(from - (char *)room), with);
         note(to, pk_integrator_reset(&it, 0.7, q0, v0));
         steps(to, &it, 3, -1);
         note(to, pk_integrator_set_step(&it, 0.02));

@@ -143,14 +143,14 @@ static void round_off_of_time(void)
         f.params.limit = 1;
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 1 - 1e-15) == PK_DONE);
-        f.it.h = 1e-16; /* as many rejections would leave it */
+        f.it.own->h = 1e-16; /* as many rejections would leave it */
         CU_ASSERT(pk_integrator_to(&f.it, 1 + 4e-16) < 0 && f.it.t <= 1);
         fixture_set(&f, &pendulum_system);
         CU_ASSERT(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_to(&f.it, 5e-324) == PK_DONE && f.it.count.steps == 1);
         CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE);
         const unsigned long before = f.it.count.steps;
-        f.it.h = 1e-18;
+        f.it.own->h = 1e-18;
         CU_ASSERT(pk_integrator_to(&f.it, 1 + 4e-16) == PK_DONE);
         CU_ASSERT(f.it.count.steps == before + 1);
         f.options.rtol = 1e-300; /* not to be met: the step is at fault, not the motion */
@@ -194,7 +194,7 @@ static void condition_of_mass(void)
         f.q0[0] = f.params.limit + 1; /* M = -1 */
         CU_ASSERT_FATAL(fixture_init(&f, names[i]) == PK_DONE);
         CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_MASS);
-        CU_ASSERT(f.it.where == 0 && f.it.condition < -0.999 && f.it.condition > -1.001);
+        CU_ASSERT(f.it.where == 0 && f.it.own->condition < -0.999 && f.it.own->condition > -1.001);
         pk_integrator_free(&f.it);
     }
 }

@@ -34,7 +34,7 @@
 #else
 #define PK_STEPPER_N(it) ((void)(it), (size_t)PK_MODEL(N))
 #endif
-#define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->u)
+#define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->own->u)
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a)                                              \
     PK_MODEL(acceleration)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, a)
 #define PK_STEPPER_LANES(it, t, q, v, u, a)                                                     \

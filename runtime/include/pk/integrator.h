@@ -84,57 +84,25 @@ struct pk_passed_over {
     pk_real t;
 };
 
+struct pk_integrator_private;
+
+/* To be read, not written. q, v, p and z point into the block; p is NULL unless the method carries
+ * momenta, z unless the system has quadratures. */
 struct pk_integrator {
-    /* To be read by the caller. p is NULL unless the method carries momenta, z unless the system
-     * has quadratures. */
     pk_real t;
     const pk_real *q, *v, *p, *z;
+    size_t n;                /* numbers in each of q, v and p */
+    pk_real last_t;          /* start of the last step made; it ended at t */
     struct pk_counters count;
-    enum pk_status status; /* of the last call */
     struct pk_passed_over passed_over;
-
-    /* For methods and the runtime alone. */
+    enum pk_status status;   /* of the last call; pk_integrator_reason() says it in words, from */
+    size_t where;            /* which coordinate, parameter or constraint it is about, */
+    pk_real detail;          /* a number that belongs to it, */
+    size_t event;            /* and 1 + which event, 0: none; see pk/events.h */
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
-    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
-    size_t n;
-    pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
-    pk_real *quadratures; /* see src/integrate/quadrature.c */
-    pk_real *u, *work; /* u: inputs at one time, and behind them those of each lane */
-    pk_real *atol;           /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
-    unsigned long rounded;   /* rejections when rounding was last looked at */
-    pk_real *guards; /* NULL: the system has none; see src/core/guard.c */
-    size_t n_guards; /* their values: of families one a member */
-    int slopes;      /* of the guards: what is known of them at this state */
-    pk_real *lane; /* one state and its acceleration, of a system without lane kernels */
-    pk_real passed;           /* the lengths of all steps since init; when steps were last judged */
-    pk_real judged_passed;    /* by their progress: that, their number with those rejected, and t */
-    pk_real judged_t;
-    unsigned long judged;
-    pk_real next_t, last_t;   /* end of the step being made; start of the last one made */
-    pk_real h;                /* signed step, made or to be made */
-    pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
-    pk_real error;            /* adaptive: of the last accepted step, in units of the tolerance */
-    int off_grid;             /* fixed steps: the one being made is shorter, and ends the grid */
-    int ready;                /* a start was accepted; without it nothing steps */
-    int direction;            /* +1, -1, 0 before the first step */
-    int flags;                /* the method's own */
-    size_t where;             /* which coordinate or parameter a status is about */
-    pk_real detail;           /* a number that belongs to the reason */
-    pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
-    pk_real *project; /* rotations and constraints: src/constraints/project.c; NULL: there are none */
-    pk_real *marks;           /* values at the begin, ...: src/core/marks.c; NULL: there are none */
-    int marked, unlooked;     /* whether those at the begin are known; steps that are not looked at */
-    pk_real reach, rise;      /* how long the next step may be for them, 0: as it will; the one behind */
-    pk_real calm;             /* so long a step was made in which they hardly vary */
-    pk_real range, varied;    /* by how much they vary in the trial step, and where they matter */
-    size_t event;             /* 1 + which event a status is about, 0: none; see pk/events.h */
-    enum pk_status trouble;   /* what the last trial step that broke down met, when, and its */
-    pk_real trouble_t;        /* where and condition: the cause to name if steps then shrink to */
-    size_t trouble_where;     /* nothing just before it */
-    pk_real trouble_condition;
-    void *extra;              /* of a foreign library */
+    struct pk_integrator_private *own; /* in the block; NULL where init refused the block itself */
 };
 
 struct pk_options pk_options_default(void);

@@ -65,11 +65,11 @@ struct pk_method {
     /* Number of pk_real of work for n degrees of freedom. */
     size_t (*size)(const struct pk_method *method, size_t n);
     enum pk_status (*init)(struct pk_integrator *it);
-    /* One step into it->next, to it->next_t, not past `limit`. Must leave it->state alone. */
+    /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state alone. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
     /* Between the ends of the last step; NULL without PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* Stage k = 0, 1, ... of the step in it->next, with room for 2 n numbers; 0 behind the last.
+    /* Stage k = 0, 1, ... of the step in it->own->next, with room for 2 n numbers; 0 behind the last.
      * Called before it becomes the state. NULL without PK_QUADRATURE. */
     int (*stage)(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
     /* The error of z in that step from its two sums and from that of |weight g|, to be compared with

@@ -118,11 +118,11 @@ static enum pk_status refuse(struct pk_integrator *it, size_t where, pk_real res
 
 enum pk_status pk_project_start(struct pk_integrator *it)
 {
-    pk_real *q = pk_part(it->state, it->n, PK_Q), *v = pk_part(it->state, it->n, PK_V);
+    pk_real *q = pk_part(it->own->state, it->n, PK_Q), *v = pk_part(it->own->state, it->n, PK_V);
     int moved;
-    if (!it->project)
+    if (!it->own->project)
         return PK_DONE;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < w.system->n_rotations; r++)
@@ -163,7 +163,7 @@ int pk_constraint_name(const struct pk_system *system, size_t row, char *text, s
 /* What the row that depends on others does so on: "a, b". */
 static void of_others(const struct pk_integrator *it, char *text, size_t size)
 {
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     char name[96];
     size_t used = 0;
     int count = 0;
@@ -196,7 +196,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     pk_constraint_name(system, row, name, sizeof name);
     of_others(it, others, sizeof others);
     if (it->status == PK_OFF_CONSTRAINTS) {
-        const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+        const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
         char last[96];
         if (w.depends[0] > 0) {
             pk_constraint_name(system, (size_t)w.depends[0] - 1, last, sizeof last);
@@ -209,7 +209,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     if (*others)
         return snprintf(text, size, "%s: %s depends on %s; last valid time %.17g", what, name,
                         others, (double)it->t);
-    if (pk_project_parts(&it->problem, it->n, it->project).depends[0] > 0)
+    if (pk_project_parts(&it->problem, it->n, it->own->project).depends[0] > 0)
         return snprintf(text, size, "%s: nothing that moves enters %s; last valid time %.17g", what,
                         name, (double)it->t);
     return snprintf(text, size, "%s: %s is left broken by %.3g; last valid time %.17g", what, name,

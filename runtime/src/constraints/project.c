@@ -29,7 +29,7 @@ enum { MOST = 20 };                     /* corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     if (!w.c)
         return 0;
     w.t = it->t;
@@ -127,8 +127,8 @@ static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *
 /* |d| / |h v|, of v at the step's two ends the larger, both in the metric of M = L D L^T. */
 static pk_real beside_way(const struct pk_integrator *it, const struct pk_projection *w)
 {
-    const pk_real h = it->next_t - it->t;
-    const pk_real *ends[2] = {it->v, pk_part(it->next, it->n, PK_V)};
+    const pk_real h = it->own->next_t - it->t;
+    const pk_real *ends[2] = {it->v, pk_part(it->own->next, it->n, PK_V)};
     pk_real longest = PK_TINY, back = 0;
     for (size_t i = 0; i < w->h; i++)
         back += w->mu[i] * w->phi[i];
@@ -149,9 +149,9 @@ static pk_real beside_way(const struct pk_integrator *it, const struct pk_projec
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *y, size_t first, size_t count)
 {
-    if (!(ratio > NOTICED) || !(it->next_t > it->t || it->next_t < it->t))
+    if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
-    if (it->atol && it->method->stage_error) /* of those that advance() tries again */
+    if (it->own->atol && it->method->stage_error) /* of those that advance() tries again */
         return beside_tolerances(it, w->d, y, first, count) > 1;
     return first == 0 && beside_way(it, w) > 1;
 }
@@ -208,7 +208,7 @@ static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, c
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     *moved = 0;
     for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4) {
         const int turned = pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
@@ -231,16 +231,16 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
 enum pk_status pk_project_step(struct pk_integrator *it)
 {
     const size_t n = it->n;
-    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
-    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
+    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
+    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q), *low_v = pk_part(it->own->next, n, PK_LOW_X);
     int moved = 0;
-    if (!it->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
+    if (!it->own->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
         return PK_DONE;
     const enum pk_status status =
-        pk_project(it, it->next_t, q, v, low_q, it->p ? NULL : low_v, &moved);
+        pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved);
     if (status < 0 || !moved || !it->p)
         return status;
-    pk_eval_canonical(it, it->next_t, q, v, pk_part(it->next, n, PK_P), it->project + n);
+    pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P), it->own->project + n);
     memset(low_v, 0, n * sizeof *low_v);
     return PK_DONE;
 }

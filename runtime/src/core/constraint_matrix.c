@@ -116,9 +116,9 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows)
 
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
 {
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->project);
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     w.t = it->detail;
-    w.u = it->u;
+    w.u = it->own->u;
     if (!pk_project_inertia(&w, q, v)) {
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c);

@@ -20,8 +20,8 @@ int pk_all_finite(const pk_real *x, size_t count)
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
 {
     if (it->problem.system->n_inputs && it->problem.input)
-        it->problem.input(it->problem.context, t, it->u);
-    return it->u;
+        it->problem.input(it->problem.context, t, it->own->u);
+    return it->own->u;
 }
 
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -42,7 +42,7 @@ static pk_real condition(const struct pk_integrator *it, pk_real t, const pk_rea
     const size_t n = it->n;
     if (n > MOST || last >= n || !it->problem.system->mass || it->problem.system->count)
         return ratio;
-    it->problem.system->mass(it->problem.params, t, q, v, it->u, M);
+    it->problem.system->mass(it->problem.params, t, q, v, it->own->u, M);
     for (size_t i = 0, k = 0; i < n; i++)
         if (i != last)
             order[k++] = i;
@@ -78,7 +78,7 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
         it->where -= it->n;
         return pk_project_singular(it, q, v);
     }
-    it->condition = condition(it, t, q, v, it->where);
+    it->own->condition = condition(it, t, q, v, it->where);
     return PK_SINGULAR_MASS;
 }
 
@@ -89,7 +89,7 @@ unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, con
     if (system->lanes)
         return system->lanes(it->problem.params, t, q, v, u, a);
     const size_t n = it->n, m = system->n_inputs;
-    pk_real *q1 = it->lane, *v1 = q1 + n, *a1 = v1 + n, *u1 = a1 + n;
+    pk_real *q1 = it->own->lane, *v1 = q1 + n, *a1 = v1 + n, *u1 = a1 + n;
     unsigned long long failed = 0;
     for (size_t l = 0; l < PK_LANES; l++) {
         for (size_t i = 0; i < n; i++) {
@@ -119,19 +119,19 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
-    pk_real *q = pk_part(it->next, it->n, PK_Q), *a = pk_part(it->next, it->n, PK_A);
-    if (it->trouble == PK_DONE || !(pk_abs(it->trouble_t - it->t) <= near)) {
-        it->trouble_t = it->t + (pk_real)it->direction * near;
+    pk_real *q = pk_part(it->own->next, it->n, PK_Q), *a = pk_part(it->own->next, it->n, PK_A);
+    if (it->own->trouble == PK_DONE || !(pk_abs(it->own->trouble_t - it->t) <= near)) {
+        it->own->trouble_t = it->t + (pk_real)it->own->direction * near;
         for (size_t i = 0; i < it->n; i++)
-            q[i] = it->q[i] + (pk_real)it->direction * near * it->v[i];
-        if (pk_eval_acceleration(it, it->trouble_t, q, it->v, a) != PK_SINGULAR_MASS) {
+            q[i] = it->q[i] + (pk_real)it->own->direction * near * it->v[i];
+        if (pk_eval_acceleration(it, it->own->trouble_t, q, it->v, a) != PK_SINGULAR_MASS) {
             it->detail = h;
             return PK_STEP_UNDERFLOW;
         }
-        pk_trouble(it, PK_SINGULAR_MASS, it->trouble_t);
+        pk_trouble(it, PK_SINGULAR_MASS, it->own->trouble_t);
     }
-    it->where = it->trouble_where;
-    it->condition = it->trouble_condition;
-    it->detail = it->trouble_t;
-    return it->trouble;
+    it->where = it->own->trouble_where;
+    it->own->condition = it->own->trouble_condition;
+    it->detail = it->own->trouble_t;
+    return it->own->trouble;
 }

@@ -18,7 +18,7 @@
 #define CALM PK_C(0.0625) /* a change in two steps running that is no cause for any doubt */
 #define FAR PK_C(1.5)     /* tangents are trusted to tell of a zero up to so many steps away */
 
-enum { KNOWN = 1, QUIET = 2 }; /* it->slopes: those at the state; the last step changed little */
+enum { KNOWN = 1, QUIET = 2 }; /* it->own->slopes: those at the state; the last step changed little */
 
 size_t pk_guard_size(size_t n_guards, size_t n)
 {
@@ -28,30 +28,30 @@ size_t pk_guard_size(size_t n_guards, size_t n)
 static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *value, pk_real *slope)
 {
-    const pk_real d = (it->next_t - it->t) / 1024;
+    const pk_real d = (it->own->next_t - it->t) / 1024;
     pk_guard_along(it, t, q, v, d, slope);
-    for (size_t k = 0; k < it->n_guards; k++)
+    for (size_t k = 0; k < it->own->n_guards; k++)
         slope[k] = (slope[k] - value[k]) / d;
 }
 
 void pk_guard_start(struct pk_integrator *it)
 {
-    it->slopes = 0;
-    if (!it->guards)
+    it->own->slopes = 0;
+    if (!it->own->guards)
         return;
     pk_guard_evaluate(it, it->t, it->q, it->v, pk_guard_part(it, PK_GUARD_NOW));
-    memset(pk_guard_part(it, PK_GUARD_MOST), 0, it->n_guards * sizeof(pk_real));
+    memset(pk_guard_part(it, PK_GUARD_MOST), 0, it->own->n_guards * sizeof(pk_real));
 }
 
 /* The end of the trial step becomes the state. */
 static enum pk_status go_on(struct pk_integrator *it, int known)
 {
-    const size_t m = it->n_guards;
+    const size_t m = it->own->n_guards;
     pk_real *now = pk_guard_part(it, PK_GUARD_NOW), *most = pk_guard_part(it, PK_GUARD_MOST);
     for (size_t k = 0; k < m; k++)
         most[k] = pk_max(most[k], pk_abs(now[k]));
     memcpy(now, pk_guard_part(it, PK_GUARD_NEXT), 2 * m * sizeof *now);
-    it->slopes = known;
+    it->own->slopes = known;
     return PK_DONE;
 }
 
@@ -61,7 +61,7 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
     const size_t guard = pk_system_guard(system, it->problem.params, which).guard;
     it->where = which;
     it->detail = when;
-    it->condition = bounded ? PK_C(1.0) : PK_INFINITY;
+    it->own->condition = bounded ? PK_C(1.0) : PK_INFINITY;
     return system->guards[guard].kind == PK_GUARD_COORDINATES
                ? PK_SINGULAR_COORDINATES
                : PK_SINGULAR_TIME;
@@ -71,23 +71,23 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
  * that is in error may meet the singularity early, so two steps are looked at. */
 static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
 {
-    const pk_real h = it->next_t - it->t;
+    const pk_real h = it->own->next_t - it->t;
     const struct pk_guard_search s = pk_guard_search(it, it->t + 2 * h, PK_GUARD_DEEP);
     if (s.found == PK_GUARD_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
     if (s.found == PK_GUARD_UNDECIDED)
         return ended(it, k, when, s.bounded);
     it->where = k;
-    it->detail = it->next_t;
+    it->detail = it->own->next_t;
     return PK_STEP_TOO_LONG;
 }
 
 enum pk_status pk_guard_here(struct pk_integrator *it)
 {
-    if (!it->guards)
+    if (!it->own->guards)
         return PK_DONE;
     const pk_real *g = pk_guard_part(it, PK_GUARD_NOW);
-    for (size_t k = 0; k < it->n_guards; k++)
+    for (size_t k = 0; k < it->own->n_guards; k++)
         if (!(g[k] > 0) && !(g[k] < 0))
             return ended(it, k, it->t, 0);
     return PK_DONE;
@@ -103,7 +103,7 @@ static int sign(pk_real x)
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
     const pk_real g0 = pk_guard_part(it, PK_GUARD_NOW)[k], g1 = pk_guard_part(it, PK_GUARD_NEXT)[k];
-    const pk_real h = it->next_t - it->t, d0 = h * pk_guard_part(it, PK_GUARD_SLOPE)[k];
+    const pk_real h = it->own->next_t - it->t, d0 = h * pk_guard_part(it, PK_GUARD_SLOPE)[k];
     const pk_real d1 = h * pk_guard_part(it, PK_GUARD_NEXT_SLOPE)[k];
     if (sign(g0) * sign(d0) < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
         return 1;
@@ -115,7 +115,7 @@ static int doubtful(const struct pk_integrator *it, size_t k)
 static int calm(const struct pk_integrator *it)
 {
     const pk_real *g0 = pk_guard_part(it, PK_GUARD_NOW), *g1 = pk_guard_part(it, PK_GUARD_NEXT);
-    for (size_t k = 0; k < it->n_guards; k++)
+    for (size_t k = 0; k < it->own->n_guards; k++)
         if (!(pk_abs(g1[k] - g0[k]) <= CALM * pk_abs(g0[k])))
             return 0;
     return 1;
@@ -123,47 +123,47 @@ static int calm(const struct pk_integrator *it)
 
 enum pk_status pk_guard_step(struct pk_integrator *it)
 {
-    const size_t m = it->n_guards, n = it->n;
-    if (!it->guards)
+    const size_t m = it->own->n_guards, n = it->n;
+    if (!it->own->guards)
         return PK_DONE;
-    const pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    const pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
     const pk_real *g0 = pk_guard_part(it, PK_GUARD_NOW);
     pk_real *g1 = pk_guard_part(it, PK_GUARD_NEXT);
     int doubt = 0;
-    pk_guard_evaluate(it, it->next_t, q, v, g1);
+    pk_guard_evaluate(it, it->own->next_t, q, v, g1);
     const int quiet = calm(it) ? QUIET : 0;
-    if (quiet & it->slopes)
+    if (quiet & it->own->slopes)
         return go_on(it, QUIET);
-    if (!(it->slopes & KNOWN))
+    if (!(it->own->slopes & KNOWN))
         slopes(it, it->t, it->q, it->v, g0, pk_guard_part(it, PK_GUARD_SLOPE));
-    slopes(it, it->next_t, q, v, g1, pk_guard_part(it, PK_GUARD_NEXT_SLOPE));
+    slopes(it, it->own->next_t, q, v, g1, pk_guard_part(it, PK_GUARD_NEXT_SLOPE));
     for (size_t k = 0; k < m; k++) {
-        const pk_real secant = it->t + (it->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
+        const pk_real secant = it->t + (it->own->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
         if (sign(g0[k]) * sign(g1[k]) <= 0)
-            return crossed(it, k, pk_guard_within(secant, it->next_t, it->t));
+            return crossed(it, k, pk_guard_within(secant, it->own->next_t, it->t));
         doubt |= doubtful(it, k);
     }
     if (doubt) {
-        const struct pk_guard_search s = pk_guard_search(it, it->next_t, PK_GUARD_DEEP);
+        const struct pk_guard_search s = pk_guard_search(it, it->own->next_t, PK_GUARD_DEEP);
         if (s.found == PK_GUARD_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
-        pk_guard_evaluate(it, it->next_t, q, v, g1); /* the search has used its place */
-        slopes(it, it->next_t, q, v, g1, pk_guard_part(it, PK_GUARD_NEXT_SLOPE));
+        pk_guard_evaluate(it, it->own->next_t, q, v, g1); /* the search has used its place */
+        slopes(it, it->own->next_t, q, v, g1, pk_guard_part(it, PK_GUARD_NEXT_SLOPE));
     }
     return go_on(it, KNOWN | quiet);
 }
 
 enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed)
 {
-    pk_real ahead = 2 * (it->next_t - it->t), depth = PK_GUARD_DEEP;
-    if (!it->guards || (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE &&
+    pk_real ahead = 2 * (it->own->next_t - it->t), depth = PK_GUARD_DEEP;
+    if (!it->own->guards || (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE &&
                         status != PK_STEP_UNDERFLOW && status != PK_NO_CONVERGENCE &&
                         status != PK_AMBIGUOUS_STEP))
         return status;
     if (!fixed) { /* that close ahead steps underflow: pk_underflow() */
         depth = PK_GUARD_SHALLOW;
-        ahead = (pk_real)it->direction * (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) +
-                                          PK_C(10.0) * pk_abs(it->h));
+        ahead = (pk_real)it->own->direction * (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) +
+                                          PK_C(10.0) * pk_abs(it->own->h));
     }
     const struct pk_guard_search s = pk_guard_search(it, it->t + ahead, depth);
     return s.found == PK_GUARD_VANISHES ? ended(it, s.which, s.when, s.bounded) : status;

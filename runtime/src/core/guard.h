@@ -1,4 +1,4 @@
-/* What the two files of guards share: parts of it->guards. Not installed. */
+/* What the two files of guards share: parts of it->own->guards. Not installed. */
 #ifndef PK_GUARD_H
 #define PK_GUARD_H
 
@@ -21,7 +21,7 @@ enum { PK_GUARD_SEARCH_PARTS = 10 };
 
 static inline pk_real *pk_guard_part(const struct pk_integrator *it, int which)
 {
-    return it->guards + (size_t)which * it->n_guards;
+    return it->own->guards + (size_t)which * it->own->n_guards;
 }
 
 void pk_guard_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,

@@ -90,7 +90,7 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
     const pk_real *most = pk_guard_part(it, PK_GUARD_MOST);
     const pk_real round = halted ? PK_C(64.0) * PK_EPS : 0;
     size_t k = 0;
-    while (k < it->n_guards &&
+    while (k < it->own->n_guards &&
            !(pk_abs(g[k]) <= pk_max(depth * pk_abs(first[k]), round * most[k])))
         k++;
     return k;
@@ -108,7 +108,7 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 {
     static const pk_real depth[2] = {PK_C(1e-2), PK_C(1e-4)};
     const pk_real *a = search_part(it, K) + it->n;
-    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->n_guards) {
+    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->own->n_guards) {
         pk_real most = 0;
         for (size_t i = 0; i < it->n; i++)
             most = pk_max(most, pk_abs(a[i]));
@@ -118,7 +118,7 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 
 static struct pk_guard_search search(struct pk_integrator *it, pk_real t_end, pk_real depth)
 {
-    const size_t n = it->n, m = it->n_guards;
+    const size_t n = it->n, m = it->own->n_guards;
     const pk_real whole = t_end - it->t;
     pk_real *g = pk_guard_part(it, PK_GUARD_NEXT), *g1 = pk_guard_part(it, PK_GUARD_NEXT_SLOPE);
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL);
@@ -178,11 +178,11 @@ struct pk_guard_search pk_guard_search(struct pk_integrator *it, pk_real t_end, 
 {
     const struct pk_counters count = it->count;
     const size_t where = it->where;
-    const pk_real detail = it->detail, condition = it->condition;
+    const pk_real detail = it->detail, condition = it->own->condition;
     const struct pk_guard_search found = search(it, t_end, depth);
     it->count = count;
     it->where = where;
     it->detail = detail;
-    it->condition = condition;
+    it->own->condition = condition;
     return found;
 }

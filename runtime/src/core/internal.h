@@ -31,6 +31,9 @@ static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status st
     return it->status = status;
 }
 
+/* Whether a start was accepted. */
+static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
+
 /* it->where of PK_NO_CONVERGENCE, and what it->detail is: the last correction of a fixed-point
  * iteration; the longest step for which Newton's found the solution; the last correction of rates
  * from momenta. */
@@ -58,8 +61,8 @@ int pk_sides_missing(const struct pk_integrator *it);
 /* A kernel that a method calls and the system was compiled without; NULL: there is none. */
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
 
-/* The time of a step towards `limit`, which is not it->t, before it is made: it->next_t and, where
- * steps are fixed, it->h. And after. */
+/* The time of a step towards `limit`, which is not it->t, before it is made: it->own->next_t and, where
+ * steps are fixed, it->own->h. And after. */
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
 void pk_step_made(struct pk_integrator *it, int fixed);
 
@@ -72,7 +75,7 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
-/* Absolute tolerances, it->atol: numbers needed; at a start; after a step. Before each attempt at one
+/* Absolute tolerances, it->own->atol: numbers needed; at a start; after a step. Before each attempt at one
  * pk_scale_attempt() (pk/step/state.h). */
 size_t pk_scale_size(const struct pk_method *method, size_t n);
 void pk_scale_start(struct pk_integrator *it);
@@ -83,7 +86,7 @@ void pk_scale_step(struct pk_integrator *it);
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
 /* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at
- * a start; whether a guard is zero there; after a trial step, which is still it->next; and after
+ * a start; whether a guard is zero there; after a trial step, which is still it->own->next; and after
  * one that failed, whether a guard is its cause. */
 size_t pk_guard_size(size_t n_guards, size_t n);
 void pk_guard_start(struct pk_integrator *it);
@@ -103,11 +106,11 @@ void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const
                 const pk_real *v1, pk_real x, pk_real *q, pk_real *v);
 
 /* Quadratures, which the block begins with: numbers needed; their start; those of a trial step,
- * still it->next; that it becomes the state. */
+ * still it->own->next; that it becomes the state. */
 size_t pk_quadrature_size(const struct pk_system *system, size_t n);
 enum pk_status pk_quadrature_start(struct pk_integrator *it);
 enum pk_status pk_quadrature_step(struct pk_integrator *it);
-/* Whether the step is to be made again, shorter, for the quadratures' sake; it->h follows them. */
+/* Whether the step is to be made again, shorter, for the quadratures' sake; it->own->h follows them. */
 int pk_quadrature_rejects(struct pk_integrator *it);
 void pk_quadrature_accept(struct pk_integrator *it);
 /* Those at the begin of the last step of `it` for `side`. */

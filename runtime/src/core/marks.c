@@ -40,9 +40,9 @@ static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
 {
     const struct pk_system *system = it->problem.system;
     const size_t n = it->n;
-    const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->next, *v1 = pk_part(it->next, n, PK_V);
-    const pk_real h = it->next_t - it->t, t = x < 1 ? it->t + x * h : it->next_t;
-    pk_real *q = it->marks + 4 * system->n_marks, *v = q + n, *input = v + n;
+    const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->own->next, *v1 = pk_part(it->own->next, n, PK_V);
+    const pk_real h = it->own->next_t - it->t, t = x < 1 ? it->t + x * h : it->own->next_t;
+    pk_real *q = it->own->marks + 4 * system->n_marks, *v = q + n, *input = v + n;
     if (x > 0 && x < 1)
         pk_hermite(n, h, q0, v0, q1, v1, x, q, v);
     else
@@ -56,7 +56,7 @@ static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
 
 static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 {
-    pk_real *u = it->marks + 3 * it->problem.system->n_marks;
+    pk_real *u = it->own->marks + 3 * it->problem.system->n_marks;
     values(it, x, u);
     return u[k];
 }
@@ -85,8 +85,8 @@ static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
 /* How much of the trial step may be made for mark k, 1: all; of that, how much where it varies. */
 static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 {
-    const pk_real h = pk_abs(it->next_t - it->t), round = 8 * PK_EPS * pk_abs(it->next_t) / h;
-    pk_real total = 0, begins = -1, width = PK_C(1.0) / FEW, from = 0, u = it->marks[k];
+    const pk_real h = pk_abs(it->own->next_t - it->t), round = 8 * PK_EPS * pk_abs(it->own->next_t) / h;
+    pk_real total = 0, begins = -1, width = PK_C(1.0) / FEW, from = 0, u = it->own->marks[k];
     for (int count = 0; from < 1; count++) {
         const pk_real to = pk_min(from + width, 1), a = warped(from), b = warped(to);
         const pk_real middle = at(it, k, warped((from + to) / 2)), end = at(it, k, b);
@@ -104,7 +104,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
             }
             total += w.varies;
         }
-        it->varied = pk_max(it->varied, total);
+        it->own->varied = pk_max(it->own->varied, total);
         u = end;
         from = to;
         /* Windows are those of halvings, so that twice as long a one may follow an even one. */
@@ -116,36 +116,36 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 
 pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit)
 {
-    const int restrained = it->reach > 0 && it->reach < pk_abs(limit - it->t);
-    return restrained ? it->t + (pk_real)it->direction * it->reach : limit;
+    const int restrained = it->own->reach > 0 && it->own->reach < pk_abs(limit - it->t);
+    return restrained ? it->t + (pk_real)it->own->direction * it->own->reach : limit;
 }
 
 int pk_marks_reject(struct pk_integrator *it)
 {
-    if (!it->marks)
+    if (!it->own->marks)
         return 0;
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
-    if (fixed && it->unlooked > 0)
+    if (fixed && it->own->unlooked > 0)
         return 0;
     const size_t m = it->problem.system->n_marks;
-    const pk_real h = pk_abs(it->next_t - it->t);
-    pk_real *begin = it->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
+    const pk_real h = pk_abs(it->own->next_t - it->t);
+    pk_real *begin = it->own->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
     size_t which = 0;
-    if (!it->marked)
+    if (!it->own->marked)
         values(it, 0, begin);
-    it->marked = 1;
+    it->own->marked = 1;
     values(it, 1, end);
-    it->range = it->varied = 0;
+    it->own->range = it->own->varied = 0;
     for (size_t k = 0; k < m; k++)
-        it->range = pk_max(it->range, pk_abs(end[k] - begin[k]));
-    if (it->range <= MOST / 4 && h <= 3 * it->calm) /* nearly always, but for short forces */
+        it->own->range = pk_max(it->own->range, pk_abs(end[k] - begin[k]));
+    if (it->own->range <= MOST / 4 && h <= 3 * it->own->calm) /* nearly always, but for short forces */
         return 0;
     values(it, warped(PK_C(0.5)), middle);
     for (size_t k = 0; k < m; k++) {
         const struct window w = window(begin[k], middle[k], end[k]);
-        it->range = pk_max(it->range, w.range);
+        it->own->range = pk_max(it->own->range, w.range);
         if (w.range <= MOST / 2) {
-            it->varied = pk_max(it->varied, w.varies);
+            it->own->varied = pk_max(it->own->varied, w.varies);
             continue;
         }
         pk_real active = 0;
@@ -156,38 +156,38 @@ int pk_marks_reject(struct pk_integrator *it)
     if (!(first < 1))
         return 0;
     if (!fixed && first * h > 64 * PK_EPS * pk_abs(it->t)) {
-        it->reach = first * h;
-        it->rise = rise * h;
+        it->own->reach = first * h;
+        it->own->rise = rise * h;
         it->count.rejections++;
         return 1;
     }
-    it->varied = MOST;
+    it->own->varied = MOST;
     if (it->passed_over.count++ == 0) {
         it->passed_over.which = which;
-        it->passed_over.t = it->t + (pk_real)it->direction * first * h;
+        it->passed_over.t = it->t + (pk_real)it->own->direction * first * h;
     }
     return 0;
 }
 
 void pk_marks_accept(struct pk_integrator *it)
 {
-    if (!it->marks)
+    if (!it->own->marks)
         return;
     const size_t m = it->problem.system->n_marks;
-    const pk_real h = pk_abs(it->next_t - it->t);
-    if (it->unlooked > 0) {
-        it->unlooked--;
-        it->marked = 0;
+    const pk_real h = pk_abs(it->own->next_t - it->t);
+    if (it->own->unlooked > 0) {
+        it->own->unlooked--;
+        it->own->marked = 0;
         return;
     }
-    it->unlooked = it->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
-    it->calm = it->range <= MOST / 4 ? h : 0; /* a step that long had nothing short in it */
-    memcpy(it->marks, it->marks + m, m * sizeof *it->marks);
-    if (!(it->reach > 0))
+    it->own->unlooked = it->own->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
+    it->own->calm = it->own->range <= MOST / 4 ? h : 0; /* a step that long had nothing short in it */
+    memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
+    if (!(it->own->reach > 0))
         return;
-    if (h < it->reach * (1 - PK_C(1e-6)) || it->varied < MOST / 8)
-        it->reach = 0; /* by its error, or there is nothing more */
+    if (h < it->own->reach * (1 - PK_C(1e-6)) || it->own->varied < MOST / 8)
+        it->own->reach = 0; /* by its error, or there is nothing more */
     else
-        it->reach = it->rise > 0 ? it->rise : h * pk_min(GROW, PK_C(0.9) * MOST / it->varied);
-    it->rise = 0;
+        it->own->reach = it->own->rise > 0 ? it->own->rise : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->varied);
+    it->own->rise = 0;
 }

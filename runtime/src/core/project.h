@@ -50,12 +50,12 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows);
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether
- * anything changed. It takes the room it->project. PK_NOT_FINITE, what M is singular for, or
+ * anything changed. It takes the room it->own->project. PK_NOT_FINITE, what M is singular for, or
  * PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with PK_OFF_CONSTRAINTS, of a
  * start, 2 c + a rotation. */
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved);
-/* The step in it->next, before it becomes the state. */
+/* The step in it->own->next, before it becomes the state. */
 enum pk_status pk_project_step(struct pk_integrator *it);
 /* The status of an acceleration that found the constraints dependent, it->where its row, at the time
  * it->detail. */

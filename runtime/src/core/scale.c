@@ -31,7 +31,7 @@ size_t pk_scale_size(const struct pk_method *method, size_t n)
 
 static pk_real *part(const struct pk_integrator *it, int which)
 {
-    return it->atol + (size_t)which * it->n;
+    return it->own->atol + (size_t)which * it->n;
 }
 
 /* The first of the same unit, of a table with an entry a declared name; what stands behind these
@@ -67,7 +67,7 @@ static void note(const struct pk_integrator *it)
 {
     pk_real *most = part(it, MOST);
     for (size_t i = 0; i < 2 * it->n; i++)
-        most[i] = pk_max(most[i], pk_abs(it->state[i]));
+        most[i] = pk_max(most[i], pk_abs(it->own->state[i]));
 }
 
 static void follow(const struct pk_integrator *it)
@@ -85,14 +85,14 @@ static void follow(const struct pk_integrator *it)
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
 {
     const size_t n = it->n;
-    if (!it->atol || it->options.atol >= 0)
+    if (!it->own->atol || it->options.atol >= 0)
         return;
     const pk_real *own = part(it, OWN), *noise = part(it, NOISE), *by_p = part(it, BY_P);
     h = pk_abs(h);
     for (size_t i = 0; i < n; i++) {
         const pk_real of_v = h * noise[i] + by_p[i];
-        it->atol[i] = own[i] + h * of_v;
-        it->atol[n + i] = own[n + i] + of_v;
+        it->own->atol[i] = own[i] + h * of_v;
+        it->own->atol[n + i] = own[n + i] + of_v;
     }
 }
 
@@ -142,7 +142,7 @@ static void look_at_rounding(struct pk_integrator *it)
     const size_t n = it->n;
     pk_real *moved = part(it, MOVED), *noise = part(it, NOISE), *a = part(it, A);
     pk_real *beside = part(it, BESIDE), *other = beside + n;
-    memcpy(moved, it->state, 2 * n * sizeof *moved);
+    memcpy(moved, it->own->state, 2 * n * sizeof *moved);
     int valid = acceleration(it, it->t, moved, a);
     shake(it, ROUNDING, 12345, moved);
     valid = valid && acceleration(it, it->t * (1 + ROUNDING), moved, noise);
@@ -174,11 +174,11 @@ static pk_real while_it_falls(const struct pk_integrator *it)
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n = it->n;
-    if (!it->atol)
+    if (!it->own->atol)
         return;
     if (it->options.atol >= 0) {
         for (size_t i = 0; i < 2 * n; i++)
-            it->atol[i] = it->options.atol;
+            it->own->atol[i] = it->options.atol;
         return;
     }
     if (!(*part(it, GROUP + 1) > 0)) {
@@ -195,7 +195,7 @@ void pk_scale_start(struct pk_integrator *it)
         own[i] = pk_max(own[i], it->options.rtol * ahead * pk_abs(it->v[i]));
     pk_scale_attempt(it, first);
     for (size_t i = 0; i < n && it->count.steps == 0; i++) {
-        const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->atol[i]);
+        const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->own->atol[i]);
         pk_real *shared = fall + ((size_t)of[i] - n);
         if (pk_finite(x))
             own[n + i] = pk_max(own[n + i], x);
@@ -233,8 +233,8 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
     const pk_real *a = part(it, A);
     pk_real *most = part(it, MOST);
     int raised = 0;
-    if (!it->atol || it->options.atol >= 0 ||
-        !acceleration(it, it->t + h, it->state, part(it, A)))
+    if (!it->own->atol || it->options.atol >= 0 ||
+        !acceleration(it, it->t + h, it->own->state, part(it, A)))
         return 0;
     const pk_real d = push(it, it->t + h, pk_abs(h));
     for (size_t i = 0; i < n; i++) {
@@ -250,11 +250,11 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
 
 void pk_scale_step(struct pk_integrator *it)
 {
-    if (!it->atol || it->options.atol >= 0)
+    if (!it->own->atol || it->options.atol >= 0)
         return;
     note(it);
-    if (it->count.rejections - it->rounded > 1 || it->count.steps % OFTEN == 0)
+    if (it->count.rejections - it->own->rounded > 1 || it->count.steps % OFTEN == 0)
         look_at_rounding(it);
-    it->rounded = it->count.rejections;
+    it->own->rounded = it->count.rejections;
     follow(it);
 }

@@ -103,8 +103,8 @@ static enum pk_status run(const struct pk_method *method, struct spring params, 
         status = pk_integrator_step(&it, h);
     if (status >= 0 && !(it.t >= h))
         status = PK_REFUSED; /* its iteration took a shorter one */
-    *q = it.state ? it.q[0] : 0;
-    *v = it.state ? it.v[0] : 0;
+    *q = it.q ? it.q[0] : 0;
+    *v = it.q ? it.v[0] : 0;
     return status;
 }
 

@@ -141,7 +141,7 @@ enum pk_status pk_lyapunov_step(struct pk_lyapunov *l)
     const pk_real before = l->growth, Y = l->Y;
     const pk_real end = l->t0 + (pk_real)(l->blocks + 1) * l->block;
     enum pk_status status = PK_DONE;
-    if (!l->it.ready)
+    if (!pk_ready(&l->it))
         return l->it.status < 0 ? l->it.status : PK_BAD_ARGUMENT;
     while (l->it.t < end) {
         status = pk_integrator_step(&l->it, end);

@@ -216,8 +216,8 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
             retire(b, e, first, live, status, &live);
             break;
         }
-        b->end = clock->next_t;
-        b->h = clock->h;
+        b->end = clock->own->next_t;
+        b->h = clock->own->h;
         b->failed = b->not_finite = 0;
         const unsigned long long bad = s->step(b) & live;
         if (bad) { /* a kernel that saw finite numbers failed on M, all else is not finite */

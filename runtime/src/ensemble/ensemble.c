@@ -64,7 +64,7 @@ static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct 
             return it->status;
     if (pk_integrator_is_at(it, t))
         return PK_DONE;
-    if (!aside->it.state && pk_member_integrator(e, member, aside) < 0)
+    if (!aside->it.q && pk_member_integrator(e, member, aside) < 0)
         return aside->it.status;
     *there = &aside->it;
     return pk_integrator_aside(it, &aside->it, t);

@@ -72,23 +72,23 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
     const enum pk_status here = pk_guard_here(it);
     if (here < 0)
         return here;
-    it->h = clock->h;
-    it->next_t = clock->next_t;
-    it->direction = clock->direction;
+    it->own->h = clock->own->h;
+    it->own->next_t = clock->own->next_t;
+    it->own->direction = clock->own->direction;
     if (status < 0)
         return pk_guard_cause(it, status, 1);
     for (size_t i = 0; i < n; i++) {
-        pk_part(it->next, n, PK_Q)[i] = next[i * W];
-        pk_part(it->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
+        pk_part(it->own->next, n, PK_Q)[i] = next[i * W];
+        pk_part(it->own->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
     }
     status = pk_guard_step(it);
     if (status < 0)
         return status;
-    pk_real *left_behind = it->state;
-    it->state = it->next;
-    it->next = left_behind;
-    it->q = pk_part(it->state, n, PK_Q);
-    it->v = pk_part(it->state, n, PK_V);
-    it->t = it->next_t;
+    pk_real *left_behind = it->own->state;
+    it->own->state = it->own->next;
+    it->own->next = left_behind;
+    it->q = pk_part(it->own->state, n, PK_Q);
+    it->v = pk_part(it->own->state, n, PK_V);
+    it->t = it->own->next_t;
     return PK_DONE;
 }

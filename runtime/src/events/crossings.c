@@ -279,7 +279,7 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
         if ((after > 0 || after < 0) &&
             pk_root(truth, &a, &lo, before, &hi, after, width) < 0)
             return it->status;
-        enlist(e, &a, hi, before < 0 ? it->direction : -it->direction);
+        enlist(e, &a, hi, before < 0 ? it->own->direction : -it->own->direction);
     }
     e->shapes[k].last_x = a.x[a.count - 1];
     e->shapes[k].last_g = a.g[a.count - 1];

@@ -38,7 +38,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               void *block, size_t block_size)
 {
     memset(events, 0, sizeof *events);
-    if (!it || !it->ready || !block)
+    if (!it || !pk_ready(it) || !block)
         return it && it->status < 0 ? it->status : PK_BAD_ARGUMENT;
     struct pk_problem own = it->problem;
     const struct pk_problem *problem = &own;
@@ -135,9 +135,9 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
     const enum pk_status ended = it->status;
     const pk_real detail = it->detail;
     const size_t where = it->where;
-    if (!pk_finite(detail) || !((pk_real)it->direction * (detail - e->from) > 0) ||
+    if (!pk_finite(detail) || !((pk_real)it->own->direction * (detail - e->from) > 0) ||
         pk_integrator_reset(it, e->from, e->q0, e->v0) < 0) {
-        it->ready = 0;
+        it->own->ready = 0;
         return it->status = ended;
     }
     if (it->z)
@@ -149,7 +149,7 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
         if (status != PK_DONE)
             break;
     }
-    it->ready = 0;
+    it->own->ready = 0;
     it->event = 0;
     it->where = where;
     it->detail = detail;
@@ -159,7 +159,7 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 enum pk_status pk_events_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     const void *const given = it->problem.params;
-    if (pk_events_count(e) == 0 || !it->ready)
+    if (pk_events_count(e) == 0 || !pk_ready(it))
         return pk_integrator_step(it, limit);
     pk_switches_enter(e, it);
     enum pk_status status = one_step(e, it, limit);

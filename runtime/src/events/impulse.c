@@ -11,7 +11,7 @@
 #define SAME (PK_C(64.0) * PK_EPS) /* of its size: what is off by less has not jumped */
 #define AGREE PK_C(1e-8)           /* of rates: two orders have the same result */
 
-/* it->detail of PK_NO_IMPULSE; it->where is the switch, it->condition the row. */
+/* it->detail of PK_NO_IMPULSE; it->where is the switch, it->own->condition the row. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
 size_t pk_impulse_size(const struct pk_system *system, size_t n)
@@ -39,7 +39,7 @@ static enum pk_status refuse(struct corner *x, size_t k, int why, size_t row)
 {
     x->it->where = k;
     x->it->detail = (pk_real)why;
-    x->it->condition = (pk_real)row;
+    x->it->own->condition = (pk_real)row;
     return PK_NO_IMPULSE;
 }
 
@@ -82,7 +82,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
 {
     struct pk_events *e = x->e;
     struct pk_projection *w = &x->w;
-    const pk_real direction = side * (pk_real)x->it->direction;
+    const pk_real direction = side * (pk_real)x->it->own->direction;
     pk_real *const given = x->sides + e->n_switches;
     unsigned found;
     memcpy(given, e->sides, e->n_switches * sizeof *given);
@@ -160,7 +160,7 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
     const char *name = it->where < system->n_switches ? system->switches[it->where].name : "x";
-    const size_t row = (size_t)it->condition;
+    const size_t row = (size_t)it->own->condition;
     char other[128] = "";
     if (it->detail <= (pk_real)ROLLING)
         pk_constraint_name(system, row, other, sizeof other);

@@ -54,7 +54,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     int changed = 1, reset = 0;
     e->kept = goes_on(e, it);
-    if (e->n_switches == 0 || it->direction != 0)
+    if (e->n_switches == 0 || it->own->direction != 0)
         return PK_DONE;
     for (size_t round = 0; changed; round++) {
         if (round > e->n_switches + 1) {
@@ -107,7 +107,7 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
         if (entry[1] < (pk_real)e->n_events)
             continue;
         which = (size_t)entry[1] - e->n_events;
-        const pk_real side = entry[2] * (pk_real)it->direction;
+        const pk_real side = entry[2] * (pk_real)it->own->direction;
         if (pk_switches_impulse(it, which) && hits < MOST_AT_ONCE)
             hit[hits] = which, to[hits++] = side;
         else if (!pk_switches_impulse(it, which))
@@ -119,15 +119,15 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
     e->at_switch = 1;
     enum pk_status status = hits ? pk_impulse(e, it, hit, to, hits) : PK_DONE;
     const size_t where = it->where;
-    const pk_real detail = it->detail, condition = it->condition;
+    const pk_real detail = it->detail, condition = it->own->condition;
     if (status >= 0 && e->brief < MOST_BRIEF)
         return PK_DONE;
     pk_integrator_reset(it, e->t, e->q, e->v);
     if (e->z)
         pk_integrator_set_quadratures(it, e->z);
-    it->ready = 0;
+    it->own->ready = 0;
     it->where = status < 0 ? where : which;
     it->detail = detail;
-    it->condition = condition;
+    it->own->condition = condition;
     return it->status = status < 0 ? status : PK_SLIDING;
 }

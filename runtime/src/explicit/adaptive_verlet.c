@@ -53,7 +53,7 @@ static struct work parts(const struct pk_integrator *it)
 {
     const size_t n = it->n;
     struct work w;
-    w.number = it->work;
+    w.number = it->own->work;
     w.base = w.number + NUMBERS;
     w.a = w.base + 4 * n;
     w.a_q = w.a + n;
@@ -95,8 +95,8 @@ static pk_real raised(const struct work *w, pk_real omega)
 static void take_base(struct pk_integrator *it, const struct work *w)
 {
     const size_t n = it->n;
-    memcpy(w->base, it->state, 2 * n * sizeof *w->base);
-    memcpy(w->base + 2 * n, pk_part(it->state, n, PK_LOW_Q), 2 * n * sizeof *w->base);
+    memcpy(w->base, it->own->state, 2 * n * sizeof *w->base);
+    memcpy(w->base + 2 * n, pk_part(it->own->state, n, PK_LOW_Q), 2 * n * sizeof *w->base);
     w->number[PLANNED] = w->number[WHOLE] = 0;
 }
 
@@ -158,8 +158,8 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
 {
     pk_real *number = w->number, omega;
     const pk_real half = number[EPS] / 2;
-    drift(it, w, (pk_real)it->direction * half / number[RHO], it->next);
-    const enum pk_status status = frequency(it, w, it->next, w->base + it->n, &omega);
+    drift(it, w, (pk_real)it->own->direction * half / number[RHO], it->own->next);
+    const enum pk_status status = frequency(it, w, it->own->next, w->base + it->n, &omega);
     if (status < 0)
         return status;
     const pk_real next = 2 * raised(w, omega) - number[RHO];
@@ -189,9 +189,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
     const struct work w = parts(it);
     pk_real *number = w.number;
-    const pk_real sign = (pk_real)it->direction;
+    const pk_real sign = (pk_real)it->own->direction;
     enum pk_status status = PK_DONE;
-    if (number[WHOLE] > 0 && !(it->flags & PK_HAVE_STEP)) { /* it was made, and refused */
+    if (number[WHOLE] > 0 && !(it->own->flags & PK_HAVE_STEP)) { /* it was made, and refused */
         number[WHOLE] = number[PLANNED] = 0;
     } else if (number[WHOLE] > 0) { /* it was accepted: the sequence goes on from its end */
         take_base(it, &w);
@@ -206,7 +206,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (turned)
         number[PLANNED] = 0;
     number[DIRECTION] = sign;
-    it->flags = 0;
+    it->own->flags = 0;
     if (status >= 0 && !(number[PLANNED] > 0))
         status = plan(it, &w);
     if (status < 0)
@@ -220,22 +220,22 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (!(number[LENGTH] > least))
         return pk_underflow(it, number[LENGTH]);
     if (sign * (end - limit) > close) {
-        it->next_t = limit;
-        status = aside(it, &w, limit - number[T], it->next);
+        it->own->next_t = limit;
+        status = aside(it, &w, limit - number[T], it->own->next);
     } else {
         const pk_real half = sign * number[EPS] / 2;
-        it->next_t = pk_abs(end - limit) <= close ? limit : end;
-        drift(it, &w, half / number[RHO], it->next);
+        it->own->next_t = pk_abs(end - limit) <= close ? limit : end;
+        drift(it, &w, half / number[RHO], it->own->next);
         kick_drift(it, &w, sign * number[LENGTH], half / number[RHO_NEXT], w.a,
-                   it->next);
-        if (!pk_all_finite(it->next, 2 * it->n))
+                   it->own->next);
+        if (!pk_all_finite(it->own->next, 2 * it->n))
             return PK_NOT_FINITE;
-        number[END] = it->next_t;
-        number[END_LOW] = it->next_t < end || it->next_t > end ? 0 : low;
+        number[END] = it->own->next_t;
+        number[END_LOW] = it->own->next_t < end || it->own->next_t > end ? 0 : low;
         number[WHOLE] = 1;
     }
-    it->h = sign * number[LENGTH];
-    it->flags = status < 0 ? 0 : PK_HAVE_STEP;
+    it->own->h = sign * number[LENGTH];
+    it->own->flags = status < 0 ? 0 : PK_HAVE_STEP;
     return status;
 }
 
@@ -243,9 +243,9 @@ static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_
 {
     const struct work w = parts(it);
     const size_t n = it->n;
-    const enum pk_status status = aside(it, &w, t - w.number[T], it->next);
-    memcpy(q, it->next, n * sizeof *q);
-    memcpy(v, it->next + n, n * sizeof *v);
+    const enum pk_status status = aside(it, &w, t - w.number[T], it->own->next);
+    memcpy(q, it->own->next, n * sizeof *q);
+    memcpy(v, it->own->next + n, n * sizeof *v);
     return status < 0 || (pk_all_finite(q, n) && pk_all_finite(v, n)) ? status : PK_NOT_FINITE;
 }
 

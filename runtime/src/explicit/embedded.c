@@ -40,7 +40,7 @@ static enum pk_status embedded_init(struct pk_integrator *it)
 static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w,
                           pk_real limit)
 {
-    const pk_real *y0 = it->state, span = pk_abs(limit - it->t);
+    const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0, d2 = 0;
     if (it->options.h > 0)
         return it->options.h;
@@ -57,8 +57,8 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
         h = PK_C(1e-6) * span;
     h = pk_min(h, span);
     for (size_t i = 0; i < w->m; i++)
-        w->y[i] = y0[i] + (pk_real)it->direction * h * w->k[i];
-    if (generic_slope(it, it->t + (pk_real)it->direction * h, w->y, w->last) < 0)
+        w->y[i] = y0[i] + (pk_real)it->own->direction * h * w->k[i];
+    if (generic_slope(it, it->t + (pk_real)it->own->direction * h, w->y, w->last) < 0)
         return h;
     for (size_t i = 0; i < w->m; i++) {
         if (i >= w->seen && i < w->n)
@@ -81,15 +81,15 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_embedded_work w = parts_of(it);
-    if (!(it->flags & (PK_HAVE_STEP | PK_HAVE_A))) {
-        const enum pk_status status = generic_slope(it, it->t, it->state, w.k);
+    if (!(it->own->flags & (PK_HAVE_STEP | PK_HAVE_A))) {
+        const enum pk_status status = generic_slope(it, it->t, it->own->state, w.k);
         if (status < 0)
             return status;
         if (!pk_all_finite(w.k, w.m))
             return PK_NOT_FINITE;
     }
-    if (!(pk_abs(it->h) > 0)) {
-        it->h = (pk_real)it->direction * first_step(it, &w, limit);
+    if (!(pk_abs(it->own->h) > 0)) {
+        it->own->h = (pk_real)it->own->direction * first_step(it, &w, limit);
         *w.err_old = PK_C(1e-4);
     }
     return PK_DONE;
@@ -124,7 +124,7 @@ const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
 static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_embedded_work *w)
 {
     const struct pk_tableau *table = table_of(it->method);
-    const pk_real h = *w->h_made, *a = table->extra_a, *old = it->next;
+    const pk_real h = *w->h_made, *a = table->extra_a, *old = it->own->next;
     const int all = table->stages + 1 + table->extra;
     pk_real *r = w->dense;
     for (int i = 0; i < table->extra; i++) {
@@ -137,7 +137,7 @@ static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_em
             return status;
     }
     for (size_t i = 0; i < w->m; i++) {
-        const pk_real rise = it->state[i] - old[i], bend = h * w->k[i] - rise;
+        const pk_real rise = it->own->state[i] - old[i], bend = h * w->k[i] - rise;
         r[i] = old[i];
         r[w->m + i] = rise;
         r[2 * w->m + i] = bend;
@@ -146,14 +146,14 @@ static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_em
             r[(size_t)(4 + j) * w->m + i] =
                 h * pk_row_sum(table->d + j * all, all, w->k, w->m, i);
     }
-    it->flags |= PK_HAVE_DENSE;
+    it->own->flags |= PK_HAVE_DENSE;
     return PK_DONE;
 }
 
 static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct pk_embedded_work w = parts_of(it);
-    if (!(it->flags & PK_HAVE_DENSE)) {
+    if (!(it->own->flags & PK_HAVE_DENSE)) {
         const enum pk_status status = prepare_dense(it, &w);
         if (status < 0)
             return status;

@@ -30,19 +30,19 @@ int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *t
         return 0;
     const pk_real e = table->e ? h * table->e[i] : 0, e3 = table->e3 ? h * table->e3[i] : 0;
     if (i == table->stages) {
-        *stage = (struct pk_stage){it->next_t, 0, it->next, it->next + it->n, {e, 0}};
+        *stage = (struct pk_stage){it->own->next_t, 0, it->own->next, it->own->next + it->n, {e, 0}};
         return 1;
     }
     if (i > 0)
-        pk_erk_combine(room, it->state, h, table->a + i * (i - 1) / 2, i, k, 2 * it->n);
-    const pk_real *y = i > 0 ? room : it->state;
+        pk_erk_combine(room, it->own->state, h, table->a + i * (i - 1) / 2, i, k, 2 * it->n);
+    const pk_real *y = i > 0 ? room : it->own->state;
     *stage = (struct pk_stage){it->t + table->c[i] * h, h * table->b[i], y, y + it->n, {e, e3}};
     return 1;
 }
 
 static int erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
 {
-    return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->h, it->work, i,
+    return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->own->h, it->own->work, i,
                              stage, room);
 }
 

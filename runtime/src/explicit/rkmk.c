@@ -40,7 +40,7 @@ static void rotation_vector(const struct pk_integrator *it, const pk_real *a, in
                             pk_real *theta)
 {
     for (size_t i = 0; i < 3; i++)
-        theta[i] = it->h * pk_row_sum(a, count, it->work, 2 * it->n, quaternion(it, r) + i);
+        theta[i] = it->own->h * pk_row_sum(a, count, it->own->work, 2 * it->n, quaternion(it, r) + i);
 }
 
 /* The argument of stage i. */
@@ -49,10 +49,10 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
 {
     const pk_real *a = table->a + i * (i - 1) / 2;
     if (i == 0)
-        return it->state;
-    pk_erk_combine(y, it->state, it->h, a, i, it->work, 2 * it->n);
+        return it->own->state;
+    pk_erk_combine(y, it->own->state, it->own->h, a, i, it->own->work, 2 * it->n);
     for (size_t r = 0; r < it->problem.system->n_rotations; r++) {
-        const pk_real *Q = it->state + quaternion(it, r);
+        const pk_real *Q = it->own->state + quaternion(it, r);
         pk_real theta[3], added[4];
         rotation_vector(it, a, i, r, theta);
         pk_exponential_added(Q, theta, added);
@@ -66,12 +66,12 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)it->method->table;
     const size_t n = it->n, m = 2 * n, turned = it->problem.system->n_rotations;
-    pk_real *y = it->next, *low = pk_part(it->next, n, PK_LOW_Q), theta[3], added[4];
+    pk_real *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q), theta[3], added[4];
     (void)limit;
     for (int i = 0; i < table->stages; i++) {
         const pk_real *at = argument(it, table, i, y);
-        pk_real *k = it->work + (size_t)i * m;
-        const enum pk_status status = generic_slope(it, it->t + table->c[i] * it->h, at, k);
+        pk_real *k = it->own->work + (size_t)i * m;
+        const enum pk_status status = generic_slope(it, it->t + table->c[i] * it->own->h, at, k);
         if (status < 0)
             return status;
         for (size_t r = 0; r < turned; r++) {
@@ -80,10 +80,10 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
             k[quaternion(it, r) + 3] = 0;
         }
     }
-    memcpy(low, pk_part(it->state, n, PK_LOW_Q), m * sizeof *low); /* of q and of v */
+    memcpy(low, pk_part(it->own->state, n, PK_LOW_Q), m * sizeof *low); /* of q and of v */
     for (size_t i = 0; i < m; i++) {
         const pk_real before = low[i]; /* of a quaternion: what is added to it comes below */
-        y[i] = pk_sum(it->state[i], it->h * pk_row_sum(table->b, table->stages, it->work, m, i),
+        y[i] = pk_sum(it->own->state[i], it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),
                       &low[i]);
         if (turned && i >= quaternion(it, 0) && i < quaternion(it, turned))
             low[i] = before;
@@ -91,9 +91,9 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
     for (size_t r = 0; r < turned; r++) {
         const size_t at = quaternion(it, r);
         rotation_vector(it, table->b, table->stages, r, theta);
-        pk_exponential_added(it->state + at, theta, added);
+        pk_exponential_added(it->own->state + at, theta, added);
         for (size_t k = 0; k < 4; k++)
-            y[at + k] = pk_sum(it->state[at + k], added[k], &low[at + k]);
+            y[at + k] = pk_sum(it->own->state[at + k], added[k], &low[at + k]);
     }
     return PK_DONE;
 }
@@ -104,7 +104,7 @@ static int rkmk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, p
     if (i >= table->stages)
         return 0;
     const pk_real *y = argument(it, table, i, room);
-    *stage = (struct pk_stage){it->t + table->c[i] * it->h, it->h * table->b[i], y, y + it->n,
+    *stage = (struct pk_stage){it->t + table->c[i] * it->own->h, it->own->h * table->b[i], y, y + it->n,
                                {0, 0}};
     return 1;
 }

@@ -119,7 +119,7 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
         memcpy(w->other, w->jacobian + i * 4 * n * n, n * n * sizeof *w->other);
         const size_t failed = pk_ldl_factor(w->other, n);
         if (failed) {
-            const pk_real t = it->t + w->table->c[i] * it->h;
+            const pk_real t = it->t + w->table->c[i] * it->own->h;
             pk_eval_input(it, t);
             return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, (int)failed);
         }
@@ -136,8 +136,8 @@ static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w,
     const pk_real further = at > 0 ? (to - at) / (at - was) : 0;
     for (size_t k = 0; k < m; k++)
         w->V[k] = w->old_V[k] + further * (w->old_V[k] - w->older_V[k]);
-    it->h = to * h;
-    pk_gauss_set_step(it, w, it->h);
+    it->own->h = to * h;
+    pk_gauss_set_step(it, w, it->own->h);
     if (!pk_gauss_iterate(it, w, PK_FULL) || w->kept->first_rate > NEWTON_RATE)
         return PK_AMBIGUOUS_STEP;
     pk_gauss_stage_derivatives(it, w);
@@ -153,7 +153,7 @@ static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w,
 static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s, nn = n * n;
-    const pk_real h = it->h, contraction = pk_gauss_contraction(it, w, w->start_J, 1);
+    const pk_real h = it->own->h, contraction = pk_gauss_contraction(it, w, w->start_J, 1);
     pk_real was = 0, at = 0, step = pk_min(PK_C(0.5), PK_GAUSS_SURE / (contraction + PK_TINY));
     enum pk_status status = PK_DONE;
     for (size_t i = 0; i < s; i++) {
@@ -177,8 +177,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
                 break;
         }
     }
-    it->flags &= ~PK_HAVE_LU;
-    it->h = h;
+    it->own->flags &= ~PK_HAVE_LU;
+    it->own->h = h;
     pk_gauss_set_step(it, w, h);
     w->kept->contraction = PK_INFINITY;
     if (status == PK_AMBIGUOUS_STEP)
@@ -197,7 +197,7 @@ static enum pk_status follow_from_start(struct pk_integrator *it, struct pk_gaus
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * it->n * it->n;
-    const pk_real ratio = it->flags & PK_HAVE_STEP ? pk_abs(it->h / w->kept->last_h) : 0;
+    const pk_real ratio = it->own->flags & PK_HAVE_STEP ? pk_abs(it->own->h / w->kept->last_h) : 0;
     pk_real before = w->kept->last_contraction * ratio * pk_max(ratio, PK_C(1.0));
     if (w->kept->sure > 0)
         return PK_DONE;
@@ -216,8 +216,8 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
     const enum pk_status status = check_mass(it, w);
     if (status < 0)
         return status;
-    w->kept->lu_h = it->h;
-    it->flags |= PK_HAVE_LU;
+    w->kept->lu_h = it->own->h;
+    it->own->flags |= PK_HAVE_LU;
     if (w->kept->contraction <= PK_GAUSS_SURE_ONCE &&
         pk_gauss_contraction(it, w, w->start_J, 1) <= PK_GAUSS_SURE_ONCE)
         return factor(it, w, w->jacobian, stride, 1) ? PK_DONE : follow(it, w);
@@ -249,6 +249,6 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
     if (!pk_gauss_residual(it, w))
         return PK_NOT_FINITE; /* at the mildest guess there is */
     const int converged = pk_gauss_iterate(it, w, PK_FULL);
-    it->flags &= ~PK_HAVE_LU;
+    it->own->flags &= ~PK_HAVE_LU;
     return converged ? pk_gauss_certify(it, w) : follow_from_start(it, w);
 }

@@ -49,7 +49,7 @@ static struct work work_of(const struct pk_integrator *it)
 {
     struct work w = {.n = it->n, .m = 2 * it->n + 1};
     const size_t m = w.m, mm = m * m;
-    pk_real *x = it->work;
+    pk_real *x = it->own->work;
     w.L.hi = x, w.L.lo = x + mm, x += 2 * mm;
     for (int k = 0; k < KEPT; k++)
         w.E[k].hi = x, w.E[k].lo = x + mm, x += 2 * mm;
@@ -93,8 +93,8 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     const enum pk_status status = pk_eval_acceleration(it, it->t, zero, zero + n, c);
     if (status < 0)
         return status;
-    system->mass(params, it->t, zero, zero + n, it->u, M);
-    system->linear(params, it->t, zero, zero + n, it->u, c, r_q, r_v, r_t);
+    system->mass(params, it->t, zero, zero + n, it->own->u, M);
+    system->linear(params, it->t, zero, zero + n, it->own->u, c, r_q, r_v, r_t);
     memcpy(factors, M, n * n * sizeof *M);
     const size_t failed = pk_ldl_factor(factors, n);
     if (failed)
@@ -245,14 +245,14 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
     const size_t n = w.n, bytes = 2 * n * sizeof *w.y.hi;
     int k = 0;
     (void)limit;
-    const enum pk_status status = matrix(it, &w, it->h, &k);
+    const enum pk_status status = matrix(it, &w, it->own->h, &k);
     if (status < 0)
         return status;
-    load(&w, it->state);
+    load(&w, it->own->state);
     pk_pairs_multiply(w.y, w.x, w.E[k], 1, w.m);
-    memcpy(it->next, w.y.hi, bytes);
-    memcpy(pk_part(it->next, n, PK_LOW_Q), w.y.lo, bytes);
-    it->flags |= PK_HAVE_STEP;
+    memcpy(it->own->next, w.y.hi, bytes);
+    memcpy(pk_part(it->own->next, n, PK_LOW_Q), w.y.lo, bytes);
+    it->own->flags |= PK_HAVE_STEP;
     return PK_DONE;
 }
 
@@ -260,7 +260,7 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
 static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = work_of(it);
-    load(&w, it->next);
+    load(&w, it->own->next);
     for (size_t j = 0; j < w.m; j++)
         w.x.hi[j] *= w.scale[j], w.x.lo[j] *= w.scale[j];
     const enum pk_status status =

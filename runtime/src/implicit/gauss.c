@@ -49,7 +49,7 @@ static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
 void pk_gauss_predict(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    const pk_real ratio = it->flags & PK_HAVE_STEP ? it->h / w->kept->last_h : 0;
+    const pk_real ratio = it->own->flags & PK_HAVE_STEP ? it->own->h / w->kept->last_h : 0;
     if (!(pk_abs(ratio) > 0) || !(pk_abs(ratio) <= PK_GAUSS_REACH)) {
         for (size_t i = 0; i < s; i++)
             memcpy(w->V + i * n, it->v, n * sizeof *w->V);
@@ -82,12 +82,12 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
             return PK_NOT_FINITE;
         for (size_t i = 0; i < n; i++)
             r[i] = p[i] - r[i];
-        if (!constant || !(it->flags & PK_HAVE_A)) {
+        if (!constant || !(it->own->flags & PK_HAVE_A)) {
             system->mass(it->problem.params, t, q, v, pk_eval_input(it, t), w->mass);
             const size_t failed = pk_ldl_factor(w->mass, n);
             if (failed)
                 return pk_eval_failed(it, t, q, v, (int)failed);
-            it->flags |= PK_HAVE_A;
+            it->own->flags |= PK_HAVE_A;
         }
         pk_ldl_solve(w->mass, n, r);
         pk_real size = 0, scale = 0;
@@ -112,20 +112,20 @@ enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
     struct pk_gauss_work w = pk_gauss_parts(it);
     const size_t n = it->n;
     (void)limit;
-    if (it->h > w.kept->h || it->h < w.kept->h)
-        pk_gauss_set_step(it, &w, it->h);
-    if (pk_gauss_by_lanes(it, &w, it->h)) {
+    if (it->own->h > w.kept->h || it->own->h < w.kept->h)
+        pk_gauss_set_step(it, &w, it->own->h);
+    if (pk_gauss_by_lanes(it, &w, it->own->h)) {
         const enum pk_status status = pk_gauss_nystrom_step(it, &w);
         if (status != PK_NO_CONVERGENCE)
             return status;
-        w.kept->slow_h = it->h; /* too long for fixed points, and not for Newton */
-        memset(pk_part(it->state, n, PK_LOW_X), 0, n * sizeof *w.V); /* it was that of v */
-        it->flags = 0;
+        w.kept->slow_h = it->own->h; /* too long for fixed points, and not for Newton */
+        memset(pk_part(it->own->state, n, PK_LOW_X), 0, n * sizeof *w.V); /* it was that of v */
+        it->own->flags = 0;
     }
     pk_gauss_predict(it, &w);
     const enum pk_status status = pk_gauss_solve(it, &w);
     if (status < 0) {
-        it->flags &= ~PK_HAVE_LU;
+        it->own->flags &= ~PK_HAVE_LU;
         return status;
     }
     return pk_gauss_finish(it, &w);
@@ -135,10 +135,10 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 {
     const size_t n = it->n, s = w->s;
     enum pk_status status = PK_DONE;
-    memcpy(it->next, it->state, PK_PARTS * n * sizeof *w->V);
-    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
-    pk_real *p = pk_part(it->next, n, PK_P);
-    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_p = pk_part(it->next, n, PK_LOW_X);
+    memcpy(it->own->next, it->own->state, PK_PARTS * n * sizeof *w->V);
+    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
+    pk_real *p = pk_part(it->own->next, n, PK_P);
+    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q), *low_p = pk_part(it->own->next, n, PK_LOW_X);
     for (size_t k = 0; k < n; k++) {
         pk_real dq = 0, dp = 0;
         for (size_t i = 0; i < s; i++) {
@@ -149,18 +149,18 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
         p[k] = pk_sum(p[k], dp, &low_p[k]);
         v[k] = w->V[(s - 1) * n + k];
     }
-    if (!pk_all_finite(it->next, PK_LOW_Q * n))
+    if (!pk_all_finite(it->own->next, PK_LOW_Q * n))
         return PK_NOT_FINITE;
     if (w->table->c[s - 1] < 1 || w->table->conjugate)
-        status = recover_rates(it, w, it->next_t, q, p, v);
+        status = recover_rates(it, w, it->own->next_t, q, p, v);
     else /* p0 + h sum b_i pdot_i would multiply what V errs by with a stiff h pdot_v */
         memcpy(p, w->P + (s - 1) * n, n * sizeof *p), memset(low_p, 0, n * sizeof *p);
     if (status < 0 || !pk_all_finite(v, n))
         return status < 0 ? status : PK_NOT_FINITE;
     memcpy(w->last_V, w->V, s * n * sizeof *w->V);
-    w->kept->last_h = it->h;
+    w->kept->last_h = it->own->h;
     w->kept->last_contraction = w->kept->contraction;
-    it->flags |= PK_HAVE_STEP;
+    it->own->flags |= PK_HAVE_STEP;
     return PK_DONE;
 }
 

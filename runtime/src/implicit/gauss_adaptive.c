@@ -17,7 +17,7 @@ static enum pk_status init(struct pk_integrator *it)
 {
     pk_gauss_dense_init(it);
     /* Where nothing depends on rates those of stages are not made, and kernels get them yet. */
-    memset(pk_gauss_lanes(it, it->n, it->work).v, 0, it->n * PK_GAUSS_S * sizeof *it->work);
+    memset(pk_gauss_lanes(it, it->n, it->own->work).v, 0, it->n * PK_GAUSS_S * sizeof *it->own->work);
     return PK_DONE;
 }
 
@@ -30,7 +30,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 static int stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
 {
     const size_t n = it->n;
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->work);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->own->work);
     struct pk_gauss_trial y;
     if (k >= PK_GAUSS_S)
         return 0;

@@ -72,7 +72,7 @@ static struct parts parts_of(struct pk_integrator *it)
 {
     const size_t n = it->n;
     struct parts d;
-    pk_real *x = pk_gauss_lanes(it, n, it->work).dense;
+    pk_real *x = pk_gauss_lanes(it, n, it->own->work).dense;
     d.P = x, x += TERMS * NODES;
     d.to_alpha = x, x += NODES * NODES;
     d.q = x, x += NODES * n;
@@ -240,24 +240,24 @@ static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lane
                             const struct parts *d, pk_real x)
 {
     const size_t n = it->n;
-    if (!(it->flags & PK_HAVE_DENSE) || x < *d->at) {
+    if (!(it->own->flags & PK_HAVE_DENSE) || x < *d->at) {
         memcpy(d->from, w->start, 2 * n * sizeof *d->from);
         *d->at = 0;
         *d->width = 1;
-        it->flags &= ~PK_HAVE_DENSE;
+        it->own->flags &= ~PK_HAVE_DENSE;
     }
     for (;;) {
         const pk_real end = *d->at + *d->width;
-        if (it->flags & PK_HAVE_DENSE) {
+        if (it->own->flags & PK_HAVE_DENSE) {
             if (x <= end || end >= 1)
                 return PK_DONE;
             values(d, n, 1, d->from, d->from + n);
             *d->at = end;
-            it->flags &= ~PK_HAVE_DENSE;
+            it->own->flags &= ~PK_HAVE_DENSE;
         }
         const enum pk_status status = refine(it, w, d);
         if (status >= 0)
-            it->flags |= PK_HAVE_DENSE;
+            it->own->flags |= PK_HAVE_DENSE;
         else if (*d->width > LEAST)
             *d->width /= 2;
         else
@@ -267,7 +267,7 @@ static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lane
 
 enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->work);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->own->work);
     const struct parts d = parts_of(it);
     const size_t n = it->n;
     const pk_real x = (t - it->last_t) / *w.h;

@@ -31,7 +31,7 @@ void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *
 {
     const size_t n = it->n;
     for (size_t i = 0; i < w->s; i++)
-        pk_gauss_derivatives(it, it->t + w->table->c[i] * it->h, w->Q + i * n, w->V + i * n,
+        pk_gauss_derivatives(it, it->t + w->table->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
                              w->jacobian + i * 4 * n * n);
 }
 
@@ -65,7 +65,7 @@ int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
 {
     const size_t n = it->n, s = w->s;
-    it->flags &= ~(PK_HAVE_LU | PK_REFRESH);
+    it->own->flags &= ~(PK_HAVE_LU | PK_REFRESH);
     it->count.factorisations++;
     if (mode == PK_BY_MASS) {
         it->problem.system->mass(it->problem.params, it->t, it->q, it->v,
@@ -83,17 +83,17 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
                 w->mean_q[k] += w->Q[i * n + k] / (pk_real)s;
                 w->mean_v[k] += w->V[i * n + k] / (pk_real)s;
             }
-        pk_gauss_derivatives(it, it->t + it->h / 2, w->mean_q, w->mean_v, w->jacobian);
+        pk_gauss_derivatives(it, it->t + it->own->h / 2, w->mean_q, w->mean_v, w->jacobian);
     }
     w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, each ? s : 1);
     w->kept->sure = 0;
     w->kept->fresh = 1;
     pk_gauss_matrix(it, w, w->jacobian, each ? 4 * n * n : 0, 1, w->lu);
-    w->kept->lu_h = it->h;
+    w->kept->lu_h = it->own->h;
     if (!pk_lu_factor(w->lu, w->pivot, s * n))
         return 0;
     if (mode == PK_SIMPLIFIED)
-        it->flags |= PK_HAVE_LU;
+        it->own->flags |= PK_HAVE_LU;
     return 1;
 }
 

@@ -24,8 +24,8 @@ static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                    const struct pk_gauss_work *of, pk_real *L, pk_real *P)
 {
     for (size_t i = 0; i < it->n; i++) {
-        const pk_real low_q = pk_part(it->state, it->n, PK_LOW_Q)[i];
-        const pk_real low_v = pk_part(it->state, it->n, PK_LOW_X)[i];
+        const pk_real low_q = pk_part(it->own->state, it->n, PK_LOW_Q)[i];
+        const pk_real low_v = pk_part(it->own->state, it->n, PK_LOW_X)[i];
         const pk_real *a = w->a + i * PK_GAUSS_S;
         pk_real *q = w->q + i * PK_GAUSS_S, *v = w->v + i * PK_GAUSS_S;
         pk_real dv[PK_GAUSS_S], dq[PK_GAUSS_S], l[PK_GAUSS_S], p[PK_GAUSS_S];
@@ -69,12 +69,12 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
 {
     const size_t n = it->n;
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, of->rest);
-    pk_real *v = pk_part(it->next, n, PK_V), *q = pk_part(it->next, n, PK_Q);
-    pk_real *L = pk_part(it->next, n, PK_LOW_X), *P = pk_part(it->next, n, PK_LOW_Q);
+    pk_real *v = pk_part(it->own->next, n, PK_V), *q = pk_part(it->own->next, n, PK_Q);
+    pk_real *L = pk_part(it->own->next, n, PK_LOW_X), *P = pk_part(it->own->next, n, PK_LOW_Q);
     pk_real least = 1, before = 0;
     int idle = 0;
     struct pk_gauss_trial y;
-    y.h = it->h;
+    y.h = it->own->h;
     for (int l = 0; l < PK_GAUSS_S; l++)
         y.t[l] = it->t + y.h * pk_gauss8_c[l];
     enum pk_status status = generic_gauss_predict(it, &w, &y);
@@ -106,15 +106,15 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
     stages(it, &w, of, L, P);
     for (size_t i = 0; i < n; i++) {
         const pk_real dv = L[i], dq = P[i];
-        L[i] = pk_part(it->state, n, PK_LOW_X)[i];
-        P[i] = pk_part(it->state, n, PK_LOW_Q)[i];
+        L[i] = pk_part(it->own->state, n, PK_LOW_X)[i];
+        P[i] = pk_part(it->own->state, n, PK_LOW_Q)[i];
         v[i] = pk_sum(it->v[i], dv, &L[i]);
         q[i] = pk_sum(it->q[i], dq, &P[i]);
         pk_gauss_rows(pk_gauss8_taylor, w.a + i * PK_GAUSS_S, w.poly + i * PK_GAUSS_S);
     }
     *w.h = y.h;
     *w.rate = 0;
-    pk_eval_canonical(it, it->next_t, q, v, pk_part(it->next, n, PK_P), w.weight);
-    it->flags |= PK_HAVE_STEP;
+    pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P), w.weight);
+    it->own->flags |= PK_HAVE_STEP;
     return PK_DONE;
 }

@@ -34,14 +34,14 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
 {
     struct pk_gauss_work w = {.table = (const struct pk_gauss *)it->method->table};
     w.s = (size_t)w.table->stages;
-    lay_out(&w, it->n, it->work);
+    lay_out(&w, it->n, it->own->work);
     return w;
 }
 
 enum pk_status pk_gauss_init(struct pk_integrator *it)
 {
     const struct pk_gauss_work w = pk_gauss_parts(it);
-    pk_real *p = pk_part(it->state, it->n, PK_P);
+    pk_real *p = pk_part(it->own->state, it->n, PK_P);
     for (size_t i = 0; i < w.s; i++)
         for (size_t j = 0; j < w.s; j++) {
             pk_real *mu = &w.mu[i * w.s + j], *conjugate = &w.mu_p[j * w.s + i];

@@ -22,7 +22,7 @@
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    const pk_real *p0 = pk_part(it->state, n, PK_P);
+    const pk_real *p0 = pk_part(it->own->state, n, PK_P);
     for (size_t j = 0; j < s; j++)
         for (size_t k = 0; k < n; k++)
             w->P[j * n + k] = w->hb[j] * w->V[j * n + k];
@@ -35,7 +35,7 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
         }
     for (size_t i = 0; i < s; i++) {
         pk_real *F = w->F + i * n;
-        pk_eval_canonical(it, it->t + w->table->c[i] * it->h, w->Q + i * n, w->V + i * n,
+        pk_eval_canonical(it, it->t + w->table->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
                           w->P + i * n, F);
         for (size_t k = 0; k < n; k++)
             F[k] *= w->hb[i];
@@ -80,7 +80,7 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
     for (size_t k = 0; k < it->n; k++) {
         w->scale[k] = pk_abs(it->v[k]);
         if (k < seen)
-            w->scale[k] = pk_max(pk_abs(it->q[k] / it->h), w->scale[k]);
+            w->scale[k] = pk_max(pk_abs(it->q[k] / it->own->h), w->scale[k]);
         for (size_t i = 0; i < w->s; i++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[i * it->n + k]));
     }
@@ -135,8 +135,8 @@ static int rising(pk_real size, int count, pk_real *window)
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh,
                             int count)
 {
-    if (!(it->flags & PK_HAVE_STEP)) {
-        it->flags |= PK_REFRESH; /* a first step has no prediction: its count says nothing */
+    if (!(it->own->flags & PK_HAVE_STEP)) {
+        it->own->flags |= PK_REFRESH; /* a first step has no prediction: its count says nothing */
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
@@ -147,7 +147,7 @@ static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, i
         w->kept->patience = 0;
     }
     if (w->kept->wait > 0)
-        it->flags |= PK_REFRESH;
+        it->own->flags |= PK_REFRESH;
 }
 
 int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
@@ -166,8 +166,8 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
             keep_or_refresh(it, w, fresh, count);
             return 1;
         }
-        const int stale = !(it->flags & PK_HAVE_LU) || it->flags & PK_REFRESH ||
-                          it->h > w->kept->lu_h || it->h < w->kept->lu_h;
+        const int stale = !(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
+                          it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h;
         if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || stale))) {
             if (mode == PK_FULL)
                 memcpy(w->before_J, w->jacobian, 4 * w->s * it->n * it->n * sizeof *w->V);
@@ -213,7 +213,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!last && mode == PK_SIMPLIFIED && count && rate > PK_C(0.3)) {
             if (fresh)
                 return 0;
-            it->flags |= PK_REFRESH; /* a kept matrix became too old within this step */
+            it->own->flags |= PK_REFRESH; /* a kept matrix became too old within this step */
             if (!pk_gauss_residual(it, w) || !pk_gauss_refactor(it, w, mode))
                 return 0;
             fresh = 1;

@@ -58,7 +58,7 @@ static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_
     pk_real sum = 0;
     for (size_t i = 0; i < w->s; i++)
         for (size_t k = 0; k < it->n; k++) {
-            const pk_real dv = w->G[i * it->n + k], dq = it->h * dv;
+            const pk_real dv = w->G[i * it->n + k], dq = it->own->h * dv;
             sum += dv / r->of_v[k] * (dv / r->of_v[k]) + dq / r->of_q[k] * (dq / r->of_q[k]);
         }
     return PK_F(sqrt)(sum / (pk_real)(2 * w->s * it->n));
@@ -70,7 +70,7 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
     pk_real size = 0, scale = PK_TINY;
     for (size_t i = 0; i < w->s * it->n; i++) {
         size = pk_max(size, pk_abs(w->G[i]));
-        scale = pk_max(scale, pk_max(pk_abs(w->V[i]), pk_abs(it->q[i % it->n] / it->h)));
+        scale = pk_max(scale, pk_max(pk_abs(w->V[i]), pk_abs(it->q[i % it->n] / it->own->h)));
     }
     return size / scale;
 }
@@ -89,8 +89,8 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             return PK_NOT_FINITE;
         if (done)
             return PK_DONE;
-        if (*count == 0 && (!(it->flags & PK_HAVE_LU) || it->flags & PK_REFRESH ||
-                            it->h > w->kept->lu_h || it->h < w->kept->lu_h) &&
+        if (*count == 0 && (!(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
+                            it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h) &&
             !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
             return PK_NO_CONVERGENCE;
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
@@ -107,7 +107,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                 return PK_NO_CONVERGENCE;
             left = rate / (1 - rate);
             if (rate > PK_C(1e-3)) /* it pays to make the matrix anew */
-                it->flags |= PK_REFRESH;
+                it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough)
                 return PK_NO_CONVERGENCE;
         }
@@ -118,23 +118,23 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
     return PK_NO_CONVERGENCE;
 }
 
-/* One trial of it->h: the stages, their error and which solution they are. */
+/* One trial of it->own->h: the stages, their error and which solution they are. */
 static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again, int *count)
 {
     enum pk_status status;
-    if (it->h > w->kept->h || it->h < w->kept->h)
-        pk_gauss_set_step(it, w, it->h);
+    if (it->own->h > w->kept->h || it->own->h < w->kept->h)
+        pk_gauss_set_step(it, w, it->own->h);
     for (size_t k = 0; k < it->n; k++) /* from zero, what the step will pass is the scale */
-        r->dq[k] = it->q[k] + it->h * it->v[k];
+        r->dq[k] = it->q[k] + it->own->h * it->v[k];
     pk_radau_tolerances(it, r, r->dq, it->v);
     do {
         w->kept->fresh = w->kept->noisy = 0;
         pk_gauss_predict(it, w);
         status = iterate(it, w, r, count);
-        it->flags |= status < 0 ? PK_REFRESH : 0; /* a kept matrix may be at fault */
+        it->own->flags |= status < 0 ? PK_REFRESH : 0; /* a kept matrix may be at fault */
     } while (status == PK_NO_CONVERGENCE && !(w->kept->fresh > 0));
-    if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->error > 1)
+    if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
     if (status >= 0 && !pk_finite(w->kept->contraction)) /* it was followed, and may be another one */
@@ -148,7 +148,7 @@ static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau
 {
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0, h = it->options.h;
-    it->flags = 0;
+    it->own->flags = 0;
     r->kept->left = 1;
     r->kept->h = 0;
     if (!(h > 0)) {
@@ -167,7 +167,7 @@ static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau
         if (!(h > 0) || !pk_finite(h))
             h = PK_C(1e-6) * span;
     }
-    it->h = (pk_real)it->direction * pk_min(h, span);
+    it->own->h = (pk_real)it->own->direction * pk_min(h, span);
     return PK_DONE;
 }
 
@@ -175,12 +175,12 @@ static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau
  * iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
-    const pk_real error = pk_max(it->error, PK_C(1e-10));
+    const pk_real error = pk_max(it->own->error, PK_C(1e-10));
     const pk_real most = 2 * MOST_ITERATIONS;
     const pk_real safety = SAFETY * (most + 1) / (most + (pk_real)count);
     pk_real grow = safety / PK_F(sqrt)(PK_F(sqrt)(error));
-    if (it->error <= 1 && pk_abs(r->kept->h) > 0)
-        grow = pk_min(grow, SAFETY * pk_abs(it->h / r->kept->h) *
+    if (it->own->error <= 1 && pk_abs(r->kept->h) > 0)
+        grow = pk_min(grow, SAFETY * pk_abs(it->own->h / r->kept->h) *
                                 PK_F(sqrt)(PK_F(sqrt)(r->kept->error / (error * error))));
     return pk_max(SHRINK, pk_min(GROW, grow));
 }
@@ -189,33 +189,33 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
     struct pk_gauss_work w = pk_gauss_parts(it);
     const struct pk_radau_parts r = parts_of(it, &w);
-    const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
+    const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     int rejected = 0, lands, count = 0;
     enum pk_status status = PK_DONE;
-    if (!(pk_abs(it->h) > 0))
+    if (!(pk_abs(it->own->h) > 0))
         status = first_step(it, &r, limit);
     if (status < 0)
         return status;
     pk_eval_canonical(it, it->t, it->q, it->v, w.G, r.pdot);
-    pk_real planned = pk_abs(it->h);
+    pk_real planned = pk_abs(it->own->h);
     for (;;) {
         if (it->options.h_max > 0)
             planned = pk_min(planned, it->options.h_max);
         if (!(planned > least) && (left > least || rejected))
             return pk_underflow(it, planned);
         lands = planned * PK_C(1.01) >= left || !(left > least);
-        it->next_t = lands ? limit : it->t + sign * planned;
-        it->h = it->next_t - it->t;
-        pk_scale_attempt(it, it->h);
-        status = attempt(it, &w, &r, rejected || !(it->flags & PK_HAVE_STEP), &count);
-        if (status >= 0 && it->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
+        it->own->next_t = lands ? limit : it->t + sign * planned;
+        it->own->h = it->own->next_t - it->t;
+        pk_scale_attempt(it, it->own->h);
+        status = attempt(it, &w, &r, rejected || !(it->own->flags & PK_HAVE_STEP), &count);
+        if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->next_t); /* the others are no cause but a step too long */
+            pk_trouble(it, status, it->own->next_t); /* the others are no cause but a step too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
-        planned = pk_abs(it->h) * less;
+        planned = pk_abs(it->own->h) * less;
         rejected = 1;
         it->count.rejections++;
     }
@@ -224,10 +224,10 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         grow = pk_min(grow, PK_C(1.0));
     else if (grow >= 1 && grow <= KEEP)
         grow = 1;
-    r.kept->h = it->h;
-    r.kept->error = pk_max(it->error, PK_C(0.01));
-    const pk_real next = pk_abs(it->h) * grow;
-    it->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
+    r.kept->h = it->own->h;
+    r.kept->error = pk_max(it->own->error, PK_C(0.01));
+    const pk_real next = pk_abs(it->own->h) * grow;
+    it->own->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
             : sign * (lands && !rejected && grow >= 1 ? pk_max(next, planned) : next);
     return PK_DONE;
 }

@@ -40,9 +40,9 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
                              : PK_C(1e-3);
     const size_t seen = it->n - it->problem.system->n_states;
     for (size_t k = 0; k < it->n; k++) {
-        r->of_q[k] = factor * (it->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
+        r->of_q[k] = factor * (it->own->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
         r->of_v[k] =
-            factor * (it->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
+            factor * (it->own->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
         if (k >= seen) /* the integral of a state may be as wrong as it likes */
             r->of_q[k] = PK_INFINITY;
     }
@@ -53,7 +53,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                         const struct pk_radau_parts *r, const pk_real *v, const pk_real *pdot)
 {
     const size_t n = it->n, nn = n * n;
-    const pk_real *J = w->jacobian, *p0 = pk_part(it->state, n, PK_P), hg = it->h * GAMMA;
+    const pk_real *J = w->jacobian, *p0 = pk_part(it->own->state, n, PK_P), hg = it->own->h * GAMMA;
     pk_real sum = 0;
     for (size_t k = 0; k < n; k++) {
         pk_real of_q = hg * v[k], of_p = hg * pdot[k];
@@ -82,24 +82,24 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again)
 {
     const size_t n = it->n, nn = n * n;
-    const pk_real *J = w->jacobian, hg = it->h * GAMMA;
+    const pk_real *J = w->jacobian, hg = it->own->h * GAMMA;
     for (size_t i = 0; i < nn; i++)
         r->E[i] = J[i] + hg * (J[nn + i] - J[3 * nn + i]) - hg * hg * J[2 * nn + i];
     it->count.factorisations++;
     if (!pk_lu_factor(r->E, r->pivot, n))
         return PK_NO_CONVERGENCE;
     pk_radau_tolerances(it, r, w->Q + 2 * n, w->V + 2 * n);
-    it->error = estimate(it, w, r, it->v, r->pdot);
-    if (again && it->error >= 1) {
+    it->own->error = estimate(it, w, r, it->v, r->pdot);
+    if (again && it->own->error >= 1) {
         for (size_t k = 0; k < n; k++) {
             r->dq[k] += it->q[k];
             r->dv[k] += it->v[k];
         }
         pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);
         memcpy(w->x, r->dv, n * sizeof *w->x); /* estimate() writes to dv */
-        it->error = estimate(it, w, r, w->x, w->y);
+        it->own->error = estimate(it, w, r, w->x, w->y);
     }
-    return pk_finite(it->error) ? PK_DONE : PK_NOT_FINITE;
+    return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;
 }
 
 /* Of z' = g: gamma h g(y0) + e.z, where z_i = sum h a_ij g_j; g's own dependence on the error of the

@@ -27,8 +27,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     const struct pk_system *system = it->problem.system;
     const struct pk_splitting *table = pk_splitting_table(it->method);
     const size_t n = it->n;
-    const pk_real h = (pk_real)it->direction * it->options.h;
-    if (!system->advance || !table || system->n_inputs || it->guards || it->project)
+    const pk_real h = (pk_real)it->own->direction * it->options.h;
+    if (!system->advance || !table || system->n_inputs || it->own->guards || it->own->project)
         return 0;
     unsigned long steps = whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
@@ -36,7 +36,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
         return 0;
 
-    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
+    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
     for (;; steps /= 2) {
         if (steps < 2)
             return 0;
@@ -47,17 +47,17 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
         if (pk_all_finite(q, n) && pk_all_finite(v, n))
             break;
     }
-    memset(pk_part(it->next, n, PK_LOW_Q), 0, (PK_A - PK_LOW_Q) * n * sizeof *q);
-    pk_real *before = it->state;
-    it->state = it->next;
-    it->next = before;
+    memset(pk_part(it->own->next, n, PK_LOW_Q), 0, (PK_A - PK_LOW_Q) * n * sizeof *q);
+    pk_real *before = it->own->state;
+    it->own->state = it->own->next;
+    it->own->next = before;
     it->q = q;
     it->v = v;
-    it->flags = 0; /* no acceleration of this state */
-    it->h = h;
-    it->last_t = it->anchor + (it->grid + (pk_real)steps - 1) * h;
-    it->grid += (pk_real)steps;
-    it->t = it->next_t = it->anchor + it->grid * h;
+    it->own->flags = 0; /* no acceleration of this state */
+    it->own->h = h;
+    it->last_t = it->own->anchor + (it->own->grid + (pk_real)steps - 1) * h;
+    it->own->grid += (pk_real)steps;
+    it->t = it->own->next_t = it->own->anchor + it->own->grid * h;
     it->count.steps += steps;
     /* The last kick of a step and the first of the next are one, but for the first of all. */
     const pk_real *last = table->kick + table->stages;
@@ -70,7 +70,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps)
 {
     unsigned long left = steps ? steps : (unsigned long)-1;
-    if (it->ready && it->direction && it->direction == (limit > it->t) - (limit < it->t))
+    if (pk_ready(it) && it->own->direction && it->own->direction == (limit > it->t) - (limit < it->t))
         left -= advance(it, limit, left);
     while (left) {
         /* A step sets the direction and the grid, and meets whatever is wrong. */

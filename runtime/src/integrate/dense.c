@@ -4,13 +4,13 @@
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
-    if (!it->ready)
+    if (!pk_ready(it))
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
-    if (!it->method->dense || !(it->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
+    if (!it->method->dense || !(it->own->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
     it->status = it->method->dense(it, t, q, v);
-    return it->status < 0 || !it->project
+    return it->status < 0 || !it->own->project
                ? it->status
                : (it->status = pk_project(it, t, q, v, NULL, NULL, &moved));
 }

@@ -6,25 +6,25 @@
 enum { FIRST_LOOK = 1 << 16 }; /* at progress: steps */
 #define MOST_AHEAD PK_C(1e9) /* steps, where nobody says how many */
 
-/* Chooses it->h and it->next_t of a fixed-step method. 1 where the step leaves the grid. */
+/* Chooses it->own->h and it->own->next_t of a fixed-step method. 1 where the step leaves the grid. */
 static int choose_fixed(struct pk_integrator *it, pk_real limit)
 {
-    const pk_real sign = (pk_real)it->direction;
+    const pk_real sign = (pk_real)it->own->direction;
     const pk_real h = sign * it->options.h;
-    const pk_real target = it->anchor + (it->grid + PK_C(1.0)) * h;
+    const pk_real target = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
 
-    it->h = h;
+    it->own->h = h;
     if (pk_abs(target - limit) <= close) {
-        it->next_t = limit; /* the grid and the limit are the same point, rounded differently */
+        it->own->next_t = limit; /* the grid and the limit are the same point, rounded differently */
         return 0;
     }
     if (sign * (target - limit) < 0) {
-        it->next_t = target;
+        it->own->next_t = target;
         return 0;
     }
-    it->h = limit - it->t;
-    it->next_t = limit;
+    it->own->h = limit - it->t;
+    it->own->next_t = limit;
     return 1;
 }
 
@@ -34,19 +34,19 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     const unsigned long tried = it->count.steps + it->count.rejections;
-    if (tried < FIRST_LOOK || tried / 2 < it->judged)
+    if (tried < FIRST_LOOK || tried / 2 < it->own->judged)
         return 0;
     const unsigned long given = it->options.max_steps;
     const pk_real most = given ? (pk_real)given : MOST_AHEAD;
-    const pk_real rate = (it->passed - it->judged_passed) / (pk_real)(tried - it->judged);
-    const pk_real ahead = pk_min(it->passed, pk_abs(left));
+    const pk_real rate = (it->own->passed - it->own->judged_passed) / (pk_real)(tried - it->own->judged);
+    const pk_real ahead = pk_min(it->own->passed, pk_abs(left));
     if (ahead > most * rate) {
         it->detail = rate > 0 ? ahead / rate : PK_INFINITY;
         return 1;
     }
-    it->judged = tried;
-    it->judged_t = it->t;
-    it->judged_passed = it->passed;
+    it->own->judged = tried;
+    it->own->judged_t = it->t;
+    it->own->judged_passed = it->own->passed;
     return 0;
 }
 
@@ -60,7 +60,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->trouble = PK_DONE; /* only trial steps leave it behind */
+    it->own->trouble = PK_DONE; /* only trial steps leave it behind */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h) {
         it->detail = it->options.h;
@@ -75,27 +75,27 @@ enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed
     if (status < 0)
         return status;
     const int direction = limit > it->t ? 1 : -1;
-    if (direction != it->direction) {
-        it->direction = direction;
-        it->anchor = it->t;
-        it->grid = 0;
-        it->h = 0;
+    if (direction != it->own->direction) {
+        it->own->direction = direction;
+        it->own->anchor = it->t;
+        it->own->grid = 0;
+        it->own->h = 0;
     }
-    it->off_grid = fixed && choose_fixed(it, limit);
+    it->own->off_grid = fixed && choose_fixed(it, limit);
     return PK_DONE;
 }
 
 void pk_step_made(struct pk_integrator *it, int fixed)
 {
     it->last_t = it->t;
-    it->t = it->next_t;
-    it->passed += pk_abs(it->t - it->last_t);
+    it->t = it->own->next_t;
+    it->own->passed += pk_abs(it->t - it->last_t);
     it->count.steps++;
-    if (it->off_grid) {
-        it->anchor = it->t;
-        it->grid = 0;
+    if (it->own->off_grid) {
+        it->own->anchor = it->t;
+        it->own->grid = 0;
     } else if (fixed) {
-        it->grid += PK_C(1.0);
+        it->own->grid += PK_C(1.0);
     }
 }
 
@@ -107,9 +107,9 @@ int pk_integrator_is_at(const struct pk_integrator *it, pk_real t)
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit)
 {
     const int direction = t > it->t ? 1 : -1;
-    const int begins = direction != it->direction; /* a grid of its own */
-    const pk_real anchor = begins ? it->t : it->anchor, h = (pk_real)direction * it->options.h;
+    const int begins = direction != it->own->direction; /* a grid of its own */
+    const pk_real anchor = begins ? it->t : it->own->anchor, h = (pk_real)direction * it->options.h;
     const pk_real count = PK_F(floor)((t - anchor) / h + PK_C(0.5));
     const struct pk_integrator then = {.t = anchor + count * h};
-    return count > (begins ? 0 : it->grid) && pk_integrator_is_at(&then, t) ? t : limit;
+    return count > (begins ? 0 : it->own->grid) && pk_integrator_is_at(&then, t) ? t : limit;
 }

@@ -1,10 +1,14 @@
 /* The integrator: its memory, its checks, and the loop over steps. A method's step() writes the
- * new state into it->next; here it is checked and only then becomes the state, so a step that
+ * new state into it->own->next; here it is checked and only then becomes the state, so a step that
  * fails leaves no trace. How far a step goes: grid.c.
  */
 #include <string.h>
 
 #include "../core/project.h"
+
+/* The private part stands first in the block, where it is aligned. */
+#define ALIGNED _Alignof(struct pk_integrator_private)
+#define PRIVATE (sizeof(struct pk_integrator_private) + ALIGNED)
 
 #define FROM_REST PK_C(1e-3) /* of a span: how far ahead what pushes a body at rest is looked for */
 
@@ -16,21 +20,38 @@ struct pk_options pk_options_default(void)
     return options;
 }
 
+/* Lays out what lies behind `own`, for n coordinates; counts alone where base is NULL. */
+static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem *problem,
+                      const struct pk_method *method, size_t n, pk_real *base)
+{
+    const struct pk_system *system = problem->system;
+    const size_t guards = pk_system_guard_count(system, problem->params);
+    const struct pk_slot slots[] = {
+        {&own->quadratures, pk_quadrature_size(system, n)},
+        {&own->atol, pk_scale_size(method, n)}, /* both outlive a reset */
+        {&own->state, PK_PARTS * n},
+        {&own->next, PK_PARTS * n},
+        {&own->u, system->n_inputs * (1 + PK_LANES)},
+        {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
+        {&own->work, method->size(method, n)},
+        {&own->guards, pk_guard_size(guards, n)},
+        {&own->project, pk_project_size(system, n)},
+        {&own->marks, pk_marks_size(system, n)},
+    };
+    const size_t before = slots[0].count + slots[1].count + slots[2].count;
+    const size_t scratch = before + pk_params_reals(system); /* of a reset's check, from next on */
+    const size_t used = PK_LAY_OUT(base, slots);
+    own->n_guards = guards;
+    return used > scratch ? used : scratch;
+}
+
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     if (!problem || !problem->system || !method || problem->system->abi != PK_ABI)
         return 0;
-    const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
-    const size_t lane = system->lanes ? 0 : 3 * n + system->n_inputs;
-    const size_t inputs = system->n_inputs * (1 + PK_LANES);
-    const size_t guards = pk_guard_size(pk_system_guard_count(system, problem->params), n);
-    const size_t work = inputs + lane + method->size(method, n) + guards +
-                        pk_project_size(system, n) + pk_marks_size(system, n);
-    const size_t rest = PK_PARTS * n + work, params = pk_params_reals(system);
-    return (pk_quadrature_size(system, n) + pk_scale_size(method, n) + PK_PARTS * n +
-            (rest > params ? rest : params)) *
-           sizeof(pk_real);
+    struct pk_integrator_private own;
+    const size_t n = pk_system_count(problem->system, problem->params);
+    return PRIVATE + lay_out(&own, problem, method, n, NULL) * sizeof(pk_real);
 }
 
 /* The system's own for this method, its kernels compiled in, or the method's for any system. */
@@ -61,6 +82,11 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->n = system->abi == PK_ABI ? pk_system_count(system, problem->params) : 0;
     if (it->n == 0)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
+    if (block_size < PRIVATE || (size_t)block % _Alignof(pk_real))
+        return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
+    const size_t over = (size_t)block % ALIGNED;
+    it->own = (void *)((char *)block + (over ? ALIGNED - over : 0));
+    memset(it->own, 0, sizeof *it->own);
     if (pk_missing_facts(system, method) || pk_missing_kernel(system, method))
         return pk_fail(it, PK_REFUSED, 0);
     if (system->n_inputs && (method->traits & PK_NO_INPUTS))
@@ -71,33 +97,26 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
-    if (block_size < pk_integrator_size(problem, method) || (size_t)block % _Alignof(pk_real))
+    if (block_size < pk_integrator_size(problem, method))
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
 
-    it->step = stepper(system, method);
-    it->quadratures = (pk_real *)block;
-    it->state = it->quadratures + pk_quadrature_size(system, it->n);
-    if (pk_scale_size(method, it->n)) {
-        it->atol = it->state; /* it outlives a reset, as the quadratures do */
-        it->state += pk_scale_size(method, it->n);
-        memset(it->atol, 0, pk_scale_size(method, it->n) * sizeof *it->atol);
-    }
-    it->next = it->state + PK_PARTS * it->n;
-    it->u = it->next + PK_PARTS * it->n;
-    it->lane = it->u + system->n_inputs * (1 + PK_LANES);
-    it->work = it->lane + (system->lanes ? 0 : 3 * it->n + system->n_inputs);
-    it->n_guards = pk_system_guard_count(system, problem->params);
-    it->guards = it->n_guards ? it->work + method->size(method, it->n) : NULL;
-    if (pk_project_size(system, it->n))
-        it->project = it->work + method->size(method, it->n) + pk_guard_size(it->n_guards, it->n);
-    if (system->n_marks)
-        it->marks = it->work + method->size(method, it->n) + pk_guard_size(it->n_guards, it->n) +
-                    pk_project_size(system, it->n);
-    it->q = pk_part(it->state, it->n, PK_Q);
-    it->v = pk_part(it->state, it->n, PK_V);
+    it->own->step = stepper(system, method);
+    lay_out(it->own, problem, method, it->n, (pk_real *)(void *)(it->own + 1));
+    if (!pk_scale_size(method, it->n))
+        it->own->atol = NULL;
+    else
+        memset(it->own->atol, 0, pk_scale_size(method, it->n) * sizeof *it->own->atol);
+    if (!it->own->n_guards)
+        it->own->guards = NULL;
+    if (!pk_project_size(system, it->n))
+        it->own->project = NULL;
+    if (!system->n_marks)
+        it->own->marks = NULL;
+    it->q = pk_part(it->own->state, it->n, PK_Q);
+    it->v = pk_part(it->own->state, it->n, PK_V);
     enum pk_status status = pk_integrator_reset(it, t0, q0, v0);
     if (status >= 0 && system->n_quadratures && (status = pk_quadrature_start(it)) < 0)
-        it->ready = 0;
+        it->own->ready = 0;
     return it->status = status;
 }
 
@@ -105,9 +124,9 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
                                    const pk_real *v)
 {
     const size_t n = it->n;
-    it->ready = 0;
-    if (!it->state)
+    if (!it->own || !it->own->state)
         return it->status;
+    it->own->ready = 0;
     if (!q || !v)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
     if (!pk_finite(t))
@@ -115,46 +134,46 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_STATE);
     /* Steps exchange the two blocks; the check below needs all that lies behind the state. */
-    pk_real *const first = it->state < it->next ? it->state : it->next;
+    pk_real *const first = it->own->state < it->own->next ? it->own->state : it->own->next;
     memmove(pk_part(first, n, PK_Q), q, n * sizeof *q);
     memmove(pk_part(first, n, PK_V), v, n * sizeof *v);
-    it->state = first;
-    it->next = first + PK_PARTS * n;
+    it->own->state = first;
+    it->own->next = first + PK_PARTS * n;
     it->q = pk_part(first, n, PK_Q);
     it->v = pk_part(first, n, PK_V);
-    memset(pk_part(it->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
-    it->status = pk_check_params(it, it->next); /* all behind the state is free here */
+    memset(pk_part(it->own->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
+    it->status = pk_check_params(it, it->own->next); /* all behind the state is free here */
     if (it->status < 0)
         return it->status;
     /* What a method does not carry stays 0, and inputs that nobody fills. */
-    memset(it->next, 0,
+    memset(it->own->next, 0,
            (PK_PARTS * n + it->problem.system->n_inputs * (1 + PK_LANES)) * sizeof *q);
-    it->t = it->last_t = it->next_t = t;
-    it->direction = 0;
-    it->trouble = PK_DONE;
+    it->t = it->last_t = it->own->next_t = t;
+    it->own->direction = 0;
+    it->own->trouble = PK_DONE;
     it->event = 0;
-    it->marked = it->unlooked = 0;
-    it->reach = it->calm = 0;
-    it->flags = 0;
-    it->h = 0;
+    it->own->marked = it->own->unlooked = 0;
+    it->own->reach = it->own->calm = 0;
+    it->own->flags = 0;
+    it->own->h = 0;
     it->status = pk_project_start(it);
     if (it->status >= 0)
         pk_scale_start(it);
     if (it->status >= 0)
         it->status = it->method->init(it);
     pk_guard_start(it);
-    it->ready = it->status >= 0;
+    it->own->ready = it->status >= 0;
     return it->status;
 }
 
 enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
 {
-    if (!it->ready)
+    if (!pk_ready(it))
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
     if (!(h > 0) || !pk_finite(h))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_STEP);
     it->options.h = h;
-    it->direction = 0; /* the next step starts a grid of its own */
+    it->own->direction = 0; /* the next step starts a grid of its own */
     return it->status = PK_DONE;
 }
 
@@ -162,19 +181,19 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
  * end, no step follows. */
 static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 {
-    it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
+    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
     if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
-        it->ready = 0;
+        it->own->ready = 0;
     return it->status = status;
 }
 
-/* One step of motion and quadratures into it->next, as short as both need it. */
+/* One step of motion and quadratures into it->own->next, as short as both need it. */
 static enum pk_status try_step(struct pk_integrator *it, pk_real limit)
 {
     enum pk_status status;
     do {
-        status = it->step(it, limit);
-        if (status >= 0 && !pk_all_finite(it->next, PK_LOW_Q * it->n))
+        status = it->own->step(it, limit);
+        if (status >= 0 && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
         if (status < 0 || !it->z)
             return status;
@@ -199,27 +218,27 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         if (pushed || (status >= 0 && pk_marks_reject(it))) {
             cuts--;
             raised |= pushed;
-            it->h = pushed ? while_at_rest : it->h;
-            it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+            it->own->h = pushed ? while_at_rest : it->own->h;
+            it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
             continue;
         }
         if (status >= 0)
             status = pk_project_step(it);
-        if (status >= 0 && it->project && !pk_all_finite(it->next, PK_LOW_Q * it->n))
+        if (status >= 0 && it->own->project && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
         if (status == PK_STEP_UNDERFLOW && cuts) {
             it->where = where;
             it->detail = detail;
             return PK_NO_PROJECTION;
         }
-        if (status == PK_STEP_UNDERFLOW && it->project && pk_project_dependent(it))
+        if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)
             return status;
         where = it->where;
         detail = it->detail;
-        it->h = (it->next_t - it->t) / 4;
-        it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+        it->own->h = (it->own->next_t - it->t) / 4;
+        it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
         it->count.rejections++;
     }
 }
@@ -227,7 +246,7 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = it->n;
-    if (!it->ready)
+    if (!pk_ready(it))
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the refusal of its start stands */
     if (!pk_finite(limit))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TIME);
@@ -235,7 +254,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
     if (it->options.stop && it->options.stop(it->options.context)) {
-        it->ready = 0; /* what goes on all the same ends at its next step */
+        it->own->ready = 0; /* what goes on all the same ends at its next step */
         return it->status = PK_STOPPED_USER;
     }
 
@@ -252,13 +271,13 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         return stop(it, status);
 
     pk_marks_accept(it);
-    pk_real *left_behind = it->state;
-    it->state = it->next;
-    it->next = left_behind;
-    it->q = pk_part(it->state, n, PK_Q);
-    it->v = pk_part(it->state, n, PK_V);
+    pk_real *left_behind = it->own->state;
+    it->own->state = it->own->next;
+    it->own->next = left_behind;
+    it->q = pk_part(it->own->state, n, PK_Q);
+    it->v = pk_part(it->own->state, n, PK_V);
     if (it->p)
-        it->p = pk_part(it->state, n, PK_P);
+        it->p = pk_part(it->own->state, n, PK_P);
     if (it->z)
         pk_quadrature_accept(it);
     pk_step_made(it, fixed);
@@ -282,12 +301,12 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
     if (!(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
-    if (it->atol && side->atol)
-        memcpy(side->atol, it->atol, pk_scale_size(it->method, n) * sizeof *it->atol);
-    pk_integrator_reset(side, it->last_t, it->next, pk_part(it->next, n, PK_V));
+    if (it->own->atol && side->own->atol)
+        memcpy(side->own->atol, it->own->atol, pk_scale_size(it->method, n) * sizeof *it->own->atol);
+    pk_integrator_reset(side, it->last_t, it->own->next, pk_part(it->own->next, n, PK_V));
     if (side->status >= 0) { /* what a start lacks of a state amid the motion */
-        memcpy(pk_part(side->state, n, PK_P), pk_part(it->next, n, PK_P),
-               (PK_A - PK_P) * n * sizeof *it->next);
+        memcpy(pk_part(side->own->state, n, PK_P), pk_part(it->own->next, n, PK_P),
+               (PK_A - PK_P) * n * sizeof *it->own->next);
         pk_quadrature_aside(it, side);
     }
     if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) && (t < it->last_t || t > it->last_t))
@@ -296,13 +315,15 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
         return PK_DONE;
     it->where = side->where;
     it->detail = side->detail;
-    it->condition = side->condition;
+    it->own->condition = side->own->condition;
     return it->status = side->status;
 }
 
 void pk_integrator_free(struct pk_integrator *it)
 {
-    if (it->method && it->method->release)
+    if (!it->own)
+        return;
+    if (it->method->release)
         it->method->release(it);
-    it->extra = NULL;
+    it->own->extra = NULL;
 }

@@ -18,7 +18,7 @@ enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, TRAVEL, PARTS, TERMS = 
 
 static pk_real *part(const struct pk_integrator *it, int k)
 {
-    return it->quadratures + (size_t)k * it->problem.system->n_quadratures;
+    return it->own->quadratures + (size_t)k * it->problem.system->n_quadratures;
 }
 
 /* Where what is now is; the other half is what was before the step, or comes after it. */
@@ -30,7 +30,7 @@ size_t pk_quadrature_size(const struct pk_system *system, size_t n)
     return m ? PARTS * m + 2 * n + TERMS * m : 0;
 }
 
-/* Its terms: of the last step, where it->flags has PK_HAVE_SERIES. */
+/* Its terms: of the last step, where it->own->flags has PK_HAVE_SERIES. */
 static pk_real *series(const struct pk_integrator *it) { return part(it, PARTS) + 2 * it->n; }
 
 enum pk_status pk_quadrature_start(struct pk_integrator *it)
@@ -110,17 +110,17 @@ int pk_quadrature_rejects(struct pk_integrator *it)
 {
     if (!it->method->stage_error)
         return 0;
-    const pk_real error = error_of(it), h = it->next_t - it->t;
+    const pk_real error = error_of(it), h = it->own->next_t - it->t;
     const pk_real factor =
         SAFETY * PK_SAME(PK_F(pow)(error + PK_TINY, PK_C(-1.0) / (pk_real)it->method->order));
     if (error <= 1) {
-        if (pk_abs(h) * factor < pk_abs(it->h))
-            it->h = h * factor;
+        if (pk_abs(h) * factor < pk_abs(it->own->h))
+            it->own->h = h * factor;
         return 0;
     }
-    it->h = h * pk_max(SHRINK, factor);
+    it->own->h = h * pk_max(SHRINK, factor);
     /* What the method keeps of its last step is of this one. */
-    it->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     it->count.rejections++;
     return 1;
 }
@@ -130,7 +130,7 @@ void pk_quadrature_accept(struct pk_integrator *it)
     it->z = part(it, NEXT - half(it));
     for (size_t i = 0; i < it->problem.system->n_quadratures; i++)
         part(it, TRAVEL)[i] += part(it, SIZE)[i];
-    it->flags &= ~PK_HAVE_SERIES;
+    it->own->flags &= ~PK_HAVE_SERIES;
 }
 
 void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side)
@@ -163,7 +163,7 @@ static enum pk_status make_series(struct pk_integrator *it)
             next = ((pk_real)(2 * k + 3) * y * P - (pk_real)(k + 1) * now) / (pk_real)(k + 2);
         }
     }
-    it->flags |= PK_HAVE_SERIES;
+    it->own->flags |= PK_HAVE_SERIES;
     return PK_DONE;
 }
 
@@ -182,7 +182,7 @@ enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real
     const pk_real h = it->t - it->last_t, y = 2 * (t - it->last_t) / h - 1;
     pk_real *q = part(it, PARTS), *v = q + it->n;
     if ((!(pk_abs(y) <= 1) && pk_integrator_dense(it, t, q, v) < 0) || /* which says why not */
-        (!(it->flags & PK_HAVE_SERIES) && make_series(it) < 0))
+        (!(it->own->flags & PK_HAVE_SERIES) && make_series(it) < 0))
         return it->status;
     const pk_real *terms = series(it), *from = part(it, NEXT - half(it)), *low = from + m;
     pk_real before = -1, P = 1, next = y;

@@ -34,7 +34,7 @@
 static enum pk_status variational_init(struct pk_integrator *it)
 {
     const struct pk_variational_work w = pk_variational_parts(it);
-    pk_real *p = pk_part(it->state, it->n, PK_P);
+    pk_real *p = pk_part(it->own->state, it->n, PK_P);
     memset(w.kick, 0, w.n * sizeof *w.kick);
     pk_variational_momenta(it, it->t, it->q, it->v, p, w.f);
     it->p = p;
@@ -100,7 +100,7 @@ static void keep_stages(struct pk_variational_work *w, int part, const pk_real *
 /* The guess: rates at the middle of the last part and at its end, on a straight line. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
-    const int before = it->flags & PK_HAVE_STEP; /* else last_V and last_h are not there */
+    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V and last_h are not there */
     const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
         const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
@@ -119,11 +119,11 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     pk_real *p = pk_part(w->to, n, PK_P), *low_p = pk_part(w->to, n, PK_LOW_X);
     enum pk_status status = PK_DONE;
     guess(it, w, v);
-    if (!(it->flags & PK_HAVE_A)) { /* here: that M and the forces are of this state */
+    if (!(it->own->flags & PK_HAVE_A)) { /* here: that M and the forces are of this state */
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
         status = pk_variational_mass(it, w, w->t, q, v);
     }
-    it->flags &= ~PK_HAVE_A;
+    it->own->flags &= ~PK_HAVE_A;
     if (status >= 0)
         status = pk_variational_solve(it, w);
     if (status < 0)
@@ -148,7 +148,7 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     status = pk_variational_rates(it, w, p, low_p);
     memcpy(w->last_V, w->V, n * sizeof *w->V);
     *w->last_h = w->h;
-    it->flags |= status < 0 ? 0 : PK_HAVE_STEP | PK_HAVE_A;
+    it->own->flags |= status < 0 ? 0 : PK_HAVE_STEP | PK_HAVE_A;
     return status;
 }
 
@@ -159,13 +159,13 @@ static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
     enum pk_status status = PK_DONE;
     pk_real done = 0;
     (void)limit;
-    memcpy(it->next, it->state, PK_PARTS * it->n * sizeof *it->next);
-    w.to = it->next;
+    memcpy(it->own->next, it->own->state, PK_PARTS * it->n * sizeof *it->own->next);
+    w.to = it->own->next;
     for (int i = 0; i < parts->stages && status >= 0; i++) {
-        w.t = it->t + done * it->h;
+        w.t = it->t + done * it->own->h;
         done += parts->drift[i];
-        w.end = i + 1 == parts->stages ? it->next_t : it->t + done * it->h;
-        w.h = parts->drift[i] * it->h;
+        w.end = i + 1 == parts->stages ? it->own->next_t : it->t + done * it->own->h;
+        w.h = parts->drift[i] * it->own->h;
         status = part(it, &w, i);
     }
     return status;

@@ -29,7 +29,7 @@ struct pk_variational_work {
     size_t rotation, states; /* where body rates begin; where other states do */
     size_t turned;           /* rotations */
     pk_real t, end, h;       /* of this part of the step */
-    pk_real *to;             /* a state, as it->next is: the start, and at last the end */
+    pk_real *to;             /* a state, as it->own->next is: the start, and at last the end */
     pk_real jump, worst;     /* the first correction; the rate of those that are not small */
     /* Its M: at the start, and from pk_variational_rates() on at the end, factored. The rest: the
      * constraints at the end. */
@@ -49,7 +49,7 @@ struct pk_variational_work {
     pk_real *stages; /* 2 + 2 n numbers each */
 };
 
-/* Where all that stands in it->work. */
+/* Where all that stands in it->own->work. */
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it);
 /* n each: p and dp/dt of L alone at a state; of quaternions and states themselves and their rates. */
 size_t pk_variational_size(const struct pk_method *method, size_t n);

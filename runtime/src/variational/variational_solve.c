@@ -191,7 +191,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
         part /= 4;
         if (part < SHORTEST) {
             w->h = h;
-            it->detail = pk_abs(it->h) * made;
+            it->detail = pk_abs(it->own->h) * made;
             it->where = PK_BY_NEWTON;
             return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
         }

@@ -28,12 +28,12 @@ struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
     w.n = it->n;
     w.turned = system->n_rotations;
     /* Of what is free M alone is used. */
-    w.at = pk_project_parts(&it->problem, it->n, it->project ? it->project : it->work);
+    w.at = pk_project_parts(&it->problem, it->n, it->own->project ? it->own->project : it->own->work);
     w.c = w.at.c;
     w.m = w.at.m;
     w.rotation = w.at.rotation;
     w.states = w.m + 4 * w.turned;
-    lay_out(&w, it->work);
+    lay_out(&w, it->own->work);
     return w;
 }
 

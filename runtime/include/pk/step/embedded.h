@@ -15,7 +15,7 @@
 #include <pk/step/tables.h>
 
 /* The work: stages, derivatives at the end and of the extra stages, an argument, the interpolant,
- * and two numbers. The step's start is what it->next holds after the step. */
+ * and two numbers. The step's start is what it->own->next holds after the step. */
 struct pk_embedded_work {
     size_t m, seen, n; /* 2 n; coordinates, whose integrals of states are not counted; n */
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
@@ -34,7 +34,7 @@ pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size
     w.m = 2 * n;
     w.seen = n - states;
     w.n = n;
-    w.k = it->work;
+    w.k = it->own->work;
     w.last = w.k + (size_t)table->stages * w.m;
     w.y = w.last + (size_t)(1 + table->extra) * w.m;
     w.dense = w.y + w.m;
@@ -51,7 +51,7 @@ enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
 static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struct pk_tableau *table,
                                            const struct pk_embedded_work *w, pk_real h)
 {
-    const pk_real *y0 = it->state, *y1 = it->next;
+    const pk_real *y0 = it->own->state, *y1 = it->own->next;
     const int count = table->stages + (table->e3 ? 0 : 1);
     pk_real e = 0, e3 = 0;
     for (size_t i = 0; i < w->m; i++) {
@@ -75,16 +75,16 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
 }
 #endif
 
-/* One trial of size h to it->next_t: the new state, its derivative, its error. */
+/* One trial of size h to it->own->next_t: the new state, its derivative, its error. */
 static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
                                                     const struct pk_tableau *table,
                                                     const struct pk_embedded_work *w, pk_real h)
 {
     enum pk_status status;
-    pk_real *y = it->next;
+    pk_real *y = it->own->next;
 #define PK_EMBEDDED_STAGE(i)                                                                 \
     if ((i) < table->stages) {                                                              \
-        pk_erk_combine(y, it->state, h, table->a + (i) * ((i)-1) / 2, i, w->k, w->m);       \
+        pk_erk_combine(y, it->own->state, h, table->a + (i) * ((i)-1) / 2, i, w->k, w->m);       \
         status =                                                                            \
             PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)(i) * w->m);   \
         if (status < 0)                                                                     \
@@ -92,19 +92,19 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     }
     PK_EACH_STAGE(PK_EMBEDDED_STAGE)
 #undef PK_EMBEDDED_STAGE
-    pk_erk_combine(y, it->state, h, table->b, table->stages, w->k, w->m);
+    pk_erk_combine(y, it->own->state, h, table->b, table->stages, w->k, w->m);
     if (!pk_all_finite(y, w->m))
         return PK_NOT_FINITE;
     if (!table->e3) {
-        status = PK_STEPPER(slope)(it, it->next_t, y, w->last);
+        status = PK_STEPPER(slope)(it, it->own->next_t, y, w->last);
         if (status < 0)
             return status;
     }
-    it->error = pk_embedded_error(it, table, w, h);
-    if (!pk_finite(it->error)) /* the state is finite: its tolerance is all but zero */
-        it->error = PK_C(1e30);
-    if (table->e3 && it->error <= PK_C(1.0)) {
-        status = PK_STEPPER(slope)(it, it->next_t, y, w->last);
+    it->own->error = pk_embedded_error(it, table, w, h);
+    if (!pk_finite(it->own->error)) /* the state is finite: its tolerance is all but zero */
+        it->own->error = PK_C(1e30);
+    if (table->e3 && it->own->error <= PK_C(1.0)) {
+        status = PK_STEPPER(slope)(it, it->own->next_t, y, w->last);
         if (status < 0)
             return status;
         if (!pk_all_finite(w->last, w->m))
@@ -118,23 +118,23 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
 {
     const struct pk_embedded_work w =
         pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_STATES(it));
-    const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
+    const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     const pk_real alpha =
         PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     enum pk_status status = PK_DONE;
-    if (it->flags & PK_HAVE_STEP)
+    if (it->own->flags & PK_HAVE_STEP)
         for (size_t i = 0; i < w.m; i++) /* the derivative at the last step's end */
             w.k[i] = w.last[i];
-    if (!(it->flags & (PK_HAVE_STEP | PK_HAVE_A)) || !(pk_abs(it->h) > 0))
+    if (!(it->own->flags & (PK_HAVE_STEP | PK_HAVE_A)) || !(pk_abs(it->own->h) > 0))
         status = pk_embedded_begin(it, limit);
     if (status < 0)
         return status;
-    it->flags = PK_HAVE_A; /* and the last step's stages are gone, its dense output too */
+    it->own->flags = PK_HAVE_A; /* and the last step's stages are gone, its dense output too */
 
-    pk_real planned = pk_abs(it->h);
+    pk_real planned = pk_abs(it->own->h);
     int rejected = 0;
     for (;;) {
         if (it->options.h_max > 0)
@@ -144,15 +144,15 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         /* What is left below round-off is one step: a smaller one would not move t. */
         const int lands = planned * PK_C(1.01) >= left || !(left > least);
         const pk_real h = lands ? left : planned;
-        it->next_t = lands ? limit : it->t + sign * h;
+        it->own->next_t = lands ? limit : it->t + sign * h;
         pk_scale_attempt(it, h);
         status = PK_STEPPER(attempt)(it, table, &w, sign * h);
         if (status < 0) {
-            pk_trouble(it, status, it->next_t);
+            pk_trouble(it, status, it->own->next_t);
             planned = h * PK_C(0.2);
         } else {
-            const pk_real raw = PK_SAME(PK_F(pow)(it->error, alpha)) / safety;
-            if (it->error <= PK_C(1.0)) {
+            const pk_real raw = PK_SAME(PK_F(pow)(it->own->error, alpha)) / safety;
+            if (it->own->error <= PK_C(1.0)) {
                 const pk_real fac = raw / PK_SAME(PK_F(pow)(*w.err_old, table->beta));
                 const int at_most = fac <= PK_C(1.0) / table->grow;
                 pk_real next = h / pk_min(PK_C(1.0) / table->shrink,
@@ -161,11 +161,11 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
                     next = pk_min(next, h);
                 else if (lands && at_most)
                     next = pk_max(next, planned); /* a step cut short says nothing of the next */
-                *w.err_old = pk_max(it->error, PK_C(1e-4));
+                *w.err_old = pk_max(it->own->error, PK_C(1e-4));
                 *w.h_made = sign * h;
                 /* After a step below round-off, the next is guessed like a first one. */
-                it->h = planned > least || left > least ? sign * next : 0;
-                it->flags = PK_HAVE_STEP;
+                it->own->h = planned > least || left > least ? sign * next : 0;
+                it->own->flags = PK_HAVE_STEP;
                 return PK_DONE;
             }
             planned = h / pk_min(PK_C(1.0) / table->shrink, raw);
@@ -174,6 +174,6 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         it->count.rejections++;
         if (!(planned < h)) /* whatever happens, a rejected step shrinks */
             planned = h * PK_C(0.5);
-        it->h = sign * planned;
+        it->own->h = sign * planned;
     }
 }

@@ -40,7 +40,7 @@
 static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_STATES(it);
-    const pk_real *a = pk_part(it->next, n, PK_A);
+    const pk_real *a = pk_part(it->own->next, n, PK_A);
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0;
     if (it->options.h > 0)
@@ -118,10 +118,10 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
                                             const struct pk_gauss_trial *y)
 {
     const size_t n = PK_STEPPER_N(it);
-    pk_real *q = pk_part(it->next, n, PK_Q), *v = pk_part(it->next, n, PK_V);
-    pk_real *low_q = pk_part(it->next, n, PK_LOW_Q), *low_v = pk_part(it->next, n, PK_LOW_X);
-    const pk_real *old_q = pk_part(it->state, n, PK_LOW_Q);
-    const pk_real *old_v = pk_part(it->state, n, PK_LOW_X);
+    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
+    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q), *low_v = pk_part(it->own->next, n, PK_LOW_X);
+    const pk_real *old_q = pk_part(it->own->state, n, PK_LOW_Q);
+    const pk_real *old_v = pk_part(it->own->state, n, PK_LOW_X);
     pk_real hb[PK_GAUSS_S], left[PK_GAUSS_S];
     for (int l = 0; l < PK_GAUSS_S; l++) {
         hb[l] = y->h * pk_gauss8_b[l];
@@ -147,40 +147,40 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
 static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_real limit)
 {
     const size_t n = PK_STEPPER_N(it);
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->work);
-    const pk_real sign = (pk_real)it->direction, left = pk_abs(limit - it->t);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->own->work);
+    const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     struct pk_gauss_trial y;
     int rejected = 0, lands;
 
-    if (!(it->h > 0) && !(it->h < 0)) {
-        it->flags = 0; /* a first step, or one that turns back: nothing to predict it from */
+    if (!(it->own->h > 0) && !(it->own->h < 0)) {
+        it->own->flags = 0; /* a first step, or one that turns back: nothing to predict it from */
         const enum pk_status status =
-            PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->next, n, PK_A));
+            PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->own->next, n, PK_A));
         if (status < 0)
             return status;
-        if (!pk_all_finite(pk_part(it->next, n, PK_A), n))
+        if (!pk_all_finite(pk_part(it->own->next, n, PK_A), n))
             return PK_NOT_FINITE;
-        it->h = sign * PK_STEPPER(gauss_first)(it, limit);
+        it->own->h = sign * PK_STEPPER(gauss_first)(it, limit);
         *w.decay = 0;
     }
-    pk_real planned = pk_abs(it->h);
+    pk_real planned = pk_abs(it->own->h);
     for (;;) {
         if (it->options.h_max > 0)
             planned = pk_min(planned, it->options.h_max);
         if (!(planned > least) && (left > least || rejected))
             return pk_underflow(it, planned); /* also a step that shrank while being accepted */
         lands = planned * PK_C(1.01) >= left || !(left > least);
-        it->next_t = lands ? limit : it->t + sign * planned;
-        y.h = it->next_t - it->t; /* what the rounded times are apart: no drift between q and t */
+        it->own->next_t = lands ? limit : it->t + sign * planned;
+        y.h = it->own->next_t - it->t; /* what the rounded times are apart: no drift between q and t */
         pk_scale_attempt(it, y.h);
         const enum pk_status status = PK_STEPPER(gauss_trial)(it, &w, &y);
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
         if (status < 0) {
             if (status != PK_NO_CONVERGENCE) /* that is no cause but a step too long */
-                pk_trouble(it, status, it->next_t);
+                pk_trouble(it, status, it->own->next_t);
             y.growth = PK_C(0.5);
         } else {
             y.growth = pk_max(PK_GAUSS_SHRINK, pk_min(PK_C(0.9), PK_GAUSS_SAFETY * y.growth));
@@ -188,7 +188,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         planned = pk_abs(y.h) * y.growth;
         rejected = 1;
         it->count.rejections++;
-        it->h = sign * planned;
+        it->own->h = sign * planned;
     }
     PK_STEPPER(gauss_accept)(it, &w, &y);
     /* The next step: by the error, and by the iteration where that contracts too slowly. */
@@ -203,9 +203,9 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
     const pk_real next = pk_abs(y.h) * grow;
     const int cut = lands && !rejected && y.growth >= PK_GAUSS_GROW; /* says nothing of the next */
     const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
-    it->error = 1 / (g8 * g8 * y.growth + PK_TINY);
-    it->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
+    it->own->error = 1 / (g8 * g8 * y.growth + PK_TINY);
+    it->own->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
             : sign * (cut ? pk_max(next, planned) : next);
-    it->flags = PK_HAVE_STEP;
+    it->own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }

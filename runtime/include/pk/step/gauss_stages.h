@@ -58,7 +58,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     w.q = x, x += m;
     w.v = x, x += m;
     w.poly = x, x += m;
-    w.u = it->u + it->problem.system->n_inputs;
+    w.u = it->own->u + it->problem.system->n_inputs;
     w.weight = x, x += n;
     w.start = x, x += 2 * n;
     w.last_weight = x, x += n;
@@ -150,8 +150,8 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
                                                        struct pk_gauss_trial *y)
 {
     const size_t n = PK_STEPPER_N(it);
-    if (!(it->flags & PK_HAVE_STEP) || pk_abs(y->h) > PK_GAUSS_LEAP * pk_abs(*w->h)) {
-        pk_real *a0 = pk_part(it->next, n, PK_A);
+    if (!(it->own->flags & PK_HAVE_STEP) || pk_abs(y->h) > PK_GAUSS_LEAP * pk_abs(*w->h)) {
+        pk_real *a0 = pk_part(it->own->next, n, PK_A);
         const enum pk_status status = PK_STEPPER(acceleration)(it, it->t, it->q, it->v, a0);
         for (size_t i = 0; i < n * PK_GAUSS_S; i++)
             w->a[i] = a0[i / PK_GAUSS_S];
@@ -211,8 +211,8 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
         const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(it->q[i] + y->h * (v0 + moved / 2)));
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
-        const pk_real of_v = h / (PK_GAUSS_SHARE * it->atol[n + i] + rtol * v + PK_TINY);
-        const pk_real of_q = h * h / (PK_GAUSS_SHARE * it->atol[i] + rtol * q + PK_TINY);
+        const pk_real of_v = h / (PK_GAUSS_SHARE * it->own->atol[n + i] + rtol * v + PK_TINY);
+        const pk_real of_q = h * h / (PK_GAUSS_SHARE * it->own->atol[i] + rtol * q + PK_TINY);
         w->weight[i] = i < seen ? pk_max(of_v, of_q) : of_v;
     }
 }
@@ -233,8 +233,8 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
     it->count.iterations++;
     for (size_t l = 0; failed; l++, failed >>= 1)
         if (failed & 1) {
-            pk_real *q1 = pk_part(it->next, n, PK_Q), *v1 = pk_part(it->next, n, PK_V);
-            pk_real *a1 = pk_part(it->next, n, PK_A);
+            pk_real *q1 = pk_part(it->own->next, n, PK_Q), *v1 = pk_part(it->own->next, n, PK_V);
+            pk_real *a1 = pk_part(it->own->next, n, PK_A);
             for (size_t i = 0; i < n; i++) {
                 q1[i] = q[i * PK_GAUSS_S + l];
                 v1[i] = v[i * PK_GAUSS_S + l];

@@ -15,15 +15,15 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
                                                       const struct pk_splitting *table)
 {
     const size_t n = PK_STEPPER_N(it);
-    const pk_real h = it->h, *from = it->state, *a = from + PK_A * n;
-    pk_real *to = it->next, *a1 = to + PK_A * n;
+    const pk_real h = it->own->h, *from = it->own->state, *a = from + PK_A * n;
+    pk_real *to = it->own->next, *a1 = to + PK_A * n;
     pk_real done = 0; /* fraction of the step drifted so far */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
     enum pk_status status;
 
     PK_UNROLL_FEW
     for (int i = 0; i < s; i++) {
-        if (i > 0 || !(it->flags & PK_HAVE_A)) {
+        if (i > 0 || !(it->own->flags & PK_HAVE_A)) {
             status = PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1);
             if (status < 0)
                 return status;
@@ -34,13 +34,13 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
         from = to;
     }
     if (ends) {
-        status = PK_STEPPER(acceleration)(it, it->next_t, to, to + n, a1);
+        status = PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n, a1);
         if (status < 0)
             return status;
         pk_kick(n, table->kick[s] * h, a1, to);
     }
     /* The last acceleration travels with the state, so a failure here cannot spoil it. */
     if (pk_all_finite(to, 2 * n))
-        it->flags = ends ? it->flags | PK_HAVE_A : it->flags & ~PK_HAVE_A;
+        it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;
     return PK_DONE;
 }

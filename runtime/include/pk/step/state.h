@@ -20,11 +20,49 @@
 #define PK_TINY DBL_MIN
 #endif
 
-/* Parts of it->state and of it->next, n numbers each: q, v, p, the compensations (low parts) of
+/* What is behind it->own, for methods and the runtime alone. */
+struct pk_integrator_private {
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
+    pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
+    pk_real *quadratures;  /* see src/integrate/quadrature.c */
+    pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
+    pk_real *atol;         /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
+    unsigned long rounded; /* rejections when rounding was last looked at */
+    pk_real *guards;       /* NULL: the system has none; see src/core/guard.c */
+    size_t n_guards;       /* their values: of families one a member */
+    int slopes;            /* of the guards: what is known of them at this state */
+    pk_real *lane;         /* one state and its acceleration, of a system without lane kernels */
+    pk_real passed;        /* the lengths of all steps since init; when steps were last judged */
+    pk_real judged_passed; /* by their progress: that, their number with those rejected, and t */
+    pk_real judged_t;
+    unsigned long judged;
+    pk_real next_t;           /* end of the step being made */
+    pk_real h;                /* signed step, made or to be made */
+    pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
+    pk_real error;            /* adaptive: of the last accepted step, in units of the tolerance */
+    int off_grid;             /* fixed steps: the one being made is shorter, and ends the grid */
+    int ready;                /* a start was accepted; without it nothing steps */
+    int direction;            /* +1, -1, 0 before the first step */
+    int flags;                /* the method's own */
+    pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
+    pk_real *project;         /* rotations and constraints: src/constraints/project.c; NULL: none */
+    pk_real *marks;           /* values at the begin, ...: src/core/marks.c; NULL: there are none */
+    int marked, unlooked;     /* whether those at the begin are known; steps not looked at */
+    pk_real reach, rise;      /* how long the next step may be for them, 0: any; the one behind */
+    pk_real calm;             /* so long a step was made in which they hardly vary */
+    pk_real range, varied;    /* by how much they vary in the trial step, and where they matter */
+    enum pk_status trouble;   /* what the last trial step that broke down met, when, and its */
+    pk_real trouble_t;        /* where and condition: the cause to name if steps then shrink to */
+    size_t trouble_where;     /* nothing just before it */
+    pk_real trouble_condition;
+    void *extra; /* of a foreign library */
+};
+
+/* Parts of it->own->state and of it->own->next, n numbers each: q, v, p, the compensations (low parts) of
  * q and of v or p, and an acceleration that belongs to this state and may be reused. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
-/* it->flags */
+/* it->own->flags */
 enum {
     PK_HAVE_A = 1,
     PK_HAVE_LU = 2,
@@ -43,13 +81,13 @@ static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
 static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
 static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
 
-/* it->atol for a step of length h: rounding of forces counts over the step that is tried. */
+/* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 
 /* What number i of q and v, which goes from a to b, may err by. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
-    return it->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
+    return it->own->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
 }
 
 /* For a guess of the first step, which is no longer for it: what is zero and has shown no scale. */
@@ -74,7 +112,7 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
     return sum;
 }
 
-/* The inputs at t, in it->u. */
+/* The inputs at t, in it->own->u. */
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
 /* The status of an acceleration that returned `failed`, with the coordinate and the time. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -85,10 +123,10 @@ unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, con
 /* A trial step up to t broke down. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
-    it->trouble = status;
-    it->trouble_t = t;
-    it->trouble_where = it->where;
-    it->trouble_condition = it->condition;
+    it->own->trouble = status;
+    it->own->trouble_t = t;
+    it->own->trouble_where = it->where;
+    it->own->trouble_condition = it->own->condition;
 }
 /* The status of an adaptive method whose step h became too small, with its cause if known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
