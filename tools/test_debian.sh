@@ -30,4 +30,4 @@ ln -s "$PWD/runtime" $folder/pkgen_runtime
 cd tests/generator
 PYTHONPATH="$OLDPWD/$folder" exec "$python" -m pytest -q -n 2 -p no:cacheprovider -m 'not long' \
     test_golden.py test_wrong_models.py test_parse.py test_differentiate.py test_balls.py \
-    test_guards.py test_derive.py test_reduce.py test_proofs.py
+    test_singularities.py test_derive.py test_reduce.py test_proofs.py

@@ -37,7 +37,7 @@ const char *bench_open(int argc, char **argv)
 {
     method = argc > 1 ? pk_method_find(argv[1]) : NULL;
     if (!method) return "this build of pkgen has no such method";
-    if (BENCH_SYSTEM.n != BENCH_N || BENCH_SYSTEM.n_quadratures != BENCH_Z)
+    if (BENCH_SYSTEM.n != BENCH_N || BENCH_SYSTEM.quadratures.n != BENCH_Z)
         return "the model has another number of coordinates or quadratures";
     if (argc != 2 + BENCH_P) return "another number of parameters";
     for (int i = 0; i < BENCH_P; i++)

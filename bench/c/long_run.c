@@ -112,8 +112,8 @@ int main(int argc, char **argv)
     const int kept = seen.monitor.has_energy;
     pk_real power = 0;
     const enum pk_growth growth = pk_drift_growth(energy, &power, NULL);
-    printf("%zu %zu %zu %zu %g %g %g %g %g %g %g %s\n", s->n - s->n_states, s->n_rotations,
-           s->n_holonomic, s->n_constraints - s->n_holonomic, seen.norm, seen.place, seen.rate,
+    printf("%zu %zu %zu %zu %g %g %g %g %g %g %g %s\n", s->n - s->n_first_order, s->n_rotations,
+           s->constraints.n_holonomic, s->constraints.n - s->constraints.n_holonomic, seen.norm, seen.place, seen.rate,
            kept ? pk_drift_max(energy) : -1, power, others(&seen.monitor), spent,
            kept ? pk_growth_text(growth) : "not kept");
     return 0;

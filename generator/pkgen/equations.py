@@ -33,9 +33,9 @@ class Quantity:
 
 
 @record
-class Guard:
+class Singularity:
     """The equations end where it vanishes: what they use it for, a kind of pk/system.h without its
-    PK_GUARD_. As "COORDINATES" these alone end, M being singular there."""
+    PK_SINGULARITY_. As "COORDINATES" these alone end, M being singular there."""
 
     quantity: Quantity  # its name is the expression
     node: Node
@@ -174,7 +174,7 @@ class Equations:
     pdot_q: Matrix | None
     pdot_v: Matrix | None
     linear: Linear | None  # None: not asked for
-    guards: tuple[Guard, ...]
+    singularities: tuple[Singularity, ...]
     observed: Row
     conserved: Row
     events: Row  # what crosses zero; model.events has the directions
@@ -195,12 +195,14 @@ class Equations:
     state_rates: Row = ()
     state_start: Row = ()
     # Of the coordinates the last so many are nobody's: their rates are the states.
-    n_states: int = 0
+    n_first_order: int = 0
     attitudes: tuple[Attitude, ...] = ()  # rotations: their rates stand behind all coordinates
     constraints: Constraints | None = None
-    # M before M a = f was solved, where `mass` is the unit matrix; and wherever `unbound` is there.
+    # M before M a = f was solved, where `mass` is the unit matrix; and beside `unconstrained`.
     inertia: Matrix | None = None
-    unbound: tuple[Row, Row] | None = None  # in C: p and pdot without the forces of constraints
+    unconstrained: tuple[Row, Row] | None = (
+        None  # in C: p and pdot without the forces of constraints
+    )
     terms: tuple[Row, Row] | None = None  # in C: sizes of the terms of phi and of J v + j0
     particles: Particles | None = None  # None: not asked for
 
@@ -231,7 +233,7 @@ class Equations:
     def inertial(self) -> int:
         """How many rows of M are of a Lagrangian: coordinates and body rates, of which those of
         rotations are counted among the states in C."""
-        return len(self.coordinates) - max(self.n_states - len(self.turning), 0)
+        return len(self.coordinates) - max(self.n_first_order - len(self.turning), 0)
 
     @property
     def seen(self) -> tuple[Quantity, ...]:

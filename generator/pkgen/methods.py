@@ -88,7 +88,7 @@ def in_blocks(method: str, steps: bool) -> bool:
 def called(method: str) -> frozenset[str]:
     """The kernels that a method calls, beside those of what it integrates."""
     traits = METHODS[method].traits if method in METHODS else frozenset()
-    kernels = {"acceleration", "guard", "event", "observe", "quadrature"}
+    kernels = {"acceleration", "singularity", "event", "observe", "quadrature"}
     if method == "gauss":
         kernels |= {"lanes"}  # its stages
     if method in METHODS and METHODS[method].inlined == "SPLITTING":
@@ -97,8 +97,8 @@ def called(method: str) -> frozenset[str]:
         kernels |= {"mass", "linear"}
     if "jacobians" in traits:
         kernels |= {"canonical", "mass", "jacobian"}
-    if "holonomic" in traits:  # of systems with rotations or constraints: unbound and inertia
-        kernels |= {"canonical", "mass", "unbound", "inertia"}
+    if "holonomic" in traits:  # of systems with rotations or constraints: unconstrained and inertia
+        kernels |= {"canonical", "mass", "unconstrained", "inertia"}
     return frozenset(kernels)
 
 

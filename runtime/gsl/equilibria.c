@@ -243,7 +243,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     const struct pk_system *system = problem->system;
     found->count = found->failed = found->singular = 0;
     found->more = 0;
-    if (!(system->facts & PK_AUTONOMOUS) || !system->jacobian || !system->mass || system->n_states)
+    if (!(system->facts & PK_AUTONOMOUS) || !system->jacobian || !system->mass || system->n_first_order)
         return PK_REFUSED;
     struct search s;
     const size_t n = pk_system_count(system, problem->params);

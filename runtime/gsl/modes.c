@@ -250,7 +250,7 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
     const struct pk_system *system = problem->system;
     struct pencil x = {0};
     *count = 0;
-    if (!system->jacobian || !system->mass || system->n_states)
+    if (!system->jacobian || !system->mass || system->n_first_order)
         return PK_REFUSED;
     x.n = pk_system_count(system, problem->params);
     x.map = (size_t *)calloc(x.n, sizeof *x.map);

@@ -42,8 +42,8 @@ static int help(const struct program *p)
     const struct pk_quantity *const lists[] = {NULL, system->inputs, system->coordinates,
                                                system->rates};
     const size_t counts[] = {system->n_parameters, system->n_inputs,
-                             system->count ? system->n_coordinates : system->n,
-                             system->count ? system->n_coordinates : system->n};
+                             system->families.count ? system->families.n_coordinates : system->n,
+                             system->families.count ? system->families.n_coordinates : system->n};
     for (size_t k = 0; k < 4; k++) {
         printf(counts[k] ? "\n%s:" : "", heads[k]);
         for (size_t i = 0; i < counts[k]; i++) {

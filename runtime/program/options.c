@@ -61,7 +61,7 @@ int find_name(const char *name, size_t length, char kind, size_t *index, size_t 
     case 'i':
         return among(s->inputs, s->n_inputs, one, name, length, index, unit);
     case 'q':
-        return among(s->coordinates, n - (s->count ? 0 : s->n_states), one, name, length, index,
+        return among(s->coordinates, n - (s->count ? 0 : s->n_first_order), one, name, length, index,
                      unit);
     case 'v':
         return among(s->rates, s->count ? n : rates, one, name, length, index, unit);

@@ -30,7 +30,7 @@ enum pk_run_code apart_choose(struct run *run)
 {
     struct settings *s = &run->settings;
     const char *none = s->members              ? "ensembles"
-                       : run->settings.system->n_events  ? "events"
+                       : run->settings.system->events.n  ? "events"
                        : s->diagnose           ? "diagnostics"
                        : s->land == 0          ? "dense rows"
                                                : NULL;
@@ -94,7 +94,7 @@ static void look(struct run *run)
 enum pk_run_code apart_begin(struct run *run)
 {
     struct settings *s = &run->settings;
-    const size_t m = run->settings.system->n_quadratures;
+    const size_t m = run->settings.system->quadratures.n;
     run->problem = run_problem(run);
     const size_t size = pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
     const size_t monitor_size = pk_monitor_size(&run->problem);

@@ -65,7 +65,7 @@ void diagnose_action(struct run *run, struct diagnostics *d)
     char reason[200];
     if (diagnose_not_free(run->problem.system))
         strcpy(reason, diagnose_not_free(run->problem.system));
-    else if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_states)
+    else if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_first_order)
         snprintf(reason, sizeof reason,
                  "coordinates and states: %zu and %zu; it is of one coordinate and no states%s",
                  coordinates, s->n - coordinates,

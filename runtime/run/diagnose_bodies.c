@@ -29,7 +29,7 @@ static void approach(const void *params, pk_real t, const pk_real *q, const pk_r
 {
     struct bodies *b = watched;
     memset(b->qa, 0, b->run->settings.n * sizeof *b->qa);
-    b->system.particles(params, t, q, v, u, b->qa, b->m, b->r, b->v, b->a);
+    b->system.particles.at(params, t, q, v, u, b->qa, b->m, b->r, b->v, b->a);
     out[0] = bodies_approach(b);
 }
 
@@ -40,7 +40,7 @@ static void place(struct bodies *b, pk_real t, const pk_real *q, const pk_real *
         p->input(p->context, t, b->u);
     memset(b->qa, 0, b->run->settings.n * sizeof *b->qa);
     b->system.acceleration(p->params, t, q, v, b->u, b->qa);
-    b->system.particles(p->params, t, q, v, b->u, b->qa, b->m, b->r, b->v, b->a);
+    b->system.particles.at(p->params, t, q, v, b->u, b->qa, b->m, b->r, b->v, b->a);
 }
 
 static int found(void *context, const struct pk_events *events)
@@ -56,9 +56,9 @@ enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
     const struct settings *s = &b->run->settings;
     static const struct pk_event pericentres[] = {{{"pericentre", "", ""}, +1, 0}};
     if (b->pericentre) {
-        b->system.n_events = 1;
-        b->system.events = pericentres;
-        b->system.event = approach;
+        b->system.events.n = 1;
+        b->system.events.table = pericentres;
+        b->system.events.values = approach;
     }
     const size_t it_size = pk_integrator_size(&b->problem, s->method);
     const size_t events_size = pk_events_size(&b->problem, s->method);
@@ -91,12 +91,12 @@ int bodies_begin(struct bodies *b, struct run *run)
 {
     const struct pk_system *system = run->problem.system;
     memset(b, 0, sizeof *b);
-    if (!system->particles || !system->acceleration)
+    if (!system->particles.at || !system->acceleration)
         return 0;
     b->run = run;
-    b->n = system->n_particles;
+    b->n = system->particles.n;
     b->system = *system;
-    b->system.n_events = 0;
+    b->system.events.n = 0;
     b->problem = run->problem;
     b->problem.system = &b->system;
     b->m = (pk_real *)memory_take(&run->memory, 10 * b->n + run->settings.n + system->n_inputs,

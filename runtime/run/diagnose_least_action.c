@@ -112,7 +112,7 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
     char reason[512] = "";
     if (diagnose_not_free(system))
         strcpy(reason, diagnose_not_free(system));
-    else if (system->n_states)
+    else if (system->n_first_order)
         strcpy(reason, "the model has states, whose rates follow from no action");
     else if (!(system->facts & PK_VARIATIONAL))
         strcpy(reason, FORCES);

@@ -24,7 +24,7 @@ static const char KINKS[] = "the equations have kinks (abs, min, max, step), acr
 
 const char *diagnose_not_free(const struct pk_system *system)
 {
-    if (system->n_constraints)
+    if (system->constraints.n)
         return "the model has constraints, on which q and p are not free";
     return system->n_rotations
                ? "the model has rotations, whose body rates are the rates of no coordinates"
@@ -41,7 +41,7 @@ int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
     enum { PLACES = 64 };
     const struct pk_system *system = run->problem.system;
     const struct settings *s = &run->settings;
-    const size_t n = s->n, m = system->n_switches;
+    const size_t n = s->n, m = system->switches.n;
     if (system->facts & PK_SMOOTH || m == 0)
         return !(system->facts & PK_SMOOTH);
     pk_real *q = (pk_real *)memory_take(&run->memory, 2 * n + 2 * m, sizeof *q), *v = q + n;
@@ -50,7 +50,7 @@ int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
     for (size_t k = 0; k <= PLACES && !kink; k++) {
         for (size_t i = 0; i < n; i++)
             q[i] = from[i] + (to[i] - from[i]) * (pk_real)k / PLACES;
-        system->switching(s->params, 0, q, v, s->u, k ? side : first);
+        system->switches.values(s->params, 0, q, v, s->u, k ? side : first);
         for (size_t i = 0; i < m; i++)
             kink |= !((k ? side[i] : first[i]) * first[i] > 0);
     }
@@ -99,8 +99,8 @@ static int excursion_leaves(const struct excursion *e, const struct settings *s)
 
 static int can_be_chaotic(const struct pk_system *system)
 {
-    const size_t dimension = 2 * system->n - system->n_states;
-    return dimension > 2 || system->count || !(system->facts & PK_AUTONOMOUS);
+    const size_t dimension = 2 * system->n - system->n_first_order;
+    return dimension > 2 || system->families.count || !(system->facts & PK_AUTONOMOUS);
 }
 
 void diagnose_lyapunov(struct run *run, struct diagnostics *d)
@@ -113,7 +113,7 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
     struct pk_lyapunov l = {0};
     char reason[512] = "";
     /* A displacement off the constraints grows as nothing on them does. */
-    const int bound = run->problem.system->n_constraints > 0;
+    const int bound = run->problem.system->constraints.n > 0;
     enum pk_status status = PK_REFUSED;
     if (!bound)
         status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q, s->v,

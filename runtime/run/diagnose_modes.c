@@ -33,7 +33,7 @@ static const char *unfit(const struct pk_system *system, size_t n)
 {
     if (diagnose_not_free(system))
         return diagnose_not_free(system);
-    if (system->n_states)
+    if (system->n_first_order)
         return "normal modes are of coordinates alone, and the model has states, which have no "
                "momenta";
     if (n > MOST)

@@ -16,7 +16,7 @@ void diagnose_reversal(struct run *run, struct diagnostics *d)
     const enum pk_status status =
         pk_reversal_find(&r, &it, &run->problem, s->method, &s->options, 0, s->q, s->v, run->it.t,
                          (pk_real)THRESHOLD, block, size);
-    if (status == PK_REFUSED && run->settings.system->n_switches && !run->settings.system->impulses &&
+    if (status == PK_REFUSED && run->settings.system->switches.n && !run->settings.system->switches.impulses &&
         !(run->settings.system->facts & PK_SMOOTH))
         strcpy(reason, "the way back is not followed through switches: give a method that needs no "
                        "smooth equations, as dop853");

@@ -65,7 +65,7 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
         if (at_events)
             snprintf(reason, sizeof reason,
                      "rows are at event %s alone: give --every too, for rows at equal times",
-                     run->problem.system->events[set->at - 1].what.name);
+                     run->problem.system->events.table[set->at - 1].what.name);
         else
             snprintf(reason, sizeof reason,
                      "%zu rows at equal times; at least %d are needed: --every", count,

@@ -37,7 +37,7 @@ void diagnose_symplectic(struct run *run, struct diagnostics *d)
     const char *reason = pk_status_text(made ? PK_DONE : last);
     if (!made && last == PK_REFUSED)
         reason = diagnose_not_free(system) ? diagnose_not_free(system)
-                 : system->n_states
+                 : system->n_first_order
                      ? "states have no momenta, so there is no symplectic form to be kept"
                  : diagnose_no_variation(system)
                      ? diagnose_no_variation(system)

@@ -51,7 +51,7 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
     struct settings *s = &run->settings;
     void *const params = s->params;
     pk_real *const u = s->u;
-    const size_t m = b->system->n_quadratures;
+    const size_t m = b->system->quadratures.n;
     if (e->status[i] == PK_BAD_ARGUMENT || e->status[i] == PK_REFUSED)
         return;
     s->params = b->params + i * b->system->params_size;
@@ -149,8 +149,8 @@ static void report(const struct run *run, const struct batch *b, const struct ta
 static const char *ended(const struct settings *s, const struct tally *tally)
 {
     int stops = 0;
-    for (size_t k = 0; s->watch && k < s->system->n_events; k++)
-        stops |= s->system->events[k].stop;
+    for (size_t k = 0; s->watch && k < s->system->events.n; k++)
+        stops |= s->system->events.table[k].stop;
     return !stops ? "they failed" : tally->failed ? "they failed or an event stopped them"
                                                   : "an event stopped them";
 }

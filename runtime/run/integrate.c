@@ -141,7 +141,7 @@ static enum pk_status many(struct run *run, pk_real end)
 static int step(struct run *run)
 {
     struct pk_integrator *it = &run->it;
-    const int fused = run->problem.system->advance && is_fixed(run);
+    const int fused = run->problem.system->families.advance && is_fixed(run);
     const pk_real end = limit(run);
     const enum pk_status status = fused ? many(run, end) : watch_step(run, end);
     if (status < 0)

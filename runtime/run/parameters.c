@@ -35,8 +35,8 @@ void parameters_refused(FILE *file, const struct pk_system *system, const void *
         struct pk_range range = {0, 1, 0};
         char unit[80] = "";
         pk_real x = 0;
-        if (system->range)
-            system->range(params, 1, i, &range);
+        if (system->families.range)
+            system->families.range(params, 1, i, &range);
         if (!range.is_family)
             memcpy(&x, (const char *)params + p->offset, sizeof x);
         if (*p->what.unit)

@@ -135,13 +135,13 @@ void report_run(struct run *run, FILE *file)
     report_real(file, trust_last_valid(run));
     fputs(",\n  ", file);
     /* Of a large system the last row has them. */
-    const size_t coordinates = it->n - run->problem.system->n_states;
+    const size_t coordinates = it->n - run->problem.system->n_first_order;
     report_numbers(file, "q", it->q, it->n <= MOST_LISTED ? coordinates : 0);
     fputs(", ", file);
     report_numbers(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
     if (it->z) {
         fputs(", ", file);
-        report_numbers(file, "z", it->z, run->problem.system->n_quadratures);
+        report_numbers(file, "z", it->z, run->problem.system->quadratures.n);
     }
     fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
     fputs("  \"step\": ", file);

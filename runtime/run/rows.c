@@ -19,7 +19,7 @@ void rows_begin(struct run *run)
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
     run->row = (pk_real *)memory_take(
-        &run->memory, 2 * s->n + system->n_observed + system->n_quadratures + 1, sizeof *run->row);
+        &run->memory, 2 * s->n + system->n_observed + system->quadratures.n + 1, sizeof *run->row);
     run->cells = (pk_real *)memory_take(&run->memory, 1 + s->n_show, sizeof *run->cells);
 }
 
@@ -58,7 +58,7 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
     const struct pk_run_column *show = &s->show[i - before];
     const struct pk_quantity *const places = show->kind == 'v' ? system->rates : system->coordinates;
     const struct pk_quantity *what = show->kind == 'o'   ? &system->observed[show->index]
-                                     : show->kind == 'z' ? &system->quadratures[show->index]
+                                     : show->kind == 'z' ? &system->quadratures.names[show->index]
                                                          : NULL;
     if (show->kind == 'e') {
         *unit = dimensionless ? "" : "J";
@@ -68,7 +68,7 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
         snprintf(name, size, "%s", what->name);
     } else {
         pk_system_name(system, s->params, places, show->index, name, size);
-        *unit = system->count ? "" : places[show->index].unit;
+        *unit = system->families.count ? "" : places[show->index].unit;
     }
     return 1;
 }

@@ -118,7 +118,7 @@ static enum pk_run_code start(struct run *run)
         run_quadratures(run, &run->it) < 0)
         return PK_RUN_FAILED;
     /* Steps as long as rows are apart may be too long to see events in. */
-    if (run->problem.system->n_events && s->method->resolved && !s->has_step) {
+    if (run->problem.system->events.n && s->method->resolved && !s->has_step) {
         const pk_real most = s->method->resolved(&run->it), h = s->options.h;
         s->options.h = h > most ? h / run_intervals(h, most) : h;
         pk_integrator_set_step(&run->it, s->options.h);

@@ -53,22 +53,22 @@ struct pk_run_settings pk_run_defaults(void)
 static int sizes(struct settings *s, const struct pk_run_settings *given)
 {
     const struct pk_system *system = s->system;
-    if (system->set_sizes)
-        system->set_sizes(s->params);
+    if (system->families.set_sizes)
+        system->families.set_sizes(s->params);
     for (size_t k = 0; k < given->n_sizes; k++) {
         const struct pk_run_value x = given->sizes[k];
-        if (x.index >= system->n_sizes || !(x.value >= 1) || !(x.value < PTRDIFF_MAX / 64))
+        if (x.index >= system->families.n_sizes || !(x.value >= 1) || !(x.value < PTRDIFF_MAX / 64))
             return 0;
         const ptrdiff_t length = (ptrdiff_t)x.value;
-        memcpy((char *)s->params + system->sizes[x.index].offset, &length, sizeof length);
+        memcpy((char *)s->params + system->families.sizes[x.index].offset, &length, sizeof length);
     }
-    if (system->attach)
-        system->attach(s->params, memory_take(s->memory, system->block_size(s->params), 1));
+    if (system->families.attach)
+        system->families.attach(s->params, memory_take(s->memory, system->families.block_size(s->params), 1));
     s->n = pk_system_count(system, s->params);
-    s->q = (pk_real *)memory_take(s->memory, 2 * s->n + system->n_quadratures, sizeof *s->q);
+    s->q = (pk_real *)memory_take(s->memory, 2 * s->n + system->quadratures.n, sizeof *s->q);
     s->v = s->q + s->n;
     s->z = s->v + s->n;
-    s->start_given = (unsigned char *)memory_take(s->memory, 2 * s->n + system->n_quadratures, 1);
+    s->start_given = (unsigned char *)memory_take(s->memory, 2 * s->n + system->quadratures.n, 1);
     system->defaults(s->params);
     return 1;
 }
@@ -83,8 +83,8 @@ static int parameter(struct settings *s, const struct pk_run_value *x, int membe
     pk_real *values;
     if (x->index >= system->n_parameters || !(x->value - x->value == 0))
         return 0;
-    if (system->range)
-        system->range(s->params, 1, x->index, &range);
+    if (system->families.range)
+        system->families.range(s->params, 1, x->index, &range);
     void *const place = (char *)s->params + system->parameters[x->index].offset;
     s->given[x->index] = 1;
     if (!range.is_family) {
@@ -110,8 +110,8 @@ static int parameters(struct settings *s, const struct pk_run_settings *given)
         if (!parameter(s, &given->parameters[k], 0))
             return 0;
         const size_t i = given->parameters[k].index;
-        if (system->range)
-            system->range(s->params, 1, i, &range);
+        if (system->families.range)
+            system->families.range(s->params, 1, i, &range);
         families |= range.is_family;
         whole[i] = !range.is_family;
     }
@@ -139,7 +139,7 @@ static int start(struct run *run, const struct pk_run_settings *given)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
-    const size_t n = s->n, quadratures = system->n_quadratures;
+    const size_t n = s->n, quadratures = system->quadratures.n;
     pk_real *q = (pk_real *)memory_take(s->memory, 2 * n, sizeof *q);
     system->start(s->params, q, q + n);
     memcpy(s->q, q, 2 * n * sizeof *q);
@@ -158,7 +158,7 @@ static int is_column(const struct settings *s, struct pk_run_column c)
     const struct pk_system *system = s->system;
     const size_t count = c.kind == 'q' || c.kind == 'v' ? s->n
                          : c.kind == 'o'                ? system->n_observed
-                         : c.kind == 'z'                ? system->n_quadratures
+                         : c.kind == 'z'                ? system->quadratures.n
                          : c.kind == 'i'                ? system->n_inputs
                          : c.kind == 'p'                ? system->n_parameters
                                                         : c.kind == 'e' && system->energy;
@@ -178,7 +178,7 @@ static int columns(struct settings *s, const struct pk_run_settings *given)
 {
     const struct pk_system *system = s->system;
     const size_t q = pk_system_coordinates(system, s->params);
-    const size_t counts[] = {q, s->n, system->n_observed, system->n_quadratures,
+    const size_t counts[] = {q, s->n, system->n_observed, system->quadratures.n,
                              system->energy != NULL};
     size_t all = 0;
     s->n_show = given->n_columns;
@@ -212,7 +212,7 @@ static int expectations(struct settings *s, const struct pk_run_settings *given)
         const struct pk_run_expected *x = &given->expected[i];
         if (!strchr("=<>", x->relation) || !strchr("rte", x->when) || !is_column(s, x->a) ||
             !is_column(s, x->b) || (x->within.kind && !is_column(s, x->within)) ||
-            (x->when == 'e' && x->event >= s->system->n_events))
+            (x->when == 'e' && x->event >= s->system->events.n))
             return 0;
         s->expected[i].of = *x;
     }
@@ -326,7 +326,7 @@ enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model
     }
     if (!start(run, given))
         return refused(run, "there is no such start or input");
-    if (!columns(s, given) || !expectations(s, given) || s->at > system->n_events)
+    if (!columns(s, given) || !expectations(s, given) || s->at > system->events.n)
         return refused(run, "there is no such column or event");
     if (!members(s, given))
         return refused(run, "members have no such column");
@@ -357,18 +357,18 @@ struct pk_problem run_problem(struct run *run)
     struct settings *s = &run->settings;
     run->bare = *s->system;
     if (s->bare || !shows_quadratures(s))
-        run->bare.n_quadratures = 0;
+        run->bare.quadratures.n = 0;
     if (s->bare)
-        run->bare.n_events = 0;
+        run->bare.events.n = 0;
     return (struct pk_problem){&run->bare, s->params, constant_input, s};
 }
 
 void settings_z(const struct settings *s, const void *params, pk_real *z)
 {
-    memset(z, 0, s->system->n_quadratures * sizeof *z);
-    if (s->system->quadrature_start)
-        s->system->quadrature_start(params, z);
-    for (size_t i = 0; i < s->system->n_quadratures; i++)
+    memset(z, 0, s->system->quadratures.n * sizeof *z);
+    if (s->system->quadratures.start)
+        s->system->quadratures.start(params, z);
+    for (size_t i = 0; i < s->system->quadratures.n; i++)
         if (s->start_given[2 * s->n + i])
             z[i] = s->z[i];
 }
@@ -378,7 +378,7 @@ enum pk_status run_quadratures(struct run *run, struct pk_integrator *it)
     const struct settings *s = &run->settings;
     if (!it->z)
         return PK_DONE;
-    pk_real *z = (pk_real *)memory_take(s->memory, s->system->n_quadratures, sizeof *z);
+    pk_real *z = (pk_real *)memory_take(s->memory, s->system->quadratures.n, sizeof *z);
     settings_z(s, it->problem.params, z);
     const enum pk_status status = pk_integrator_set_quadratures(it, z);
     memory_drop(s->memory, z);

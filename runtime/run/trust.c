@@ -121,7 +121,7 @@ void trust_reason(const struct run *run, char *text, size_t size)
     /* What is singular ends these steps, and not the motion. */
     if (run->goes_on &&
         (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
-        pk_system_guard_name(it->problem.system, it->problem.params, it->where, name, sizeof name);
+        pk_system_singularity_name(it->problem.system, it->problem.params, it->where, name, sizeof name);
         snprintf(text, size, "the steps come to %s = 0 at t = %.17g; last valid time %.17g", name,
                  (double)it->detail, (double)it->t);
     }

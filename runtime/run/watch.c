@@ -20,7 +20,7 @@ static void note_time(struct crossed *crossed, pk_real t)
 static void switched(void *context, const struct pk_events *events)
 {
     struct run *run = (struct run *)context;
-    note_time(&run->crossed[run->problem.system->n_events + events->which], events->t);
+    note_time(&run->crossed[run->problem.system->events.n + events->which], events->t);
     run_due(run, events->t);
 }
 
@@ -49,7 +49,7 @@ static void doubtful(void *context, const struct pk_events *events)
 enum pk_run_code watch_begin(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
-    const size_t m = system->n_events, all = m + system->n_switches;
+    const size_t m = system->events.n, all = m + system->switches.n;
     const size_t size = pk_events_size(&run->problem, run->settings.method);
     if (all == 0)
         return PK_RUN_DONE;
@@ -77,7 +77,7 @@ enum pk_run_code watch_begin(struct run *run)
 static void note_leaving(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
-    const size_t n = run->it.n, m = system->n_events;
+    const size_t n = run->it.n, m = system->events.n;
     const pk_real t = run->it.t, *u = run->settings.u;
     pk_real *g = run->event_values, *moved = g + m, *x = moved + m;
     int all = 1;
@@ -87,11 +87,11 @@ static void note_leaving(struct run *run)
         return;
     memcpy(x, run->it.q, n * sizeof *x);
     memcpy(x + n, run->it.v, n * sizeof *x);
-    system->event(run->settings.params, t, x, x + n, u, g);
+    system->events.values(run->settings.params, t, x, x + n, u, g);
     for (size_t i = 0; i < 2 * n; i++) {
         const pk_real was = x[i], part = PK_C(1e-4);
         x[i] += part * was;
-        system->event(run->settings.params, t, x, x + n, u, moved);
+        system->events.values(run->settings.params, t, x, x + n, u, moved);
         x[i] = was;
         for (size_t k = 0; k < m; k++)
             run->crossed[k].parts = PK_F(fmax)(run->crossed[k].parts,
@@ -115,8 +115,8 @@ enum pk_status watch_step(struct run *run, pk_real limit)
 
 const char *watch_name(const struct pk_system *system, size_t k)
 {
-    return k < system->n_events ? system->events[k].what.name
-                                : system->switches[k - system->n_events].name;
+    return k < system->events.n ? system->events.table[k].what.name
+                                : system->switches.names[k - system->events.n].name;
 }
 
 /* The integrator of the run, or those of its parts; NULL behind the last. */
@@ -135,7 +135,7 @@ static void warn_of_short_forces(struct run *run)
             run_say(run, "warning: %s: from t = %.9g on steps are too long for what it does within "
                     "them (%lu of them), it may be missed: take shorter ones (--step), or an "
                     "adaptive method",
-                    it->problem.system->marks[it->passed_over.which].name,
+                    it->problem.system->marks.names[it->passed_over.which].name,
                     (double)it->passed_over.t, it->passed_over.count);
 }
 
@@ -143,16 +143,16 @@ void watch_warn(struct run *run)
 {
     const struct pk_system *system = run->problem.system;
     warn_of_short_forces(run);
-    for (size_t k = 0; run->crossed && k < system->n_events + system->n_switches; k++)
+    for (size_t k = 0; run->crossed && k < system->events.n + system->switches.n; k++)
         if (run->crossed[k].doubts)
             run_say(run, "warning: %s %s: from t = %.9g on %s",
-                    k < system->n_events ? "event" : "switch", watch_name(system, k),
+                    k < system->events.n ? "event" : "switch", watch_name(system, k),
                     (double)run->crossed[k].doubtful_t, WATCH_TOO_OFTEN);
-    for (size_t k = 0; run->crossed && k < run->problem.system->n_events; k++)
+    for (size_t k = 0; run->crossed && k < run->problem.system->events.n; k++)
         if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
             run_say(run, "event %s: its function stays within %g of zero, beside what it is made "
                     "of: its crossings may be no more than errors",
-                    run->problem.system->events[k].what.name, (double)NOISE);
+                    run->problem.system->events.table[k].what.name, (double)NOISE);
 }
 
 static void report_times(FILE *file, const struct crossed *crossed)
@@ -169,17 +169,17 @@ void watch_report(const struct run *run, FILE *file)
 {
     const struct pk_system *system = run->problem.system;
     fputs("  \"events\": [", file);
-    for (size_t k = 0; run->crossed && k < system->n_events; k++) {
+    for (size_t k = 0; run->crossed && k < system->events.n; k++) {
         fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
-        report_text(file, system->events[k].what.name);
-        fprintf(file, ", \"stop\": %s", system->events[k].stop ? "true" : "false");
+        report_text(file, system->events.table[k].what.name);
+        fprintf(file, ", \"stop\": %s", system->events.table[k].stop ? "true" : "false");
         report_times(file, &run->crossed[k]);
     }
     fputs("],\n  \"switches\": [", file);
-    for (size_t k = 0; run->crossed && k < system->n_switches; k++) {
+    for (size_t k = 0; run->crossed && k < system->switches.n; k++) {
         fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
-        report_text(file, system->switches[k].name);
-        report_times(file, &run->crossed[system->n_events + k]);
+        report_text(file, system->switches.names[k].name);
+        report_times(file, &run->crossed[system->events.n + k]);
     }
     fprintf(file, "],\n  \"event_tries\": %lu,\n  \"passed_over\": [", run->events.tries);
     const struct pk_integrator *it;
@@ -188,7 +188,7 @@ void watch_report(const struct run *run, FILE *file)
         if (!it->passed_over.count)
             continue;
         fputs(listed++ ? ", {\"name\": " : "{\"name\": ", file);
-        report_text(file, it->problem.system->marks[it->passed_over.which].name);
+        report_text(file, it->problem.system->marks.names[it->passed_over.which].name);
         fprintf(file, ", \"steps\": %lu, \"t\": ", it->passed_over.count);
         report_real(file, it->passed_over.t);
         fputs("}", file);

@@ -34,11 +34,11 @@ struct work {
     struct done *done;
 };
 
-int watched_by_one(const struct settings *s) { return s->watch || s->system->n_switches > 0; }
+int watched_by_one(const struct settings *s) { return s->watch || s->system->switches.n > 0; }
 
 static size_t kinds(const struct settings *s)
 {
-    return s->system->n_events + s->system->n_switches;
+    return s->system->events.n + s->system->switches.n;
 }
 
 /* With a state, parameters, inputs, verdicts and memory of its own. */
@@ -105,7 +105,7 @@ static void member(void *context, size_t i)
     const struct work *w = (const struct work *)context;
     struct done *done = &w->done[i];
     struct run *run = done->run;
-    const size_t m = w->b->system->n_quadratures;
+    const size_t m = w->b->system->quadratures.n;
     run->member = w->first + i;
     if (setjmp(run->memory.none)) {
         run->it.status = PK_NO_MEMORY;
@@ -158,7 +158,7 @@ static void merge(struct run *run, struct done *done, struct tally *tally)
         tally->crossings[k] += done->count[k];
         tally->never[k] += done->count[k] == 0;
         tally->doubts[k] += done->count[kinds(&run->settings) + k] > 0;
-        if (tally->first && k < run->settings.system->n_events)
+        if (tally->first && k < run->settings.system->events.n)
             tally->first[k * run->settings.members + i] = done->first[k];
     }
 }
@@ -172,7 +172,7 @@ void watched_begin(struct tally *tally, struct run *run)
     tally->never = tally->crossings + m;
     tally->doubts = tally->never + m;
     if (s->watch > 1)
-        tally->first = (pk_real *)memory_take(memory, s->system->n_events * s->members,
+        tally->first = (pk_real *)memory_take(memory, s->system->events.n * s->members,
                                               sizeof *tally->first);
 }
 
@@ -220,14 +220,14 @@ void watched_warn(struct run *run, const struct tally *tally)
 
 void watched_report(const struct tally *tally, const struct settings *s, FILE *file)
 {
-    const size_t m = s->system->n_events;
+    const size_t m = s->system->events.n;
     if (!tally->crossings)
         return;
     fprintf(file, "  \"first_member\": %ld,\n  \"events\": [", ensemble_number(s, 0));
     for (size_t k = 0; k < m; k++) {
         fputs(k ? "," : "", file);
-        report_kind(file, tally, k, s->system->events[k].what.name);
-        fprintf(file, ", \"stop\": %s", s->system->events[k].stop ? "true" : "false");
+        report_kind(file, tally, k, s->system->events.table[k].what.name);
+        fprintf(file, ", \"stop\": %s", s->system->events.table[k].stop ? "true" : "false");
         if (tally->first) {
             fputs(", ", file);
             report_numbers(file, "first", tally->first + k * s->members, s->members);
@@ -237,7 +237,7 @@ void watched_report(const struct tally *tally, const struct settings *s, FILE *f
     fputs("],\n  \"switches\": [", file);
     for (size_t k = m; k < kinds(s); k++) {
         fputs(k > m ? "," : "", file);
-        report_kind(file, tally, k, s->system->switches[k - m].name);
+        report_kind(file, tally, k, s->system->switches.names[k - m].name);
         fputs("}", file);
     }
     fputs("],\n", file);

@@ -58,12 +58,12 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
                     what, detail, h, t);
 }
 
-static const char *const guard_use[] = {
-    [PK_GUARD_COORDINATES] = "M is singular there",
-    [PK_GUARD_DIVISOR] = "they divide by it",
-    [PK_GUARD_ROOT] = "they take a root of it",
-    [PK_GUARD_LOGARITHM] = "they take its logarithm",
-    [PK_GUARD_ARC] = "their asin or acos ends there",
+static const char *const singularity_use[] = {
+    [PK_SINGULARITY_COORDINATES] = "M is singular there",
+    [PK_SINGULARITY_DIVISOR] = "they divide by it",
+    [PK_SINGULARITY_ROOT] = "they take a root of it",
+    [PK_SINGULARITY_LOGARITHM] = "they take its logarithm",
+    [PK_SINGULARITY_ARC] = "their asin or acos ends there",
 };
 
 /* An acceleration that does not grow on the way to a division by zero seems to have a limit there:
@@ -72,17 +72,17 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
-    if (it->where >= it->own->n_guards)
+    if (it->where >= it->own->n_singularities)
         return snprintf(text, size, "%s; last valid time %.17g", pk_status_text(it->status),
                         (double)it->t);
-    const struct pk_guard *guard =
-        &system->guards[pk_system_guard(system, params, it->where).guard];
+    const struct pk_singularity *singularity =
+        &system->singularities.table[pk_system_singularity(system, params, it->where).singularity];
     char name[128];
-    pk_system_guard_name(system, params, it->where, name, sizeof name);
-    const int removable = guard->kind == PK_GUARD_DIVISOR && pk_finite(it->own->condition);
+    pk_system_singularity_name(system, params, it->where, name, sizeof name);
+    const int removable = singularity->kind == PK_SINGULARITY_DIVISOR && pk_finite(it->own->condition);
     return snprintf(text, size, "%s: %s vanishes at t = %.17g, and %s%s; last valid time %.17g",
                     pk_status_text(it->status), name, (double)it->detail,
-                    guard_use[guard->kind],
+                    singularity_use[singularity->kind],
                     removable ? "; the acceleration stays finite on the way there: if the "
                                 "expression has a limit, as sin(x)/x has, write it without the "
                                 "division"
@@ -107,7 +107,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             if (pk_missing_facts(system, it->method) & fact_text[i].fact)
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
-        if (pk_sides_missing(it) && system->impulses)
+        if (pk_sides_missing(it) && system->switches.impulses)
             return snprintf(text, size,
                             "the rates of %s jump where one of its switches vanishes: make steps by "
                             "pk_events_step(), which does what follows there",
@@ -116,11 +116,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs a smooth system; %s changes where %s vanishes: make steps by "
                             "pk_events_step(), which ends them there",
-                            it->method->name, system->name, system->switches[0].name);
-        if (system->count && (it->method->traits & PK_HOLONOMIC))
+                            it->method->name, system->name, system->switches.names[0].name);
+        if (system->families.count && (it->method->traits & PK_HOLONOMIC))
             return snprintf(text, size, "%s needs M; %s keeps its families as loops and has none",
                             it->method->name, system->name);
-        if (system->count && (it->method->traits & PK_JACOBIANS))
+        if (system->families.count && (it->method->traits & PK_JACOBIANS))
             return snprintf(text, size,
                             "%s needs Jacobians; %s keeps its families as loops and has none",
                             it->method->name, system->name);
@@ -135,11 +135,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs the derivative by time, and %s has inputs, whose is unknown",
                             it->method->name, system->name);
-        if (system->n_quadratures && !it->method->stage)
+        if (system->quadratures.n && !it->method->stage)
             return snprintf(text, size, "%s carries no quadratures, and %s has %s", it->method->name,
-                            system->name, system->quadratures[0].name);
+                            system->name, system->quadratures.names[0].name);
         if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
-            pk_constraint_name(system, system->n_holonomic, name, sizeof name);
+            pk_constraint_name(system, system->constraints.n_holonomic, name, sizeof name);
             return snprintf(text, size,
                             "%s takes constraints of positions alone, and %s is one of the rates "
                             "(rolling): use gauss", it->method->name, name);
@@ -176,9 +176,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_SINGULAR_COORDINATES:
         return singular(it, text, size);
     case PK_STEP_TOO_LONG:
-        snprintf(name, sizeof name, "a guard");
-        if (it->where < it->own->n_guards)
-            pk_system_guard_name(system, it->problem.params, it->where, name, sizeof name);
+        snprintf(name, sizeof name, "a singularity");
+        if (it->where < it->own->n_singularities)
+            pk_system_singularity_name(system, it->problem.params, it->where, name, sizeof name);
         return snprintf(text, size,
                         "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
                         "from there the motion does not: make the steps shorter; last valid time "
@@ -189,7 +189,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "the motion stays on %s = 0: on either side of it the equations lead "
                         "back to it, and what follows they do not say; a smooth function in place "
                         "of the jump, such as tanh, does; last valid time %.17g",
-                        it->where < system->n_switches ? system->switches[it->where].name : "x", t);
+                        it->where < system->switches.n ? system->switches.names[it->where].name : "x", t);
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
@@ -225,16 +225,16 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_STOPPED_EVENT:
         if (it->event)
             return snprintf(text, size, "stopped at event %s at t = %.17g",
-                            system->events[it->event - 1].what.name, t);
+                            system->events.table[it->event - 1].what.name, t);
         return snprintf(text, size, "%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
-        if (it->event > system->n_events)
+        if (it->event > system->events.n)
             return snprintf(text, size, "%s, at whose zeros the equations change, is not finite at "
                             "t = %.17g",
-                            system->switches[it->event - 1 - system->n_events].name, t);
+                            system->switches.names[it->event - 1 - system->events.n].name, t);
         if (it->event)
             return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
-                            system->events[it->event - 1].what.name, t);
+                            system->events.table[it->event - 1].what.name, t);
         return snprintf(text, size, "%s; last valid time %.17g", what, t);
     case PK_DONE:
     case PK_STOPPED_USER:

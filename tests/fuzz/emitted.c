@@ -18,10 +18,10 @@ static void *room(size_t bytes) { return calloc(1, bytes + 1); }
 static void *prepared(void)
 {
     void *params = room(MODEL.params_size);
-    if (MODEL.set_sizes)
-        MODEL.set_sizes(params);
-    if (MODEL.attach)
-        MODEL.attach(params, room(MODEL.block_size(params)));
+    if (MODEL.families.set_sizes)
+        MODEL.families.set_sizes(params);
+    if (MODEL.families.attach)
+        MODEL.families.attach(params, room(MODEL.families.block_size(params)));
     MODEL.defaults(params);
     return params;
 }

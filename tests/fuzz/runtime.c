@@ -123,7 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t length)
     const unsigned set = byte(&b);
     shape = byte(&b);
     if (set & 1)
-        system_.n_events = 2, system_.events = events_of, system_.event = event;
+        system_.events.n = 2, system_.events.table = events_of, system_.events.values = event;
     if (set & 2)
         system_.steppers = NULL, system_.block_steppers = NULL;
     options.h = set & 4 ? number(&b) : 0.01;
@@ -137,7 +137,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t length)
     system_.start(&params, q, v);
     if (set & 128) {
         params.g = number(&b), params.limit = number(&b);
-        if (!system_.n_rotations && !system_.n_constraints)
+        if (!system_.n_rotations && !system_.constraints.n)
             for (size_t i = 0; i < n; i++)
                 q[i] = number(&b), v[i] = number(&b);
         system_.prepare(&params);
@@ -175,7 +175,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t length)
     if (set & 1 && shape > 200) {
         static double crowd[4 * SIZE];
         system_.start(&params, q, v);
-        system_.n_events = 0;
+        system_.events.n = 0;
         options.max_steps = 30;
         ensemble(&problem, method, &options, q, v, crowd, sizeof crowd);
     }

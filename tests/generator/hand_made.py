@@ -170,7 +170,7 @@ def make(
         pdot_q=jacobian(slope, world.q, Kind.COORDINATE),
         pdot_v=jacobian(slope, world.v, Kind.RATE),
         linear=None,
-        guards=(),
+        singularities=(),
         observed=tuple(outputs.values()),
         conserved=(),
         events=(),

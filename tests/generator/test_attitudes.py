@@ -153,20 +153,20 @@ def test_accelerations_are_lagranges_in_angles(tmp_path, compiler, by_angles):
         assert a[5:7] == pytest.approx([h / 2 for h in half], rel=1e-14)
 
 
-def test_momentum_and_force_of_unbound_give_the_same_motion(hung):
+def test_momentum_and_force_of_unconstrained_give_the_same_motion(hung):
     """d/dt of p along the motion is pdot: p and pdot are of the body frame, M a = dp/dt at a."""
     c = hung
     quaternion, q, v, t = somewhere(random.Random(7))
     state = [*q, *[0.0] * 7], [*v, *quaternion]
     _, (a,) = c.call("acceleration", t, *state)
-    _, (p, pdot) = c.call("unbound", t, *state)
+    _, (p, pdot) = c.call("unconstrained", t, *state)
     _, (M,) = c.call("inertia", t, *state)
     h = 1e-6
 
     def later(step: float) -> list[float]:
         moved = [x + step * r for x, r in zip(q, v, strict=False)]
         rates = [r + step * b for r, b in zip(state[1], a, strict=True)]
-        return c.call("unbound", t + step, [*moved, *[0.0] * 7], rates)[1][0]
+        return c.call("unconstrained", t + step, [*moved, *[0.0] * 7], rates)[1][0]
 
     slope = [(x - y) / (2 * h) for x, y in zip(later(h), later(-h), strict=True)]
     assert slope == pytest.approx(pdot, rel=1e-8, abs=1e-8)
@@ -275,7 +275,7 @@ def test_the_reference_of_states_is_not_needed():
     """The C of a rotation is that of its equations handed on as rates."""
     made = compile_model(Source("model.lag", HUNG))
     e, structure = as_rates(made.equations, made.structure, None)
-    assert e.n_states == 7 and len(e.rates) == 9
+    assert e.n_first_order == 7 and len(e.rates) == 9
     assert lower(e, structure).equations.momenta_names[2].name == "p_R.x"
     assert analyze(made.equations).conservative is False
 

@@ -115,12 +115,12 @@ def test_forces_are_dalemberts(tmp_path, compiler, monkeypatch):
             multipliers, abs=1e-8 * size
         )
         assert numpy.abs(multipliers).min() > 1e-6
-        rows, left = called(bound, "rows", *state)
+        rows, left = called(bound, "constraint_jacobian", *state)
         assert numpy.array(rows).reshape(4, 12)[:, :7] == pytest.approx(J, abs=1e-14)
         assert not numpy.array(rows).reshape(4, 12)[:, 7:].any()
         assert left == pytest.approx(residual, abs=1e-14)
         tension, side = called(bound, "observe", *state)[0]
-        p = called(bound, "unbound", *state)[0]
+        p = called(bound, "unconstrained", *state)[0]
         assert tension == pytest.approx(2 * multipliers[0], abs=1e-8 * size)
         assert side == pytest.approx(multipliers[3] + p[3], abs=1e-8 * size)
         force = called(bound, "force", *state)[0][:7]
@@ -151,7 +151,7 @@ def test_terms_are_the_sizes_of_places_and_of_rates(tmp_path, monkeypatch):
     draw = random.Random(7)
     for _ in range(5):
         t, q, v, Q, s = somewhere(draw)
-        places, rows = called(c, "terms", t, q, v, Q, s)
+        places, rows = called(c, "residual_scale", t, q, v, Q, s)
         known = {Symbol(Kind.TIME, 0): t, Symbol(Kind.PARAMETER, 0): 1.3}
         known |= {Symbol(Kind.PARAMETER, 1): 0.7}
         known |= {Symbol(Kind.COORDINATE, i): x for i, x in enumerate(q)}
@@ -167,14 +167,14 @@ def test_terms_are_the_sizes_of_places_and_of_rates(tmp_path, monkeypatch):
             assert seen <= 1.0001 * size < 3 * seen
 
 
-def test_unbound_is_the_model_without_its_constraints(tmp_path, monkeypatch):
+def test_unconstrained_is_the_model_without_its_constraints(tmp_path, monkeypatch):
     without_start_check(monkeypatch)
     texts = ("model free_of_all\n" + BODY, "model bound\n" + BODY + ROWS)
     free, bound = (
         Loaded(compile_model(Source("model.lag", text)).program, tmp_path) for text in texts
     )
     state = somewhere(random.Random(3))
-    for kernel in ("unbound", "inertia"):
+    for kernel in ("unconstrained", "inertia"):
         mine, theirs = (called(c, kernel, *state) for c in (bound, free))
         for one, other in zip(mine, theirs, strict=True):
             assert one == pytest.approx(other, rel=1e-13, abs=1e-13)

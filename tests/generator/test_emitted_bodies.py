@@ -129,15 +129,15 @@ def test_the_system_says_what_there_is(tmp_path, monkeypatch_module):
     table = source[source.index("const struct pk_system") :]
     for line in (
         ".n = 12,",
-        ".n_states = 8,",
+        ".n_first_order = 8,",
         ".n_rotations = 1,",
-        ".n_constraints = 4,",
-        ".n_holonomic = 3,",
-        ".constraints = bound_constraints,",
-        ".constraint = bound_sys_constraint,",
-        ".rows = bound_sys_rows,",
-        ".multipliers = bound_sys_multipliers,",
-        ".unbound = bound_sys_unbound,",
+        ".constraints.n = 4,",
+        ".constraints.n_holonomic = 3,",
+        ".constraints.names = bound_constraints,",
+        ".constraints.values = bound_sys_constraint,",
+        ".constraints.jacobian = bound_sys_constraint_jacobian,",
+        ".constraints.multipliers = bound_sys_multipliers,",
+        ".unconstrained = bound_sys_unconstrained,",
         ".inertia = bound_sys_inertia,",
     ):
         assert line in table

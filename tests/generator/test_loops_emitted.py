@@ -72,9 +72,9 @@ int main(void)
 }
 """
 
-GUARD = """{
-            double *g = malloc(NAME_guard_count(&p) * sizeof *g);
-            NAME_guard(&p, 0, q, v, u, g);
+SINGULARITY = """{
+            double *g = malloc(NAME_singularity_count(&p) * sizeof *g);
+            NAME_singularity(&p, 0, q, v, u, g);
             free(g);
         }"""
 
@@ -85,7 +85,11 @@ GUARD = """{
 def test_sound_under_sanitizers(name, tmp_path):
     model = emitted(MODELS[name][0], tmp_path)
     text = USE.replace("NAME", model)
-    more = {"fput": "fput_verlet(&p, 0, 0.01, 20, q, v);", "wheel": GUARD, "cart": GUARD}
+    more = {
+        "fput": "fput_verlet(&p, 0, 0.01, 20, q, v);",
+        "wheel": SINGULARITY,
+        "cart": SINGULARITY,
+    }
     text = text.replace("ADVANCE", more.get(name, "").replace("NAME", model))
     (tmp_path / "use.c").write_text(text)
     flags = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]

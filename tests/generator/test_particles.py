@@ -156,7 +156,7 @@ def particles(text: str, kernels: frozenset[str] | None = ALL):
 def test_found(text: str) -> None:
     found, compilation = particles(text)
     assert found.why == "" and len(found.masses) == FOUND[text]
-    assert f".n_particles = {FOUND[text]}," in compilation.files["a.c"]
+    assert f".particles.n = {FOUND[text]}," in compilation.files["a.c"]
 
 
 @pytest.mark.parametrize("text", NOT)

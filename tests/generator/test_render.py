@@ -11,9 +11,8 @@ import pytest
 from c_harness import MODELS, ROOT, read_model
 from hand_made import World, make, pendulum_chain, structure
 from pkgen.back.c.ctext import fold
-from pkgen.back.c.kernels_bound import BOUND
 from pkgen.back.c.lower import lower
-from pkgen.back.c.render import pasted, render
+from pkgen.back.c.render import SYSTEM_KERNELS, pasted, render
 
 NASTY = 'ends */ early /* "quoted" back\\slash ??/ θ\u202e'
 
@@ -82,23 +81,32 @@ def test_every_symbol_has_the_models_name(files):
         assert tag.startswith(name + "_")
 
 
+def _members(header: str, struct: str) -> set[str]:
+    """Names of the functions in a struct of pk/system.h."""
+    body = header.split(f"\nstruct {struct} {{")[1].split("\n};")[0]
+    found = re.findall(r"\(\*(\w+)\)\(", body)
+    for kernels in re.findall(r"pk_kernel\w* ([^;]+);", body):
+        found += re.findall(r"\*(\w+)", kernels)
+    return set(found)
+
+
 def test_system_table_names_every_kernel(files):
     program, texts = files
-    source = texts[f"{program.equations.model.name}.c"]
+    name = program.equations.model.name
+    source = texts[f"{name}.c"]
     table = source[source.index("const struct pk_system") :]
+    for kernel in program.kernels:
+        if kernel.name in SYSTEM_KERNELS:
+            assert f".{SYSTEM_KERNELS[kernel.name]} = {name}_sys_{kernel.name}," in table
     header = (ROOT / "runtime/include/pk/system.h").read_text()
-    body = header[header.index("struct pk_system {") :]
-    loops = {"count", "set_sizes", "block_size", "attach", "range", "advance"}
-    loops |= {"guard_count", "guard_place"}
-    members = set(re.findall(r"\(\*(\w+)\)\(", body))
-    assert loops < members  # of families kept as loops alone
-    scenes = {"quadrature", "quadrature_start", "corner"}  # of a reduced scene, of impulses
-    kinks = {"switching", "marking"}  # of equations with step, abs, min or max; with exp, tanh
-    asked = {"particles"}  # of what a command asks for
-    bound = BOUND  # of models with rotations or constraints
-    assert scenes | kinks | asked | bound < members
-    for member in sorted(members - loops - scenes - kinks - asked - bound):
-        assert re.search(rf"\.{member} = \w+", table), member
+    parts = dict(re.findall(r"struct (pk_part_\w+) (\w+);", header))
+    fields = _members(header, "pk_system")
+    for struct, field in parts.items():
+        fields |= {f"{field}.{member}" for member in _members(header, struct)}
+    told = {"defaults", "derive", "prepare", "bounds", "start", "lanes", "members"}
+    told |= {"quadratures.start", "singularities.count", "singularities.place"}
+    told |= {field for field in fields if field.startswith("families.")}
+    assert fields == told | set(SYSTEM_KERNELS.values())
 
 
 def test_unused_arguments_are_named_once_and_used_ones_never(files):
@@ -169,7 +177,7 @@ def test_the_same_to_the_byte_for_all_hash_seeds(seeds):
 
 def test_a_long_string_stays_whole():
     name = "1 + 4*r - 1/(1 + 4*r)*(1/3*r*cos(y[1]) - 2*r)^2 - 1/(1 + ..."
-    line = '{{"' + name + '", "", ""}, PK_GUARD_COORDINATES},'
+    line = '{{"' + name + '", "", ""}, PK_SINGULARITY_COORDINATES},'
     folded = fold(line, 4).split("\n")
     assert len(folded) == 2 and all(part.count('"') % 2 == 0 for part in folded)
     assert " ".join(part.strip() for part in folded) == line

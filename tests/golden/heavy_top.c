@@ -810,8 +810,8 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
 
 /* what the equations divide by, or take a root or a logarithm of: they end where it is 0. 1
  * operation: 1 sin. */
-void heavy_top_guard(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                     const pk_real *v, const pk_real *u, pk_real *restrict out)
+void heavy_top_singularity(const struct heavy_top_params *p, pk_real t, const pk_real *q,
+                           const pk_real *v, const pk_real *u, pk_real *restrict out)
 {
     (void)p;
     (void)t;
@@ -965,10 +965,10 @@ static pk_real heavy_top_sys_potential(const void *p, pk_real t, const pk_real *
     return heavy_top_potential(p, t, q, v, u);
 }
 
-static void heavy_top_sys_guard(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                                const pk_real *u, pk_real *out)
+static void heavy_top_sys_singularity(const void *p, pk_real t, const pk_real *q,
+                                      const pk_real *v, const pk_real *u, pk_real *out)
 {
-    heavy_top_guard(p, t, q, v, u, out);
+    heavy_top_singularity(p, t, q, v, u, out);
 }
 
 static void heavy_top_sys_conserve(const void *p, pk_real t, const pk_real *q, const pk_real *v,
@@ -983,8 +983,8 @@ static unsigned long long heavy_top_sys_lanes(const void *p, const pk_real *t, c
     return heavy_top_lanes(p, t, q, v, u, a);
 }
 
-static const struct pk_guard heavy_top_sys_guards[1] = {
-    {{"sin(theta)", "", ""}, PK_GUARD_COORDINATES},
+static const struct pk_singularity heavy_top_sys_singularities[1] = {
+    {{"sin(theta)", "", ""}, PK_SINGULARITY_COORDINATES},
 };
 
 static const unsigned char heavy_top_sys_cyclic[3] = {1, 0, 1};
@@ -1009,8 +1009,6 @@ const struct pk_system heavy_top_system = {
     .coordinates = heavy_top_coordinates,
     .rates = heavy_top_rates,
     .momenta = heavy_top_momentum_names,
-    .inputs = NULL,
-    .observed = NULL,
     .conserved = heavy_top_conserved,
     .parameters = heavy_top_parameters,
     .cyclic = heavy_top_sys_cyclic,
@@ -1030,13 +1028,11 @@ const struct pk_system heavy_top_system = {
     .energy = heavy_top_sys_energy,
     .kinetic = heavy_top_sys_kinetic,
     .potential = heavy_top_sys_potential,
-    .observe = NULL,
     .conserve = heavy_top_sys_conserve,
     .linear = heavy_top_sys_linear,
-    .guard = heavy_top_sys_guard,
-    .event = NULL,
-    .n_guards = 1,
-    .guards = heavy_top_sys_guards,
+    .singularities.values = heavy_top_sys_singularity,
+    .singularities.n = 1,
+    .singularities.table = heavy_top_sys_singularities,
     .steppers = PK_INLINE_STEPPERS,
     .block_steppers = PK_INLINE_BLOCK_STEPPERS
 };

@@ -46,7 +46,7 @@
  *   lagrangian    15 operations: 3 +, 1 -, 9 *, 1 cos, 1 sin
  *   kinetic       13 operations: 3 +, 8 *, 1 cos, 1 sin
  *   potential     2 operations: 1 *, 1 cos
- *   guard         1 operation: 1 sin
+ *   singularity   1 operation: 1 sin
  *   conserve      4 operations: 1 +, 2 *, 1 cos
  *   prepare       16 operations: 5 -, 10 *, 1 /
  *
@@ -333,8 +333,8 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
 /* what the equations divide by, or take a root or a logarithm of: they end where it is 0
  *   out[1]: sin(theta)
  * 1 operation: 1 sin. */
-void heavy_top_guard(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                     const pk_real *v, const pk_real *u, pk_real *out);
+void heavy_top_singularity(const struct heavy_top_params *p, pk_real t, const pk_real *q,
+                           const pk_real *v, const pk_real *u, pk_real *out);
 
 /* quantities claimed to be constant
  *   out[1]: p_axis [kg*m^2/s]

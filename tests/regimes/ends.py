@@ -80,13 +80,13 @@ PREDICTIONS = [
         "X1", "Euler's disk, theta0 = .2, k = .01, dop853",
         "stops with PK_SINGULAR_TIME, its last valid time at theta0^2/(2 k)", 2.0, 1e-9,
         lambda: end_of_the_disk("dop853"),
-        "RK4 without guards, h = .01, runs on to", lambda: unguarded_disk(0.01),
+        "RK4 without singularities, h = .01, runs on to", lambda: unguarded_disk(0.01),
     ),
     Prediction(
         "X1a", "Euler's disk of first order, theta' = -k/theta, dop853",
         "stops with PK_SINGULAR_TIME, its last valid time at theta0^2/(2 k)", 2.0, 1e-9,
         lambda: end_of_the_disk("dop853", "euler_disk_first"),
-        "RK4 without guards, h = .01, runs on to", lambda: unguarded_state(0.01),
+        "RK4 without singularities, h = .01, runs on to", lambda: unguarded_state(0.01),
     ),
     *(
         Prediction(

@@ -17,11 +17,11 @@ struct probe *probe_open(const char *method)
     const struct pk_system *system = p->problem.system = &SYSTEM_OF(MODEL);
     p->params = calloc(1, system->params_size + sizeof(double));
     p->problem.params = p->params;
-    if (system->count) { /* families as loops: their sizes are the defaults */
-        system->set_sizes(p->params);
-        const size_t bytes = system->block_size(p->params);
+    if (system->families.count) { /* families as loops: their sizes are the defaults */
+        system->families.set_sizes(p->params);
+        const size_t bytes = system->families.block_size(p->params);
         p->families = malloc(bytes + sizeof(double));
-        system->attach(p->params, p->families);
+        system->families.attach(p->params, p->families);
     }
     system->defaults(p->params);
     p->method = pk_method_find(method);

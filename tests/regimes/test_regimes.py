@@ -47,7 +47,7 @@ def test_the_catalogue_is_large_enough() -> None:
 
 
 # Methods that are none of the runtime's.
-OTHERS = ("without compensated sums", "the same of each step's start", "RK4 without guards")
+OTHERS = ("without compensated sums", "the same of each step's start", "RK4 without singularities")
 
 
 def test_what_is_worse_is_a_method_or_says_why_not() -> None:

@@ -41,7 +41,7 @@ enum pk_status bound_go(struct bound_run *f, const struct pk_system *system, con
 
 double bound_distance(const struct bound_run *f, const double *q, const double *v)
 {
-    const size_t n = f->it.n, shown = n - f->problem.system->n_states;
+    const size_t n = f->it.n, shown = n - f->problem.system->n_first_order;
     double d = 0;
     for (size_t i = 0; i < n; i++)
         d = fmax(d, fmax(i < shown ? fabs(f->it.q[i] - q[i]) : 0, fabs(f->it.v[i] - v[i])));

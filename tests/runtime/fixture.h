@@ -33,14 +33,14 @@ void fixture_exact(struct fixture *f, const struct pk_system *system, const doub
                    const double *v, double t, int steps);
 typedef int acceleration_function(const void *, pk_real, const pk_real *, const pk_real *,
                                   const pk_real *, pk_real *);
-/* The oscillator with another acceleration and one guard, all through function pointers. */
-struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_guard *what,
-                               void (*guard)(const void *, pk_real, const pk_real *,
+/* The oscillator with another acceleration and one singularity, all through function pointers. */
+struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_singularity *what,
+                               void (*singularity)(const void *, pk_real, const pk_real *,
                                              const pk_real *, const pk_real *, pk_real *));
 /* r'' = J^2/r^3, the radial equation of a free point: limit is J. */
 int radial_acceleration(const void *p, double t, const double *q, const double *v, const double *u,
                         double *a);
-/* The guard q[0]. */
+/* The singularity q[0]. */
 void first_coordinate(const void *p, double t, const double *q, const double *v, const double *u,
                       double *out);
 /* Distance in (q, v), maximum norm. */
@@ -71,9 +71,9 @@ void add_ensemble(void);
 void add_advance(void);
 void add_adaptive_verlet(void);
 void add_linear(void);
-void add_guard(void);
-void add_guard_families(void);
-void add_guard_cause(void);
+void add_singularity(void);
+void add_singularity_families(void);
+void add_singularity_cause(void);
 void add_after_failure(void);
 void add_events(void);
 void add_events_within(void);

@@ -19,8 +19,8 @@ void fixture_set(struct fixture *f, const struct pk_system *system)
     f->options = pk_options_default();
 }
 
-struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_guard *what,
-                               void (*guard)(const void *, pk_real, const pk_real *,
+struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_singularity *what,
+                               void (*singularity)(const void *, pk_real, const pk_real *,
                                              const pk_real *, const pk_real *, pk_real *))
 {
     struct pk_system system = oscillator_system;
@@ -29,9 +29,9 @@ struct pk_system guarded_point(acceleration_function *acceleration, const struct
     system.steppers = NULL;
     system.block_steppers = NULL;
     system.members = NULL;
-    system.n_guards = 1;
-    system.guards = what;
-    system.guard = guard;
+    system.singularities.n = 1;
+    system.singularities.table = what;
+    system.singularities.values = singularity;
     return system;
 }
 
@@ -156,9 +156,9 @@ int main(int argc, char **argv)
     add_advance();
     add_adaptive_verlet();
     add_linear();
-    add_guard();
-    add_guard_families();
-    add_guard_cause();
+    add_singularity();
+    add_singularity_families();
+    add_singularity_cause();
     add_after_failure();
     add_events();
     add_events_within();

@@ -189,7 +189,7 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
      PK_CONSERVATIVE | PK_VARIATIONAL)
 #define BOUND_OUTSIDE (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SMOOTH)
 
-/* A system of these names: NAME_inertia, _drift, _unbound, _energy, and with constraints _rows,
+/* A system of these names: NAME_inertia, _drift, _unconstrained, _energy, and with constraints _rows,
  * _bias. n counts quaternions. The rest: further members of struct pk_system, of which `terms` is
  * NAME_terms or its own. */
 #define BOUND(NAME, N, COORDINATES, ROTATIONS, C, FACTS, GRAVITY, LIMIT0, START_Q, START_V, ...)  \
@@ -245,9 +245,9 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
                                             .source_hash = "by hand",                              \
                                             .facts = FACTS,                                        \
                                             .n = N,                                                \
-                                            .n_states = (N) - (COORDINATES),                       \
+                                            .n_first_order = (N) - (COORDINATES),                       \
                                             .n_rotations = ROTATIONS,                              \
-                                            .n_constraints = C,                                    \
+                                            .constraints.n = C,                                    \
                                             .n_parameters = 2,                                     \
                                             .params_size = sizeof(struct test_params),             \
                                             .parameters = bound_parameters,                        \
@@ -265,9 +265,9 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
                                             .canonical = NAME##_canonical,                         \
                                             .jacobian = NAME##_jacobian,                           \
                                             .energy = NAME##_energy,                               \
-                                            .multipliers = (C) ? NAME##_multipliers : NULL,        \
-                                            .rows = NAME##_rows,                                   \
-                                            .unbound = NAME##_unbound,                             \
+                                            .constraints.multipliers = (C) ? NAME##_multipliers : NULL,        \
+                                            .constraints.jacobian = NAME##_rows,                                   \
+                                            .unconstrained = NAME##_unconstrained,                             \
                                             .inertia = NAME##_inertia,                             \
                                             __VA_ARGS__}
 

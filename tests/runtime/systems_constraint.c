@@ -17,7 +17,7 @@ static void rod_drift(ARGS, pk_real *f)
     f[0] = 0;
     f[1] = -G(params);
 }
-static void rod_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void rod_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     memcpy(p, v, 2 * sizeof *p);
     rod_drift(params, t, q, v, u, pdot);
@@ -29,8 +29,8 @@ static pk_real rod_energy(ARGS)
     return (v[0] * v[0] + v[1] * v[1]) / 2 + G(params) * q[1];
 }
 BOUND(rod, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
-      LIST(PK_C(0.8), PK_C(0.6)), .n_holonomic = 1, .constraints = rod_constraints,
-      .constraint = rod_constraint, .terms = rod_terms);
+      LIST(PK_C(0.8), PK_C(0.6)), .constraints.n_holonomic = 1, .constraints.names = rod_constraints,
+      .constraints.values = rod_constraint, .constraints.scale = rod_terms);
 
 /* On a circle through 0 about (-3 limit, -4 limit): the numbers of phi are beside small x and y. */
 static const struct pk_quantity circle_names[] = {NAMED("x"), NAMED("y")};
@@ -38,7 +38,7 @@ static const struct pk_quantity circle_names[] = {NAMED("x"), NAMED("y")};
 #define ALONG (4 * LIMIT(params))
 #define circle_inertia rod_inertia
 #define circle_drift rod_drift
-#define circle_unbound rod_unbound
+#define circle_unconstrained rod_unconstrained
 #define circle_bias rod_bias
 #define circle_energy rod_energy
 static void circle_constraint(ARGS, pk_real *phi)
@@ -55,8 +55,8 @@ static void circle_rows(ARGS, pk_real *J, pk_real *residual)
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
 static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size);
-BOUND(circle, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), PK_C(100.0), LIST(0), LIST(0), .n_holonomic = 1,
-      .constraints = rod_constraints, .constraint = circle_constraint, .terms = circle_sizes);
+BOUND(circle, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), PK_C(100.0), LIST(0), LIST(0), .constraints.n_holonomic = 1,
+      .constraints.names = rod_constraints, .constraints.values = circle_constraint, .constraints.scale = circle_sizes);
 static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size)
 {
     circle_terms(params, t, q, v, u, phi_size, rate_size);
@@ -68,7 +68,7 @@ static const struct pk_quantity twice_names[] = {NAMED("x"), NAMED("y")};
 static const struct pk_quantity twice_constraints[] = {NAMED("lambda_rod"), NAMED("lambda_again")};
 #define twice_inertia rod_inertia
 #define twice_drift rod_drift
-#define twice_unbound rod_unbound
+#define twice_unconstrained rod_unconstrained
 #define twice_energy rod_energy
 static void twice_constraint(ARGS, pk_real *phi)
 {
@@ -88,8 +88,8 @@ static void twice_bias(ARGS, pk_real *b)
     b[1] = 3 * b[0];
 }
 BOUND(twice, 2, 2, 0, 2, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
-      LIST(PK_C(0.8), PK_C(0.6)), .n_holonomic = 2, .constraints = twice_constraints,
-      .constraint = twice_constraint, .terms = twice_terms);
+      LIST(PK_C(0.8), PK_C(0.6)), .constraints.n_holonomic = 2, .constraints.names = twice_constraints,
+      .constraints.values = twice_constraint, .constraints.scale = twice_terms);
 
 /* Two unit masses on unit rods: double_pendulum as particles. */
 static const struct pk_quantity rods_names[] = {NAMED("x1"), NAMED("y1"), NAMED("x2"), NAMED("y2")};
@@ -105,7 +105,7 @@ static void rods_drift(ARGS, pk_real *f)
     f[0] = f[2] = 0;
     f[1] = f[3] = -G(params);
 }
-static void rods_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void rods_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     memcpy(p, v, 4 * sizeof *p);
     rods_drift(params, t, q, v, u, pdot);
@@ -140,8 +140,8 @@ static pk_real rods_energy(ARGS)
 }
 BOUND(rods, 4, 4, 0, 2, BOUND_FACTS, PK_C(1.0), 0,
       LIST(PK_C(0.6), PK_C(-0.8), PK_C(1.4), PK_C(-0.2)),
-      LIST(PK_C(0.4), PK_C(0.3), PK_C(0.22), PK_C(0.54)), .n_holonomic = 2,
-      .constraints = rods_constraints, .constraint = rods_constraint, .terms = rods_terms);
+      LIST(PK_C(0.4), PK_C(0.3), PK_C(0.22), PK_C(0.54)), .constraints.n_holonomic = 2,
+      .constraints.names = rods_constraints, .constraints.values = rods_constraint, .constraints.scale = rods_terms);
 
 /* A bead on a wire through the origin that turns by A(t) = t + .3 sin 2t, V = g r^2/2 + x^4/4. */
 static const struct pk_quantity wire_names[] = {NAMED("x"), NAMED("y")};
@@ -156,7 +156,7 @@ static void wire_drift(ARGS, pk_real *f)
     f[0] = -G(params) * q[0] - q[0] * q[0] * q[0];
     f[1] = -G(params) * q[1];
 }
-static void wire_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void wire_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     memcpy(p, v, 2 * sizeof *p);
     wire_drift(params, t, q, v, u, pdot);
@@ -188,8 +188,8 @@ static pk_real wire_energy(ARGS)
            q[0] * q[0] * q[0] * q[0] / 4;
 }
 BOUND(wire, 2, 2, 0, 1, BOUND_OUTSIDE | PK_VARIATIONAL, PK_C(2.0), 0, LIST(PK_C(0.8), PK_C(0.0)),
-      LIST(PK_C(0.1), PK_C(1.28)), .n_holonomic = 1, .constraints = wire_constraints,
-      .constraint = wire_constraint, .terms = wire_terms);
+      LIST(PK_C(0.1), PK_C(1.28)), .constraints.n_holonomic = 1, .constraints.names = wire_constraints,
+      .constraints.values = wire_constraint, .constraints.scale = wire_terms);
 
 /* The top of systems_rotation.c as a body free in space whose point r = -e_z is held: unit mass,
  * I = (1/2, 1/2, 1/2) about its centre. */
@@ -212,7 +212,7 @@ static void jointed_drift(ARGS, pk_real *f)
     memset(f, 0, 6 * sizeof *f); /* p x omega = 0 */
     f[2] = -G(params);
 }
-static void jointed_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void jointed_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     for (int i = 0; i < 6; i++)
         p[i] = jointed_M[i] * v[i];
@@ -267,5 +267,5 @@ BOUND(jointed, 10, 3, 1, 3, BOUND_FACTS, PK_C(2.0), 0,
       LIST(PK_C(0.0), PK_C(-0.96), PK_C(0.28)),
       LIST(PK_C(-0.2), PK_C(-0.084), PK_C(-0.288), PK_C(0.3), PK_C(-0.2), PK_C(5.0), PK_C(0.8),
            PK_C(0.6), PK_C(0.0), PK_C(0.0)),
-      .n_holonomic = 3, .constraints = jointed_constraints, .constraint = jointed_constraint,
-      .terms = jointed_terms);
+      .constraints.n_holonomic = 3, .constraints.names = jointed_constraints, .constraints.values = jointed_constraint,
+      .constraints.scale = jointed_terms);

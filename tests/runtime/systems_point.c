@@ -72,8 +72,8 @@ SIZES(radial, 1, 0)
 #define PK_MODEL(x) radial_##x
 #include <pk/inlined.h>
 SYSTEM(radial, 1, NATURAL, PK_C(0.75), PK_C(0.25), none_cyclic, LIST(PK_C(0.5)), LIST(0),
-       .linear = radial_linear, .n_quadratures = 1, .quadratures = angle, .quadrature = angle_rate,
-       .quadrature_start = angle_start);
+       .linear = radial_linear, .quadratures.n = 1, .quadratures.names = angle, .quadratures.rates = angle_rate,
+       .quadratures.start = angle_start);
 
 /* exp(-s^2), s = (x - 1.3)/limit, of which .8 bars the way. */
 #define AWAY(params, q) ((q[0] - PK_C(1.3)) / LIMIT(params))
@@ -92,4 +92,4 @@ SIZES(barred, 1, 0)
 #define PK_MODEL(x) barred_##x
 #include <pk/inlined.h>
 SYSTEM(barred, 1, NATURAL, PK_C(1.0), PK_C(1e-3), none_cyclic, LIST(0), LIST(PK_C(1.0)),
-       .linear = barred_linear, .n_marks = 1, .marks = hill, .marking = barred_marking);
+       .linear = barred_linear, .marks.n = 1, .marks.names = hill, .marks.values = barred_marking);

@@ -27,7 +27,7 @@ static void sleigh_drift(ARGS, pk_real *f)
     f[1] = square * SIN;
     f[2] = 0;
 }
-static void sleigh_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void sleigh_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     const pk_real a = LIMIT(params);
     UNUSED;
@@ -53,12 +53,12 @@ static void sleigh_bias(ARGS, pk_real *b)
 static pk_real sleigh_energy(ARGS)
 {
     pk_real p[3], pdot[3];
-    sleigh_unbound(params, t, q, v, u, p, pdot);
+    sleigh_unconstrained(params, t, q, v, u, p, pdot);
     return (p[0] * v[0] + p[1] * v[1] + p[2] * v[2]) / 2;
 }
 BOUND(sleigh, 3, 3, 0, 1, BOUND_FACTS & ~(unsigned)PK_VARIATIONAL, PK_C(0.5), PK_C(0.4), LIST(0),
-      LIST(PK_C(-0.7), PK_C(0.0), PK_C(0.9)), .constraints = sleigh_constraints,
-      .terms = sleigh_terms);
+      LIST(PK_C(-0.7), PK_C(0.0), PK_C(0.9)), .constraints.names = sleigh_constraints,
+      .constraints.scale = sleigh_terms);
 
 /* A solid unit sphere that rolls on a table turning at `limit`: its centre goes round at 2/7 of
  * that, wherever it starts. */
@@ -78,7 +78,7 @@ static void ball_drift(ARGS, pk_real *f)
     UNUSED;
     memset(f, 0, 5 * sizeof *f);
 }
-static void ball_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void ball_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     for (int i = 0; i < 5; i++)
         p[i] = ball_M[i] * v[i];
@@ -122,4 +122,4 @@ BOUND(ball, 9, 2, 1, 2, BOUND_OUTSIDE | PK_AUTONOMOUS, PK_C(1.0), PK_C(1.4),
       LIST(PK_C(0.5), PK_C(0.25)),
       LIST(PK_C(0.3), PK_C(-0.2), PK_C(0.9), PK_C(0.65), PK_C(0.4), PK_C(1.0), PK_C(0.0), PK_C(0.0),
            PK_C(0.0)),
-      .constraints = ball_constraints, .terms = ball_terms);
+      .constraints.names = ball_constraints, .constraints.scale = ball_terms);

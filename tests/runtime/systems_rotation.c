@@ -48,7 +48,7 @@ static void free_body_drift(ARGS, pk_real *f)
     UNUSED;
     torque_of(free_I, v, NULL, f);
 }
-static void free_body_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void free_body_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     UNUSED;
     momenta_of(free_I, v, p);
@@ -86,7 +86,7 @@ static void top_drift(ARGS, pk_real *f)
         added[i] *= G(params);
     torque_of(top_I, v, added, f);
 }
-static void top_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void top_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     momenta_of(top_I, v, p);
     memcpy(p + 3, v + 3, 4 * sizeof *p);
@@ -135,7 +135,7 @@ static void bodies_drift(ARGS, pk_real *f)
         added[i] *= -G(params);
     torque_of(second_I, v + 3, added, f + 3);
 }
-static void bodies_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void bodies_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     momenta_of(free_I, v, p);
     momenta_of(second_I, v + 3, p + 3);
@@ -187,7 +187,7 @@ static void carriage_inertia(ARGS, pk_real *M)
         M[1 + i] = M[(1 + i) * 8] = carriage_m * arm[i];
     unit_of(8, 4, 4, M);
 }
-static void carriage_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void carriage_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     pk_real k[3], arm[3], w[3], z[3], of_T[3], of_V[3], gyro[3];
     UNUSED;
@@ -210,7 +210,7 @@ static void carriage_unbound(ARGS, pk_real *p, pk_real *pdot)
 static void carriage_drift(ARGS, pk_real *f)
 {
     pk_real p[8], pdot[8], k[3], arm[3], w[3], turned[3], moved[3];
-    carriage_unbound(params, t, q, v, u, p, pdot);
+    carriage_unconstrained(params, t, q, v, u, p, pdot);
     carriage_arm(v, k, arm);
     cross(v + 1, carriage_r, w);
     cross(k, v + 1, turned); /* k' */
@@ -222,7 +222,7 @@ static void carriage_drift(ARGS, pk_real *f)
 static pk_real carriage_energy(ARGS)
 {
     pk_real p[8], pdot[8], z[3];
-    carriage_unbound(params, t, q, v, u, p, pdot);
+    carriage_unconstrained(params, t, q, v, u, p, pdot);
     turn(v + 4, 1, up, z);
     return (p[0] * v[0] + p[1] * v[1] + p[2] * v[2] + p[3] * v[3] + G(params) * q[0] * q[0]) / 2 +
            carriage_b * z[0];

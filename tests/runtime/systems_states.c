@@ -53,11 +53,11 @@ static void brusselator_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_
 SIZES(brusselator, 2, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) brusselator_##x
-#undef PK_MODEL_STATES
-#define PK_MODEL_STATES 2
+#undef PK_MODEL_FIRST_ORDER
+#define PK_MODEL_FIRST_ORDER 2
 #include <pk/inlined.h>
 SYSTEM(brusselator, 2, FIRST_ORDER, PK_C(1.0), PK_C(0.0), none_cyclic, LIST(PK_C(0.0), PK_C(0.0)),
-       LIST(PK_C(1.5), PK_C(3.0)), .linear = brusselator_linear, .n_states = 2, );
+       LIST(PK_C(1.5), PK_C(3.0)), .linear = brusselator_linear, .n_first_order = 2, );
 
 /* A pendulum that a Maxwell element holds back: q'' = -g sin q - s, s' = q' - s. */
 static void maxwell_force(ARGS, pk_real *f)
@@ -108,8 +108,8 @@ static pk_real maxwell_energy(ARGS)
 SIZES(maxwell, 2, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) maxwell_##x
-#undef PK_MODEL_STATES
-#define PK_MODEL_STATES 1
+#undef PK_MODEL_FIRST_ORDER
+#define PK_MODEL_FIRST_ORDER 1
 #include <pk/inlined.h>
 SYSTEM(maxwell, 2, FIRST_ORDER, PK_C(9.81), PK_C(0.0), none_cyclic, LIST(PK_C(1.0), PK_C(0.0)),
-       LIST(PK_C(0.0), PK_C(0.2)), .linear = maxwell_linear, .n_states = 1, );
+       LIST(PK_C(0.0), PK_C(0.2)), .linear = maxwell_linear, .n_first_order = 1, );

@@ -25,7 +25,7 @@ static void swift_drift(ARGS, pk_real *f)
     f[0] = LIMIT(params) * v[1];
     f[1] = -G(params) - LIMIT(params) * v[0];
 }
-static void swift_unbound(ARGS, pk_real *p, pk_real *pdot)
+static void swift_unconstrained(ARGS, pk_real *p, pk_real *pdot)
 {
     const pk_real c = gamma_of(v), b = LIMIT(params) / 2;
     UNUSED;
@@ -39,5 +39,5 @@ static pk_real swift_energy(ARGS)
     return gamma_of(v) + G(params) * q[1];
 }
 BOUND(swift, 2, 2, 0, 1, PK_AUTONOMOUS | PK_SMOOTH | PK_CONSERVATIVE | PK_VARIATIONAL, PK_C(1.0),
-      PK_C(5.0), LIST(PK_C(0.6), PK_C(-0.8)), LIST(PK_C(0.4), PK_C(0.3)), .n_holonomic = 1,
-      .constraints = swift_constraints, .constraint = swift_constraint, .terms = swift_terms);
+      PK_C(5.0), LIST(PK_C(0.6), PK_C(-0.8)), LIST(PK_C(0.4), PK_C(0.3)), .constraints.n_holonomic = 1,
+      .constraints.names = swift_constraints, .constraints.values = swift_constraint, .constraints.scale = swift_terms);

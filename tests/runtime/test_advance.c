@@ -31,7 +31,7 @@ static enum pk_status run(struct fixture *f, const struct pk_system *system, con
 {
     static struct pk_system own;
     own = *system;
-    own.advance = fused ? advance : NULL;
+    own.families.advance = fused ? advance : NULL;
     fused_of = system;
     fused_steps = 0;
     fixture_set(f, &own);
@@ -69,7 +69,7 @@ static void row_after_row(void)
     static struct fixture f;
     static struct pk_system own;
     own = driven_system;
-    own.advance = advance;
+    own.families.advance = advance;
     fused_of = &driven_system;
     for (size_t k = 0; k < 3; k++) {
         fixture_set(&f, &own);

@@ -109,10 +109,10 @@ static int fast_prepare(void *params) { return ((struct fast_params *)params)->f
                                                    .derive = DERIVE,                               \
                                                    .prepare = PREPARE,                             \
                                                    __VA_ARGS__}
-#define ANGLE .n_quadratures = 1, .quadratures = angles, .quadrature = angle, .quadrature_start = at_one
+#define ANGLE .quadratures.n = 1, .quadratures.names = angles, .quadratures.rates = angle, .quadratures.start = at_one
 SYSTEM(whole, 2, 0, no_prepare, no_derive, ANGLE);
 SYSTEM(slow, 1, 0, no_prepare, slow_derive, ANGLE);
-SYSTEM(fast, 1, 1, fast_prepare, no_derive, .n_quadratures = 0);
+SYSTEM(fast, 1, 1, fast_prepare, no_derive, .quadratures.n = 0);
 
 static const size_t first[] = {0}, second[] = {1}, outside[] = {2};
 static const struct pk_part parts[] = {{&fast_system, second}, {&slow_system, first}};

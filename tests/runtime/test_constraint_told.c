@@ -31,15 +31,15 @@ static void residuals(void)
     const double q[4] = {100, 0, 100.000001, 0}, v[4] = {0, 0, 1e-3, 1};
     CU_ASSERT(pk_constraint_residuals(&f.problem, 0, q, v, &found, room, sizeof room) == PK_DONE);
     double phi[2];
-    rods_system.constraint(f.problem.params, 0, q, v, NULL, phi);
+    rods_system.constraints.values(f.problem.params, 0, q, v, NULL, phi);
     CU_ASSERT(found.position == fabs(phi[found.position_row]) && found.position_relative > 1e-3);
     CU_ASSERT(found.position_row < 2 && found.rate_row < 2 && found.rate > 0);
     static struct pk_system system;
     system = rod_system;
-    system.terms = NULL;
+    system.constraints.scale = NULL;
     bound_set(&f, &system);
     CU_ASSERT(bound_init(&f, "rk4", 0.01) == PK_REFUSED);
-    CU_ASSERT(bound_says(&f, "the kernel terms"));
+    CU_ASSERT(bound_says(&f, "the kernel residual_scale"));
 }
 
 static double shrinking_phi;
@@ -112,7 +112,7 @@ static void refusals(void)
 
     /* A constraint that ends: no point is on it after t = 1. */
     system = rod_system;
-    system.constraint = shrinking;
+    system.constraints.values = shrinking;
     shrinking_phi = 1;
     static const char *const ends[] = {"rk4", "dopri5", "gauss2"};
     for (int i = 0; i < 3; i++) {
@@ -125,15 +125,15 @@ static void refusals(void)
     CU_ASSERT(bound_go(&f, &system, "rattle", 0.01, 3) < 0 && f.it.t > 0.9 && f.it.t < 1.01);
 
     /* A projection longer than a step's error: steps of 100 tolerances of it, or the end. */
-    system.constraint = lengthened;
+    system.constraints.values = lengthened;
     CU_ASSERT(bound_go(&f, &system, "dopri5", 1e-5, 2) == PK_DONE);
     CU_ASSERT(f.it.count.steps > 200 && f.it.count.rejections > 5);
     CU_ASSERT(bound_go(&f, &system, "rk4", 0.2, 2) == PK_NO_PROJECTION && f.it.t < 1.01);
 
     /* Where two branches cross, x y = 0, J vanishes; the acceleration sees it. */
     system = rod_system;
-    system.constraint = crossing;
-    system.rows = crossing_rows;
+    system.constraints.values = crossing;
+    system.constraints.jacobian = crossing_rows;
     system.acceleration = forceless;
     bound_set(&f, &system);
     f.q0[0] = -0.5, f.q0[1] = 0, f.v0[0] = 1, f.v0[1] = 0;
@@ -149,10 +149,10 @@ static void refusals(void)
     bound_set(&f, &system);
     CU_ASSERT(bound_init(&f, "rk4", 0.1) == PK_REFUSED && bound_says(&f, "the kernel inertia"));
     system = rod_system;
-    system.unbound = NULL;
+    system.unconstrained = NULL;
     bound_set(&f, &system);
     CU_ASSERT(bound_init(&f, "rk4", 0.1) == PK_DONE);
-    CU_ASSERT(bound_init(&f, "rattle", 0.1) == PK_REFUSED && bound_says(&f, "the kernel unbound"));
+    CU_ASSERT(bound_init(&f, "rattle", 0.1) == PK_REFUSED && bound_says(&f, "the kernel unconstrained"));
 }
 
 static void lowest(const void *params, double t, const double *q, const double *v, const double *u,
@@ -184,9 +184,9 @@ static void between(void)
         CU_ASSERT(worst < 2e-15);
     }
     system = rod_system;
-    system.n_events = 1;
-    system.events = at;
-    system.event = lowest;
+    system.events.n = 1;
+    system.events.table = at;
+    system.events.values = lowest;
     double when[BOUND_METHODS];
     for (int i = 0; i < BOUND_METHODS; i++) {
         struct pk_events events;

@@ -131,10 +131,10 @@ static void progress(void)
 {
     static struct fixture f;
     char text[640];
-    static const struct pk_guard none;
+    static const struct pk_singularity none;
     struct pk_system system = guarded_point(creeps, &none, first_coordinate);
-    system.n_guards = 0;
-    system.guard = NULL;
+    system.singularities.n = 0;
+    system.singularities.values = NULL;
     fixture_set(&f, &system);
     CU_ASSERT_FATAL(fixture_init(&f, "dopri5") == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_NO_PROGRESS);

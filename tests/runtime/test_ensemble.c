@@ -282,18 +282,18 @@ static void distance(const void *p, double t, const double *q, const double *v, 
     out[0] = sqrt(q[0] * q[0] + q[1] * q[1]);
 }
 
-/* Members that fall into the centre, seen lane by lane: without guards all of them arrive. */
-static void guards(void)
+/* Members that fall into the centre, seen lane by lane: without singularities all of them arrive. */
+static void singularities(void)
 {
-    static const struct pk_guard centre = {{"r", "", ""}, PK_GUARD_DIVISOR};
+    static const struct pk_singularity centre = {{"r", "", ""}, PK_SINGULARITY_DIVISOR};
     static const char *const methods[] = {"verlet", "rk4"};
     static struct crowd c;
     for (int guarded = 0; guarded < 2; guarded++)
         for (int k = 0; k < 6; k++) {
             crowd_set(&c, &kepler_system, (enum route)(k % 3), methods[k / 3], 0.01);
-            c.system.n_guards = (size_t)guarded;
-            c.system.guards = &centre;
-            c.system.guard = distance;
+            c.system.singularities.n = (size_t)guarded;
+            c.system.singularities.table = &centre;
+            c.system.singularities.values = distance;
             c.v0[2 * 3 + 1] = c.v0[2 * 64 + 1] = c.v0[2 * 149 + 1] = 0;
             c.q0[2 * 64] = 0.8; /* falls later, between rows */
             c.q0[2 * 5] = c.q0[2 * 5 + 1] = 0; /* starts there */
@@ -314,16 +314,16 @@ static void to_the_fold(const void *p, double t, const double *q, const double *
     out[0] = ((const struct test_params *)p)->limit - q[0];
 }
 
-/* M is singular where a guard vanishes: the guard is the reason. */
-static void guards_know_why(void)
+/* M is singular where a singularity vanishes: the singularity is the reason. */
+static void singularities_know_why(void)
 {
-    static const struct pk_guard fold = {{"limit - q", "", ""}, PK_GUARD_COORDINATES};
+    static const struct pk_singularity fold = {{"limit - q", "", ""}, PK_SINGULARITY_COORDINATES};
     static struct crowd c;
     for (int route = OWN; route <= SCALAR; route++) {
         crowd_set(&c, &folded_system, (enum route)route, "rk4", 0.01);
-        c.system.n_guards = 1;
-        c.system.guards = &fold;
-        c.system.guard = to_the_fold;
+        c.system.singularities.n = 1;
+        c.system.singularities.table = &fold;
+        c.system.singularities.values = to_the_fold;
         for (size_t i = 0; i < MEMBERS; i++)
             c.params[i].limit = i % 50 == 3 ? 0.9 : 9;
         CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) ==
@@ -373,7 +373,7 @@ void add_ensemble(void)
     CU_add_test(suite, "dop853 at fixed steps", adaptive_tables_at_fixed_steps);
     CU_add_test(suite, "any threads, any company", any_company);
     CU_add_test(suite, "members fail alone", failures);
-    CU_add_test(suite, "guards are watched in lanes", guards);
-    CU_add_test(suite, "guards know why a member failed", guards_know_why);
+    CU_add_test(suite, "singularities are watched in lanes", singularities);
+    CU_add_test(suite, "singularities know why a member failed", singularities_know_why);
     CU_add_test(suite, "refusals", refusals);
 }

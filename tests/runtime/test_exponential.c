@@ -69,7 +69,7 @@ static const struct pk_system affine_system = {.abi = PK_ABI,
                                                         PK_QUADRATIC | PK_MASS_CONSTANT,
                                                .n = 1,
                                                .params_size = sizeof(struct affine),
-                                               .count = count,
+                                               .families.count = count,
                                                .acceleration = acceleration,
                                                .mass = mass,
                                                .force = force,
@@ -309,9 +309,9 @@ static void events(void)
     struct pk_events watched;
     double worst = 0;
     char reason[200];
-    system.n_events = 1;
-    system.events = event;
-    system.event = zero;
+    system.events.n = 1;
+    system.events.table = event;
+    system.events.values = zero;
     fixture_set(&f, &system);
     f.q0[0] = 1, f.v0[0] = 0;
     f.options.h = 3;

@@ -13,8 +13,8 @@
 enum { SIZE = 1 << 15, MOST = 16 };
 
 enum kernel {
-    ACCELERATION, MASS, CANONICAL, JACOBIAN, LINEAR, GUARD, EVENT, QUADRATURE, CONSTRAINT, ROWS,
-    TERMS, UNBOUND, INERTIA, MARKING, PREPARE, LANES, KERNELS
+    ACCELERATION, MASS, CANONICAL, JACOBIAN, LINEAR, SINGULARITY, EVENT, QUADRATURE, CONSTRAINT, ROWS,
+    TERMS, UNCONSTRAINED, INERTIA, MARKING, PREPARE, LANES, KERNELS
 };
 
 static struct {
@@ -53,7 +53,7 @@ static int acceleration(CALLED, pk_real *a)
             spoil(ACCELERATION, a, n);
         return failed;
     }
-    return now(ACCELERATION) ? 1 + (int)(((size_t)fault.calls) % (n + fault.of->n_constraints))
+    return now(ACCELERATION) ? 1 + (int)(((size_t)fault.calls) % (n + fault.of->constraints.n))
                              : failed;
 }
 static unsigned long long lanes(const void *p, const pk_real *t, const pk_real *q, const pk_real *v,
@@ -72,10 +72,10 @@ static void canonical(CALLED, pk_real *x, pk_real *y)
     fault.of->canonical(WITH, x, y);
     spoil(CANONICAL, fault.at % 2 ? x : y, fault.of->n);
 }
-static void unbound(CALLED, pk_real *x, pk_real *y)
+static void unconstrained(CALLED, pk_real *x, pk_real *y)
 {
-    fault.of->unbound(WITH, x, y);
-    spoil(UNBOUND, fault.at % 2 ? x : y, fault.of->n);
+    fault.of->unconstrained(WITH, x, y);
+    spoil(UNCONSTRAINED, fault.at % 2 ? x : y, fault.of->n);
 }
 static void jacobian(CALLED, pk_real *a, pk_real *b, pk_real *c)
 {
@@ -87,11 +87,11 @@ static void linear(CALLED, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real
     fault.of->linear(WITH, a, r_q, r_v, r_t);
     spoil(LINEAR, r_q, fault.of->n * fault.of->n);
 }
-static void one_guard(CALLED, pk_real *out)
+static void one_singularity(CALLED, pk_real *out)
 {
     (void)p, (void)t, (void)v, (void)u;
     out[0] = 100 + q[0];
-    spoil(GUARD, out, 1);
+    spoil(SINGULARITY, out, 1);
 }
 static void one_event(CALLED, pk_real *out)
 {
@@ -101,23 +101,23 @@ static void one_event(CALLED, pk_real *out)
 }
 static void quadrature(CALLED, pk_real *out)
 {
-    fault.of->quadrature(WITH, out);
-    spoil(QUADRATURE, out, fault.of->n_quadratures);
+    fault.of->quadratures.rates(WITH, out);
+    spoil(QUADRATURE, out, fault.of->quadratures.n);
 }
 static void constraint(CALLED, pk_real *phi)
 {
-    fault.of->constraint(WITH, phi);
-    spoil(CONSTRAINT, phi, fault.of->n_holonomic);
+    fault.of->constraints.values(WITH, phi);
+    spoil(CONSTRAINT, phi, fault.of->constraints.n_holonomic);
 }
 static void rows(CALLED, pk_real *J, pk_real *residual)
 {
-    fault.of->rows(WITH, J, residual);
-    spoil(ROWS, fault.at % 2 ? J : residual, fault.of->n_constraints);
+    fault.of->constraints.jacobian(WITH, J, residual);
+    spoil(ROWS, fault.at % 2 ? J : residual, fault.of->constraints.n);
 }
 static void terms(CALLED, pk_real *x, pk_real *y)
 {
-    fault.of->terms(WITH, x, y);
-    spoil(TERMS, y, fault.of->n_constraints);
+    fault.of->constraints.scale(WITH, x, y);
+    spoil(TERMS, y, fault.of->constraints.n);
 }
 static void inertia(CALLED, pk_real *M)
 {
@@ -126,8 +126,8 @@ static void inertia(CALLED, pk_real *M)
 }
 static void marking(CALLED, pk_real *out)
 {
-    fault.of->marking(WITH, out);
-    spoil(MARKING, out, fault.of->n_marks);
+    fault.of->marks.values(WITH, out);
+    spoil(MARKING, out, fault.of->marks.n);
 }
 static int prepare(void *p)
 {
@@ -137,17 +137,18 @@ static int prepare(void *p)
 
 static struct pk_system faulty(void)
 {
-    static const struct pk_guard guard[] = {{{"100 + x", "", ""}, PK_GUARD_DIVISOR}};
+    static const struct pk_singularity singularity[] = {{{"100 + x", "", ""}, PK_SINGULARITY_DIVISOR}};
     static const struct pk_event event[] = {{{"low", "", ""}, 0, 0}};
     const struct pk_system *of = fault.of;
     struct pk_system s = *of;
-#define WRAP(kernel) s.kernel = s.kernel ? kernel : NULL
-    WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unbound), WRAP(jacobian);
-    WRAP(linear), WRAP(quadrature), WRAP(constraint), WRAP(rows), WRAP(terms), WRAP(inertia);
-    WRAP(marking), WRAP(prepare);
+#define WRAP_AS(field, kernel) s.field = s.field ? kernel : NULL
+#define WRAP(kernel) WRAP_AS(kernel, kernel)
+    WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unconstrained), WRAP(jacobian);
+    WRAP(linear), WRAP_AS(quadratures.rates, quadrature), WRAP_AS(constraints.values, constraint), WRAP_AS(constraints.jacobian, rows), WRAP_AS(constraints.scale, terms), WRAP(inertia);
+    WRAP_AS(marks.values, marking), WRAP(prepare);
     s.steppers = NULL, s.block_steppers = NULL;
-    s.n_guards = 1, s.guards = guard, s.guard = one_guard;
-    s.n_events = 1, s.events = event, s.event = one_event;
+    s.singularities.n = 1, s.singularities.table = singularity, s.singularities.values = one_singularity;
+    s.events.n = 1, s.events.table = event, s.events.values = one_event;
     return s;
 }
 
@@ -228,8 +229,8 @@ static const struct pk_method *method_at(size_t i)
 static void of_system(const struct pk_system *system, double h, long deep)
 {
     static const char *const names[] = {"acceleration", "mass", "canonical", "jacobian", "linear",
-                                        "guard", "event", "quadrature", "constraint", "rows",
-                                        "terms", "unbound", "inertia", "marking", "prepare",
+                                        "singularity", "event", "quadrature", "constraint", "rows",
+                                        "terms", "unconstrained", "inertia", "marking", "prepare",
                                         "lanes"};
     double right[2 * MOST], x[2 * MOST];
     fault.of = system;

@@ -91,7 +91,7 @@ static void note_all(struct trace *to, const double *x, size_t count)
 /* The state; the motion inside the last step and at its end. */
 static void look(struct trace *to, struct pk_integrator *it)
 {
-    const size_t n = it->n, m = it->problem.system->n_quadratures;
+    const size_t n = it->n, m = it->problem.system->quadratures.n;
     note(to, it->status);
     note(to, it->t);
     note(to, (double)it->count.evaluations);
@@ -243,7 +243,7 @@ static void events(const struct use *use, const struct pattern *with, struct tra
     struct pk_integrator it;
     struct pk_events events;
     problem.system = &system;
-    system.n_events = 2, system.events = two, system.event = product;
+    system.events.n = 2, system.events.table = two, system.events.values = product;
     const size_t size = pk_integrator_size(&problem, use->method);
     double *more = room + REALS;
     const size_t most = pk_events_size(&problem, use->method);
@@ -299,7 +299,7 @@ static void variations(const struct use *use, const struct pattern *with, struct
     struct pk_integrator it;
     struct pk_stepmap map;
     const struct pk_problem *problem = use->problem;
-    if (!problem->system->linear || problem->system->n_quadratures)
+    if (!problem->system->linear || problem->system->quadratures.n)
         return;
     CU_ASSERT_FATAL(pk_lyapunov_size(problem, use->method) <= sizeof room);
     poison(room, sizeof room, with);

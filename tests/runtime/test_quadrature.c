@@ -28,10 +28,10 @@ static const struct pk_quantity names[] = {{"phi", "", ""}, {"area,2", "", ""}};
 static struct pk_system carrying(const struct pk_system *of)
 {
     struct pk_system system = *of;
-    system.n_quadratures = MANY;
-    system.quadratures = names;
-    system.quadrature = rates;
-    system.quadrature_start = starts;
+    system.quadratures.n = MANY;
+    system.quadratures.names = names;
+    system.quadratures.rates = rates;
+    system.quadratures.start = starts;
     return system;
 }
 
@@ -180,7 +180,7 @@ static void failure(void)
 {
     struct pk_system system = carrying(&pendulum_system);
     static struct fixture f;
-    system.quadrature = broken;
+    system.quadratures.rates = broken;
     CU_ASSERT(fixture_run(&f, &system, "gauss2", 0.1, 2) == PK_NOT_FINITE);
     CU_ASSERT(f.it.count.steps == 12 && fabs(f.it.z[1] - 2.2) < 1e-14);
     CU_ASSERT(fabs(f.it.z[0] - 3 - (pow(1.25, 1.5) - pow(0.05, 1.5)) / 1.5) < 1e-5);
@@ -208,12 +208,12 @@ static void control(void)
     struct pk_system system = carrying(&pendulum_system);
     const double T = 4 * acos(-1.0);
     for (int k = 0; k < 4; k++) {
-        system.quadrature = hasty;
+        system.quadratures.rates = hasty;
         CU_ASSERT(fixture_run(&f, &system, methods[k], 1e-9, T) == PK_DONE);
         const double of_0 = fabs(f.it.z[0] - 3 - T / sqrt(0.19)), of_1 = fabs(f.it.z[1] - 1 - T);
         printf("\n    %-8s of hasty z %.1e, %.1e", methods[k], of_0, of_1);
         CU_ASSERT(of_0 < 2e-6 && of_1 < 2e-6 && f.it.count.rejections > 0);
-        system.quadrature = ending;
+        system.quadratures.rates = ending;
         CU_ASSERT(fixture_run(&f, &system, methods[k], 1e-9, 2) == PK_STEP_UNDERFLOW);
         CU_ASSERT(f.it.t < 1.25 && f.it.t > 1.2499);
     }
@@ -247,9 +247,9 @@ static void events(void)
     struct pk_system system = carrying(&pendulum_system);
     struct pk_events watched;
     double z[MANY + 1];
-    system.n_events = 1;
-    system.events = event;
-    system.event = lowest;
+    system.events.n = 1;
+    system.events.table = event;
+    system.events.values = lowest;
     for (int k = 0; k < 4; k++) {
         fixture_set(&f, &system);
         f.options.h = k == 0 || k == 3 ? 0 : 0.01;

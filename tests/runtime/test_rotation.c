@@ -28,7 +28,7 @@ static void in_space(const struct bound_run *f, size_t at, size_t of, double *L)
 {
     double p[BOUND_N], pdot[BOUND_N];
     const double *Q = f->it.v + of;
-    f->problem.system->unbound(&f->params, f->it.t, f->it.q, f->it.v, NULL, p, pdot);
+    f->problem.system->unconstrained(&f->params, f->it.t, f->it.q, f->it.v, NULL, p, pdot);
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         const double c[] = {Q[1 + j] * p[at + (size_t)k] - Q[1 + k] * p[at + (size_t)j],

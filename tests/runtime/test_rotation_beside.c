@@ -156,9 +156,9 @@ static void beside(void)
     static struct pk_system system;
     static struct bound_run f;
     system = free_body_system;
-    system.n_quadratures = 1;
-    system.quadratures = named;
-    system.quadrature = angle_rate;
+    system.quadratures.n = 1;
+    system.quadratures.names = named;
+    system.quadratures.rates = angle_rate;
     CU_ASSERT_FATAL(bound_go(&f, &system, "gauss6", 0.01, 2) == PK_DONE);
     const double exact = f.it.z[0];
     for (int i = 0; i < VARIATIONAL + 1; i++) {
@@ -173,9 +173,9 @@ static void beside(void)
         CU_ASSERT(fabs(p - pk_method_find(steps[i])->order) < 0.3);
     }
     system = free_body_system;
-    system.n_events = 1;
-    system.events = crossing;
-    system.event = turning;
+    system.events.n = 1;
+    system.events.table = crossing;
+    system.events.values = turning;
     static double room[1 << 16];
     double when[STEPS];
     for (int i = 0; i < STEPS; i++) {

@@ -37,10 +37,10 @@ static int balances(const void *p, double t, const double *q, const double *v, c
 
 static struct pk_system of(acceleration_function *a)
 {
-    static const struct pk_guard none;
+    static const struct pk_singularity none;
     struct pk_system system = guarded_point(a, &none, first_coordinate);
-    system.n_guards = 0;
-    system.guard = NULL;
+    system.singularities.n = 0;
+    system.singularities.values = NULL;
     return system;
 }
 

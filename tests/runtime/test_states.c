@@ -79,7 +79,7 @@ static enum pk_status moved(struct fixture *f, const struct pk_system *system, c
     fixture_set(f, system);
     f->options.h = 0.02;
     f->options.rtol = f->options.atol = 1e-7;
-    for (size_t i = system->n - system->n_states; i < system->n; i++)
+    for (size_t i = system->n - system->n_first_order; i < system->n; i++)
         f->q0[i] = integral;
     enum pk_status status = fixture_init(f, method);
     if (f->it.method && f->it.method->traits & PK_ADAPTIVE) {
@@ -91,7 +91,7 @@ static enum pk_status moved(struct fixture *f, const struct pk_system *system, c
     if (status >= 0) {
         out[0] = f->it.v[0], out[1] = f->it.v[1];
         out[2] = (double)f->it.count.steps, out[3] = (double)f->it.count.evaluations;
-        out[4] = system->n_states < system->n ? f->it.q[0] : 0;
+        out[4] = system->n_first_order < system->n ? f->it.q[0] : 0;
     }
     pk_integrator_free(&f->it);
     return status;

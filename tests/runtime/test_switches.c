@@ -102,10 +102,10 @@ static void set(struct run *r, acceleration_function *a, event_values *x, size_t
                                    .coordinates = names,
                                    .rates = names,
                                    .acceleration = a,
-                                   .n_switches = switches,
-                                   .switches = names,
-                                   .sides = offsetof(struct parameters, side),
-                                   .switching = x};
+                                   .switches.n = switches,
+                                   .switches.names = names,
+                                   .switches.sides = offsetof(struct parameters, side),
+                                   .switches.values = x};
     r->problem = (struct pk_problem){.system = &r->system, .params = &r->params};
     r->params.k = 4;
     r->options = pk_options_default();

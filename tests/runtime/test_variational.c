@@ -132,7 +132,7 @@ static void anew(void)
     CU_ASSERT(bound_distance(&f, g.q0, g.v0) < 1e-15);
     /* The momenta that it carries belong to the rates. */
     double p[BOUND_N], pdot[BOUND_N];
-    jointed_system.unbound(&f.params, f.it.t, f.it.q, f.it.v, NULL, p, pdot);
+    jointed_system.unconstrained(&f.params, f.it.t, f.it.q, f.it.v, NULL, p, pdot);
     for (size_t i = 0; i < 10; i++)
         CU_ASSERT(fabs(p[i] - f.it.p[i]) < 1e-15);
 }
@@ -168,9 +168,9 @@ static void from_rest(void)
     static struct bound_run f;
     static const double h[] = {0.01, 1e-3, 1e-4};
     system = rod_system;
-    system.constraint = slot;
-    system.rows = slot_rows;
-    system.terms = slot_terms;
+    system.constraints.values = slot;
+    system.constraints.jacobian = slot_rows;
+    system.constraints.scale = slot_terms;
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < 3; k++) {
             bound_set(&f, &system);
@@ -211,9 +211,9 @@ static void moved_by_others(void)
     static struct pk_system system;
     static struct bound_run f;
     system = rod_system;
-    system.constraint = tie;
-    system.rows = tie_rows;
-    system.terms = tie_terms;
+    system.constraints.values = tie;
+    system.constraints.jacobian = tie_rows;
+    system.constraints.scale = tie_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
         bound_set(&f, &system);
         memset(f.q0, 0, sizeof f.q0);

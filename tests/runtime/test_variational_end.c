@@ -60,8 +60,8 @@ static void terms_of_rates(void)
 {
     static struct pk_system system;
     system = rod_system;
-    system.rows = spread_rows;
-    system.terms = spread_terms;
+    system.constraints.jacobian = spread_rows;
+    system.constraints.scale = spread_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
         bound_set(&f, &system);
         CU_ASSERT(go(&system, bound_methods[i], 1e-3) == PK_DONE);
@@ -98,11 +98,11 @@ static void spin(void)
 {
     static struct pk_system system;
     system = free_body_system;
-    system.n_constraints = system.n_holonomic = 2;
-    system.constraints = rods_system.constraints;
-    system.constraint = axle;
-    system.rows = axle_rows;
-    system.terms = axle_terms;
+    system.constraints.n = system.constraints.n_holonomic = 2;
+    system.constraints.names = rods_system.constraints.names;
+    system.constraints.values = axle;
+    system.constraints.jacobian = axle_rows;
+    system.constraints.scale = axle_terms;
     for (int i = 0; i < BOUND_VARIATIONAL; i++) {
         bound_set(&f, &system);
         memset(f.v0, 0, sizeof f.v0);
@@ -131,8 +131,8 @@ static void dependent(void)
 {
     static struct pk_system system;
     system = twice_system;
-    system.constraint = closing;
-    system.rows = closing_rows;
+    system.constraints.values = closing;
+    system.constraints.jacobian = closing_rows;
     for (int i = 0; i < BOUND_VARIATIONAL; i += 3) {
         bound_set(&f, &system);
         memset(f.q0, 0, sizeof f.q0);

@@ -12,7 +12,7 @@ from fractions import Fraction
 from ..record import record
 from .interval import ANY, Range
 
-# How the equations use what must not vanish, `Guard.use`.
+# How the equations use what must not vanish, `Singularity.use`.
 COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
 
 

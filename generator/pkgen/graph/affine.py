@@ -1,7 +1,7 @@
 """Index expressions that are known only at run time: an integer plus multiples of names.
 
-`q[i+1]` in `sum(..., i = 0..N)` reaches from 1 to N+1, whatever N is: ranges, ends and guards of
-loops are such sums of sizes and loop variables.
+`q[i+1]` in `sum(..., i = 0..N)` reaches from 1 to N+1, whatever N is: ranges, ends and conditions
+of loops are such sums of sizes and loop variables.
 """
 
 from __future__ import annotations

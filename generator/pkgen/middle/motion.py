@@ -125,7 +125,7 @@ def shortest(g: Graph, motion: Motion, wanted: Wanted) -> tuple[Motion, Solution
     found = []
     for form in forms(g, outputs, thorough, short_kept=not thorough):
         mass, force = _symmetric(form, n), tuple(form[-n:])
-        solution = solve(g, mass, force) if wanted("acceleration", "guard") else None
+        solution = solve(g, mass, force) if wanted("acceleration", "singularity") else None
         cost = operations(g, [*form, *(solution[0] if solution else ())])
         found.append((cost, len(found), mass, force, solution))
     _, _, mass, force, solution = min(found)

@@ -40,7 +40,7 @@
  * integrator's during a step; those of the caller keep 0 and are read anew for each step. Where the
  * motion does not leave a zero, as under dry friction at rest, the status is PK_SLIDING.
  *
- * Where L or a constraint jumps across a switch (system->impulses) the rates get the impulse that
+ * Where L or a constraint jumps across a switch (system->switches.impulses) the rates get the impulse that
  * the jump gives, before the next step begins; of a barrier that is too high the motion is turned
  * back, and stays on its side. Where the impulse is not determined, or a position would have to
  * jump, the status is PK_NO_IMPULSE.
@@ -60,7 +60,7 @@ struct pk_shape;
 
 struct pk_events {
     /* The crossing at hand, to be read in found(). */
-    size_t which;  /* of system->events */
+    size_t which;  /* of system->events.table */
     int direction; /* +1: g rises with t, -1: it falls */
     pk_real t;
     const pk_real *q, *v;

@@ -7,13 +7,13 @@
  * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and so for _ERK_ and _EMBEDDED_, compiles fewer of a family.
  *
  * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
- * number of coordinates is not the constant PK_MODEL(N); PK_MODEL_STATES if it has states; and
+ * number of coordinates is not the constant PK_MODEL(N); PK_MODEL_FIRST_ORDER if it has states; and
  * PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's steps are used. Steps
  * are written over
  *
  *     PK_STEPPER(x)                   x with a name of its own in this file
  *     PK_STEPPER_N(it)                degrees of freedom
- *     PK_STEPPER_STATES(it)           how many of them, the last ones, are states
+ *     PK_STEPPER_FIRST_ORDER(it)           how many of them, the last ones, are states
  *     PK_STEPPER_INPUT(it, t)         the inputs at t
  *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or 1 + the coordinate that failed
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
@@ -23,11 +23,11 @@
 
 #undef PK_INLINE_STEPPERS
 #undef PK_INLINE_BLOCK_STEPPERS
-#ifndef PK_MODEL_STATES
-#define PK_MODEL_STATES 0
+#ifndef PK_MODEL_FIRST_ORDER
+#define PK_MODEL_FIRST_ORDER 0
 #endif
 #ifndef PK_STEPPER
-#define PK_STEPPER_STATES(it) ((void)(it), (size_t)PK_MODEL_STATES)
+#define PK_STEPPER_FIRST_ORDER(it) ((void)(it), (size_t)PK_MODEL_FIRST_ORDER)
 #define PK_STEPPER(x) PK_MODEL(step_##x)
 #ifdef PK_MODEL_N
 #define PK_STEPPER_N(it) PK_MODEL_N(it)

@@ -77,7 +77,7 @@ struct pk_counters {
 };
 
 /* Steps so long that a short force may be missed in them: fixed ones, or adaptive ones where t has no
- * digits for shorter ones. How many, the first one's mark (of system->marks) and when. */
+ * digits for shorter ones. How many, the first one's mark (of system->marks.names) and when. */
 struct pk_passed_over {
     unsigned long count;
     size_t which;
@@ -127,7 +127,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
  * accepted. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
-/* Other values of the quadratures, which init takes from system->quadrature_start().
+/* Other values of the quadratures, which init takes from system->quadratures.start().
  * PK_BAD_ARGUMENT where they are not finite or the system has none; z may be it->z. */
 enum pk_status pk_integrator_set_quadratures(struct pk_integrator *it, const pk_real *z);
 /* Another fixed step, or for an adaptive method another first step, from here on. */
@@ -141,7 +141,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Up to `steps` steps (0: as many as it takes) towards `limit`. Where the system can advance() by a
- * splitting method and has no guards, all that lie on the grid at once, uncompensated and in one
+ * splitting method and has no singularities, all that lie on the grid at once, uncompensated and in one
  * pass over memory; if they end in what is not finite fewer are made, so that the failing one is found. Else the same
  * as so many calls of pk_integrator_step(). */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);

@@ -36,7 +36,7 @@ enum pk_trait {
     PK_QUADRATURE = 1u << 8, /* carries the system's quadratures, to its own order */
     PK_EXACT = 1u << 9,      /* a step of any length errs by rounding alone; its order is 0 */
     PK_HOLONOMIC = 1u << 10, /* ends its steps on holonomic constraints itself, and takes no
-                                rolling; calls unbound and inertia, or canonical and mass */
+                                rolling; calls unconstrained and inertia, or canonical and mass */
     PK_GROUP = 1u << 11      /* turns rotations on SO(3): unit quaternions but for rounding */
 };
 

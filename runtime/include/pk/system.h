@@ -28,16 +28,16 @@ extern "C" {
  * time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 45u
+#define PK_ABI 49u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 46u
+#define PK_ABI 50u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 47u
+#define PK_ABI 51u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 44u
+#define PK_ABI 48u
 #endif
 extern const char PK_SCALAR[];
 
@@ -74,24 +74,24 @@ struct pk_parameter {
 };
 
 /* What the acceleration divides by, or takes a root or a logarithm of: it is singular where the
- * guard vanishes. There the chart alone may end, M being singular (the pole of a sphere), or the
+ * singularity vanishes. There the chart alone may end, M being singular (the pole of a sphere), or the
  * motion itself (a collision), or no more than the expression, where a quotient has a limit. */
-enum pk_guard_kind {
-    PK_GUARD_COORDINATES,
-    PK_GUARD_DIVISOR,
-    PK_GUARD_ROOT,
-    PK_GUARD_LOGARITHM,
-    PK_GUARD_ARC /* 1 - x^2 of an asin or acos of x */
+enum pk_singularity_kind {
+    PK_SINGULARITY_COORDINATES,
+    PK_SINGULARITY_DIVISOR,
+    PK_SINGULARITY_ROOT,
+    PK_SINGULARITY_LOGARITHM,
+    PK_SINGULARITY_ARC /* 1 - x^2 of an asin or acos of x */
 };
-struct pk_guard {
+struct pk_singularity {
     struct pk_quantity what; /* name: the expression as text, "sin(theta)" */
-    enum pk_guard_kind kind;
+    enum pk_singularity_kind kind;
 };
 
-/* Of a family kept as loops a guard is one for each member i, or for each pair of i and j, which
+/* Of a family kept as loops a singularity is one for each member i, or for each pair of i and j, which
  * stand in its name: "x[i+1] - x[i]". */
-struct pk_guard_place {
-    size_t guard; /* in the table */
+struct pk_singularity_place {
+    size_t singularity; /* in the table */
     ptrdiff_t i, j;
 };
 
@@ -130,100 +130,94 @@ struct pk_range {
     int is_family;
 };
 
-struct pk_system {
-    unsigned abi;       /* PK_ABI */
-    const char *scalar; /* PK_SCALAR; NULL: not asked */
-    const char *name;
-    const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
-    unsigned facts;          /* of enum pk_fact */
-    size_t n;                /* degrees of freedom; see count */
-    size_t n_parameters, n_inputs, n_observed, n_conserved;
-    size_t params_size; /* sizeof (struct NAME_params) */
+/* Writes `out` at (t, q, v, u). */
+typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                       const pk_real *u, pk_real *out);
+/* Writes two. */
+typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u, pk_real *out, pk_real *second);
+/* Returns a number. */
+typedef pk_real pk_kernel_number(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                                 const pk_real *u);
 
-    /* Names: n coordinates, n rates, n momenta, and so on. */
-    const struct pk_quantity *coordinates, *rates, *momenta, *inputs, *observed, *conserved;
-    const struct pk_parameter *parameters;
-    const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, no Q_i, no dD/dv_i) */
+/* The parts of a system. One that is zero is not there. */
 
-    /* Parameters. defaults() sets all of them and calls prepare(). derive() computes again the
-     * defaults that follow other parameters, except where given[i] != 0 (given may be NULL: none
-     * is given). prepare() computes what depends on parameters alone and must follow any change;
-     * it returns 0, or 1 + the index of a parameter outside its bounds or not finite, or
-     * 1 + n_parameters if each is allowed but what follows from them is not finite (1/m at m = 0).
-     * bounds() gives the bounds, infinite where there is none. */
-    void (*defaults)(void *params);
-    void (*derive)(void *params, const unsigned char *given);
-    int (*prepare)(void *params);
-    void (*bounds)(const void *params, pk_real *lo, pk_real *hi);
-    void (*start)(const void *params, pk_real *q, pk_real *v);
+/* Where the equations end: n expressions, whose values are watched from step to step. Of families
+ * kept as loops `count` says how many values there are, and `place` which expression and members
+ * value number k belongs to; NULL: n, one each. */
+struct pk_part_singularities {
+    size_t n;
+    const struct pk_singularity *table;
+    pk_kernel *values;
+    size_t (*count)(const void *params);
+    void (*place)(const void *params, size_t k, struct pk_singularity_place *place);
+};
 
-    /* a with M a = f. Returns 0, or 1 + i where the pivot of coordinate i in M = L D L^T is not
-     * positive (or not a number): M is singular or indefinite there, and a is not written. 1 + n + i:
-     * that of constraint i in J M^-1 J^T. */
-    int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                        const pk_real *u, pk_real *a);
-    void (*mass)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                 const pk_real *u, pk_real *M);
-    void (*force)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                  const pk_real *u, pk_real *f);
-    /* p and pdot together, since a stage of a Gauss method needs both. */
-    void (*canonical)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u, pk_real *p, pk_real *pdot);
-    /* dL/dq alone. */
-    void (*gradient)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                     const pk_real *u, pk_real *dLdq);
-    /* What Newton's method on (p, pdot) needs: dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
-    void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                     const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
-    pk_real (*energy)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u);
-    /* T and V; NULL where the model states L alone. */
-    pk_real (*kinetic)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                       const pk_real *u);
-    pk_real (*potential)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                         const pk_real *u);
-    /* Outputs by `observe`, and claims by `conserve`; NULL where there are none. */
-    void (*observe)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                    const pk_real *u, pk_real *out);
-    void (*conserve)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                     const pk_real *u, pk_real *out);
+/* What `event` declares. */
+struct pk_part_events {
+    size_t n;
+    const struct pk_event *table;
+    pk_kernel *values;
+};
 
-    /* Derivatives of r = f - M a by q, v and t, with a and the inputs held: where a is the
-     * acceleration, M da/dq = r_q, and so on. For variational equations and implicit methods in
-     * (q, v); see pk/linear.h. NULL: there is none. */
-    void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                   const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
+/* Quadratures: n numbers z with z' = rates(t, q, v, u), on which nothing depends, as the angles that
+ * a reduction has left out; and what they are at the start (NULL: 0). */
+struct pk_part_quadratures {
+    size_t n;
+    const struct pk_quantity *names;
+    pk_kernel *rates;
+    void (*start)(const void *params, pk_real *z);
+};
 
-    /* Where the equations end, and where events are; NULL where there are none. */
-    size_t n_guards, n_events;
-    const struct pk_guard *guards;
-    const struct pk_event *events;
-    void (*guard)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                  const pk_real *u, pk_real *out);
-    void (*event)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                  const pk_real *u, pk_real *out);
+/* Switches: arguments s of step(s), abs(s), and a - b of min(a, b), at whose zeros the equations
+ * change from one smooth form to another. On which side each is held, whatever s: 1 above, -1 below;
+ * 0, as defaults() leaves it: where s is. With all sides given the equations are smooth
+ * (PK_SWITCHED), but for those within a root or a power that is no integer, which are not held:
+ * beyond the zero that is no number. The sides are n pk_real from the byte `sides` of the params on;
+ * see pk/events.h, which sets them in a copy.
+ *
+ * Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
+ * pk_impulse; `impulses` NULL: nowhere. Then there are `slopes`, which writes ds/dq (n by the degrees
+ * of freedom, along body rates; 0 of others) and ds/dt, and unconstrained, inertia and energy. See
+ * pk/events.h; a step by pk_integrator_step() alone is refused. */
+struct pk_part_switches {
+    size_t n;
+    const struct pk_quantity *names; /* the expressions as text, "t - t0" */
+    size_t sides;
+    pk_kernel *values;
+    const unsigned char *impulses;
+    pk_kernel_2 *slopes;
+};
 
-    /* The acceleration of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Bit l of
-     * the result: lane l failed as acceleration() does, and a is not to be used there. With the
-     * same parameters in each lane; or with P[k * PK_LANES + l] number k of the params of lane l,
-     * which are an array of pk_real. NULL: there is none. */
-    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
-                                const pk_real *v, const pk_real *u, pk_real *a);
-    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
-                                  const pk_real *v, const pk_real *u, pk_real *a);
+/* Marks: u of exp(u) and the like in the equations, which are constant, zero or huge where u is
+ * beyond +-36. The integrator looks at them along each step (src/core/marks.c). */
+struct pk_part_marks {
+    size_t n;
+    const struct pk_quantity *names; /* the calls as text, "exp(-x^2/w^2)" */
+    pk_kernel *values;
+};
 
-    /* NULL: none compiled in. To be NULL in a copy of a system whose kernels are replaced. */
-    const struct pk_stepper *steppers;
-    const struct pk_block_stepper *block_steppers;
-    size_t (*count)(const void *params); /* degrees of freedom, where they depend on a size that
-                                            is chosen at run time; NULL: n */
+/* Constraints. Rows J v + j0 = 0 of the rates, of which the first n_holonomic are the rates of
+ * phi(t, q) = 0; the motion is that of d'Alembert, with the force J^T lambda, which is in force(),
+ * canonical() and acceleration() as a function of (t, q, v). */
+struct pk_part_constraints {
+    size_t n, n_holonomic;
+    const struct pk_quantity *names; /* "lambda_rod": unit and description of the multipliers */
+    pk_kernel *values;               /* the n_holonomic phi; NULL where they are none */
+    pk_kernel_2 *jacobian; /* J (n by the degrees of freedom, row-major; the columns of quaternions and
+                              first-order variables are 0) and J v + j0 */
+    pk_kernel_2 *scale;    /* the sizes of the terms that phi and J v + j0 are sums of, in whose
+                              units of rounding a residual is judged */
+    pk_kernel *multipliers; /* lambda */
+};
 
-    /* The rest is for families kept as loops; where count is NULL it is 0. Then n is the count at
-     * the default sizes; coordinates, rates, momenta and parameters have an entry for each
-     * declared name (q for q[1..N]), cyclic is NULL, mass and jacobian are, and the offset of a
-     * family of parameters is that of a pointer to its members. Before defaults(): set_sizes() and
-     * any sizes of one's own, then attach() with block_size() bytes, aligned for pk_real (0: none
-     * needed, or a size is too small). prepare() returns 2 + n_parameters if a size is too small. */
+/* Families kept as loops. pk_system.n is then the count at the default sizes; coordinates, rates,
+ * momenta and parameters have an entry for each declared name (q for q[1..N]), `cyclic` is NULL, mass
+ * and jacobian are, and the offset of a family of parameters is that of a pointer to its members.
+ * Before defaults(): set_sizes() and any sizes of one's own, then attach() with block_size() bytes,
+ * aligned for pk_real (0: none needed, or a size is too small). */
+struct pk_part_families {
+    size_t (*count)(const void *params); /* degrees of freedom; NULL: pk_system.n */
     size_t n_sizes;
     const struct pk_size *sizes;
     void (*set_sizes)(void *params);
@@ -237,124 +231,132 @@ struct pk_system {
      * Uncompensated. NULL: there is none. */
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
-    /* How many numbers guard() writes, and which guard number k of them is. */
-    size_t (*guard_count)(const void *params);
-    void (*guard_place)(const void *params, size_t k, struct pk_guard_place *place);
+};
 
-    /* Quadratures: n_quadratures numbers z with z' = zdot(t, q, v, u), on which nothing depends, as
-     * the angles that a reduction has left out; and what they are at the start. */
-    size_t n_quadratures;
-    const struct pk_quantity *quadratures;
-    void (*quadrature)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                       const pk_real *u, pk_real *zdot);
-    void (*quadrature_start)(const void *params, pk_real *z);
+/* The particles of which T = sum of m/2 |r'|^2, or what of L is of the second degree in the rates:
+ * masses, and x, y, z (0 beside a plane) of r, r' and r'' of each, with a = q'' given. */
+struct pk_part_particles {
+    size_t n;
+    void (*at)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+               const pk_real *a, pk_real *m, pk_real *r, pk_real *r_v, pk_real *r_a);
+};
 
-    /* Switches: arguments x of step(x), abs(x), and a - b of min(a, b), at whose zeros the
-     * equations change from one smooth form to another. `switching` writes them. On which side
-     * each is held, whatever x: 1 above, -1 below; 0, as defaults() leaves it: where x is. With
-     * all sides given the equations are smooth (PK_SWITCHED), but for those within a root or a power
-     * that is no integer, which are not held: beyond the zero that is no number. The sides are
-     * n_switches pk_real from the byte `sides` of the params on; see pk/events.h, which sets them in
-     * a copy. 0 and NULL: there are none, or nobody knows where. */
-    size_t n_switches;
-    const struct pk_quantity *switches; /* names: the expressions as text, "t - t0" */
-    size_t sides;
-    void (*switching)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u, pk_real *out);
+struct pk_system {
+    unsigned abi;       /* PK_ABI */
+    const char *scalar; /* PK_SCALAR; NULL: not asked */
+    const char *name;
+    const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
+    unsigned facts;          /* of enum pk_fact */
+    size_t n;                /* degrees of freedom; of families see pk_system_count() */
+    size_t n_parameters, n_inputs, n_observed, n_conserved;
+    size_t params_size; /* sizeof (struct NAME_params) */
 
-    /* Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
-     * pk_impulse; NULL: nowhere. Then there are `corner`, which writes ds/dq (n_switches by n, along
-     * body rates; 0 of others) and ds/dt of the switches s, and unbound, inertia and energy. See
-     * pk/events.h; a step by pk_integrator_step() alone is refused. */
-    const unsigned char *impulses;
-    void (*corner)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                   const pk_real *u, pk_real *slope, pk_real *slope_t);
-
-    /* Marks: u of exp(u) and the like in the equations, which are constant, zero or huge where u is
-     * beyond +-36. `marking` writes them; the integrator looks at them along each step (src/core/marks.c). */
-    size_t n_marks;
-    const struct pk_quantity *marks; /* names: the calls as text, "exp(-x^2/w^2)" */
-    void (*marking)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                    const pk_real *u, pk_real *out);
-
-    /* First-order variables x' = g(t, q, v, x), the states: v[i] = x and a[i] = g of the last
-     * n_states degrees of freedom, whose names are those of the rates there. Their q is the
-     * integral of x, on which nothing depends: it is shown nowhere and controls no step. They have
-     * no momenta: where L alone is asked for, or the energy, they count as t does, and energy is
-     * NULL where there are no coordinates. */
-    size_t n_states;
-
-    /* Rotations, attitudes R in SO(3): n_rotations of them, body to space. The first 3 n_rotations of
-     * the n_states first-order variables are their body rates, omega(R).x, .y, .z each; the next
-     * 4 n_rotations their unit quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R
-     * turns by R v = Q v Q*. Of all kernels: p = dL/domega and pdot = X L + p x omega + torque there,
-     * X_i the derivative along Q' = Q e_i/2; the momenta are those of the body frame. */
+    /* First-order variables x' = g(t, q, v, x): v[i] = x and a[i] = g of the last n_first_order
+     * degrees of freedom, whose names are those of the rates there. Their q is the integral of x, on
+     * which nothing depends: it is shown nowhere and controls no step. They have no momenta: where L
+     * alone is asked for, or the energy, they count as t does, and energy is NULL where there are no
+     * coordinates. */
+    size_t n_first_order;
+    /* Rotations, attitudes R in SO(3), body to space. The first 3 n_rotations of the first-order
+     * variables are their body rates, omega(R).x, .y, .z each; the next 4 n_rotations their unit
+     * quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R turns by R v = Q v Q*. Of
+     * all kernels: p = dL/domega and pdot = X L + p x omega + torque there, X_i the derivative along
+     * Q' = Q e_i/2; the momenta are those of the body frame. */
     size_t n_rotations;
 
-    /* Constraints. Rows J v + j0 = 0 of the rates, of which the first n_holonomic are the rates of
-     * phi(t, q) = 0; the motion is that of d'Alembert, with the force J^T lambda, which is in
-     * force(), canonical() and acceleration() as a function of (t, q, v). `constraint` writes the
-     * n_holonomic phi, `rows` J (n_constraints by n, row-major; the columns of quaternions and states
-     * are 0) and J v + j0, `terms` the sizes of the terms that both are sums of, in whose units of
-     * rounding a residual is judged, `multipliers` lambda. `unbound` is canonical() without
-     * J^T lambda: p = dL/dv (of quaternions and states: the numbers themselves) and pdot (their
-     * rates). It is there wherever there are rotations or constraints, and so is `inertia`, dp/dv of
-     * what `unbound` writes: where M is the unit matrix because M a = f was solved, canonical() and mass() say nothing of
-     * the momenta. NULL and 0: there are none. */
-    size_t n_constraints, n_holonomic;
-    const struct pk_quantity *constraints; /* "lambda_rod": unit and description of the multipliers */
-    void (*constraint)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                       const pk_real *u, pk_real *phi);
-    void (*rows)(const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
-                 pk_real *J, pk_real *residual);
-    void (*terms)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                  const pk_real *u, pk_real *phi_size, pk_real *residual_size);
-    void (*multipliers)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                        const pk_real *u, pk_real *lambda);
-    void (*unbound)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                    const pk_real *u, pk_real *p, pk_real *pdot);
-    void (*inertia)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                    const pk_real *u, pk_real *M);
+    /* Names: n coordinates, n rates, n momenta, and so on. */
+    const struct pk_quantity *coordinates, *rates, *momenta, *inputs, *observed, *conserved;
+    const struct pk_parameter *parameters;
+    const unsigned char *cyclic; /* n flags: p_i is constant (dL/dq_i = 0, no Q_i, no dD/dv_i) */
 
-    /* The particles of which T = sum of m/2 |r'|^2, or what of L is of the second degree in the rates:
-     * masses, and x, y, z (0 beside a plane) of r, r' and r'' of each, with a = q'' given. NULL: it
-     * was not asked for, or is no such sum. */
-    size_t n_particles;
-    void (*particles)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                      const pk_real *u, const pk_real *a, pk_real *m, pk_real *r, pk_real *r_v,
-                      pk_real *r_a);
+    /* Parameters. defaults() sets all of them and calls prepare(). derive() computes again the
+     * defaults that follow other parameters, except where given[i] != 0 (given may be NULL: none
+     * is given). prepare() computes what depends on parameters alone and must follow any change;
+     * it returns 0 or a failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds()
+     * gives the bounds, infinite where there is none. */
+    void (*defaults)(void *params);
+    void (*derive)(void *params, const unsigned char *given);
+    int (*prepare)(void *params);
+    void (*bounds)(const void *params, pk_real *lo, pk_real *hi);
+    void (*start)(const void *params, pk_real *q, pk_real *v);
+
+    /* a with M a = f. Returns 0 or a failure (PK_FAILURE_MASS, PK_FAILURE_CONSTRAINT); then a is not
+     * written. */
+    int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                        const pk_real *u, pk_real *a);
+    pk_kernel *mass, *force;
+    pk_kernel_2 *canonical; /* p and pdot together: a stage of a Gauss method needs both */
+    pk_kernel *gradient;    /* dL/dq alone */
+    /* What Newton's method on (p, pdot) needs: dp/dq, d(pdot)/dq, d(pdot)/dv. (dp/dv is M.) */
+    void (*jacobian)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                     const pk_real *u, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
+    pk_kernel_number *energy;
+    pk_kernel_number *kinetic, *potential; /* T and V; NULL where the model states L alone */
+    pk_kernel *observe, *conserve; /* outputs by `observe`, claims by `conserve`; NULL: none */
+    /* Derivatives of r = f - M a by q, v and t, with a and the inputs held: where a is the
+     * acceleration, M da/dq = r_q, and so on. For variational equations and implicit methods in
+     * (q, v); see pk/linear.h. NULL: there is none. */
+    void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
+    /* canonical() without J^T lambda: p = dL/dv (of quaternions and first-order variables: the numbers
+     * themselves) and pdot (their rates); and dp/dv of that p. They are there wherever there are
+     * rotations, constraints or impulses: where M is the unit matrix because M a = f was solved,
+     * canonical() and mass() say nothing of the momenta. */
+    pk_kernel_2 *unconstrained;
+    pk_kernel *inertia;
+
+    /* The acceleration of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Bit l of
+     * the result: lane l failed as acceleration() does, and a is not to be used there. With the
+     * same parameters in each lane; or with P[k * PK_LANES + l] number k of the params of lane l,
+     * which are an array of pk_real. NULL: there is none. */
+    unsigned long long (*lanes)(const void *params, const pk_real *t, const pk_real *q,
+                                const pk_real *v, const pk_real *u, pk_real *a);
+    unsigned long long (*members)(const pk_real *P, const pk_real *t, const pk_real *q,
+                                  const pk_real *v, const pk_real *u, pk_real *a);
+    /* NULL: none compiled in. To be NULL in a copy of a system whose kernels are replaced. */
+    const struct pk_stepper *steppers;
+    const struct pk_block_stepper *block_steppers;
+
+    struct pk_part_singularities singularities;
+    struct pk_part_events events;
+    struct pk_part_quadratures quadratures;
+    struct pk_part_switches switches;
+    struct pk_part_marks marks;
+    struct pk_part_constraints constraints;
+    struct pk_part_families families;
+    struct pk_part_particles particles;
 };
 
 /* Degrees of freedom. */
 static inline size_t pk_system_count(const struct pk_system *system, const void *params)
 {
-    return system->count ? system->count(params) : system->n;
+    return system->families.count ? system->families.count(params) : system->n;
 }
 
-/* Coordinates, which come before the integrals of the states. */
+/* Coordinates, which come before the integrals of the first-order variables. */
 static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
 {
-    return pk_system_count(system, params) - system->n_states;
+    return pk_system_count(system, params) - system->n_first_order;
 }
 
-/* How many numbers guard() writes. */
-static inline size_t pk_system_guard_count(const struct pk_system *system, const void *params)
+/* How many values there are of singularities. */
+static inline size_t pk_system_singularity_count(const struct pk_system *system, const void *params)
 {
-    return system->guard_count ? system->guard_count(params) : system->n_guards;
+    return system->singularities.count ? system->singularities.count(params) : system->singularities.n;
 }
 
-/* Which guard number k of these is. */
-static inline struct pk_guard_place pk_system_guard(const struct pk_system *system,
+/* Which singularity value number k is of. */
+static inline struct pk_singularity_place pk_system_singularity(const struct pk_system *system,
                                                     const void *params, size_t k)
 {
-    struct pk_guard_place place = {k, 0, 0};
-    if (system->guard_place)
-        system->guard_place(params, k, &place);
+    struct pk_singularity_place place = {k, 0, 0};
+    if (system->singularities.place)
+        system->singularities.place(params, k, &place);
     return place;
 }
 
 /* Its name with i and j in brackets as numbers: "x[8] - x[7]". */
-int pk_system_guard_name(const struct pk_system *system, const void *params, size_t k, char *text,
+int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k, char *text,
                          size_t size);
 
 /* The name of coordinate i (a number in q): "theta", "q[3]". `table` is the system's coordinates,

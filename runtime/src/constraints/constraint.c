@@ -83,9 +83,9 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
     const enum pk_status status = begin(&w, problem, t, q, v, block, size);
     if (status < 0 || !lambda)
         return status < 0 ? status : PK_BAD_ARGUMENT;
-    if (!w.c || !w.system->multipliers)
+    if (!w.c || !w.system->constraints.multipliers)
         return PK_REFUSED;
-    w.system->multipliers(w.params, t, q, v, w.u, lambda);
+    w.system->constraints.multipliers(w.params, t, q, v, w.u, lambda);
     return pk_all_finite(lambda, w.c) ? PK_DONE : PK_NOT_FINITE;
 }
 
@@ -152,8 +152,8 @@ enum pk_status pk_project_start(struct pk_integrator *it)
 int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size)
 {
     static const char force[] = "lambda_";
-    const char *name = system->constraints && row < system->n_constraints
-                           ? system->constraints[row].name
+    const char *name = system->constraints.names && row < system->constraints.n
+                           ? system->constraints.names[row].name
                            : "";
     if (strncmp(name, force, sizeof force - 1) == 0)
         name += sizeof force - 1;
@@ -181,13 +181,13 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t c = system->n_constraints, row = it->where % (c ? c : 1);
+    const size_t c = system->constraints.n, row = it->where % (c ? c : 1);
     const char *what = pk_status_text(it->status);
     char name[128], others[256], more[400] = "";
     if (it->where >= 2 * c + system->n_rotations)
         return snprintf(text, size, "%s; last valid time %.17g", what, (double)it->t);
     if (it->where >= 2 * c) {
-        const size_t first = it->n - system->n_states + 3 * (it->where - 2 * c);
+        const size_t first = it->n - system->n_first_order + 3 * (it->where - 2 * c);
         pk_system_name(system, it->problem.params, system->rates, first, name, sizeof name);
         const char *of = strncmp(name, "omega(", 6) == 0 ? name + 6 : name;
         return snprintf(text, size, "%s: the quaternion of %.*s is not of unit length, by %.3g",

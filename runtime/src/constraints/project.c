@@ -188,7 +188,7 @@ static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, c
     for (int count = 0;; count++) {
         size_t which;
         if (count)
-            w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
+            w->system->constraints.jacobian(w->params, w->t, q, v, w->u, w->J, w->rate);
         const pk_real ratio = pk_project_worst(w->rate, w->rate_size, w->c, &which);
         const int done = judged(ratio, before, count);
         w->depends[0] = 0;

@@ -35,11 +35,11 @@ unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method
 int pk_sides_missing(const struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
-    if (!system->impulses && !(it->method->needs & ~system->facts & PK_SMOOTH))
+    if (!system->switches.impulses && !(it->method->needs & ~system->facts & PK_SMOOTH))
         return 0;
     const char *const params = (const char *)it->problem.params;
-    const pk_real *side = (const pk_real *)(const void *)(params + system->sides);
-    for (size_t k = 0; k < system->n_switches; k++)
+    const pk_real *side = (const pk_real *)(const void *)(params + system->switches.sides);
+    for (size_t k = 0; k < system->switches.n; k++)
         if (!(side[k] > 0) && !(side[k] < 0))
             return 1;
     return 0;
@@ -47,19 +47,19 @@ int pk_sides_missing(const struct pk_integrator *it)
 
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method)
 {
-    const int turns = system->n_rotations > 0, c = system->n_constraints > 0;
-    /* Momenta are those of `unbound` where there are rotations or constraints. */
+    const int turns = system->n_rotations > 0, c = system->constraints.n > 0;
+    /* Momenta are those of `unconstrained` where there are rotations or constraints. */
     const unsigned own = turns || c ? PK_HOLONOMIC : 0, plain = turns || c ? 0 : PK_HOLONOMIC;
     const struct {
         const char *name;
         unsigned traits;
         int there;
     } kernels[] = {
-        {"rows", c ? ~0u : 0, system->rows != NULL},
-        {"terms", c ? ~0u : 0, system->terms != NULL},
-        {"constraint", c && system->n_holonomic ? ~0u : 0, system->constraint != NULL},
+        {"constraint_jacobian", c ? ~0u : 0, system->constraints.jacobian != NULL},
+        {"residual_scale", c ? ~0u : 0, system->constraints.scale != NULL},
+        {"constraint", c && system->constraints.n_holonomic ? ~0u : 0, system->constraints.values != NULL},
         {"inertia", c ? ~0u : own, system->inertia != NULL},
-        {"unbound", own, system->unbound != NULL},
+        {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
         {"canonical", PK_JACOBIANS | plain, system->canonical != NULL},
         {"jacobian", PK_JACOBIANS, system->jacobian != NULL},

@@ -20,9 +20,9 @@ static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk
 {
     const struct pk_system *system = problem->system;
     struct pk_projection w = {.system = system, .params = problem->params, .n = n};
-    w.c = system->n_constraints;
-    w.h = system->n_holonomic;
-    w.rotation = n - system->n_states;
+    w.c = system->constraints.n;
+    w.h = system->constraints.n_holonomic;
+    w.rotation = n - system->n_first_order;
     w.m = w.rotation + 3 * system->n_rotations;
     lay_out(&w, all, base);
     return w;
@@ -30,13 +30,13 @@ static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk
 
 size_t pk_project_room(const struct pk_system *system, size_t n)
 {
-    struct pk_projection w = {.n = n, .c = system->n_constraints};
+    struct pk_projection w = {.n = n, .c = system->constraints.n};
     return lay_out(&w, 1, NULL);
 }
 
 size_t pk_project_size(const struct pk_system *system, size_t n)
 {
-    struct pk_projection w = {.n = n, .c = system->n_constraints};
+    struct pk_projection w = {.n = n, .c = system->constraints.n};
     return w.c || system->n_rotations ? lay_out(&w, 0, NULL) : 0;
 }
 
@@ -61,14 +61,14 @@ size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_re
 
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    w->system->rows(w->params, w->t, q, v, w->u, w->J, w->rate);
+    w->system->constraints.jacobian(w->params, w->t, q, v, w->u, w->J, w->rate);
     if (w->h)
-        w->system->constraint(w->params, w->t, q, v, w->u, w->phi);
+        w->system->constraints.values(w->params, w->t, q, v, w->u, w->phi);
 }
 
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    w->system->terms(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
+    w->system->constraints.scale(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
 }
 
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)

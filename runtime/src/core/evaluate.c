@@ -40,7 +40,7 @@ static pk_real condition(const struct pk_integrator *it, pk_real t, const pk_rea
     pk_real M[MOST * MOST], ratio = (pk_real)NAN;
     size_t order[MOST];
     const size_t n = it->n;
-    if (n > MOST || last >= n || !it->problem.system->mass || it->problem.system->count)
+    if (n > MOST || last >= n || !it->problem.system->mass || it->problem.system->families.count)
         return ratio;
     it->problem.system->mass(it->problem.params, t, q, v, it->own->u, M);
     for (size_t i = 0, k = 0; i < n; i++)

@@ -85,14 +85,14 @@ void pk_scale_step(struct pk_integrator *it);
  * errors are all of the motion there. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
-/* Where the equations end: what system->guards says, watched from step to step. Numbers needed; at
- * a start; whether a guard is zero there; after a trial step, which is still it->own->next; and after
- * one that failed, whether a guard is its cause. */
-size_t pk_guard_size(size_t n_guards, size_t n);
-void pk_guard_start(struct pk_integrator *it);
-enum pk_status pk_guard_here(struct pk_integrator *it);
-enum pk_status pk_guard_step(struct pk_integrator *it);
-enum pk_status pk_guard_cause(struct pk_integrator *it, enum pk_status status, int fixed);
+/* Where the equations end: what system->singularities.table says, watched from step to step. Numbers needed; at
+ * a start; whether a singularity is zero there; after a trial step, which is still it->own->next; and after
+ * one that failed, whether a singularity is its cause. */
+size_t pk_singularity_size(size_t n_singularities, size_t n);
+void pk_singularity_start(struct pk_integrator *it);
+enum pk_status pk_singularity_here(struct pk_integrator *it);
+enum pk_status pk_singularity_step(struct pk_integrator *it);
+enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
 /* Forces that may be shorter than a step (marks.c): numbers needed; the limit of a trial step; whether
  * it passes over too much, and is to be made again up to a nearer one; that it becomes the state. */

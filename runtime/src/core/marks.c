@@ -1,4 +1,4 @@
-/* Forces shorter than a step: system->marks, arguments u of exp(u), tanh(u) and the like, which change
+/* Forces shorter than a step: system->marks.names, arguments u of exp(u), tanh(u) and the like, which change
  * where u is within +-ALIVE alone. No stage of a step may lie there; but u itself is smooth along the
  * step, a polynomial often, and is followed down to where it gets there. A step in which u, cut off at
  * +-ALIVE, varies by more than MOST passes over what its stages may not see: it is made again up to
@@ -19,7 +19,7 @@ enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
 size_t pk_marks_size(const struct pk_system *system, size_t n)
 {
-    return system->n_marks ? 4 * system->n_marks + 2 * n + system->n_inputs : 0;
+    return system->marks.n ? 4 * system->marks.n + 2 * n + system->n_inputs : 0;
 }
 
 void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
@@ -42,7 +42,7 @@ static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
     const size_t n = it->n;
     const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->own->next, *v1 = pk_part(it->own->next, n, PK_V);
     const pk_real h = it->own->next_t - it->t, t = x < 1 ? it->t + x * h : it->own->next_t;
-    pk_real *q = it->own->marks + 4 * system->n_marks, *v = q + n, *input = v + n;
+    pk_real *q = it->own->marks + 4 * system->marks.n, *v = q + n, *input = v + n;
     if (x > 0 && x < 1)
         pk_hermite(n, h, q0, v0, q1, v1, x, q, v);
     else
@@ -51,12 +51,12 @@ static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
         it->problem.input(it->problem.context, t, input);
     else
         memset(input, 0, system->n_inputs * sizeof *input);
-    system->marking(it->problem.params, t, q, v, input, u);
+    system->marks.values(it->problem.params, t, q, v, input, u);
 }
 
 static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 {
-    pk_real *u = it->own->marks + 3 * it->problem.system->n_marks;
+    pk_real *u = it->own->marks + 3 * it->problem.system->marks.n;
     values(it, x, u);
     return u[k];
 }
@@ -127,7 +127,7 @@ int pk_marks_reject(struct pk_integrator *it)
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     if (fixed && it->own->unlooked > 0)
         return 0;
-    const size_t m = it->problem.system->n_marks;
+    const size_t m = it->problem.system->marks.n;
     const pk_real h = pk_abs(it->own->next_t - it->t);
     pk_real *begin = it->own->marks, *end = begin + m, *middle = end + m, first = 1, rise = 0;
     size_t which = 0;
@@ -173,7 +173,7 @@ void pk_marks_accept(struct pk_integrator *it)
 {
     if (!it->own->marks)
         return;
-    const size_t m = it->problem.system->n_marks;
+    const size_t m = it->problem.system->marks.n;
     const pk_real h = pk_abs(it->own->next_t - it->t);
     if (it->own->unlooked > 0) {
         it->own->unlooked--;

@@ -1,4 +1,4 @@
-/* Names in families kept as loops: of coordinates the declared name with its index, of guards the
+/* Names in families kept as loops: of coordinates the declared name with its index, of singularities the
  * expression with the indices of its members. */
 #include <stdio.h>
 #include <string.h>
@@ -14,14 +14,14 @@ int pk_system_name(const struct pk_system *system, const void *params,
     size_t k = i;
     if (!table)
         return snprintf(text, size, "?");
-    for (k = 0; system->range && k < system->n_coordinates; k++) {
-        system->range(params, 0, k, &range);
+    for (k = 0; system->families.range && k < system->families.n_coordinates; k++) {
+        system->families.range(params, 0, k, &range);
         if (i < range.count)
             break;
         i -= range.count;
     }
-    if (!system->range || k >= system->n_coordinates)
-        return snprintf(text, size, "%s", table[system->range ? 0 : i].name);
+    if (!system->families.range || k >= system->families.n_coordinates)
+        return snprintf(text, size, "%s", table[system->families.range ? 0 : i].name);
     if (!range.is_family)
         return snprintf(text, size, "%s", table[k].name);
     /* Primes stand behind the index. */
@@ -31,7 +31,7 @@ int pk_system_name(const struct pk_system *system, const void *params,
 }
 
 /* "[i+1]" and "[j-2]" as numbers; where it ends, or NULL if it is none of these. */
-static const char *index_of(const char *text, const struct pk_guard_place *place, ptrdiff_t *index)
+static const char *index_of(const char *text, const struct pk_singularity_place *place, ptrdiff_t *index)
 {
     ptrdiff_t number = 0;
     if (text[0] != '[' || (text[1] != 'i' && text[1] != 'j'))
@@ -45,17 +45,17 @@ static const char *index_of(const char *text, const struct pk_guard_place *place
     return *text == ']' ? text + 1 : NULL;
 }
 
-int pk_system_guard_name(const struct pk_system *system, const void *params, size_t k, char *text,
+int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k, char *text,
                          size_t size)
 {
-    const struct pk_guard_place place = pk_system_guard(system, params, k);
-    const char *from = system->guards[place.guard].what.name;
+    const struct pk_singularity_place place = pk_system_singularity(system, params, k);
+    const char *from = system->singularities.table[place.singularity].what.name;
     size_t at = 0;
     if (size)
         *text = 0;
     while (*from && at < size) {
         ptrdiff_t index = 0;
-        const char *end = system->guard_place ? index_of(from, &place, &index) : NULL;
+        const char *end = system->singularities.place ? index_of(from, &place, &index) : NULL;
         at += (size_t)(end ? snprintf(text + at, size - at, "[%td]", index)
                            : snprintf(text + at, size - at, "%c", *from));
         from = end ? end : from + 1;

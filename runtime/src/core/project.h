@@ -26,7 +26,7 @@ struct pk_projection {
 /* Whether there are rows of rates that are no rates of positions. */
 static inline int pk_rolls(const struct pk_system *system)
 {
-    return system->n_constraints > system->n_holonomic;
+    return system->constraints.n > system->constraints.n_holonomic;
 }
 
 /* pk_real of room for a system of n degrees of freedom; 0 where there is nothing to project. */

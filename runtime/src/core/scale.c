@@ -40,19 +40,19 @@ static void group(const struct pk_integrator *it, const struct pk_quantity *tabl
                   pk_real *to)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t declared = system->n_coordinates ? system->n_coordinates : system->n;
+    const size_t declared = system->families.n_coordinates ? system->families.n_coordinates : system->n;
     for (size_t k = 0; !table && k < it->n; k++)
         to[k] = (pk_real)base;
     size_t first = 0, i = 0;
     for (size_t k = 0; table && k < declared && i < it->n; k++) {
         struct pk_range range = {0, 1, 0};
         size_t j = 0;
-        if (system->range)
-            system->range(it->problem.params, 0, k, &range);
+        if (system->families.range)
+            system->families.range(it->problem.params, 0, k, &range);
         for (first = 0; j < k && strcmp(table[j].unit, table[k].unit) != 0; j++) {
             struct pk_range before = {0, 1, 0};
-            if (system->range)
-                system->range(it->problem.params, 0, j, &before);
+            if (system->families.range)
+                system->families.range(it->problem.params, 0, j, &before);
             first += before.count;
         }
         for (size_t m = 0; m < range.count && i < it->n; m++)
@@ -111,7 +111,7 @@ static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
     const size_t n = it->n;
-    const pk_real share = system->n_constraints ? it->options.rtol : ROUNDING;
+    const pk_real share = system->constraints.n ? it->options.rtol : ROUNDING;
     pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
     if (!(it->method->traits & PK_JACOBIANS) || !(system->inertia ? system->inertia : system->mass))
         return;

@@ -143,7 +143,7 @@ enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *
     if (pk_system_count(s, problem->params) != 1)
         return PK_REFUSED;
     found->orbit = PK_ORBIT_NO_KERNELS;
-    if (!s->gradient || !s->mass || !s->canonical || s->impulses)
+    if (!s->gradient || !s->mass || !s->canonical || s->switches.impulses)
         return PK_REFUSED;
     found->orbit = PK_ORBIT_NOT_QUADRATIC;
     if (!(s->facts & PK_QUADRATIC))

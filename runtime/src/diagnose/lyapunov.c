@@ -21,7 +21,7 @@ size_t pk_lyapunov_size(const struct pk_problem *problem, const struct pk_method
 
 static struct pk_metric metric_of(const struct pk_lyapunov *l)
 {
-    const size_t states = l->variation.of.system->n_states;
+    const size_t states = l->variation.of.system->n_first_order;
     return (struct pk_metric){.n = l->metric_n,
                               .seen = l->metric_n - states,
                               .tau = l->metric_tau,

@@ -166,7 +166,7 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
         !(method->traits & PK_IMPLICIT))
         return PK_REFUSED; /* its step is a function of the state, whose derivative is not made */
     if (map && problem && problem->system &&
-        (problem->system->n_states || problem->system->n_constraints))
+        (problem->system->n_first_order || problem->system->constraints.n))
         return PK_REFUSED; /* states have no momenta, and constraints leave q and p not free */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;

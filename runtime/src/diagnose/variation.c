@@ -108,10 +108,10 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
 }
 
 /* The motion ends where it did without displacements. */
-static void guard(ARGS, pk_real *out)
+static void singularity(ARGS, pk_real *out)
 {
     const struct pk_variation *w = self(params);
-    w->of.system->guard(OF(w), out);
+    w->of.system->singularities.values(OF(w), out);
 }
 
 size_t pk_variation_size(const struct pk_problem *of, size_t columns)
@@ -130,7 +130,7 @@ size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
     const size_t n = pk_system_count(of->system, of->params);
     struct pk_system larger = {.abi = PK_ABI, .n = (1 + columns) * n};
     larger.n_inputs = of->system->n_inputs;
-    larger.n_guards = of->system->n_guards;
+    larger.singularities.n = of->system->singularities.n;
     return pk_integrator_size(&(struct pk_problem){.system = &larger}, method);
 }
 
@@ -166,7 +166,7 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
                                            .source_hash = system->source_hash,
                                            .facts = system->facts & kept,
                                            .n = variation->n * (1 + columns),
-                                           .n_coordinates = variation->n,
+                                           .families.n_coordinates = variation->n,
                                            .n_inputs = system->n_inputs,
                                            .inputs = system->inputs,
                                            .coordinates = system->coordinates,
@@ -177,10 +177,10 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
                                            .canonical = canonical,
                                            .jacobian = jacobian,
                                            .linear = linear,
-                                           .n_guards = system->n_guards,
-                                           .guards = system->guards,
-                                           .guard = system->n_guards ? guard : NULL,
-                                           .count = count};
+                                           .singularities.n = system->singularities.n,
+                                           .singularities.table = system->singularities.table,
+                                           .singularities.values = system->singularities.n ? singularity : NULL,
+                                           .families.count = count};
     variation->problem = (struct pk_problem){.system = &variation->system,
                                              .params = variation,
                                              .input = of->input,

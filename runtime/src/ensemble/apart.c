@@ -15,27 +15,27 @@ static size_t padded(size_t bytes) { return (bytes + ALIGNED - 1) / ALIGNED * AL
 
 static size_t state_reals(const struct pk_system *whole)
 {
-    return 2 * whole->n + whole->n_quadratures + whole->n_inputs;
+    return 2 * whole->n + whole->quadratures.n + whole->n_inputs;
 }
 
 /* Params, maps of inputs and of quadratures. */
 static size_t own_size(const struct pk_system *system)
 {
     return padded(system->params_size) +
-           padded((system->n_inputs + system->n_quadratures) * sizeof(size_t));
+           padded((system->n_inputs + system->quadratures.n) * sizeof(size_t));
 }
 
 size_t pk_apart_size(const struct pk_problem *whole, const struct pk_part *parts,
                      const struct pk_choice *choices, size_t count)
 {
     if (!whole || !whole->system || !parts || !choices || whole->system->abi != PK_ABI ||
-        whole->system->count)
+        whole->system->families.count)
         return 0;
     size_t bytes = padded(count * sizeof(struct pk_apart_part)) +
                    padded(state_reals(whole->system) * sizeof(pk_real));
     for (size_t k = 0; k < count; k++) {
         const struct pk_problem problem = {.system = parts[k].system};
-        if (!problem.system || problem.system->abi != PK_ABI || problem.system->count)
+        if (!problem.system || problem.system->abi != PK_ABI || problem.system->families.count)
             return 0;
         const size_t size = pk_integrator_size(&problem, choices[k].method);
         if (size == 0)
@@ -104,17 +104,17 @@ static enum pk_status check_parts(struct pk_apart *a)
     for (size_t k = 0; k < a->count; k++) {
         const struct pk_part *of = &a->parts[k].of;
         n += of->system->n;
-        m += of->system->n_quadratures;
+        m += of->system->quadratures.n;
         for (size_t i = 0; i < of->system->n; i++)
             if (of->coordinates[i] >= whole->n)
                 return bad(a, "a coordinate is not of the whole", k + 1);
         if (!find(of->system->inputs, of->system->n_inputs, whole->inputs, whole->n_inputs,
                   a->parts[k].inputs) ||
-            !find(of->system->quadratures, of->system->n_quadratures, whole->quadratures,
-                  whole->n_quadratures, a->parts[k].quadratures))
+            !find(of->system->quadratures.names, of->system->quadratures.n, whole->quadratures.names,
+                  whole->quadratures.n, a->parts[k].quadratures))
             return bad(a, "an input or a quadrature is not of the whole", k + 1);
     }
-    if (n != whole->n || m != whole->n_quadratures)
+    if (n != whole->n || m != whole->quadratures.n)
         return bad(a, "the parts are not the whole", 0);
     for (size_t i = 0; i < n; i++) {
         size_t times = 0;
@@ -137,7 +137,7 @@ static void assemble(struct pk_apart *a)
             a->state[part->of.coordinates[i]] = part->there->q[i];
             a->state[n + part->of.coordinates[i]] = part->there->v[i];
         }
-        for (size_t i = 0; i < part->of.system->n_quadratures; i++)
+        for (size_t i = 0; i < part->of.system->quadratures.n; i++)
             a->state[2 * n + part->quadratures[i]] = part->there->z[i];
     }
 }
@@ -202,7 +202,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
         struct pk_apart_part *part = &a->parts[k];
         part->of = parts[k];
         part->apart = a;
-        part->u = a->state + 2 * whole->system->n + whole->system->n_quadratures;
+        part->u = a->state + 2 * whole->system->n + whole->system->quadratures.n;
         part->params = at;
         part->inputs = (size_t *)(void *)(at + padded(parts[k].system->params_size));
         part->quadratures = part->inputs + parts[k].system->n_inputs;
@@ -221,7 +221,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
     a->t = t0;
     a->q = a->state;
     a->v = a->q + whole->system->n;
-    a->z = whole->system->n_quadratures ? a->v + whole->system->n : NULL;
+    a->z = whole->system->quadratures.n ? a->v + whole->system->n : NULL;
     return a->status;
 }
 
@@ -231,7 +231,7 @@ enum pk_status pk_apart_set_quadratures(struct pk_apart *a, const pk_real *z)
         return a->status < 0 ? a->status : PK_BAD_ARGUMENT;
     for (size_t k = 0; k < a->count; k++) {
         struct pk_apart_part *part = &a->parts[k];
-        const size_t m = part->of.system->n_quadratures;
+        const size_t m = part->of.system->quadratures.n;
         for (size_t i = 0; i < m; i++) /* the state is assembled anew below */
             a->state[i] = z[part->quadratures[i]];
         if (m && pk_integrator_set_quadratures(&part->it, a->state) < 0) {

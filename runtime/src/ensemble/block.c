@@ -157,7 +157,7 @@ static struct pk_member *member_at(const struct pk_ensemble *e, char *memory, si
     return (struct pk_member *)(void *)(memory + k * pk_member_size(e));
 }
 
-/* The members of `bits` end with `status`, or for the reason that their guards know. */
+/* The members of `bits` end with `status`, or for the reason that their singularities know. */
 static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_integrator *clock,
                  size_t first, char *memory, unsigned long long bits, enum pk_status status,
                  unsigned long long *live)
@@ -167,7 +167,7 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
         enum pk_status reason = status;
         if (!(bits >> l & 1))
             continue;
-        if (e->system->n_guards)
+        if (e->system->singularities.n)
             reason = pk_member_step(member_at(e, memory, l), clock, b->next + l, b->lanes, status);
         retire(b, e, first, 1ull << l, reason, live);
     }
@@ -177,7 +177,7 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
 static unsigned long long normalise(struct pk_block *b)
 {
     unsigned long long lost = 0;
-    const size_t W = b->lanes, first = b->n - b->system->n_states + 3 * b->system->n_rotations;
+    const size_t W = b->lanes, first = b->n - b->system->n_first_order + 3 * b->system->n_rotations;
     for (size_t r = 0; r < b->system->n_rotations; r++)
         for (size_t l = 0; l < W; l++) {
             const size_t at = (first + 4 * r) * W + l;
@@ -227,7 +227,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
             fail(b, e, clock, first, memory, bad & ~mass, PK_NOT_FINITE, &live);
         }
         fail(b, e, clock, first, memory, normalise(b) & live, PK_NOT_FINITE, &live);
-        for (size_t l = 0; e->system->n_guards && l < b->lanes; l++) {
+        for (size_t l = 0; e->system->singularities.n && l < b->lanes; l++) {
             if (!(live >> l & 1))
                 continue;
             const enum pk_status seen = pk_member_step(member_at(e, memory, l), clock,
@@ -265,7 +265,7 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
     b.lane = b.work + pk_block_reals(MOST_STAGES, n, W);
 
     for (size_t l = 0; l < count; l++) {
-        struct pk_member *member = member_at(e, memory, e->system->n_guards ? l : 0);
+        struct pk_member *member = member_at(e, memory, e->system->singularities.n ? l : 0);
         const enum pk_status status = pk_member_begin(e, first + l, member);
         e->status[first + l] = status;
         if (status < 0)

@@ -18,7 +18,7 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
-    if (!(e->options.h > 0) || e->system->n_quadratures || e->system->n_constraints)
+    if (!(e->options.h > 0) || e->system->quadratures.n || e->system->constraints.n)
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }
@@ -42,7 +42,7 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
 static void keep(const struct pk_ensemble *e, size_t member, size_t row,
                  const struct pk_integrator *it)
 {
-    const size_t at = member * e->rows + row, count = e->system->n_quadratures;
+    const size_t at = member * e->rows + row, count = e->system->quadratures.n;
     memcpy(e->q + at * it->n, it->q, it->n * sizeof *it->q);
     memcpy(e->v + at * it->n, it->v, it->n * sizeof *it->v);
     if (e->z && it->z)
@@ -102,7 +102,7 @@ static enum pk_status usable(const struct pk_ensemble *e, size_t first, size_t c
         !e->done || !e->last_t || !e->status || (e->rows && !e->t) || !block ||
         first > e->members || count > e->members - first)
         return PK_BAD_ARGUMENT;
-    if (e->system->impulses)
+    if (e->system->switches.impulses)
         return PK_REFUSED; /* nobody looks for its switches here */
     return size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) ||
                    (size_t)block % _Alignof(pk_real)

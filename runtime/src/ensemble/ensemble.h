@@ -19,7 +19,7 @@ int pk_ensemble_stopped(const struct pk_ensemble *e);
 static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
 /* A member in the block: its integrator's own memory follows. Members in lanes share one, unless
- * the system has guards, which each integrator then watches for its lane. */
+ * the system has singularities, which each integrator then watches for its lane. */
 struct pk_member {
     struct pk_integrator it;
     struct pk_constant_input input;
@@ -31,7 +31,7 @@ size_t pk_member_count(const struct pk_ensemble *e, size_t W);
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
 /* The step that its lane has just made by the clock, to next[i * W] and so on, or failed with
- * `status`: the reason by the guards, if they know one, or PK_DONE, and the member follows. */
+ * `status`: the reason by the singularities, if they know one, or PK_DONE, and the member follows. */
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 

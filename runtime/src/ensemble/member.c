@@ -1,5 +1,5 @@
-/* One member of an ensemble: where it starts, and the guards of one whose steps are made in a lane.
- * Its integrator then makes no step: it is given those of the lane, and watches them as guard.c
+/* One member of an ensemble: where it starts, and the singularities of one whose steps are made in a lane.
+ * Its integrator then makes no step: it is given those of the lane, and watches them as singularity.c
  * says, by the kernels for one state.
  */
 #include <string.h>
@@ -24,7 +24,7 @@ size_t pk_member_size(const struct pk_ensemble *e)
 
 size_t pk_member_count(const struct pk_ensemble *e, size_t W)
 {
-    return W == 1 ? 2 : e->system->n_guards ? W : 1;
+    return W == 1 ? 2 : e->system->singularities.n ? W : 1;
 }
 
 static void constant_input(void *context, pk_real t, pk_real *u)
@@ -60,7 +60,7 @@ enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, 
                            e->v0 + member * n, (char *)m + pk_ensemble_padded(sizeof *m),
                            pk_integrator_size(&problem, e->method));
     return status >= 0 && e->z0 && m->it.z
-               ? pk_integrator_set_quadratures(&m->it, e->z0 + member * e->system->n_quadratures)
+               ? pk_integrator_set_quadratures(&m->it, e->z0 + member * e->system->quadratures.n)
                : status;
 }
 
@@ -69,19 +69,19 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
 {
     struct pk_integrator *it = &m->it;
     const size_t n = it->n;
-    const enum pk_status here = pk_guard_here(it);
+    const enum pk_status here = pk_singularity_here(it);
     if (here < 0)
         return here;
     it->own->h = clock->own->h;
     it->own->next_t = clock->own->next_t;
     it->own->direction = clock->own->direction;
     if (status < 0)
-        return pk_guard_cause(it, status, 1);
+        return pk_singularity_cause(it, status, 1);
     for (size_t i = 0; i < n; i++) {
         pk_part(it->own->next, n, PK_Q)[i] = next[i * W];
         pk_part(it->own->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
     }
-    status = pk_guard_step(it);
+    status = pk_singularity_step(it);
     if (status < 0)
         return status;
     pk_real *left_behind = it->own->state;

@@ -24,7 +24,7 @@ enum { MOST = 60 }; /* corrections */
 struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it)
 {
     struct corner x = {.e = e, .it = it, .q = e->trial, .start = e->trial + e->n};
-    const size_t n = e->n, c = it->problem.system->n_constraints, k = e->n_switches;
+    const size_t n = e->n, c = it->problem.system->constraints.n, k = e->n_switches;
     pk_real *at = e->room;
     x.w = pk_project_layout(&it->problem, n, at), at += pk_project_room(it->problem.system, n);
     x.w.t = e->t;
@@ -45,7 +45,7 @@ struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it)
 
 void pk_corner_momenta(struct corner *x, const pk_real *v)
 {
-    x->w.system->unbound(x->w.params, x->w.t, x->q, v, x->w.u, x->p, x->p + x->w.n);
+    x->w.system->unconstrained(x->w.params, x->w.t, x->q, v, x->w.u, x->p, x->p + x->w.n);
 }
 
 pk_real pk_corner_energy(const struct corner *x, const pk_real *v)

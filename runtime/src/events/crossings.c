@@ -249,7 +249,7 @@ static enum pk_status nodes(struct along *a)
 /* Puts a crossing into the list, behind those that are met before it. */
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
-    const struct pk_event *events = a->it->problem.system->events;
+    const struct pk_event *events = a->it->problem.system->events.table;
     const int asked = a->k < e->n_events ? events[a->k].direction : 0;
     size_t at = PK_EVENT_ENTRY * e->listed++;
     if (asked && asked != direction) {

@@ -22,8 +22,8 @@ static size_t shapes(size_t count)
 static size_t reals(const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t switches = problem->system->n_switches, m = problem->system->n_events + switches;
-    return 6 * n + problem->system->n_inputs + 2 * problem->system->n_quadratures + m +
+    const size_t switches = problem->system->switches.n, m = problem->system->events.n + switches;
+    return 6 * n + problem->system->n_inputs + 2 * problem->system->quadratures.n + m +
            shapes(m) + m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
            (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
 }
@@ -48,8 +48,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     options.h_min = 0; /* a step to a crossing may be as short as it is near */
     options.max_steps = 0;
     events->n = it->n;
-    events->n_events = problem->system->n_events;
-    events->n_switches = problem->system->n_switches;
+    events->n_events = problem->system->events.n;
+    events->n_switches = problem->system->switches.n;
     if (pk_events_count(events) == 0)
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
@@ -65,12 +65,12 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     events->ends = events->g + pk_events_count(events) * (size_t)(PK_MOST_SAMPLES + 2);
     events->list = events->ends + 2 * pk_events_count(events);
     events->z0 = events->list + pk_events_count(events) * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
-    events->held = events->z0 + 2 * problem->system->n_quadratures;
+    events->held = events->z0 + 2 * problem->system->quadratures.n;
     events->fresh = events->held + events->n_events;
     memset(events->shapes, 0, reals(problem) * sizeof(pk_real));
     if (events->n_switches) {
         events->params = events->fresh + events->n_switches;
-        events->sides = (pk_real *)(void *)((char *)events->params + problem->system->sides);
+        events->sides = (pk_real *)(void *)((char *)events->params + problem->system->switches.sides);
         memcpy(events->params, own.params, problem->system->params_size);
         events->room = (pk_real *)events->params + pk_params_reals(problem->system);
         own.params = events->params;
@@ -108,7 +108,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     memcpy(e->q0, it->q, e->n * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
     if (it->z)
-        memcpy(e->z0, it->z, it->problem.system->n_quadratures * sizeof *e->z0);
+        memcpy(e->z0, it->z, it->problem.system->quadratures.n * sizeof *e->z0);
     if (at_end(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */

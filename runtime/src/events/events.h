@@ -52,7 +52,7 @@ static inline pk_real pk_events_time(const struct pk_events *e, const struct pk_
 static inline int pk_switches_impulse(const struct pk_integrator *it, size_t k)
 {
     const struct pk_system *system = it->problem.system;
-    return system->impulses && system->impulses[k];
+    return system->switches.impulses && system->switches.impulses[k];
 }
 
 /* Some two units in the last place of t, on either side: a crossing is known no better. */

@@ -8,7 +8,7 @@
 /* The quadratures where the motion has just been followed to, e->t. */
 static enum pk_status quadratures(struct pk_events *e, struct pk_integrator *it)
 {
-    const size_t m = it->problem.system->n_quadratures;
+    const size_t m = it->problem.system->quadratures.n;
     pk_real *z = e->z0 + m;
     e->z = it->z ? z : NULL;
     if (!it->z)
@@ -57,7 +57,7 @@ static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *en
     }
     e->count++;
     const int wanted = e->found && e->found(e->context, e);
-    return wanted || it->problem.system->events[k].stop;
+    return wanted || it->problem.system->events.table[k].stop;
 }
 
 /* The next step begins on that side of each event on which this one ends: what puts the state onto its

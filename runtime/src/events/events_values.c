@@ -31,7 +31,7 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
     const struct pk_problem *p = &it->problem;
     if (p->system->n_inputs && p->input)
         p->input(p->context, t, e->u);
-    p->system->switching(e->params, t, q, v, e->u, x);
+    p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
 void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
@@ -53,7 +53,7 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
     if (p->system->n_inputs && p->input)
         p->input(p->context, t, e->u);
     if (e->n_events)
-        p->system->event(p->params, t, q, v, e->u, g);
+        p->system->events.values(p->params, t, q, v, e->u, g);
     pk_switches_functions(e, it, t, q, v, g + e->n_events);
 }
 

@@ -16,8 +16,8 @@ enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
 size_t pk_impulse_size(const struct pk_system *system, size_t n)
 {
-    const size_t c = system->n_constraints, k = system->n_switches;
-    return system->impulses ? pk_project_room(system, n) + 7 * n + (n + 3) * c + (n + 5) * k : 0;
+    const size_t c = system->constraints.n, k = system->switches.n;
+    return system->switches.impulses ? pk_project_room(system, n) + 7 * n + (n + 3) * c + (n + 5) * k : 0;
 }
 
 /* To the other side of one, and of those in whose arguments it stands. */
@@ -61,7 +61,7 @@ static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
     pk_corner_rows(x, x->start);
     pk_project_terms(w, x->q, x->start);
     for (size_t j = 0; j < w->c; j++) {
-        const int holonomic = j < system->n_holonomic;
+        const int holonomic = j < system->constraints.n_holonomic;
         if (holonomic && pk_abs(w->phi[j] - x->phi[j]) > PK_CORNER_WHOLE * w->phi_size[j])
             return refuse(x, k, POSITION, j);
         pk_real change = 0, size = 0;
@@ -86,7 +86,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
     pk_real *const given = x->sides + e->n_switches;
     unsigned found;
     memcpy(given, e->sides, e->n_switches * sizeof *given);
-    w->system->corner(w->params, w->t, x->q, x->start, w->u, x->slopes,
+    w->system->switches.slopes(w->params, w->t, x->q, x->start, w->u, x->slopes,
                       x->slopes + e->n_switches * w->n);
     x->slope = x->slopes + k * w->n;
     x->slope_t = x->slopes[e->n_switches * w->n + k];
@@ -159,14 +159,14 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
 int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const char *name = it->where < system->n_switches ? system->switches[it->where].name : "x";
+    const char *name = it->where < system->switches.n ? system->switches.names[it->where].name : "x";
     const size_t row = (size_t)it->own->condition;
     char other[128] = "";
     if (it->detail <= (pk_real)ROLLING)
         pk_constraint_name(system, row, other, sizeof other);
     else if (it->detail >= (pk_real)ORDER && it->detail <= (pk_real)ORDER)
         snprintf(other, sizeof other, "%s",
-                 row < system->n_switches ? system->switches[row].name : "x");
+                 row < system->switches.n ? system->switches.names[row].name : "x");
     static const char *const why[] = {
         [POSITION] = "the constraint %s jumps where %s vanishes: no motion follows it",
         [ROLLING] = "what multiplies the rates in %s jumps where %s vanishes: what follows depends "

@@ -22,10 +22,10 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     if (e->n_switches == 0)
         return;
-    const size_t bytes = e->n_switches * sizeof *e->sides, behind = system->sides + bytes;
+    const size_t bytes = e->n_switches * sizeof *e->sides, behind = system->switches.sides + bytes;
     char *const copy = (char *)e->params;
     const char *const given = (const char *)it->problem.params;
-    memcpy(copy, given, system->sides);
+    memcpy(copy, given, system->switches.sides);
     memcpy(copy + behind, given + behind, system->params_size - behind);
     it->problem.params = e->params;
 }

@@ -28,11 +28,11 @@ static enum pk_status rkmk_init(struct pk_integrator *it)
 static size_t quaternion(const struct pk_integrator *it, size_t r)
 {
     const struct pk_system *system = it->problem.system;
-    return 2 * it->n - system->n_states + 3 * system->n_rotations + 4 * r;
+    return 2 * it->n - system->n_first_order + 3 * system->n_rotations + 4 * r;
 }
 static size_t rates(const struct pk_integrator *it, size_t r)
 {
-    return 2 * it->n - it->problem.system->n_states + 3 * r;
+    return 2 * it->n - it->problem.system->n_first_order + 3 * r;
 }
 
 /* Slopes k hold theta' in place of Q'. theta of h sum a_j k_j. */

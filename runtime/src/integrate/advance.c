@@ -21,14 +21,14 @@ static unsigned long whole(const struct pk_integrator *it, pk_real limit, unsign
     return steps < most ? steps : most;
 }
 
-/* 0 where nothing was done: it passes over what guards and constraints see to between steps. */
+/* 0 where nothing was done: it passes over what singularities and constraints see to between steps. */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
     const struct pk_splitting *table = pk_splitting_table(it->method);
     const size_t n = it->n;
     const pk_real h = (pk_real)it->own->direction * it->options.h;
-    if (!system->advance || !table || system->n_inputs || it->own->guards || it->own->project)
+    if (!system->families.advance || !table || system->n_inputs || it->own->singularities || it->own->project)
         return 0;
     unsigned long steps = whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
@@ -42,7 +42,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
             return 0;
         memcpy(q, it->q, n * sizeof *q);
         memcpy(v, it->v, n * sizeof *v);
-        system->advance(it->problem.params, table->stages, table->kick, table->drift, it->t, h,
+        system->families.advance(it->problem.params, table->stages, table->kick, table->drift, it->t, h,
                         steps, q, v);
         if (pk_all_finite(q, n) && pk_all_finite(v, n))
             break;

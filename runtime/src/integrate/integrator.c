@@ -25,7 +25,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
                       const struct pk_method *method, size_t n, pk_real *base)
 {
     const struct pk_system *system = problem->system;
-    const size_t guards = pk_system_guard_count(system, problem->params);
+    const size_t singularities = pk_system_singularity_count(system, problem->params);
     const struct pk_slot slots[] = {
         {&own->quadratures, pk_quadrature_size(system, n)},
         {&own->atol, pk_scale_size(method, n)}, /* both outlive a reset */
@@ -34,14 +34,14 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
         {&own->work, method->size(method, n)},
-        {&own->guards, pk_guard_size(guards, n)},
+        {&own->singularities, pk_singularity_size(singularities, n)},
         {&own->project, pk_project_size(system, n)},
         {&own->marks, pk_marks_size(system, n)},
     };
     const size_t before = slots[0].count + slots[1].count + slots[2].count;
     const size_t scratch = before + pk_params_reals(system); /* of a reset's check, from next on */
     const size_t used = PK_LAY_OUT(base, slots);
-    own->n_guards = guards;
+    own->n_singularities = singularities;
     return used > scratch ? used : scratch;
 }
 
@@ -91,7 +91,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return pk_fail(it, PK_REFUSED, 0);
     if (system->n_inputs && (method->traits & PK_NO_INPUTS))
         return pk_fail(it, PK_REFUSED, 0);
-    if (system->n_quadratures && !method->stage)
+    if (system->quadratures.n && !method->stage)
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_rolls(system) && (method->traits & PK_HOLONOMIC))
         return pk_fail(it, PK_REFUSED, 0);
@@ -106,16 +106,16 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         it->own->atol = NULL;
     else
         memset(it->own->atol, 0, pk_scale_size(method, it->n) * sizeof *it->own->atol);
-    if (!it->own->n_guards)
-        it->own->guards = NULL;
+    if (!it->own->n_singularities)
+        it->own->singularities = NULL;
     if (!pk_project_size(system, it->n))
         it->own->project = NULL;
-    if (!system->n_marks)
+    if (!system->marks.n)
         it->own->marks = NULL;
     it->q = pk_part(it->own->state, it->n, PK_Q);
     it->v = pk_part(it->own->state, it->n, PK_V);
     enum pk_status status = pk_integrator_reset(it, t0, q0, v0);
-    if (status >= 0 && system->n_quadratures && (status = pk_quadrature_start(it)) < 0)
+    if (status >= 0 && system->quadratures.n && (status = pk_quadrature_start(it)) < 0)
         it->own->ready = 0;
     return it->status = status;
 }
@@ -161,7 +161,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
         pk_scale_start(it);
     if (it->status >= 0)
         it->status = it->method->init(it);
-    pk_guard_start(it);
+    pk_singularity_start(it);
     it->own->ready = it->status >= 0;
     return it->status;
 }
@@ -262,11 +262,11 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     enum pk_status status = pk_step_choose(it, limit, fixed);
     if (status < 0)
         return it->status = status;
-    status = pk_guard_here(it);
+    status = pk_singularity_here(it);
     if (status < 0)
         return stop(it, status);
     status = advance(it, limit);
-    status = status < 0 ? pk_guard_cause(it, status, fixed) : pk_guard_step(it);
+    status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
     if (status < 0)
         return stop(it, status);
 

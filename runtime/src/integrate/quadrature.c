@@ -18,7 +18,7 @@ enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, TRAVEL, PARTS, TERMS = 
 
 static pk_real *part(const struct pk_integrator *it, int k)
 {
-    return it->own->quadratures + (size_t)k * it->problem.system->n_quadratures;
+    return it->own->quadratures + (size_t)k * it->problem.system->quadratures.n;
 }
 
 /* Where what is now is; the other half is what was before the step, or comes after it. */
@@ -26,7 +26,7 @@ static int half(const struct pk_integrator *it) { return it->z == part(it, NOW) 
 
 size_t pk_quadrature_size(const struct pk_system *system, size_t n)
 {
-    const size_t m = system->n_quadratures;
+    const size_t m = system->quadratures.n;
     return m ? PARTS * m + 2 * n + TERMS * m : 0;
 }
 
@@ -38,17 +38,17 @@ enum pk_status pk_quadrature_start(struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     pk_real *z = part(it, NOW);
     it->z = z;
-    memset(part(it, TRAVEL), 0, system->n_quadratures * sizeof *z);
-    memset(z, 0, 2 * system->n_quadratures * sizeof *z); /* the low parts too */
-    if (system->quadrature_start)
-        system->quadrature_start(it->problem.params, z);
+    memset(part(it, TRAVEL), 0, system->quadratures.n * sizeof *z);
+    memset(z, 0, 2 * system->quadratures.n * sizeof *z); /* the low parts too */
+    if (system->quadratures.start)
+        system->quadratures.start(it->problem.params, z);
     it->where = BAD_STATE;
-    return pk_all_finite(z, system->n_quadratures) ? PK_DONE : PK_BAD_ARGUMENT;
+    return pk_all_finite(z, system->quadratures.n) ? PK_DONE : PK_BAD_ARGUMENT;
 }
 
 enum pk_status pk_integrator_set_quadratures(struct pk_integrator *it, const pk_real *z)
 {
-    const size_t m = it->z ? it->problem.system->n_quadratures : 0;
+    const size_t m = it->z ? it->problem.system->quadratures.n : 0;
     it->where = z && m ? BAD_STATE : BAD_POINTER;
     if (!z || !m || !pk_all_finite(z, m))
         return it->status = PK_BAD_ARGUMENT;
@@ -64,9 +64,9 @@ static void add(struct pk_integrator *it, const struct pk_stage *stage, pk_real 
     pk_real *rate = part(it, RATE);
     if (!(pk_abs(stage->weight) + pk_abs(stage->error[0]) + pk_abs(stage->error[1]) > 0))
         return;
-    system->quadrature(it->problem.params, stage->t, stage->q, stage->v,
+    system->quadratures.rates(it->problem.params, stage->t, stage->q, stage->v,
                        pk_eval_input(it, stage->t), rate);
-    for (size_t i = 0; i < system->n_quadratures; i++) {
+    for (size_t i = 0; i < system->quadratures.n; i++) {
         const pk_real added = stage->weight * rate[i];
         z[i] = pk_sum(z[i], added, &low[i]);
         part(it, SIZE)[i] += pk_abs(added);
@@ -77,7 +77,7 @@ static void add(struct pk_integrator *it, const struct pk_stage *stage, pk_real 
 
 enum pk_status pk_quadrature_step(struct pk_integrator *it)
 {
-    const size_t bytes = 2 * it->problem.system->n_quadratures * sizeof *it->z;
+    const size_t bytes = 2 * it->problem.system->quadratures.n * sizeof *it->z;
     const int now = half(it), next = NEXT - now;
     pk_real *z = part(it, next);
     struct pk_stage stage = {0};
@@ -85,7 +85,7 @@ enum pk_status pk_quadrature_step(struct pk_integrator *it)
     memset(part(it, SIZE), 0, (TRAVEL - SIZE) * bytes / 2);
     for (int k = 0; it->method->stage(it, k, &stage, part(it, PARTS)); k++)
         add(it, &stage, z, part(it, next + 1));
-    return pk_all_finite(z, it->problem.system->n_quadratures) ? PK_DONE : PK_NOT_FINITE;
+    return pk_all_finite(z, it->problem.system->quadratures.n) ? PK_DONE : PK_NOT_FINITE;
 }
 
 /* Of the worst one, in tolerances. */
@@ -93,7 +93,7 @@ static pk_real error_of(struct pk_integrator *it)
 {
     const pk_real *before = part(it, half(it)), *z = part(it, NEXT - half(it));
     pk_real worst = 0;
-    for (size_t i = 0; i < it->problem.system->n_quadratures; i++) {
+    for (size_t i = 0; i < it->problem.system->quadratures.n; i++) {
         const pk_real sums[] = {part(it, SUM)[i], part(it, SUM_2)[i]};
         const pk_real larger = pk_max(pk_abs(before[i]), pk_abs(z[i]));
         const pk_real rtol = pk_max(it->options.rtol, 2 * PK_EPS);
@@ -128,7 +128,7 @@ int pk_quadrature_rejects(struct pk_integrator *it)
 void pk_quadrature_accept(struct pk_integrator *it)
 {
     it->z = part(it, NEXT - half(it));
-    for (size_t i = 0; i < it->problem.system->n_quadratures; i++)
+    for (size_t i = 0; i < it->problem.system->quadratures.n; i++)
         part(it, TRAVEL)[i] += part(it, SIZE)[i];
     it->own->flags &= ~PK_HAVE_SERIES;
 }
@@ -137,14 +137,14 @@ void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *s
 {
     if (it->z && side->z)
         memcpy(part(side, half(side)), part(it, NEXT - half(it)),
-               2 * it->problem.system->n_quadratures * sizeof *it->z);
+               2 * it->problem.system->quadratures.n * sizeof *it->z);
 }
 
 /* Of g over the last step, at the nodes of gauss_dense.c: sum_j w_j P_k(2 x_j - 1) g_j / 2. */
 static enum pk_status make_series(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t m = system->n_quadratures;
+    const size_t m = system->quadratures.n;
     const pk_real h = it->t - it->last_t;
     pk_real *q = part(it, PARTS), *v = q + it->n, *rate = part(it, RATE), *terms = series(it);
     memset(terms, 0, TERMS * m * sizeof *terms);
@@ -154,7 +154,7 @@ static enum pk_status make_series(struct pk_integrator *it)
         pk_real P = 1, next = y;
         if (pk_integrator_dense(it, t, q, v) < 0)
             return it->status;
-        system->quadrature(it->problem.params, t, q, v, pk_eval_input(it, t), rate);
+        system->quadratures.rates(it->problem.params, t, q, v, pk_eval_input(it, t), rate);
         for (int k = 0; k < TERMS; k++) {
             const pk_real now = P;
             for (size_t i = 0; i < m; i++)
@@ -170,7 +170,7 @@ static enum pk_status make_series(struct pk_integrator *it)
 /* From the step's start, by int P_k = (P_k+1 - P_k-1) / (2 (2 k + 1)) on [0, 1]. */
 enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z)
 {
-    const size_t m = it->z ? it->problem.system->n_quadratures : 0;
+    const size_t m = it->z ? it->problem.system->quadratures.n : 0;
     if (!z || !m) {
         it->where = BAD_POINTER;
         return it->status = it->status < 0 ? it->status : PK_BAD_ARGUMENT;

@@ -218,7 +218,7 @@ enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variatio
 {
     int sign = 1;
     if (w->c)
-        it->problem.system->rows(it->problem.params, w->t, pk_part(w->to, w->n, PK_Q),
+        it->problem.system->constraints.jacobian(it->problem.params, w->t, pk_part(w->to, w->n, PK_Q),
                                  pk_part(w->to, w->n, PK_V), pk_eval_input(it, w->t), w->J,
                                  w->at.rate);
     const int converged = iterate(it, w, 0, &sign);

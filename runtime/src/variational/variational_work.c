@@ -43,7 +43,7 @@ void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *
     const struct pk_system *system = it->problem.system;
     const pk_real *u = pk_eval_input(it, t);
     it->count.evaluations++;
-    (system->unbound ? system->unbound : system->canonical)(it->problem.params, t, q, v, u, p,
+    (system->unconstrained ? system->unconstrained : system->canonical)(it->problem.params, t, q, v, u, p,
                                                              pdot);
 }
 

@@ -38,7 +38,7 @@ static int run(const struct pk_system *system, const char *name, int steps, pk_r
     if (it.count.steps != (unsigned long)steps)
         return SHORTENED;
     memset(end, 0, system->n * sizeof *q);
-    memcpy(end, it.q, (system->n - system->n_states) * sizeof *q); /* no integrals of states */
+    memcpy(end, it.q, (system->n - system->n_first_order) * sizeof *q); /* no integrals of states */
     memcpy(end + system->n, it.v, system->n * sizeof *q);
     if (it.z) { /* of these alone the errors are looked at */
         memset(end, 0, 4 * sizeof *end);
@@ -59,8 +59,8 @@ static struct pk_system carrying(const struct pk_system *of)
 {
     struct pk_system system = *of;
     system.name = "quadrature";
-    system.n_quadratures = 1;
-    system.quadrature = rate;
+    system.quadratures.n = 1;
+    system.quadratures.rates = rate;
     return system;
 }
 
@@ -91,7 +91,7 @@ static int check(const struct pk_system *system, const char *name)
     if (count < points)
         return 1;
     const double slope = (double)((count * sxy - sx * sy) / (count * sxx - sx * sx));
-    const double off = system->n_quadratures ? 0.4 /* dop853's comes down to 8 late */
+    const double off = system->quadratures.n ? 0.4 /* dop853's comes down to 8 late */
                        : !high               ? 0.1
                        : system == &pendulum_system ? 0.15 : 0.25;
     const int failed = !(fabs(slope - order) < off);

@@ -55,7 +55,7 @@ _MATRICES = {
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
     """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
     model, e = program.equations.model, program.equations
-    own = len(e.coordinates) - e.n_states
+    own = len(e.coordinates) - e.n_first_order
     names = [name.format(c.name) for c in e.coordinates[:own]] + [
         f"{q.name}'" for q in e.rates[own:]
     ]
@@ -71,7 +71,7 @@ _OUT = {
     "event": lambda e: e.event_names,
     "switching": lambda e: tuple(switch.quantity for switch in e.switches),
     "marking": lambda e: tuple(mark.quantity for mark in e.marks),
-    "guard": lambda e: tuple(guard.quantity for guard in e.guards),
+    "singularity": lambda e: tuple(singularity.quantity for singularity in e.singularities),
 }
 _VECTORS = {
     "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),

@@ -42,7 +42,7 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
     for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
         names |= {name} if needed else set()
     if equations.jolted:
-        corner = ("corner", "energy", "unbound", "inertia")
+        corner = ("corner", "energy", "unconstrained", "inertia")
         names |= {name for name in corner if KERNELS[name].exists(equations)}
     if "acceleration" in names and equations.acceleration is None:
         names |= {"mass", "force"}
@@ -51,7 +51,7 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
 
 def _has_energy(equations: Equations) -> bool:
     """States alone have none; body rates have."""
-    return len(equations.coordinates) > equations.n_states or bool(equations.attitudes)
+    return len(equations.coordinates) > equations.n_first_order or bool(equations.attitudes)
 
 
 def _scalar(node: Callable[[Equations], Node | None]):
@@ -178,11 +178,11 @@ def _specs() -> Iterator[KernelSpec]:
         exists=lambda e: e.potential is not None and _has_energy(e),
     )
     yield KernelSpec(
-        "guard",
+        "singularity",
         "void",
         "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
-        *vector("out", lambda e: tuple(guard.node for guard in e.guards)),
-        exists=lambda e: bool(e.guards),
+        *vector("out", lambda e: tuple(singularity.node for singularity in e.singularities)),
+        exists=lambda e: bool(e.singularities),
     )
     yield KernelSpec(
         "observe",

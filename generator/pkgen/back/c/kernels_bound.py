@@ -9,22 +9,31 @@ from .kernel_spec import KernelSpec, matrix_stores, square, stores, vector
 from .program import Output
 from .schedule import Target
 
-BOUND = frozenset({"constraint", "rows", "terms", "multipliers", "unbound", "inertia"})
-ALWAYS = BOUND - {"multipliers", "unbound"}  # wherever there are constraints
+BOUND = frozenset(
+    {
+        "constraint",
+        "constraint_jacobian",
+        "residual_scale",
+        "multipliers",
+        "unconstrained",
+        "inertia",
+    }
+)
+ALWAYS = BOUND - {"multipliers", "unconstrained"}  # wherever there are constraints
 
 
-def _rows(e: Equations) -> list[Target]:
+def _constraint_jacobian(e: Equations) -> list[Target]:
     c = e.constraints
     return matrix_stores("J_out", c.rows) + stores("residual_out", c.residual)
 
 
-def _terms(e: Equations) -> list[Target]:
+def _residual_scale(e: Equations) -> list[Target]:
     positions, rates = e.terms
     return stores("phi_size", positions) + stores("residual_size", rates)
 
 
-def _unbound(e: Equations) -> list[Target]:
-    p, pdot = e.unbound
+def _unconstrained(e: Equations) -> list[Target]:
+    p, pdot = e.unconstrained
     return stores("momenta", p) + stores("pdot", pdot)
 
 
@@ -38,25 +47,25 @@ def bound_specs() -> Iterator[KernelSpec]:
         exists=lambda e: e.constraints is not None and bool(e.constraints.positions),
     )
     yield KernelSpec(
-        "rows",
+        "constraint_jacobian",
         "void",
         "the rows J of all constraints, and J v + j0, which they keep at 0",
         lambda e: (
             Output("J_out", len(e.constraints.residual), len(e.coordinates)),
             Output("residual_out", len(e.constraints.residual), 1),
         ),
-        _rows,
+        _constraint_jacobian,
         exists=lambda e: e.constraints is not None,
     )
     yield KernelSpec(
-        "terms",
+        "residual_scale",
         "void",
         "the sizes of the terms of phi and of J v + j0: what both are rounded by, in units of eps",
         lambda e: (
             Output("phi_size", len(e.constraints.positions), 1),
             Output("residual_size", len(e.constraints.residual), 1),
         ),
-        _terms,
+        _residual_scale,
         exists=lambda e: e.terms is not None,
     )
     yield KernelSpec(
@@ -67,18 +76,18 @@ def bound_specs() -> Iterator[KernelSpec]:
         exists=lambda e: e.constraints is not None,
     )
     yield KernelSpec(
-        "unbound",
+        "unconstrained",
         "void",
         "p and pdot without the forces of constraints",
         lambda e: tuple(Output(name, len(e.coordinates), 1) for name in ("momenta", "pdot")),
-        _unbound,
-        exists=lambda e: e.unbound is not None,
+        _unconstrained,
+        exists=lambda e: e.unconstrained is not None,
     )
     yield KernelSpec(
         "inertia",
         "void",
-        "dp/dv of what `unbound` writes",
+        "dp/dv of what `unconstrained` writes",
         lambda e: (square("M", e),),
         lambda e: matrix_stores("M", e.inertia, symmetric=True),
-        exists=lambda e: e.unbound is not None,
+        exists=lambda e: e.unconstrained is not None,
     )

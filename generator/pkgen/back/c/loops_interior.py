@@ -76,7 +76,7 @@ class Interior:
     def interior(
         self, rows: Sequence[Row], group: Group | None, least: Affine | None = None
     ) -> tuple[list[Node], list[Affine], list[Affine]]:
-        """The sums of the parts of each row where every guard holds, and where that is."""
+        """The sums of the parts of each row where every condition holds, and where that is."""
         lows: list[Affine] = [] if group is None else [group.lo]
         highs: list[Affine] = [] if group is None else [group.hi]
         nodes = []

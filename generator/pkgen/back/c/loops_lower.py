@@ -19,7 +19,7 @@ from .loops_sets import Builder
 from .loops_tables import named, quantity, row, system_kernels
 from .loops_text import Text
 from .program import RETURN, STORE, operations_text
-from .render import FACTS, pasted
+from .render import FACTS, SYSTEM_KERNELS, pasted
 from .schedule import Target
 
 M = variable(ROW)
@@ -75,7 +75,7 @@ class _Context:
             if kernel in self.kernels
         }
         pieces = self._pieces(lowering)
-        pieces["guards"] = [self.builder.total(p) for p in plans["guards"]]
+        pieces["singularities"] = [self.builder.total(p) for p in plans["singularities"]]
         lowering.finish()
         return self._text(sets, band, totals, pairs, pieces)
 
@@ -206,7 +206,7 @@ class _Context:
             "defaults": [self.text.lines(s) for s in pieces["defaults"]],
             "observe": self.text.lines({"block": pieces["observed"]}) if e.observed else None,
             "conserve": self.text.lines({"block": pieces["conserved"]}) if e.conserved else None,
-            "guards": self.text.guards(pieces["guards"]),
+            "singularities": self.text.singularities(pieces["singularities"]),
             "n_sums": len(e.sums),
             "chunk": CHUNK,
             "widest": WIDEST_BOND,
@@ -227,6 +227,7 @@ class _Context:
                 for s in (band or sets["force" if "force" in sets else "acceleration"])
                 if band or s.ghosts or s.group.periodic
             ],
+            "fields": SYSTEM_KERNELS,
             "system_kernels": system_kernels(e, self.kernels),
         }
 

@@ -69,11 +69,11 @@ def planned(e: LoopEquations, plan: Builder, kernels: frozenset[str]) -> dict[st
             totals[what] = plan.plan_total(what, total)
     for k, total in enumerate(e.sums):
         totals[f"sum_{k}"] = plan.plan_total(f"sum_{k}", total)
-    guards = [
-        plan.plan_total(f"guard_{k}", guard.terms, as_derived=True)
-        for k, guard in enumerate(e.guards)
+    singularities = [
+        plan.plan_total(f"singularity_{k}", singularity.terms, as_derived=True)
+        for k, singularity in enumerate(e.singularities)
     ]
-    return {"rows": rows, "totals": totals, "band": band, "guards": guards}
+    return {"rows": rows, "totals": totals, "band": band, "singularities": singularities}
 
 
 def _own(e: LoopEquations, g: Group) -> Row:

@@ -15,7 +15,7 @@ from .schedule import Target
 
 @dataclass
 class Guarded:
-    """Parts of a row that share a guard: r[k] += ... where lo <= m <= hi."""
+    """Parts of a row that share a condition: r[k] += ... where lo <= m <= hi."""
 
     lo: Affine
     hi: Affine
@@ -192,9 +192,11 @@ class Builder:
         return None if node == ONE else self._block([Target(RETURN, "", (node,))], INNER)
 
     def _guarded(self, rows: list[Row]) -> list[Guarded]:
-        guards: dict[tuple[Affine, Affine], list[Target]] = {}
+        conditions: dict[tuple[Affine, Affine], list[Target]] = {}
         for k, row in enumerate(rows):
             for part in row.parts:
-                targets = guards.setdefault((part.lo, part.hi), [])
+                targets = conditions.setdefault((part.lo, part.hi), [])
                 targets.append(Target("add", f"r[{k}]", (part.node,)))
-        return [Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in guards.items()]
+        return [
+            Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in conditions.items()
+        ]

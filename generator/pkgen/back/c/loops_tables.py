@@ -15,7 +15,7 @@ def system_kernels(e: LoopEquations, kernels: frozenset[str]) -> list[tuple[str,
     vectors = {"force": ["f"], "canonical": ["momenta", "pdot"], "gradient": ["dLdq"]}
     found += [(k, "void", outputs) for k, outputs in vectors.items() if k in kernels]
     found += [(k, "pk_real", []) for k in ("energy", "kinetic", "potential") if k in kernels]
-    found += [("guard", "void", ["out"])] if e.guards or e.pivots else []
+    found += [("singularity", "void", ["out"])] if e.singularities or e.pivots else []
     found += [("observe", "void", ["out"])] if e.observed else []
     found += [("conserve", "void", ["out"])] if e.conserved else []
     return found

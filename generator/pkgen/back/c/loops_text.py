@@ -169,7 +169,7 @@ class Text:
             ],
         }
 
-    def guards(self, sets: list[TotalSet]) -> dict[str, Any]:
+    def singularities(self, sets: list[TotalSet]) -> dict[str, Any]:
         """The kernel's sets of values, and what the tables say of each: M's pivots come first."""
         e = self.e
         entries = []
@@ -177,18 +177,18 @@ class Text:
             for g in e.coordinates:
                 ends = (g.lo, g.hi) if g.is_family else ()
                 at = "[i]" if g.is_family else ""
-                entries.append(self._guard(f"the pivot of {g.name}{at}", "COORDINATES", ends))
-        for guard in e.guards:
+                entries.append(self._singularity(f"the pivot of {g.name}{at}", "COORDINATES", ends))
+        for singularity in e.singularities:
             [over] = [
-                *((p.lo, p.hi) for p in guard.terms.parts),
-                *((p.lo, p.hi, p.first, p.last) for p in guard.terms.pairs),
+                *((p.lo, p.hi) for p in singularity.terms.parts),
+                *((p.lo, p.hi, p.first, p.last) for p in singularity.terms.pairs),
             ] or [()]
-            entries.append(self._guard(guard.name, guard.use, over))
+            entries.append(self._singularity(singularity.name, singularity.use, over))
         pivots = ("mass" if self.diagonal else "pivots") if e.pivots else ""
         return {"sets": [self.total(t) for t in sets], "entries": entries, "pivots": pivots}
 
-    def _guard(self, text: str, use: str, over: tuple[Affine, ...]) -> dict[str, str]:
-        found = {"name": text, "kind": f"PK_GUARD_{use}"}
+    def _singularity(self, text: str, use: str, over: tuple[Affine, ...]) -> dict[str, str]:
+        found = {"name": text, "kind": f"PK_SINGULARITY_{use}"}
         for key, at in zip_longest(("lo", "hi", "first", "last"), over):
             found[key] = "" if at is None else self.lowering.index(at)
             found[f"{key}_text"] = "" if at is None else at.text({ROW: "i"})

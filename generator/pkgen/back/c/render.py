@@ -24,7 +24,6 @@ from .describe import entries, labelled, operations_rows
 from .facts import facts, invariants
 from .helpers import helpers
 from .kernels import KERNELS, STARTS
-from .kernels_bound import BOUND
 from .program import Block, Kernel, Program, operations_text
 
 if TYPE_CHECKING:
@@ -44,41 +43,39 @@ FACTS = [
     ("switched", "PK_SWITCHED"),
 ]
 
-# Kernels of struct pk_system, in its order.
-SYSTEM_KERNELS = [
-    "acceleration",
-    "mass",
-    "force",
-    "canonical",
-    "gradient",
-    "jacobian",
-    "energy",
-    "kinetic",
-    "potential",
-    "observe",
-    "conserve",
-    "linear",
-    "constraint",
-    "rows",
-    "terms",
-    "multipliers",
-    "unbound",
-    "inertia",
-    "guard",
-    "event",
-    "quadrature",
-    "switching",
-    "marking",
-    "corner",
-    "particles",
-]
-_SELDOM = {
-    "quadrature",
-    "switching",
-    "marking",
-    "corner",
-    "particles",
-} | BOUND  # named in the table where they are alone
+# Kernels that struct pk_system has, and where: in its core, or in a part.
+SYSTEM_KERNELS = {
+    **{
+        name: name
+        for name in (
+            "acceleration",
+            "mass",
+            "force",
+            "canonical",
+            "gradient",
+            "jacobian",
+            "energy",
+            "kinetic",
+            "potential",
+            "observe",
+            "conserve",
+            "linear",
+            "unconstrained",
+            "inertia",
+        )
+    },
+    "constraint": "constraints.values",
+    "constraint_jacobian": "constraints.jacobian",
+    "residual_scale": "constraints.scale",
+    "multipliers": "constraints.multipliers",
+    "singularity": "singularities.values",
+    "event": "events.values",
+    "quadrature": "quadratures.rates",
+    "switching": "switches.values",
+    "corner": "switches.slopes",
+    "marking": "marks.values",
+    "particles": "particles.at",
+}
 
 _TESTED = [
     "acceleration",
@@ -191,8 +188,10 @@ def _context(program: Program) -> dict[str, Any]:
         "real_header": pasted("real.h"),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
         "n": len(equations.coordinates),
-        "n_states": equations.n_states,
-        "states": [q.name for q in equations.rates[len(equations.rates) - equations.n_states :]],
+        "n_first_order": equations.n_first_order,
+        "states": [
+            q.name for q in equations.rates[len(equations.rates) - equations.n_first_order :]
+        ],
         # Whether p is dL/dv of the coordinates, and h made of these.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_parameters": len(equations.parameters),
@@ -235,13 +234,13 @@ def _context(program: Program) -> dict[str, Any]:
         ),
         "helpers": helpers(program.helpers),
         "float_too": program.float_too,
-        "guards": tables.guards(program),
+        "singularities": tables.singularities(program),
         "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],
         "system_kernels": [
-            {"name": kernel, "present": kernel in present}
-            for kernel in SYSTEM_KERNELS
-            if kernel in present or kernel not in _SELDOM
+            {"name": kernel, "field": field}
+            for kernel, field in SYSTEM_KERNELS.items()
+            if kernel in present
         ],
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),

@@ -37,12 +37,13 @@ def tables(program: Program) -> list[dict[str, Any]]:
     ]
 
 
-def guards(program: Program) -> list[dict[str, Any]]:
+def singularities(program: Program) -> list[dict[str, Any]]:
     """Of the system's table: there is none where the kernel is not asked for."""
-    if program.kernel("guard") is None:
+    if program.kernel("singularity") is None:
         return []
     return [
-        {"name": x.quantity.name, "kind": f"PK_GUARD_{x.use}"} for x in program.equations.guards
+        {"name": x.quantity.name, "kind": f"PK_SINGULARITY_{x.use}"}
+        for x in program.equations.singularities
     ]
 
 
@@ -57,7 +58,7 @@ def events(program: Program) -> list[dict[str, Any]]:
 def indices(program: Program) -> list[dict[str, Any]]:
     """Named indices, one for a plain quantity or the first of a family."""
     e = program.equations
-    own = len(e.coordinates) - e.n_states
+    own = len(e.coordinates) - e.n_first_order
     of_states = "into v: a state's value is there, its rate in a; q there has no meaning"
     rows: list[tuple[str, Sequence[Quantity], str]] = [
         ("q", e.coordinates[:own], "into q, v, momenta, ..."),

@@ -9,7 +9,7 @@ from ...graph.differentiate import Columns, reachable
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
-from ..points.guards import COORDINATES, bounds_of, summands
+from ..points.singularities import COORDINATES, bounds_of, summands
 from ..smaller import symbols_in
 from .along import determinant
 
@@ -86,5 +86,9 @@ def _positive(g: Graph, ranges: Ranges, normal: Normal, node: Node) -> bool:
 
 
 def singular(equations: Equations) -> tuple[str, ...]:
-    """The expressions where whose zeros M may be singular; see `guards.py`."""
-    return tuple(guard.quantity.name for guard in equations.guards if guard.use == COORDINATES)
+    """The expressions where whose zeros M may be singular; see `singularities.py`."""
+    return tuple(
+        singularity.quantity.name
+        for singularity in equations.singularities
+        if singularity.use == COORDINATES
+    )

@@ -25,8 +25,8 @@ from ...graph.wording import wording
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..attitudes import on_sphere
-from ..points.guards import about, bounds_of, dangerous, squared, zeros
 from ..points.samples import Sample, samples, started
+from ..points.singularities import about, bounds_of, dangerous, squared, zeros
 from .along import Along
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ... import limits
-from ...equations import Equations, Guard, ParameterSlot, Quantity, Row
+from ...equations import Equations, ParameterSlot, Quantity, Row, Singularity
 from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
@@ -25,7 +25,7 @@ from .constraint_start import wrong_starts
 from .constraints import cannot_constrain, define_multipliers, rows_of
 from .first_order import define_built_in, rates_of_states, solvable
 from .impulses import check_rates
-from .lagrange import Derived, derived, guards, located, naming
+from .lagrange import Derived, derived, located, naming, singularities
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -97,9 +97,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     coordinates = quantities(declared, names, "{}", "unit")
     inputs = input_quantities(model, orders)
     check_rates(model, x.graph, primes, naming(parameters, coordinates, inputs, states))
-    ends: tuple[Guard, ...] = ()
-    if wanted("guard"):
-        ends = guards(x.graph, found, parameters, coordinates, inputs, states)
+    ends: tuple[Singularity, ...] = ()
+    if wanted("singularity"):
+        ends = singularities(x.graph, found, parameters, coordinates, inputs, states)
     equations = Equations(
         model=model,
         graph=x.graph,
@@ -111,7 +111,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         observed_names=outputs.observed_names,
         conserved_names=outputs.conserved_names,
         event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
-        guards=ends,
+        singularities=ends,
         observed=outputs.observed,
         conserved=outputs.conserved,
         events=_events(x, found, rates),

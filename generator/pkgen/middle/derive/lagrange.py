@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Attitude, Constraints, Equations, Guard, ParameterSlot, Quantity, Row
+from ...equations import Attitude, Constraints, Equations, ParameterSlot, Quantity, Row, Singularity
 from ...graph.collect import THOROUGH, fewest, settled
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
@@ -26,7 +26,7 @@ from ..motion import (
     shorter,
     shortest,
 )
-from ..points.guards import guards_of
+from ..points.singularities import singularities_of
 from .constrain import Rows, constrain
 from .impulses import NoRate, with_impulses
 from .marks import marks_of
@@ -121,14 +121,14 @@ def derived(
     )
 
 
-def guards(
+def singularities(
     g: Graph,
     found: Derived,
     parameters: tuple[ParameterSlot, ...],
     coordinates: tuple[Quantity, ...],
     inputs: tuple[Quantity, ...],
     states: tuple[Quantity, ...] = (),
-) -> tuple[Guard, ...]:
+) -> tuple[Singularity, ...]:
     """Where these equations end, in the names of their quantities."""
     motion = found.free
     acceleration, pivots = found.solution or (motion.force, None)
@@ -137,7 +137,7 @@ def guards(
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
     name = naming(parameters, coordinates, inputs, states)
-    return guards_of(g, parameters, motion.mass, outputs, pivots, name)
+    return singularities_of(g, parameters, motion.mass, outputs, pivots, name)
 
 
 def located(equations: Equations) -> Equations:
@@ -186,10 +186,10 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     found = derived(
         g, energies, forces, _rate_of(e), wanted, lambda _: None, e.state_rates, e.attitudes, rows
     )
-    ends: tuple[Guard, ...] = ()
-    if wanted("guard"):
-        ends = guards(g, found, e.parameters, e.coordinates, e.inputs, e.states)
-    return located(replace(equations, **found.fields(), guards=ends))
+    ends: tuple[Singularity, ...] = ()
+    if wanted("singularity"):
+        ends = singularities(g, found, e.parameters, e.coordinates, e.inputs, e.states)
+    return located(replace(equations, **found.fields(), singularities=ends))
 
 
 def _rate_of(equations: Equations) -> Callable[[Node], Node]:

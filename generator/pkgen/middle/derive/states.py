@@ -73,14 +73,15 @@ def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
     """Equations of coordinates alone, of which the last ones' rates are the states; and what C has
-    of rotations and constraints, with or without states: `unbound`, `inertia` and `terms`. Matrices
-    are n + count square then, of so many states. Every call is of equations that are not so yet."""
+    of rotations and constraints, with or without states: `unconstrained`, `inertia`, `terms`.
+    Matrices are n + count square then, of so many states. Every call is of equations that are not
+    so yet."""
     if not e.states and not e.attitudes:
         if e.constraints is None and not e.jolted:
             return e, structure
         pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
         terms = _terms(e.graph, e.constraints)
-        return replace(e, unbound=(e.momenta, pdot), inertia=e.mass, terms=terms), structure
+        return replace(e, unconstrained=(e.momenta, pdot), inertia=e.mass, terms=terms), structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
     own = symbols(g, Kind.RATE, n + count)[n:]
@@ -102,11 +103,11 @@ def as_rates(
     if wanted("jacobian"):
         jacobians = jacobians_of(g, motion, lagrangian=False)
     single = there([x for x in (e.lagrangian, e.energy, e.written)])
-    own = _unbound(g, e, there, rates)
+    own = _unconstrained(g, e, there, rates)
     constraints = _constraints(e.constraints, there, count)
     whole = replace(
         e,
-        unbound=own,
+        unconstrained=own,
         constraints=constraints,
         terms=_terms(g, constraints),
         coordinates=(*e.coordinates, *(_integral(q) for q in e.states)),
@@ -130,7 +131,7 @@ def as_rates(
         pdot_q=jacobians[1],
         pdot_v=jacobians[2],
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
-        guards=tuple(replace(x, node=there([x.node])[0]) for x in e.guards),
+        singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
         switches=tuple(_switch(x, there, count) for x in e.switches),
         marks=tuple(_switch(x, there, count) for x in e.marks),
         observed=there(e.observed),
@@ -142,7 +143,7 @@ def as_rates(
         states=(),
         state_rates=(),
         state_start=(),
-        n_states=count + len(e.turning),
+        n_first_order=count + len(e.turning),
     )
     return whole, _facts(structure, count, solved)
 
@@ -190,7 +191,7 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
     return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
 
 
-def _unbound(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
+def _unconstrained(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
     """p and pdot without the forces of constraints, where there are rotations or constraints."""
     if not e.quaternions and e.constraints is None and not e.jolted:
         return None

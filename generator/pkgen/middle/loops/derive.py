@@ -15,9 +15,9 @@ from ..quantities import error, indexed
 from .bodies import Gathered
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes
-from .guards import guards_of
 from .loops import Band, Limit, LoopEquations, Row, Total, Unrolled, Vector
 from .rows import Gather
+from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .terms import Term, terms
 
@@ -116,8 +116,8 @@ def _derive(x: LoopExpander) -> LoopEquations:
     _check_points(x, result)
     _check_jumps(x, result)
     result = replace(result, facts=facts_of(x, gather, result))
-    guards, pivots = guards_of(x, gather, result)
-    return replace(result, guards=guards, pivots=pivots, slots=tuple(x.slots))
+    singularities, pivots = singularities_of(x, gather, result)
+    return replace(result, singularities=singularities, pivots=pivots, slots=tuple(x.slots))
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:

@@ -5,10 +5,10 @@ gathers what the bodies around it say,
 
     row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d slot_c at i = m - c
 
-so a row is a few parts, each with its guard; where all guards hold and no end is near, one
+so a row is a few parts, each with its condition; where all hold and no end is near, one
 expression without any condition is left, the interior. A cell beyond an end (a ghost) is a
 function of t (`fixed`), its neighbour (`free`) or wraps (`periodic`); by the chain rule its own
-row, guards and all, is added to the row of the cell that it stands for. That holds for every
+row, conditions and all, is added to the row of the cell that it stands for. That holds for every
 length of a family down to one member.
 """
 
@@ -201,9 +201,9 @@ class Bounded:
 
 
 @record
-class LoopGuard:
+class LoopSingularity:
     """The equations end where one of `terms` vanishes, each for itself: a member's, a pair's, or a
-    constant. `name` is the expression in i, of a pair in i and j; `use` as of a Guard."""
+    constant. `name` is the expression in i, of a pair in i and j; `use` as of a Singularity."""
 
     name: str
     use: str
@@ -239,8 +239,8 @@ class LoopEquations:
     limits: tuple[Limit, ...]
     wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
     facts: Facts | None = None
-    guards: tuple[LoopGuard, ...] = ()
-    pivots: bool = False  # those of M are guards too, before the others
+    singularities: tuple[LoopSingularity, ...] = ()
+    pivots: bool = False  # those of M are singularities too, before the others
 
     def group(self, name: str) -> Group:
         return next(g for g in self.coordinates if g.name == name)

@@ -12,7 +12,7 @@ from ...graph.differentiate import reachable
 from ...graph.evaluate import evaluate
 from ...graph.graph import VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...record import record
-from .guards import bounds_of
+from .singularities import bounds_of
 from .solved import accelerations
 
 TRIED = 72  # states, the first half with parameters at their defaults,

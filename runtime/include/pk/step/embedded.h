@@ -117,7 +117,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
                                                      const struct pk_tableau *table, pk_real limit)
 {
     const struct pk_embedded_work w =
-        pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_STATES(it));
+        pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_FIRST_ORDER(it));
     const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
     const pk_real least =
         pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);

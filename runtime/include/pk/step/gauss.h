@@ -39,7 +39,7 @@
 /* From constant a over the first step, h0 = .01 |y|/|y'|, ten of which are tried. */
 static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real limit)
 {
-    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_STATES(it);
+    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_FIRST_ORDER(it);
     const pk_real *a = pk_part(it->own->next, n, PK_A);
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0;

@@ -202,7 +202,7 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_lanes *w,
                                              const struct pk_gauss_trial *y)
 {
-    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_STATES(it);
+    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_FIRST_ORDER(it);
     const pk_real h = pk_abs(y->h);
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {

@@ -28,9 +28,9 @@ struct pk_integrator_private {
     pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
     pk_real *atol;         /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
     unsigned long rounded; /* rejections when rounding was last looked at */
-    pk_real *guards;       /* NULL: the system has none; see src/core/guard.c */
-    size_t n_guards;       /* their values: of families one a member */
-    int slopes;            /* of the guards: what is known of them at this state */
+    pk_real *singularities;       /* NULL: the system has none; see src/core/singularity.c */
+    size_t n_singularities;       /* their values: of families one a member */
+    int slopes;            /* of the singularities: what is known of them at this state */
     pk_real *lane;         /* one state and its acceleration, of a system without lane kernels */
     pk_real passed;        /* the lengths of all steps since init; when steps were last judged */
     pk_real judged_passed; /* by their progress: that, their number with those rejected, and t */

@@ -1,11 +1,12 @@
-"""Where the equations of families kept as loops end: guards with a value for each member.
+"""Where the equations of families kept as loops end: singularities with a value for each member.
 
-What bodies divide by, or take a root or a logarithm of, is found as in guards.py, once for a body
-and the range of its index. Each member has a value of its own: in the least of them a member that
-passes through zero within a step would hide behind another one that is always nearer.
+What bodies divide by, or take a root or a logarithm of, is found as in points/singularities.py,
+once for a body and the range of its index. Each member has a value of its own: in the least of
+them a member that passes through zero within a step would hide behind another one that is always
+nearer.
 
 A pivot of M is not one expression where M is a band, nor a diagonal entry where several sums add to
-it with ranges of their own: then all pivots, as the acceleration finds them, are guards.
+it with ranges of their own: then all pivots, as the acceleration finds them, are singularities.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from ...graph.collect import settled
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.ranges import INF, Range, Ranges
 from ...graph.wording import wording
-from ..points.guards import COORDINATES, DIVISOR, about, dangerous, squared, zeros
+from ..points.singularities import COORDINATES, DIVISOR, about, dangerous, squared, zeros
 from .expand import LoopExpander, unlike_loops
-from .loops import Group, LoopEquations, LoopGuard, PairPart, Part, Slot, Total
+from .loops import Group, LoopEquations, LoopSingularity, PairPart, Part, Slot, Total
 from .pairs import M
 from .rows import Gather
 from .slots import shifted, slots_of
@@ -30,20 +31,20 @@ _Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
 _Guarded = tuple[_Over, Node]
 
 
-def guards_of(
+def singularities_of(
     x: LoopExpander, gather: Gather, e: LoopEquations
-) -> tuple[tuple[LoopGuard, ...], bool]:
-    """The guards, those of the chart first; and whether the pivots of M are guards too."""
-    return _Guards(x, gather, e).found()
+) -> tuple[tuple[LoopSingularity, ...], bool]:
+    """Those of the chart first; and whether the pivots of M are singularities too."""
+    return _Singularities(x, gather, e).found()
 
 
-class _Guards:
+class _Singularities:
     def __init__(self, x: LoopExpander, gather: Gather, e: LoopEquations):
         self.x, self.gather, self.e, self.g = x, gather, e, x.graph
         self.ranges = Ranges(x.graph, [])
         self.ranges.known.update(_known(x, e))
 
-    def found(self) -> tuple[tuple[LoopGuard, ...], bool]:
+    def found(self) -> tuple[tuple[LoopSingularity, ...], bool]:
         charts, pivots = self._charts()
         motions: dict[_Guarded, str] = {}
         for over, output in self._outputs():
@@ -57,11 +58,11 @@ class _Guards:
         roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
         for root in roots:  # r, not r^2 too
             kept.pop(root, None)
-        guards = [
-            LoopGuard(self._text(node), kept[over, node], self._terms(over, node))
+        singularities = [
+            LoopSingularity(self._text(node), kept[over, node], self._terms(over, node))
             for over, node in self._distinct(kept)
         ]
-        return tuple(guards), pivots
+        return tuple(singularities), pivots
 
     def _distinct(self, found: Iterable[_Guarded]) -> list[_Guarded]:
         """Those that are not another one or its negative: two rows see a body in two ways."""

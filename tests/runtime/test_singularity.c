@@ -1,5 +1,5 @@
 /* Where the equations end: a collision, a chart's pole, through every kind of method, and not where
- * a motion only passes near. Without guards a fixed step steps over each of them.
+ * a motion only passes near. Without singularities a fixed step steps over each of them.
  */
 #include "fixture.h"
 
@@ -13,15 +13,15 @@ static void distance(const void *p, double t, const double *q, const double *v, 
     out[1] = sqrt(q[0] * q[0] + q[1] * q[1]);
 }
 
-static const struct pk_guard kepler_guards[] = {{{"1 + x^2", "", ""}, PK_GUARD_COORDINATES},
-                                                {{"r", "", ""}, PK_GUARD_DIVISOR}};
+static const struct pk_singularity kepler_singularities[] = {{{"1 + x^2", "", ""}, PK_SINGULARITY_COORDINATES},
+                                                {{"r", "", ""}, PK_SINGULARITY_DIVISOR}};
 
 static struct pk_system guarded_kepler(void)
 {
     struct pk_system system = kepler_system;
-    system.n_guards = 2;
-    system.guards = kepler_guards;
-    system.guard = distance;
+    system.singularities.n = 2;
+    system.singularities.table = kepler_singularities;
+    system.singularities.values = distance;
     return system;
 }
 
@@ -101,7 +101,7 @@ static void loose(void)
 }
 
 /* What would have come out. */
-static void stepped_over_without_guards(void)
+static void stepped_over_without_singularities(void)
 {
     static struct fixture f;
     for (int i = 0; i < 6; i++) {
@@ -130,11 +130,11 @@ static void near_pass(void)
         }
 }
 
-static const struct pk_guard pole_guard[] = {{{"r", "", ""}, PK_GUARD_COORDINATES}};
+static const struct pk_singularity pole_singularity[] = {{{"r", "", ""}, PK_SINGULARITY_COORDINATES}};
 
 static struct pk_system polar(void)
 {
-    return guarded_point(radial_acceleration, pole_guard, first_coordinate);
+    return guarded_point(radial_acceleration, pole_singularity, first_coordinate);
 }
 
 static void pole(void)
@@ -172,7 +172,7 @@ static void pole(void)
     CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_COORDINATES && f.it.t == 0);
 }
 
-/* A force that ends at t = 1, whatever the motion: its guard is zero at the last trial step. */
+/* A force that ends at t = 1, whatever the motion: its singularity is zero at the last trial step. */
 static int closing_acceleration(const void *p, double t, const double *q, const double *v,
                                 const double *u, double *a)
 {
@@ -188,7 +188,7 @@ static void until_one(const void *p, double t, const double *q, const double *v,
     out[0] = t - 1;
 }
 
-static const struct pk_guard time_guard[] = {{{"t - 1", "", ""}, PK_GUARD_DIVISOR}};
+static const struct pk_singularity time_singularity[] = {{{"t - 1", "", ""}, PK_SINGULARITY_DIVISOR}};
 
 /* The time is always one of the step that failed. */
 static void time_of_it(void)
@@ -196,8 +196,8 @@ static void time_of_it(void)
     static struct fixture f;
     struct pk_system system = polar();
     system.acceleration = closing_acceleration;
-    system.guards = time_guard;
-    system.guard = until_one;
+    system.singularities.table = time_singularity;
+    system.singularities.values = until_one;
     int singular = 0;
     for (int i = 0; i < METHODS; i++)
         for (double tol = 1e-9; tol < 0.2; tol *= methods[i].h > 0 ? 1e9 : 10) {
@@ -218,7 +218,7 @@ static void time_of_it(void)
     CU_ASSERT(singular > 20);
 }
 
-/* The size of a guard does not matter, though products of two be too small for a number. */
+/* The size of a singularity does not matter, though products of two be too small for a number. */
 static void tiny_distance(const void *p, double t, const double *q, const double *v,
                           const double *u, double *out)
 {
@@ -231,7 +231,7 @@ static void tiny(void)
 {
     static struct fixture f;
     struct pk_system system = guarded_kepler();
-    system.guard = tiny_distance;
+    system.singularities.values = tiny_distance;
     for (int i = 0; i < METHODS; i++) {
         fixture_set(&f, &system);
         f.q0[0] = 1, f.q0[1] = f.v0[0] = 0, f.v0[1] = 1;
@@ -292,12 +292,12 @@ static void with_displacements(void)
     CU_ASSERT(fabs(it.detail - FALL) < 0.01 && it.t < FALL);
 }
 
-void add_guard(void)
+void add_singularity(void)
 {
-    CU_pSuite suite = CU_add_suite("guards", NULL, NULL);
+    CU_pSuite suite = CU_add_suite("singularities", NULL, NULL);
     CU_add_test(suite, "collision", collision);
     CU_add_test(suite, "collision at loose tolerances", loose);
-    CU_add_test(suite, "stepped over without", stepped_over_without_guards);
+    CU_add_test(suite, "stepped over without", stepped_over_without_singularities);
     CU_add_test(suite, "near pass", near_pass);
     CU_add_test(suite, "pole of a chart", pole);
     CU_add_test(suite, "when it vanishes", time_of_it);

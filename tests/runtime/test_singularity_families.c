@@ -1,5 +1,5 @@
-/* Guards of a family kept as loops, a number for each member: masses on a line, each neighbours'
- * distance a guard. A member is not hidden by another one, nor are two that meet at once.
+/* Singularities of a family kept as loops, a number for each member: masses on a line, each neighbours'
+ * distance a singularity. A member is not hidden by another one, nor are two that meet at once.
  */
 #include "fixture.h"
 
@@ -36,7 +36,7 @@ static int acceleration(const void *p, double t, const double *q, const double *
     return 0;
 }
 
-static void guard(const void *p, double t, const double *q, const double *v, const double *u,
+static void singularity(const void *p, double t, const double *q, const double *v, const double *u,
                   double *out)
 {
     (void)p, (void)t, (void)v, (void)u;
@@ -48,13 +48,13 @@ static void guard(const void *p, double t, const double *q, const double *v, con
     }
 }
 
-static void place(const void *p, size_t k, struct pk_guard_place *at)
+static void place(const void *p, size_t k, struct pk_singularity_place *at)
 {
     (void)p;
-    *at = (struct pk_guard_place){0, (ptrdiff_t)k + 1, 0};
+    *at = (struct pk_singularity_place){0, (ptrdiff_t)k + 1, 0};
 }
 
-static const struct pk_guard line_guard[] = {{{"x[i+1] - x[i]", "", ""}, PK_GUARD_DIVISOR}};
+static const struct pk_singularity line_singularity[] = {{{"x[i+1] - x[i]", "", ""}, PK_SINGULARITY_DIVISOR}};
 
 struct line {
     struct fixture f;
@@ -64,17 +64,17 @@ struct line {
 /* Ready for init_line(), at rest, a distance of 1 apart. */
 static struct pk_system line(struct line *l, size_t n, double g)
 {
-    struct pk_system system = guarded_point(acceleration, line_guard, guard);
+    struct pk_system system = guarded_point(acceleration, line_singularity, singularity);
     masses = n;
     strength = g;
     absolute = 0;
     calls = 0;
     least = 1;
-    system.count = count;
+    system.families.count = count;
     system.linear = NULL;
     system.jacobian = NULL;
-    system.guard_count = gaps;
-    system.guard_place = place;
+    system.singularities.count = gaps;
+    system.singularities.place = place;
     fixture_set(&l->f, &oscillator_system);
     for (size_t i = 0; i < n; i++) {
         l->q[i] = (double)i;
@@ -140,8 +140,8 @@ static void two_meet_behind_a_nearer_one(void)
         CU_ASSERT(fabs(l.f.it.detail - 0.5) < 1e-9);
     }
     struct pk_system unguarded = line(&l, 4, 0);
-    unguarded.n_guards = 0;
-    unguarded.guard_count = NULL;
+    unguarded.singularities.n = 0;
+    unguarded.singularities.count = NULL;
     memcpy(l.q, q, sizeof q);
     memcpy(l.v, v, sizeof v);
     init_line(&l, &unguarded, "verlet", 1);
@@ -179,13 +179,13 @@ static void advance(const void *p, int stages, const double *kick, const double 
         q[i] += h * (double)steps * v[i];
 }
 
-/* Fused steps would not see a guard: they are made where there is none, as of a single mass. */
+/* Fused steps would not see a singularity: they are made where there is none, as of a single mass. */
 static void not_fused(void)
 {
     static struct line l;
     for (size_t n = 1; n < 3; n++) {
         struct pk_system system = line(&l, n, 0);
-        system.advance = advance;
+        system.families.advance = advance;
         l.v[0] = 3;
         fused = 0;
         init_line(&l, &system, "verlet", 0.01);
@@ -200,10 +200,10 @@ static size_t one(const void *p)
     return 1;
 }
 
-static void seven(const void *p, size_t k, struct pk_guard_place *at)
+static void seven(const void *p, size_t k, struct pk_singularity_place *at)
 {
     (void)p, (void)k;
-    *at = (struct pk_guard_place){0, 7, 11};
+    *at = (struct pk_singularity_place){0, 7, 11};
 }
 
 static void named(void)
@@ -214,23 +214,23 @@ static void named(void)
                  {"(x[j-2] - y[i])^2", "(x[9] - y[7])^2"},
                  {"r[3] + s[N] + k[2*i] + in[i", "r[3] + s[N] + k[2*i] + in[i"},
                  {"", ""}};
-    struct pk_guard guards[1] = {{{"", "", ""}, PK_GUARD_DIVISOR}};
+    struct pk_singularity singularities[1] = {{{"", "", ""}, PK_SINGULARITY_DIVISOR}};
     const struct pk_system system = {
-        .n_guards = 1, .guards = guards, .guard_count = one, .guard_place = seven};
+        .singularities.n = 1, .singularities.table = singularities, .singularities.count = one, .singularities.place = seven};
     char text[40], few[4];
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
-        guards[0].what.name = texts[k].name;
-        CU_ASSERT(pk_system_guard_name(&system, NULL, 0, text, sizeof text) ==
+        singularities[0].what.name = texts[k].name;
+        CU_ASSERT(pk_system_singularity_name(&system, NULL, 0, text, sizeof text) ==
                   (int)strlen(texts[k].said));
         CU_ASSERT(strcmp(text, texts[k].said) == 0);
-        (void)pk_system_guard_name(&system, NULL, 0, few, sizeof few);
+        (void)pk_system_singularity_name(&system, NULL, 0, few, sizeof few);
         CU_ASSERT(strncmp(few, texts[k].said, 3) == 0 && strlen(few) <= 3);
     }
 }
 
-void add_guard_families(void)
+void add_singularity_families(void)
 {
-    CU_pSuite suite = CU_add_suite("guards of families", NULL, NULL);
+    CU_pSuite suite = CU_add_suite("singularities of families", NULL, NULL);
     CU_add_test(suite, "one pair meets", one_meets);
     CU_add_test(suite, "two behind a nearer one", two_meet_behind_a_nearer_one);
     CU_add_test(suite, "none meets", none_meets);

@@ -1,41 +1,41 @@
-/* The search for where a guard vanishes, by short steps of the classical Runge-Kutta method, none of
- * which lets a guard fall below .7 of its value: towards a zero they shrink geometrically, past it
- * they get on. See guard.c for when it is asked.
+/* The search for where a singularity vanishes, by short steps of the classical Runge-Kutta method, none of
+ * which lets a singularity fall below .7 of its value: towards a zero they shrink geometrically, past it
+ * they get on. See singularity.c for when it is asked.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6.
  */
 #include <string.h>
 
-#include "guard.h"
+#include "singularity.h"
 
-#define FALL PK_C(0.7)    /* of a guard in one short step, at most */
+#define FALL PK_C(0.7)    /* of a singularity in one short step, at most */
 #define SEARCH_STEPS 2000 /* then it is undecided, and nothing is claimed */
 
 enum { Y, TRIAL = 2, SUM = 4, STAGE = 6, K = 8 }; /* n numbers each; those of two have q and v */
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
 {
-    return pk_guard_part(it, PK_GUARD_PARTS) + (size_t)which * it->n;
+    return pk_singularity_part(it, PK_SINGULARITY_PARTS) + (size_t)which * it->n;
 }
 
-void pk_guard_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *out)
 {
     const pk_real *u = pk_eval_input(it, t);
-    it->problem.system->guard(it->problem.params, t, q, v, u, out);
+    it->problem.system->singularities.values(it->problem.params, t, q, v, u, out);
 }
 
-void pk_guard_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                     pk_real d, pk_real *out)
 {
     pk_real *moved = search_part(it, STAGE);
     for (size_t i = 0; i < it->n; i++)
         moved[i] = q[i] + d * v[i];
-    pk_guard_evaluate(it, t + d, moved, v, out);
+    pk_singularity_evaluate(it, t + d, moved, v, out);
 }
 
-pk_real pk_guard_within(pk_real t, pk_real first, pk_real last)
+pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last)
 {
     return t >= pk_min(first, last) && t <= pk_max(first, last) ? t : first;
 }
@@ -69,7 +69,7 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Whether no guard has changed by much; how much the one has that changed most. */
+/* Whether no singularity has changed by much; how much the one has that changed most. */
 static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
 {
     for (size_t k = 0; k < m; k++) {
@@ -82,22 +82,22 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
     return 1;
 }
 
-/* The first guard that has fallen to `depth` of its value at the state, or where steps get nowhere
+/* The first singularity that has fallen to `depth` of its value at the state, or where steps get nowhere
  * any more (`halted`) to what is round-off beside its values before; else their number. */
 static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real depth, int halted)
 {
-    const pk_real *first = pk_guard_part(it, PK_GUARD_NOW);
-    const pk_real *most = pk_guard_part(it, PK_GUARD_MOST);
+    const pk_real *first = pk_singularity_part(it, PK_SINGULARITY_NOW);
+    const pk_real *most = pk_singularity_part(it, PK_SINGULARITY_MOST);
     const pk_real round = halted ? PK_C(64.0) * PK_EPS : 0;
     size_t k = 0;
-    while (k < it->own->n_guards &&
+    while (k < it->own->n_singularities &&
            !(pk_abs(g[k]) <= pk_max(depth * pk_abs(first[k]), round * most[k])))
         k++;
     return k;
 }
 
-/* The acceleration, of some state near to the last one, as the guard falls to zero. Divided by a
- * power of the guard it grows a hundredfold to that power from one depth to the next; where the
+/* The acceleration, of some state near to the last one, as the singularity falls to zero. Divided by a
+ * power of the singularity it grows a hundredfold to that power from one depth to the next; where the
  * quotient has a limit it does not grow. */
 struct growth {
     int levels;
@@ -108,7 +108,7 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 {
     static const pk_real depth[2] = {PK_C(1e-2), PK_C(1e-4)};
     const pk_real *a = search_part(it, K) + it->n;
-    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->own->n_guards) {
+    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities) {
         pk_real most = 0;
         for (size_t i = 0; i < it->n; i++)
             most = pk_max(most, pk_abs(a[i]));
@@ -116,19 +116,19 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
     }
 }
 
-static struct pk_guard_search search(struct pk_integrator *it, pk_real t_end, pk_real depth)
+static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_end, pk_real depth)
 {
-    const size_t n = it->n, m = it->own->n_guards;
+    const size_t n = it->n, m = it->own->n_singularities;
     const pk_real whole = t_end - it->t;
-    pk_real *g = pk_guard_part(it, PK_GUARD_NEXT), *g1 = pk_guard_part(it, PK_GUARD_NEXT_SLOPE);
+    pk_real *g = pk_singularity_part(it, PK_SINGULARITY_NEXT), *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE);
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL);
     pk_real at = 0, made = 0, s = whole / 16;
-    struct pk_guard_search found = {PK_GUARD_UNDECIDED, m, it->t, 0};
+    struct pk_singularity_search found = {PK_SINGULARITY_UNDECIDED, m, it->t, 0};
     struct growth growth = {0};
-    int stuck = 0, arrived = 0; /* M is singular to round-off before the guard is quite zero */
+    int stuck = 0, arrived = 0; /* M is singular to round-off before the singularity is quite zero */
     memcpy(y, it->q, n * sizeof *y);
     memcpy(y + n, it->v, n * sizeof *y);
-    memcpy(g, pk_guard_part(it, PK_GUARD_NOW), m * sizeof *g);
+    memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);
     for (int count = 0; count < SEARCH_STEPS && pk_abs(s) > 0 && !stuck && !arrived; count++) {
         const int last = pk_abs(at + s) >= pk_abs(whole);
         pk_real least = PK_C(1.0), most = PK_C(1.0);
@@ -136,12 +136,12 @@ static struct pk_guard_search search(struct pk_integrator *it, pk_real t_end, pk
             s = whole - at;
         int good = 1; /* half-way too, for a step through a centre may end as far behind it */
         for (int half = 1; good && half <= 2; half++) {
-            pk_guard_along(it, it->t + at, y, y + n, s * (pk_real)half / 2, g1);
+            pk_singularity_along(it, it->t + at, y, y + n, s * (pk_real)half / 2, g1);
             good = near(m, g, g1, &least, &most);
         }
         good = good && short_step(it, it->t + at, s);
         if (good) {
-            pk_guard_evaluate(it, it->t + at + s, trial, trial + n, g1);
+            pk_singularity_evaluate(it, it->t + at + s, trial, trial + n, g1);
             good = near(m, g, g1, &least, &most);
         }
         if (!good) {
@@ -160,26 +160,26 @@ static struct pk_guard_search search(struct pk_integrator *it, pk_real t_end, pk
         if (least > PK_C(0.9) && most < PK_C(1.1))
             s *= PK_C(1.5);
     }
-    found.which = fallen(it, g, stuck ? PK_GUARD_SHALLOW : depth, !arrived);
+    found.which = fallen(it, g, stuck ? PK_SINGULARITY_SHALLOW : depth, !arrived);
     if (found.which < m) {
-        pk_guard_along(it, it->t + at, y, y + n, made / 16, g1);
+        pk_singularity_along(it, it->t + at, y, y + n, made / 16, g1);
         found.when = it->t + at +
                      made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
-        found.when = pk_guard_within(found.when, it->t + at, t_end);
-        found.found = PK_GUARD_VANISHES;
+        found.when = pk_singularity_within(found.when, it->t + at, t_end);
+        found.found = PK_SINGULARITY_VANISHES;
     } else if (arrived && growth.levels < 2) { /* else round-off close to it may have turned it */
-        found.found = PK_GUARD_STAYS;
+        found.found = PK_SINGULARITY_STAYS;
     }
     found.bounded = growth.levels == 2 && growth.a[1] <= 4 * growth.a[0];
     return found;
 }
 
-struct pk_guard_search pk_guard_search(struct pk_integrator *it, pk_real t_end, pk_real depth)
+struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end, pk_real depth)
 {
     const struct pk_counters count = it->count;
     const size_t where = it->where;
     const pk_real detail = it->detail, condition = it->own->condition;
-    const struct pk_guard_search found = search(it, t_end, depth);
+    const struct pk_singularity_search found = search(it, t_end, depth);
     it->count = count;
     it->where = where;
     it->detail = detail;

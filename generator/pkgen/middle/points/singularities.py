@@ -3,10 +3,10 @@ as that depends on the motion and can vanish.
 
 Each such expression is taken apart into factors (r sin(theta) vanishes where r does, and where
 sin(theta) does), and what interval arithmetic proves to be never zero is left out. A pivot of M
-that is a sum, such as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a guard only if a
-search finds M singular or indefinite somewhere, for parameters at their defaults, at a bound that
-they may have, or anywhere else within their bounds: M of a sound model is positive definite almost
-everywhere, and where it is not, the acceleration itself says so.
+that is a sum, such as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a singularity only
+if a search finds M singular or indefinite somewhere, for parameters at their defaults, at a bound
+that they may have, or anywhere else within their bounds: M of a sound model is positive definite
+almost everywhere, and where it is not, the acceleration itself says so.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterable, Iterator
 
-from ...equations import Guard, Matrix, ParameterSlot, Quantity, Row
+from ...equations import Matrix, ParameterSlot, Quantity, Row, Singularity
 from ...functions import FUNCTIONS
 from ...functions.interval import INF, Range
 from ...functions.row import COORDINATES, DIVISOR, ROOT
@@ -32,15 +32,15 @@ WIDE = 1e3  # so far from their defaults where nothing bounds them
 NEARLY = 1e-4  # a pivot beside its diagonal entry: M is singular nearby
 
 
-def guards_of(
+def singularities_of(
     g: Graph,
     parameters: tuple[ParameterSlot, ...],
     mass: Matrix,
     outputs: Iterable[Node],
     pivots: Row | None,
     name: Callable[[Symbol], str],
-) -> tuple[Guard, ...]:
-    """The guards of the equations that `outputs` are; those of the chart first."""
+) -> tuple[Singularity, ...]:
+    """The singularities of the equations that `outputs` are; those of the chart first."""
     ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
     of_mass = {i: p for i, p in enumerate(pivots or ()) if g.depends[p] & VARIABLE}
     charts: dict[Node, None] = {}
@@ -73,7 +73,7 @@ def guards_of(
     found = {node: found[node] for node in [*charts, *motions]}
     squares = {square for node in found for square in squared(g, node)}
     return tuple(
-        Guard(Quantity(wording(g, about(g, node), name), "", ""), node, use)
+        Singularity(Quantity(wording(g, about(g, node), name), "", ""), node, use)
         for node, use in found.items()
         if node not in squares  # r, not r^2 too
     )
@@ -110,9 +110,9 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
                 yield vanishing, use
 
 
-def about(g: Graph, guard: Node) -> Node:
-    """What the guard is about."""
-    return g.args[g.args[guard][0]][0] if _is_call(g, guard, "pow") else guard
+def about(g: Graph, singularity: Node) -> Node:
+    """What the singularity is about."""
+    return g.args[g.args[singularity][0]][0] if _is_call(g, singularity, "pow") else singularity
 
 
 def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:

@@ -1,4 +1,4 @@
-"""Where the equations end: which expressions are guards, their kind, and what they are called."""
+"""Where the equations end: which expressions are singularities, of which kind and name."""
 
 from __future__ import annotations
 
@@ -26,13 +26,16 @@ OF_MODELS = {
 }
 
 
-def guards(equations) -> list[tuple[str, bool]]:
-    return [(guard.quantity.name, guard.use == "COORDINATES") for guard in equations.guards]
+def singularities(equations) -> list[tuple[str, bool]]:
+    return [
+        (singularity.quantity.name, singularity.use == "COORDINATES")
+        for singularity in equations.singularities
+    ]
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
-def test_guards_of_the_models(path):
-    assert guards(read_model(path)[0]) == OF_MODELS[path.stem]
+def test_singularities_of_the_models(path):
+    assert singularities(read_model(path)[0]) == OF_MODELS[path.stem]
 
 
 def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -> str:
@@ -77,9 +80,9 @@ def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -
         (in_plane("x", "(k + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"), []),
     ],
 )
-def test_guards_of_equations(text, expected):
+def test_singularities_of_equations(text, expected):
     equations, _ = read_text(text)
-    found = guards(equations)
+    found = singularities(equations)
     if expected is None:  # some form of 1 - 4 cos(x)^2
         ((_, chart),) = found
         assert chart and _value(equations, math.acos(0.5)) == pytest.approx(0, abs=1e-12)
@@ -90,23 +93,26 @@ def test_guards_of_equations(text, expected):
 
 def _value(equations, x: float) -> float:
     values = {Symbol(Kind.COORDINATE, i): x for i in range(2)}
-    return evaluate(equations.graph, [equations.guards[0].node], values)[0]
+    return evaluate(equations.graph, [equations.singularities[0].node], values)[0]
 
 
 def test_only_where_asked_for():
     kepler = model(coords=("x",), kinetic="D(x)**2/2", potential="-1/x")
-    assert len(derive(kepler).guards) == 1
-    assert len(derive(kepler, frozenset({"guard"})).guards) == 1
-    assert derive(kepler, frozenset({"mass"})).guards == ()
+    assert len(derive(kepler).singularities) == 1
+    assert len(derive(kepler, frozenset({"singularity"})).singularities) == 1
+    assert derive(kepler, frozenset({"mass"})).singularities == ()
 
 
 def test_the_kernel_and_its_table(tmp_path):
     _, program = read_model(next(p for p in MODELS if p.stem == "heavy_top"))
     loaded = Loaded(program, tmp_path)
-    assert loaded.call("guard", 0, [0.3, 2.385, 0.1], [0, 0, 0])[1] == [[math.sin(2.385)]]
+    assert loaded.call("singularity", 0, [0.3, 2.385, 0.1], [0, 0, 0])[1] == [[math.sin(2.385)]]
     source = (tmp_path / "heavy_top.c").read_text()
-    assert '{{"sin(theta)", "", ""}, PK_GUARD_COORDINATES},' in source
-    assert ".n_guards = 1," in source and ".guard = heavy_top_sys_guard," in source
+    assert '{{"sin(theta)", "", ""}, PK_SINGULARITY_COORDINATES},' in source
+    assert (
+        ".singularities.n = 1," in source
+        and ".singularities.values = heavy_top_sys_singularity," in source
+    )
 
 
 def test_ranges_hold_what_is_evaluated():
@@ -162,15 +168,15 @@ def test_wording_reads_as_written(text):
     assert len(wording(g, g.power(g.sum([node] * 3), 7), lambda s: "long_name" * 9)) == 60
 
 
-def test_a_parameter_as_exponent_is_a_guard_where_it_is_negative():
+def test_a_parameter_as_exponent_is_a_singularity_where_it_is_negative():
     equations, _ = read_text("model m\nparam n = 2\ncoord x\nkinetic x'^2/2\npotential x^n/2\n")
-    ((guard),) = equations.guards
-    assert guard.quantity.name == "x"
+    ((singularity),) = equations.singularities
+    assert singularity.quantity.name == "x"
     (n,) = (k for k, slot in enumerate(equations.parameters) if slot.quantity.name == "n")
 
     def value(exponent: float, x: float) -> float:
         at = {Symbol(Kind.PARAMETER, n): exponent, Symbol(Kind.COORDINATE, 0): x}
-        (found,) = evaluate(equations.graph, [guard.node], at)
+        (found,) = evaluate(equations.graph, [singularity.node], at)
         return found
 
     # The force has x^(n - 1).
@@ -180,10 +186,14 @@ def test_a_parameter_as_exponent_is_a_guard_where_it_is_negative():
 
 def test_a_power_of_a_parameter_that_divides():
     equations, _ = read_text("model m\nparam n = 2\ncoord x\nkinetic x'^2/2\npotential 1/x^n\n")
-    assert {name for name, _ in guards(equations)} == {"x"}
+    assert {name for name, _ in singularities(equations)} == {"x"}
 
     def least(n: float, x: float) -> float:
         at = {Symbol(Kind.PARAMETER, 0): n, Symbol(Kind.COORDINATE, 0): x}
-        return min(evaluate(equations.graph, [guard.node for guard in equations.guards], at))
+        return min(
+            evaluate(
+                equations.graph, [singularity.node for singularity in equations.singularities], at
+            )
+        )
 
     assert least(2, 0) == 0 and least(2, 0.1) > 0

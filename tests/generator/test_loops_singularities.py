@@ -1,4 +1,4 @@
-"""Guards of families kept as loops: which there are, over which members, and their values."""
+"""Singularities of families kept as loops: which, over which members, and their values."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def written(potential: str = "0", kinetic: str = FLAT, more: str = "") -> str:
     return f"{HEAD}kinetic {kinetic}\npotential {potential}\n{more}"
 
 
-def over(guard) -> str:
+def over(singularity) -> str:
     """The range of its members: '1..N-1', of pairs '1..N-1, m+1..N', of a single value ''."""
-    ends = [(p.lo, p.hi) for p in guard.terms.parts]
-    ends += [end for p in guard.terms.pairs for end in ((p.lo, p.hi), (p.first, p.last))]
+    ends = [(p.lo, p.hi) for p in singularity.terms.parts]
+    ends += [end for p in singularity.terms.pairs for end in ((p.lo, p.hi), (p.first, p.last))]
     return ", ".join(f"{a.text()}..{b.text()}" for a, b in ends).replace(" ", "").replace(",", ", ")
 
 
@@ -93,7 +93,10 @@ def over(guard) -> str:
 )
 def test_which(text, expected):
     e = looped(text)
-    found = [(guard.name, guard.use == "COORDINATES", over(guard)) for guard in e.guards]
+    found = [
+        (singularity.name, singularity.use == "COORDINATES", over(singularity))
+        for singularity in e.singularities
+    ]
     assert found == expected and not e.pivots
 
 
@@ -109,7 +112,7 @@ def test_pivots_of_m_where_they_are_no_expression(kinetic):
     assert looped(written(kinetic=kinetic)).pivots
 
 
-# A guard of each kind beside the pivots of a band.
+# A singularity of each kind beside the pivots of a band.
 ALL = """model all
 size N = 4
 param k = 2
@@ -156,17 +159,21 @@ def test_values(text, sizes, tmp_path):
     for size in sizes:
         e, fixed = unrolled(text, size)
         at, n = loops.at(size), len(e.coordinates)
-        count = loops.function("guard_count", ctypes.c_size_t)(ctypes.byref(at.params))
+        count = loops.function("singularity_count", ctypes.c_size_t)(ctypes.byref(at.params))
         for far in (False, text is ALL):
             q, v, values = state_of(e, generator, size, far)
-            _, (found,) = at.call("guard", 0.3, q, v, [], (count,))
+            _, (found,) = at.call("singularity", 0.3, q, v, [], (count,))
             # The pivots first: their product is the determinant, in whatever order M is factored.
             entries = evaluate(e.graph, [x for row in e.mass for x in row], fixed | values)
             whole = np.linalg.det(np.array(entries).reshape(n, n))
             assert min(found[:n]) > 0 and np.prod(found[:n]) == pytest.approx(whole, rel=1e-12)
-            nodes = [guard.node for guard in e.guards if guard.use != "COORDINATES"]
+            nodes = [
+                singularity.node
+                for singularity in e.singularities
+                if singularity.use != "COORDINATES"
+            ]
             expected = evaluate(e.graph, nodes, fixed | values)
-            # Of an expression and its negative either may be the guard.
+            # Of an expression and its negative either may be the singularity.
             rest = {f"{abs(x):.9g}" for x in found[n:]}
             assert rest == {f"{abs(x):.9g}" for x in expected}
             assert len(rest) > 3 * size if text is ALL else not rest

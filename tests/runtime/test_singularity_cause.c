@@ -1,4 +1,4 @@
-/* What is said where a guard vanishes: of the motion, of its expression alone, or of the step. */
+/* What is said where a singularity vanishes: of the motion, of its expression alone, or of the step. */
 #include "fixture.h"
 
 /* The force of V = -sin(x)/x, written with its divisions. */
@@ -37,8 +37,8 @@ static void of_arc(const void *p, double t, const double *q, const double *v, co
 
 static struct pk_system guarded(acceleration_function *acceleration)
 {
-    static const struct pk_guard x[] = {{{"x", "", ""}, PK_GUARD_DIVISOR}};
-    static const struct pk_guard arc[] = {{{"1 - x^2", "", ""}, PK_GUARD_ARC}};
+    static const struct pk_singularity x[] = {{{"x", "", ""}, PK_SINGULARITY_DIVISOR}};
+    static const struct pk_singularity arc[] = {{{"1 - x^2", "", ""}, PK_SINGULARITY_ARC}};
     if (acceleration == to_the_arc_s_end)
         return guarded_point(acceleration, arc, of_arc);
     return guarded_point(acceleration, x, first_coordinate);
@@ -121,9 +121,9 @@ static void at_the_arc_s_end(void)
         }
 }
 
-void add_guard_cause(void)
+void add_singularity_cause(void)
 {
-    CU_pSuite suite = CU_add_suite("guards: what is said", NULL, NULL);
+    CU_pSuite suite = CU_add_suite("singularities: what is said", NULL, NULL);
     CU_add_test(suite, "a step too long", a_step_too_long);
     CU_add_test(suite, "expression or motion", expression_or_motion);
     CU_add_test(suite, "at the end of asin", at_the_arc_s_end);

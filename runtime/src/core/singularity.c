@@ -1,0 +1,170 @@
+/* Singularities: where the equations end, watched from step to step; see struct pk_singularity.
+ *
+ * A singularity that changes its sign in a step has vanished in it. One that never does, such as the
+ * distance in a collision, has not for all that two ends of a step tell; nor has one that changes
+ * it twice, and a step may step over a singularity without a sign of it. So where the tangent at
+ * either end says that a singularity may vanish within the step, or cannot account for its change, the
+ * step is gone through again by short ones (singularity_search.c). Adaptive steps are no exception:
+ * at a tight tolerance they shrink before a singularity until they underflow, and then the same
+ * search tells its cause; at a loose one they step over it as fixed ones do.
+ *
+ * Where a singularity changes its sign and short steps say that the motion does not reach its zero, it is
+ * the step that is wrong and no singularity: PK_STEP_TOO_LONG.
+ */
+#include <string.h>
+
+#include "singularity.h"
+
+#define CALM PK_C(0.0625) /* a change in two steps running that is no cause for any doubt */
+#define FAR PK_C(1.5)     /* tangents are trusted to tell of a zero up to so many steps away */
+
+enum { KNOWN = 1, QUIET = 2 }; /* it->own->slopes: those at the state; the last step changed little */
+
+size_t pk_singularity_size(size_t n_singularities, size_t n)
+{
+    return n_singularities ? PK_SINGULARITY_PARTS * n_singularities + PK_SINGULARITY_SEARCH_PARTS * n : 0;
+}
+
+static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *value, pk_real *slope)
+{
+    const pk_real d = (it->own->next_t - it->t) / 1024;
+    pk_singularity_along(it, t, q, v, d, slope);
+    for (size_t k = 0; k < it->own->n_singularities; k++)
+        slope[k] = (slope[k] - value[k]) / d;
+}
+
+void pk_singularity_start(struct pk_integrator *it)
+{
+    it->own->slopes = 0;
+    if (!it->own->singularities)
+        return;
+    pk_singularity_evaluate(it, it->t, it->q, it->v, pk_singularity_part(it, PK_SINGULARITY_NOW));
+    memset(pk_singularity_part(it, PK_SINGULARITY_MOST), 0, it->own->n_singularities * sizeof(pk_real));
+}
+
+/* The end of the trial step becomes the state. */
+static enum pk_status go_on(struct pk_integrator *it, int known)
+{
+    const size_t m = it->own->n_singularities;
+    pk_real *now = pk_singularity_part(it, PK_SINGULARITY_NOW), *most = pk_singularity_part(it, PK_SINGULARITY_MOST);
+    for (size_t k = 0; k < m; k++)
+        most[k] = pk_max(most[k], pk_abs(now[k]));
+    memcpy(now, pk_singularity_part(it, PK_SINGULARITY_NEXT), 2 * m * sizeof *now);
+    it->own->slopes = known;
+    return PK_DONE;
+}
+
+static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when, int bounded)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t singularity = pk_system_singularity(system, it->problem.params, which).singularity;
+    it->where = which;
+    it->detail = when;
+    it->own->condition = bounded ? PK_C(1.0) : PK_INFINITY;
+    return system->singularities.table[singularity].kind == PK_SINGULARITY_COORDINATES
+               ? PK_SINGULAR_COORDINATES
+               : PK_SINGULAR_TIME;
+}
+
+/* A singularity has changed its sign in the step: what the motion itself does from where it began. A step
+ * that is in error may meet the singularity early, so two steps are looked at. */
+static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
+{
+    const pk_real h = it->own->next_t - it->t;
+    const struct pk_singularity_search s = pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
+    if (s.found == PK_SINGULARITY_VANISHES)
+        return ended(it, s.which, s.when, s.bounded);
+    if (s.found == PK_SINGULARITY_UNDECIDED)
+        return ended(it, k, when, s.bounded);
+    it->where = k;
+    it->detail = it->own->next_t;
+    return PK_STEP_TOO_LONG;
+}
+
+enum pk_status pk_singularity_here(struct pk_integrator *it)
+{
+    if (!it->own->singularities)
+        return PK_DONE;
+    const pk_real *g = pk_singularity_part(it, PK_SINGULARITY_NOW);
+    for (size_t k = 0; k < it->own->n_singularities; k++)
+        if (!(g[k] > 0) && !(g[k] < 0))
+            return ended(it, k, it->t, 0);
+    return PK_DONE;
+}
+
+/* +1, -1, or 0 for zero and what is no number; products of two singularities may underflow. */
+static int sign(pk_real x)
+{
+    return (x > 0) - (x < 0);
+}
+
+/* Whether the tangents say that singularity k may vanish in the step just tried, or say too little. */
+static int doubtful(const struct pk_integrator *it, size_t k)
+{
+    const pk_real g0 = pk_singularity_part(it, PK_SINGULARITY_NOW)[k], g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT)[k];
+    const pk_real h = it->own->next_t - it->t, d0 = h * pk_singularity_part(it, PK_SINGULARITY_SLOPE)[k];
+    const pk_real d1 = h * pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE)[k];
+    if (sign(g0) * sign(d0) < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
+        return 1;
+    if (sign(g1) * sign(d1) > 0 && pk_abs(g1) <= FAR * pk_abs(d1))
+        return 1;
+    return !(pk_abs(g1 - g0 - (d0 + d1) / 2) <= pk_min(pk_abs(g0), pk_abs(g1)) / 2);
+}
+
+static int calm(const struct pk_integrator *it)
+{
+    const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW), *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
+    for (size_t k = 0; k < it->own->n_singularities; k++)
+        if (!(pk_abs(g1[k] - g0[k]) <= CALM * pk_abs(g0[k])))
+            return 0;
+    return 1;
+}
+
+enum pk_status pk_singularity_step(struct pk_integrator *it)
+{
+    const size_t m = it->own->n_singularities, n = it->n;
+    if (!it->own->singularities)
+        return PK_DONE;
+    const pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
+    const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW);
+    pk_real *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
+    int doubt = 0;
+    pk_singularity_evaluate(it, it->own->next_t, q, v, g1);
+    const int quiet = calm(it) ? QUIET : 0;
+    if (quiet & it->own->slopes)
+        return go_on(it, QUIET);
+    if (!(it->own->slopes & KNOWN))
+        slopes(it, it->t, it->q, it->v, g0, pk_singularity_part(it, PK_SINGULARITY_SLOPE));
+    slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
+    for (size_t k = 0; k < m; k++) {
+        const pk_real secant = it->t + (it->own->next_t - it->t) * (g0[k] / (g0[k] - g1[k]));
+        if (sign(g0[k]) * sign(g1[k]) <= 0)
+            return crossed(it, k, pk_singularity_within(secant, it->own->next_t, it->t));
+        doubt |= doubtful(it, k);
+    }
+    if (doubt) {
+        const struct pk_singularity_search s = pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
+        if (s.found == PK_SINGULARITY_VANISHES)
+            return ended(it, s.which, s.when, s.bounded);
+        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* the search has used its place */
+        slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
+    }
+    return go_on(it, KNOWN | quiet);
+}
+
+enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed)
+{
+    pk_real ahead = 2 * (it->own->next_t - it->t), depth = PK_SINGULARITY_DEEP;
+    if (!it->own->singularities || (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE &&
+                        status != PK_STEP_UNDERFLOW && status != PK_NO_CONVERGENCE &&
+                        status != PK_AMBIGUOUS_STEP))
+        return status;
+    if (!fixed) { /* that close ahead steps underflow: pk_underflow() */
+        depth = PK_SINGULARITY_SHALLOW;
+        ahead = (pk_real)it->own->direction * (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) +
+                                          PK_C(10.0) * pk_abs(it->own->h));
+    }
+    const struct pk_singularity_search s = pk_singularity_search(it, it->t + ahead, depth);
+    return s.found == PK_SINGULARITY_VANISHES ? ended(it, s.which, s.when, s.bounded) : status;
+}
