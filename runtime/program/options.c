@@ -51,8 +51,8 @@ int find_name(const char *name, size_t length, char kind, size_t *index, size_t 
               const char **unit)
 {
     const struct pk_system *s = program_model.system;
-    const size_t one = sizeof(struct pk_quantity), n = s->count ? s->n_coordinates : s->n;
-    const size_t rates = s->count ? 2 * s->n_coordinates : s->n;
+    const size_t one = sizeof(struct pk_quantity), n = s->families.count ? s->families.n_coordinates : s->n;
+    const size_t rates = s->families.count ? 2 * s->families.n_coordinates : s->n;
     *member = 0;
     switch (kind) {
     case 'p':
@@ -61,20 +61,20 @@ int find_name(const char *name, size_t length, char kind, size_t *index, size_t 
     case 'i':
         return among(s->inputs, s->n_inputs, one, name, length, index, unit);
     case 'q':
-        return among(s->coordinates, n - (s->count ? 0 : s->n_first_order), one, name, length, index,
+        return among(s->coordinates, n - (s->families.count ? 0 : s->n_first_order), one, name, length, index,
                      unit);
     case 'v':
-        return among(s->rates, s->count ? n : rates, one, name, length, index, unit);
+        return among(s->rates, s->families.count ? n : rates, one, name, length, index, unit);
     case 'o':
         return among(s->observed, s->n_observed, one, name, length, index, unit);
     case 'z':
-        return among(s->quadratures, s->n_quadratures, one, name, length, index, unit);
+        return among(s->quadratures.names, s->quadratures.n, one, name, length, index, unit);
     case 's':
-        return s->n_sizes &&
-               among(&s->sizes->what, s->n_sizes, sizeof *s->sizes, name, length, index, unit);
+        return s->families.n_sizes &&
+               among(&s->families.sizes->what, s->families.n_sizes, sizeof *s->families.sizes, name, length, index, unit);
     default:
-        return s->n_events &&
-               among(&s->events->what, s->n_events, sizeof *s->events, name, length, index, unit);
+        return s->events.n &&
+               among(&s->events.table->what, s->events.n, sizeof *s->events.table, name, length, index, unit);
     }
 }
 

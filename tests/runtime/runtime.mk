@@ -3,7 +3,7 @@
 CC ?= cc
 BUILD ?= build
 RT_WARN = -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-RT_CFLAGS = -fPIC -std=c11 -O2 -ffp-contract=off $(RT_WARN) -Iruntime/include $(RT_EXTRA)
+RT_CFLAGS = -fPIC -fvisibility=hidden -std=c11 -O2 -ffp-contract=off $(RT_WARN) -Iruntime/include $(RT_EXTRA)
 RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
 RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
 
@@ -25,12 +25,17 @@ RT_SYSTEMS = $(patsubst tests/runtime/%.c,$(RT_TESTS)/%.o,$(RT_SYSTEMS_C))
 
 .PHONY: runtime test-runtime-programs test-runtime asan-runtime
 
-runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a $(RT_OMP)
+runtime: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a $(RT_OMP) $(RT_DIR)/libpk.so $(RT_DIR)/libpk_gsl.so
 
 $(RT_DIR)/libpk.a: $(RT_CORE)
 	rm -f $@ && ar rcsD $@ $^
 $(RT_DIR)/libpk_gsl.a: $(RT_GSL)
 	rm -f $@ && ar rcsD $@ $^
+# The same as shared libraries, the core without GSL.
+$(RT_DIR)/libpk.so: $(RT_CORE)
+	$(CC) $(RT_EXTRA) -shared -Wl,-soname,libpk.so $^ -lm -o $@
+$(RT_DIR)/libpk_gsl.so: $(RT_GSL) $(RT_DIR)/libpk.so
+	$(CC) $(RT_EXTRA) -shared -Wl,-soname,libpk_gsl.so -Wl,-z,defs $^ -lgsl -lgslcblas -lm -o $@
 $(RT_DIR)/libpk_omp.a: runtime/omp/threads.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_CFLAGS) $(RT_OPENMP) -c $< -o $(RT_DIR)/threads.o
@@ -166,8 +171,8 @@ run-fuzz-runtime: $(RT_TESTS)/fuzz
 	    -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus tests/fuzz/corpus
 
 # Every symbol that the core exports is pk_*; it neither allocates nor knows GSL, prints or exits.
-check-runtime-symbols: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
-	sh tests/runtime/symbols.sh $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a
+check-runtime-symbols: $(RT_DIR)/libpk.a $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.so $(RT_DIR)/libpk_gsl.so
+	sh tests/runtime/symbols.sh $(RT_DIR)
 
 # The same source in the other scalar types (the quad programs are the fourth), headers as C99 and C++.
 RT_SCALARS = $(foreach t,FLOAT LONG_DOUBLE,$(patsubst runtime/src/%.c,$(RT_DIR)/$(t)/%.o,\

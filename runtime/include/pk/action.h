@@ -19,9 +19,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 #define PK_ORBITS(X)                                                                       \
     X(PK_ORBIT_LIBRATION, "to and fro")                                                    \
@@ -56,8 +54,6 @@ enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *
                               const pk_real *q, const pk_real *v, const pk_real *u);
 const char *pk_orbit_text(enum pk_orbit orbit);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -16,9 +16,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* A block: its own system, and where its coordinates, system->n, are in those of the whole. */
 struct pk_part {
@@ -83,8 +81,6 @@ int pk_apart_reason(const struct pk_apart *apart, char *text, size_t size);
 /* Needed for methods that allocate (GSL's), harmless for others. */
 void pk_apart_free(struct pk_apart *apart);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

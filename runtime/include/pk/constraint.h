@@ -12,9 +12,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* The residual that is largest beside the sizes of its terms, which rounding is to be measured by:
  * in its own unit, and so. 0 where there is no such row. */
@@ -44,8 +42,6 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
  * snprintf(). */
 int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -18,9 +18,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 enum { PK_DRIFT_MARKS = 13 }; /* six octaves, by halves */
 
@@ -84,8 +82,6 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
 void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
                        const pk_real *v);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

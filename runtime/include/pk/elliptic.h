@@ -16,9 +16,7 @@
 
 #include <pk/real.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_elliptic {
     pk_real k, e;
@@ -37,8 +35,6 @@ pk_real pk_pendulum_action(pk_real amplitude);
 pk_real pk_pendulum_energy_period(pk_real above);
 pk_real pk_pendulum_energy_action(pk_real above);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

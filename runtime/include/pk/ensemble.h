@@ -21,9 +21,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_ensemble {
     const struct pk_system *system;
@@ -84,8 +82,6 @@ size_t pk_ensemble_threads(void);
 /* Which of them this is; 0: the one that has called. */
 size_t pk_thread(void);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -52,9 +52,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_shape;
 
@@ -131,8 +129,6 @@ enum pk_status pk_events_to(struct pk_events *events, struct pk_integrator *it, 
 /* Needed for methods that allocate (GSL's), harmless for others. */
 void pk_events_free(struct pk_events *events);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -13,9 +13,7 @@
 #include <pk/method.h>
 #include <pk/spectrum.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 const struct pk_method *pk_gsl_method_find(const char *name);
 const struct pk_method *pk_gsl_method_at(size_t index);
@@ -64,8 +62,6 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
  * long. */
 int pk_gsl_loop_takes(size_t count);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -22,9 +22,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_equilibria {
     size_t most;  /* as many as q and v, the caller's, have room for: n numbers each */
@@ -72,8 +70,6 @@ enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, 
 void pk_normal_energies(size_t n, const double *M, const double *squares, const double *shapes,
                         const double *q, const double *p, double *E);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

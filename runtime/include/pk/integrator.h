@@ -23,9 +23,7 @@
 
 #include <pk/method.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* What is integrated. All of it must outlive the integrator. `params` is the model's own struct,
  * already prepared: init and reset refuse one that is out of bounds or was changed without
@@ -164,8 +162,6 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
 /* Needed for methods that allocate (GSL's), harmless for others. */
 void pk_integrator_free(struct pk_integrator *it);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

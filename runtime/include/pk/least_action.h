@@ -23,9 +23,7 @@
 
 #include <pk/variation.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 enum { PK_CONJUGATE_MOST = 64 };
 
@@ -61,8 +59,6 @@ enum pk_status pk_least_action_find(struct pk_least_action *found, const struct 
 pk_real pk_least_action_at(const struct pk_least_action *found, const pk_real *a);
 void pk_least_action_free(struct pk_least_action *found); /* as pk_integrator_free() */
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -26,9 +26,7 @@
 
 #include <pk/method.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 enum pk_axis { PK_AXIS_IMAGINARY, PK_AXIS_REAL };
 
@@ -55,8 +53,6 @@ pk_real pk_map_growth(const pk_real map[4]);
  * map at y < pi, angle / y is its own frequency over the true one. */
 pk_real pk_map_angle(const pk_real map[4]);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

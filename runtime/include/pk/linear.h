@@ -8,9 +8,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* Numbers of work that pk_system_linear() needs. */
 size_t pk_system_linear_size(const struct pk_problem *problem);
@@ -23,8 +21,6 @@ enum pk_status pk_system_linear(const struct pk_problem *problem, pk_real t, con
                                 const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
                                 pk_real *a_t, pk_real *work);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

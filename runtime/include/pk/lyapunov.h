@@ -19,9 +19,7 @@
 
 #include <pk/variation.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 enum { PK_LYAPUNOV_MARKS = 64 };
 
@@ -61,8 +59,6 @@ pk_real pk_lyapunov_megno(const struct pk_lyapunov *l);
 enum pk_motion pk_lyapunov_motion(const struct pk_lyapunov *l);
 void pk_lyapunov_free(struct pk_lyapunov *l); /* as pk_integrator_free() */
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

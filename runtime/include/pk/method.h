@@ -19,9 +19,7 @@
 #define PK_SAME(x) (x)
 #endif
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* What a method promises. Symplectic is meant in (q, p) at a fixed step. */
 enum pk_trait {
@@ -85,8 +83,6 @@ struct pk_method {
 const struct pk_method *pk_method_find(const char *name);
 const struct pk_method *pk_method_at(size_t index);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -21,9 +21,7 @@
 #include <pk/real.h>
 #include <pk/status.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* Sum of m r x v, about the origin or the centre of mass (its own motion taken away), and what it
  * is to be compared with, the sum of m |r| |v|. With r'' in the place of v the torque. */
@@ -43,8 +41,6 @@ enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real
                            const pk_real a[3]);
 void pk_lrl_update(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3], const pk_real a[3]);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -13,6 +13,8 @@
 #include <math.h>
 #include <stdint.h>
 
+#include <pk/begin.h>
+
 #if defined PK_FLOAT
 typedef float pk_real;
 #define PK_C(x) x##F

@@ -12,9 +12,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 enum { PK_REVERSAL_TIMES = 24 };
 
@@ -39,8 +37,6 @@ enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrat
                                 const pk_real *v0, pk_real t_end, pk_real threshold, void *block,
                                 size_t block_size);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

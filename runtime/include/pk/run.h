@@ -19,9 +19,7 @@
 #include <pk/apart.h>
 #include <pk/system.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* A model, and the blocks of coordinates that it is integrated in, each by itself; or no blocks. */
 struct pk_run_model {
@@ -151,8 +149,6 @@ size_t pk_run_size(int which);
 unsigned pk_run_diagnostic(const char *name);
 const char *pk_run_methods(void);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -24,9 +24,7 @@
 #include <pk/real.h>
 #include <pk/status.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 enum { PK_LINES = 8, PK_SPECTRUM_LEAST = 108 }; /* lines at most, samples at least */
 
@@ -55,8 +53,6 @@ enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, s
 void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t count, pk_real dt,
                        pk_real *left);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -17,9 +17,7 @@
 
 #include <pk/run.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_stability;
 
@@ -39,8 +37,6 @@ const char *pk_stability_ask(struct pk_stability *stability, const char *what,
 const char *pk_stability_wrong(const struct pk_stability *stability);
 void pk_stability_free(struct pk_stability *stability);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -6,9 +6,9 @@
 #ifndef PK_STATUS_H
 #define PK_STATUS_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include <pk/begin.h>
+
+PK_BEGIN
 
 #define PK_STATUSES(X)                                                                      \
     X(PK_DONE, 0, "done")                                                                   \
@@ -45,8 +45,6 @@ enum pk_status {
 const char *pk_status_name(enum pk_status status);
 const char *pk_status_text(enum pk_status status);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

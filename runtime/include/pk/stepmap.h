@@ -14,9 +14,7 @@
 
 #include <pk/variation.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_stepmap {
     pk_real defect, volume;
@@ -35,8 +33,6 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
                                pk_real h, pk_real t0, const pk_real *q0, const pk_real *v0,
                                pk_real *S, void *block, size_t block_size);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

@@ -19,9 +19,7 @@
 #include <pk/real.h>
 #include <pk/status.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 /* Which layout the structs of a system have, and of which scalar type. A library is of one: a system
  * of another does not link with it, since it names the library's PK_SCALAR; one that is loaded at run
@@ -364,8 +362,6 @@ int pk_system_singularity_name(const struct pk_system *system, const void *param
 int pk_system_name(const struct pk_system *system, const void *params,
                    const struct pk_quantity *table, size_t i, char *text, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

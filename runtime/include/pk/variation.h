@@ -25,9 +25,7 @@
 
 #include <pk/integrator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+PK_BEGIN
 
 struct pk_variation {
     struct pk_problem problem; /* to be integrated; refers to this struct, which must not move */
@@ -47,8 +45,6 @@ size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
 enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk_problem *of,
                                  size_t columns, void *block, size_t block_size);
 
-#ifdef __cplusplus
-}
-#endif
+PK_END
 
 #endif

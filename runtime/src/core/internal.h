@@ -4,7 +4,7 @@
 #ifndef PK_INTERNAL_H
 #define PK_INTERNAL_H
 
-#include <pk/step/state.h>
+#include <pk/step/linear.h>
 
 /* What a kernel is called with, of systems that are written here. */
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
@@ -69,9 +69,6 @@ void pk_step_made(struct pk_integrator *it, int fixed);
 /* Kernels through the integrator: inputs filled, calls counted, failures named. */
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, pk_real *a);
-enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real *q,
-                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
-                              pk_real *a_t, pk_real *work); /* see pk/linear.h */
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
@@ -115,15 +112,5 @@ int pk_quadrature_rejects(struct pk_integrator *it);
 void pk_quadrature_accept(struct pk_integrator *it);
 /* Those at the begin of the last step of `it` for `side`. */
 void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side);
-
-/* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
-int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
-void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
-/* A = L D L^T in place, A symmetric. 0, or 1 + i where pivot i is not positive, or so small
- * beside A_ii that it is rounding (PK_PIVOT_MIN, as in generated accelerations). */
-size_t pk_ldl_factor(pk_real *A, size_t n);
-void pk_ldl_solve(const pk_real *A, size_t n, pk_real *x);
-/* A_kk, of what is factored. */
-pk_real pk_ldl_diagonal(const pk_real *A, size_t n, size_t k);
 
 #endif

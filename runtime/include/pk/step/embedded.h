@@ -43,9 +43,11 @@ pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size
     return w;
 }
 
+PK_BEGIN
 /* Makes the derivative at the step's start, where the last step left none, and guesses the first
  * step: what begins a run, or goes on after a failure. */
 enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit);
+PK_END
 
 /* The error of the step in units of the tolerance, root mean square. */
 static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struct pk_tableau *table,

@@ -28,9 +28,11 @@ struct pk_block {
     unsigned long long failed, not_finite; /* lanes, since the step began */
 };
 
+PK_BEGIN
 /* Notes lanes whose acceleration failed, and whether it was for want of a finite state. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
+PK_END
 
 /* The bits of lanes where any of `rows` rows is not finite. */
 static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t rows, size_t W)

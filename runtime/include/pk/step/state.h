@@ -81,9 +81,6 @@ static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
 static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
 static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
 
-/* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */
-void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
-
 /* What number i of q and v, which goes from a to b, may err by. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
@@ -99,8 +96,6 @@ static inline pk_real pk_scale_shown(pk_real tolerance)
 /* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
 static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
 
-int pk_all_finite(const pk_real *x, size_t count);
-
 /* x + low + d, rounded once, and its new low part: Knuth's two-sum, exact also where |d| > |x|.
  * Compensated summation after Kahan (1965), Babuska, Neumaier (1974). */
 static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
@@ -112,14 +107,6 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
     return sum;
 }
 
-/* The inputs at t, in it->own->u. */
-const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
-/* The status of an acceleration that returned `failed`, with the coordinate and the time. */
-enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
-                              const pk_real *v, int failed);
-/* system->lanes(), or lane by lane where the system has none. */
-unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
-                                 const pk_real *v, const pk_real *u, pk_real *a);
 /* A trial step up to t broke down. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
@@ -128,7 +115,23 @@ static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, p
     it->own->trouble_where = it->where;
     it->own->trouble_condition = it->own->condition;
 }
+
+PK_BEGIN
+
+/* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */
+void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
+int pk_all_finite(const pk_real *x, size_t count);
+/* The inputs at t, in it->own->u. */
+const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
+/* The status of an acceleration that returned `failed`, with the coordinate and the time. */
+enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
+                              const pk_real *v, int failed);
+/* system->lanes(), or lane by lane where the system has none. */
+unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
+                                 const pk_real *v, const pk_real *u, pk_real *a);
 /* The status of an adaptive method whose step h became too small, with its cause if known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
+
+PK_END
 
 #endif
