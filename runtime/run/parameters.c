@@ -19,8 +19,10 @@ static void tell(FILE *file, pk_real x)
 
 void parameters_refused(FILE *file, const struct pk_system *system, const void *params, int outside)
 {
-    const size_t n = system->n_parameters, index = (size_t)outside - 1;
-    if (index > n) {
+    const enum pk_failure failure = PK_FAILURE(outside);
+    const size_t n = system->n_parameters;
+    const size_t index = failure == PK_FAILURE_PARAMETER ? (size_t)PK_FAILURE_AT(outside) : n;
+    if (failure == PK_FAILURE_SIZE) {
         fputs("a size is too small", file);
         return;
     }

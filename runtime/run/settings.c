@@ -320,7 +320,7 @@ enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model
         FILE *file = run_text(run, &text);
         parameters_refused(file, system, s->params, outside);
         run_text_end(run);
-        run_say(run, "%s%s", (size_t)outside > system->n_parameters ? "" : "parameter ", text);
+        run_say(run, "%s%s", PK_FAILURE(outside) == PK_FAILURE_PARAMETER ? "parameter " : "", text);
         free(text);
         return PK_RUN_USAGE;
     }

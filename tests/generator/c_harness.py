@@ -23,6 +23,15 @@ COMPILERS = ("gcc", "clang")
 TYPES = {"float": ["-DPK_FLOAT"], "double": [], "long double": ["-DPK_LONG_DOUBLE"]}
 
 
+# What a kernel returns that fails: enum pk_failure.
+MASS, CONSTRAINT, PARAMETER, DERIVED, SIZE = range(1, 6)
+
+
+def failed(failure: int, number: int = 0) -> int:
+    """PK_FAILED(failure, number)."""
+    return failure + 8 * number
+
+
 def for_warnings(compiler: str, scalar: str) -> list[str]:
     """Flags for what only looks for warnings. Those that need optimisation are gcc's, and the same
     in every type: all else is only read."""

@@ -7,7 +7,21 @@ import random
 from dataclasses import replace
 
 import pytest
-from c_harness import COMPILERS, ODD, STRICT, TYPES, Loaded, read_text, run, texts, write
+from c_harness import (
+    COMPILERS,
+    DERIVED,
+    MASS,
+    ODD,
+    PARAMETER,
+    STRICT,
+    TYPES,
+    Loaded,
+    failed,
+    read_text,
+    run,
+    texts,
+    write,
+)
 from hand_made import World, make, pendulum_chain, structure
 from pkgen.back.c.kernels import KERNELS
 from pkgen.back.c.lower import lower
@@ -93,14 +107,14 @@ def test_prepare_catches_what_is_out_of_bounds(tmp_path):
         index = names.index(name)
         kept = loaded.params[index]
         loaded.params[index] = wrong
-        assert loaded.prepare() == 1 + index, (name, wrong)
+        assert loaded.prepare() == failed(PARAMETER, index), (name, wrong)
         loaded.params[index] = kept
     for name, right in [("k[2]", 0.0), ("c", 100.0)]:
         loaded.params[names.index(name)] = right
         assert loaded.prepare() == 0
     # Each allowed, but what is computed from them overflows.
     loaded.params[names.index("I")] = 1.5e308
-    assert loaded.prepare() == 1 + len(names)
+    assert loaded.prepare() == failed(DERIVED)
 
 
 def test_defaults_follow_unless_given(tmp_path):
@@ -151,18 +165,19 @@ def test_singular_mass_is_refused_and_nothing_written(tmp_path):
         slide = g.add(w.v[0], g.multiply(g.call("cos", w.q[1]), w.v[1]))
         return g.add(g.power(slide, 2), g.multiply(w.p[0], g.power(w.v[1], 2))), w.q[0]
 
+    refused = failed(MASS, 1)
     for unroll in (True, False):
         program = lower(make("m", ["e"], ["x", "y"], energies, unroll=unroll), structure(2))
         (tmp_path / str(unroll)).mkdir()
         loaded = Loaded(program, tmp_path / str(unroll))
-        for e, status in [(1.0, 0), (1e-3, 0), (0.0, 2), (1e-17, 2), (-0.5, 2)]:
+        for e, status in [(1.0, 0), (1e-3, 0), (0.0, refused), (1e-17, refused), (-0.5, refused)]:
             loaded.params[0] = e
             # Unrolled, 1/e is hoisted, and prepare says what is wrong already.
-            assert loaded.prepare() == (2 if unroll and not e else 0)
+            assert loaded.prepare() == (failed(DERIVED) if unroll and not e else 0)
             result, outputs = loaded.call("acceleration", 0, [0.3, 0.2], [0.1, 0.4])
             assert result == status, (e, unroll)
             assert (outputs[0] == [9.875, 9.875]) == (status != 0)
-        assert loaded.call("acceleration", 0, [0.3, math.nan], [0, 0])[0] == 2
+        assert loaded.call("acceleration", 0, [0.3, math.nan], [0, 0])[0] == failed(MASS, 1)
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 8, 11])  # rows are taken by fours

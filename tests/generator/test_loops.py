@@ -7,6 +7,8 @@ import math
 import random
 
 import pytest
+from c_harness import MASS, PARAMETER, SIZE
+from c_harness import failed as failure
 from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
@@ -221,15 +223,15 @@ def test_angles_beyond_the_inline_sine_are_as_good(tmp_path):
 
 def test_sizes_too_small_and_parameters_out_of_bounds_are_refused(tmp_path):
     at = Looped(MODELS["paired"][0], tmp_path).at(5)
-    parameters = len(at.of.equations.parameters)
+    member = [p.name for p in at.of.equations.parameters].index("m")
     at.params.m[3] = -1.0
-    assert at.prepare() == 1
+    assert at.prepare() == failure(PARAMETER, member)
     at.params.m[3] = float("nan")
-    assert at.prepare() == 1
+    assert at.prepare() == failure(PARAMETER, member)
     at.params.m[3] = 0.7
     assert at.prepare() == 0
     at.params.N = 0
-    assert at.prepare() == parameters + 2
+    assert at.prepare() == failure(SIZE)
     assert at.of.function("block_size", ctypes.c_size_t)(ctypes.byref(at.params)) == 0
 
 
@@ -238,10 +240,10 @@ def test_a_mass_that_is_not_positive_is_reported_with_its_coordinate(tmp_path):
     at.params.w = -40.0  # 1 + w i/N
     assert at.prepare() == 0
     status, _ = at.call("acceleration", 0.0, [0.1] * 80, [0.0] * 80, (), (80,), ctypes.c_int)
-    assert status == 2 + 0  # i = 2: 1 - 40*2/80 = 0
+    assert status == failure(MASS, 1)  # i = 2: 1 - 40*2/80 = 0
     banded = Looped(MODELS["beam"][0], tmp_path / "b").at(6)
     banded.params.r = -3.0
-    assert banded.prepare() == 1  # out of its bounds
+    assert banded.prepare() == failure(PARAMETER, 0)  # out of its bounds
 
 
 DRAGGED = """model dragged

@@ -190,7 +190,7 @@ def test_strict_c_that_agrees_with_itself(text: str, tmp_path: Path) -> None:
     include = Path(__file__).parents[2] / "runtime" / "include"
     run("gcc", *STRICT, "-DPK_RUNTIME", f"-I{include}", "-fsyntax-only", sources[0], cwd=tmp_path)
     header = files[f"{name}.h"]
-    n, states = (re.search(rf"{name}_{what} = (\d+)", header)[1] for what in ("N", "STATES"))
+    n, states = (re.search(rf"{name}_{what} = (\d+)", header)[1] for what in ("N", "FIRST_ORDER"))
     assert f".n_first_order = {states}," in files[f"{name}.c"]
     first = int(n) - int(states)
     declared = re.search(r"^state (\w+)", text, re.M)[1]

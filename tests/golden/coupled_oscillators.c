@@ -25,11 +25,11 @@ int coupled_oscillators_prepare(struct coupled_oscillators_params *p)
 
     /* The comparisons are written so that a NaN fails. */
     if (!(p->m > 0 && p->m < PK_INFINITY))
-        return 1;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     if (!(p->k >= 0 && p->k < PK_INFINITY))
-        return 2;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 1);
     if (!(p->kc >= 0 && p->kc < PK_INFINITY))
-        return 3;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 2);
 
     p->c_[0] = PK_C(0.5) * p->m;
     p->c_[1] = PK_C(0.5) * p->k;
@@ -44,7 +44,7 @@ int coupled_oscillators_prepare(struct coupled_oscillators_params *p)
     /* x - x is 0 unless x is infinite or not a number. */
     for (k = 0; k < 8; k++)
         if (!(p->c_[k] - p->c_[k] == 0))
-            return coupled_oscillators_PARAMETERS + 1;
+            return PK_FAILED(PK_FAILURE_DERIVED, 0);
     return 0;
 }
 
@@ -90,7 +90,7 @@ static pk_bits coupled_oscillators_acceleration_pass(enum pk_pass pass,
     if (pass != PK_IN_LANE)
         bad |= (pk_bits)!(p->m > 0);
     if (pass >= PK_ONCE && bad)
-        return 1;
+        return PK_FAILED(PK_FAILURE_MASS, 0);
 
     const pk_real t1 = p->c_[5] * q2;
     a[0] = t1 - p->c_[6] * q1;

@@ -244,15 +244,15 @@ int double_pendulum_prepare(struct double_pendulum_params *p)
 
     /* The comparisons are written so that a NaN fails. */
     if (!(p->m1 > 0 && p->m1 < PK_INFINITY))
-        return 1;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     if (!(p->m2 > 0 && p->m2 < PK_INFINITY))
-        return 2;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 1);
     if (!(p->l1 > 0 && p->l1 < PK_INFINITY))
-        return 3;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 2);
     if (!(p->l2 > 0 && p->l2 < PK_INFINITY))
-        return 4;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 3);
     if (!(p->g > -PK_INFINITY && p->g < PK_INFINITY))
-        return 5;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 4);
 
     const pk_real t1 = p->m2 * p->g;
     p->c_[0] = p->l2 * t1;
@@ -275,7 +275,7 @@ int double_pendulum_prepare(struct double_pendulum_params *p)
     /* x - x is 0 unless x is infinite or not a number. */
     for (k = 0; k < 13; k++)
         if (!(p->c_[k] - p->c_[k] == 0))
-            return double_pendulum_PARAMETERS + 1;
+            return PK_FAILED(PK_FAILURE_DERIVED, 0);
     return 0;
 }
 
@@ -354,14 +354,14 @@ static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
     if (pass != PK_IN_LANE)
         bad |= (pk_bits)!(p->c_[2] > 0);
     if (pass >= PK_ONCE && bad)
-        return 1;
+        return PK_FAILED(PK_FAILURE_MASS, 0);
 
     const pk_real t1 = sin_theta1 * sin_theta2 + cos_theta1 * cos_theta2;
     const pk_real D_1 = p->c_[3] - p->c_[8] * t1 * t1;
 
     bad |= (pk_bits)!(D_1 > PK_PIVOT_MIN * p->c_[3]);
     if (pass >= PK_ONCE && bad)
-        return 2;
+        return PK_FAILED(PK_FAILURE_MASS, 1);
 
     const pk_real t2 = sin_theta1 * cos_theta2 - cos_theta1 * sin_theta2;
     const pk_real f_0 = p->c_[4] * sin_theta1 + p->c_[6] * theta2_dot * theta2_dot * t2;

@@ -78,15 +78,15 @@ int fput_prepare(struct fput_params *p)
     size_t k;
 
     if (!fput_fits(p))
-        return fput_PARAMETERS + 2;
+        return PK_FAILED(PK_FAILURE_SIZE, 0);
     /* The comparisons are written so that a NaN fails. */
     if (!(p->alpha > -PK_INFINITY && p->alpha < PK_INFINITY))
-        return 1;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     p->c_[0] = (PK_C(1.0) / PK_C(3.0)) * p->alpha;
     /* x - x is 0 unless x is infinite or not a number. */
     for (k = 0; k < 1; k++)
         if (!(p->c_[k] - p->c_[k] == 0))
-            return fput_PARAMETERS + 1;
+            return PK_FAILED(PK_FAILURE_DERIVED, 0);
     p->failed_ = 0;
     return 0;
 }
@@ -586,7 +586,7 @@ static int fput_pivot(const struct fput_params *p, pk_real t, const pk_real *q, 
             pk_real r[1];
             fput_mass_q_part(p, t, q, v, u, m, r);
             if (!(r[0] > 0))
-                return (int)(m - 1) + 1;
+                return PK_FAILED(PK_FAILURE_MASS, m - 1);
         }
     }
     return 0;

@@ -115,6 +115,20 @@ typedef double pk_real;
 #define PK_INFINITY HUGE_VAL
 #endif
 
+/* What a kernel that can fail returns: 0, or which failure it is and the number of what failed. Of
+ * such a value, say PK_FAILED(PK_FAILURE_MASS, i), PK_FAILURE() and PK_FAILURE_AT() are the
+ * parts. */
+enum pk_failure {
+    PK_FAILURE_MASS = 1,   /* pivot i of M = L D L^T is not positive: M is singular or indefinite */
+    PK_FAILURE_CONSTRAINT, /* row k of the constraints depends on those before it */
+    PK_FAILURE_PARAMETER,  /* parameter k is outside its bounds, or not finite */
+    PK_FAILURE_DERIVED,    /* what follows from the parameters is not finite (1/m at m = 0) */
+    PK_FAILURE_SIZE        /* a size is too small */
+};
+#define PK_FAILED(failure, number) ((int)(failure) + 8 * (int)(number))
+#define PK_FAILURE(value) ((enum pk_failure)((value) % 8))
+#define PK_FAILURE_AT(value) ((value) / 8)
+
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
 
 /* Unsigned, as wide as pk_real where that can be: flags of a lane beside its numbers. */
@@ -219,8 +233,9 @@ void fput_start(const struct fput_params *p, pk_real *q, pk_real *v);
  * not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/* a = q'' with M a = f. Returns 0, or 1 + i where the pivot of coordinate i of M = L D L^T is not
- * positive: M is singular or indefinite there, or something is not a number. */
+/* a = q'' with M a = f. Returns 0, or PK_FAILED(PK_FAILURE_MASS, i) where the pivot of coordinate i
+ * of M = L D L^T is not positive: M is singular or indefinite there, or something is not a
+ * number. */
 int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *a);
 

@@ -244,15 +244,15 @@ int heavy_top_prepare(struct heavy_top_params *p)
 
     /* The comparisons are written so that a NaN fails. */
     if (!(p->I1 > 0 && p->I1 < PK_INFINITY))
-        return 1;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     if (!(p->I3 > 0 && p->I3 < PK_INFINITY))
-        return 2;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 1);
     if (!(p->M > 0 && p->M < PK_INFINITY))
-        return 3;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 2);
     if (!(p->l > 0 && p->l < PK_INFINITY))
-        return 4;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 3);
     if (!(p->g > -PK_INFINITY && p->g < PK_INFINITY))
-        return 5;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 4);
 
     p->c_[0] = PK_C(0.5) * p->I1;
     p->c_[1] = PK_C(0.5) * p->I3;
@@ -271,7 +271,7 @@ int heavy_top_prepare(struct heavy_top_params *p)
     /* x - x is 0 unless x is infinite or not a number. */
     for (k = 0; k < 12; k++)
         if (!(p->c_[k] - p->c_[k] == 0))
-            return heavy_top_PARAMETERS + 1;
+            return PK_FAILED(PK_FAILURE_DERIVED, 0);
     return 0;
 }
 
@@ -347,15 +347,15 @@ static pk_bits heavy_top_acceleration_pass(enum pk_pass pass, const struct heavy
 
     bad |= (pk_bits)!(D_0 > PK_PIVOT_MIN * M_0_0);
     if (pass >= PK_ONCE && bad)
-        return 1;
+        return PK_FAILED(PK_FAILURE_MASS, 0);
     if (pass != PK_IN_LANE)
         bad |= (pk_bits)!(p->I1 > 0);
     if (pass >= PK_ONCE && bad)
-        return 2;
+        return PK_FAILED(PK_FAILURE_MASS, 1);
     if (pass != PK_IN_LANE)
         bad |= (pk_bits)!(p->I3 > 0);
     if (pass >= PK_ONCE && bad)
-        return 3;
+        return PK_FAILED(PK_FAILURE_MASS, 2);
 
     const pk_real inv_sin_theta = 1 / sin_theta;
     const pk_real t1 = phi_dot * cos_theta;

@@ -36,11 +36,11 @@ int thrown_stone_prepare(struct thrown_stone_params *p)
 
     /* The comparisons are written so that a NaN fails. */
     if (!(p->m > 0 && p->m < PK_INFINITY))
-        return 1;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     if (!(p->k >= 0 && p->k < PK_INFINITY))
-        return 2;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 1);
     if (!(p->g > -PK_INFINITY && p->g < PK_INFINITY))
-        return 3;
+        return PK_FAILED(PK_FAILURE_PARAMETER, 2);
 
     p->c_[0] = PK_C(0.5) * p->m;
     p->c_[1] = p->m * p->g;
@@ -49,7 +49,7 @@ int thrown_stone_prepare(struct thrown_stone_params *p)
     /* x - x is 0 unless x is infinite or not a number. */
     for (k = 0; k < 3; k++)
         if (!(p->c_[k] - p->c_[k] == 0))
-            return thrown_stone_PARAMETERS + 1;
+            return PK_FAILED(PK_FAILURE_DERIVED, 0);
     return 0;
 }
 
@@ -89,7 +89,7 @@ static pk_bits thrown_stone_acceleration_pass(enum pk_pass pass,
     if (pass != PK_IN_LANE)
         bad |= (pk_bits)!(p->m > 0);
     if (pass >= PK_ONCE && bad)
-        return 1;
+        return PK_FAILED(PK_FAILURE_MASS, 0);
 
     a[0] = -p->g - p->c_[2] * y_dot * thrown_stone_side_abs(p->side_[0], y_dot);
     return bad;

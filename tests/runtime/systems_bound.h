@@ -81,7 +81,7 @@ static inline int bound_solve(const struct bound *b, ARGS, pk_real *a, pk_real *
             if (PK_F(fabs)(K[i][k]) > PK_F(fabs)(K[best][k]))
                 best = i;
         if (!(PK_F(fabs)(K[best][k]) > PK_C(1e-14)))
-            return (int)(1 + (c ? n : k)); /* as a row of the constraints */
+            return c ? PK_FAILED(PK_FAILURE_CONSTRAINT, 0) : PK_FAILED(PK_FAILURE_MASS, k);
         for (size_t j = 0; j <= all; j++) {
             const pk_real swap = K[k][j];
             K[k][j] = K[best][j], K[best][j] = swap;
@@ -175,7 +175,7 @@ static inline void bound_derive(void *params, const unsigned char *given)
 {
     (void)params, (void)given;
 }
-static inline int bound_prepare(void *params) { return G(params) > 0 ? 0 : 1; }
+static inline int bound_prepare(void *params) { return G(params) > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 0); }
 static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
 {
     (void)params;

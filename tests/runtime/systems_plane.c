@@ -27,7 +27,7 @@ static int double_pendulum_acceleration(ARGS, pk_real *a)
     pk_real f[2];
     double_pendulum_force(params, t, q, v, u, f);
     if (!(det > 0))
-        return 2;
+        return PK_FAILED(PK_FAILURE_MASS, 1);
     a[0] = (f[0] - c * f[1]) / det;
     a[1] = (2 * f[1] - c * f[0]) / det;
     return 0;

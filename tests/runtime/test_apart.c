@@ -88,7 +88,7 @@ static int no_prepare(void *params)
     (void)params;
     return 0;
 }
-static int fast_prepare(void *params) { return ((struct fast_params *)params)->fast > 0 ? 0 : 2; }
+static int fast_prepare(void *params) { return ((struct fast_params *)params)->fast > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 1); }
 
 #define SYSTEM(NAME, N, FIRST, PREPARE, DERIVE, ...)                                               \
     static const struct pk_system NAME##_system = {.abi = PK_ABI,                                  \

@@ -74,7 +74,7 @@ static int forceless(const void *params, double t, const double *q, const double
 {
     (void)params, (void)t, (void)v, (void)u;
     a[0] = a[1] = 0;
-    return q[0] * q[0] + q[1] * q[1] > 1e-20 ? 0 : 3; /* 1 + n + the row */
+    return q[0] * q[0] + q[1] * q[1] > 1e-20 ? 0 : PK_FAILED(PK_FAILURE_CONSTRAINT, 0);
 }
 
 /* What bad constraints, and starts off good ones, are told. */

@@ -44,6 +44,11 @@ static void spoil(enum kernel which, pk_real *out, size_t count)
 #define CALLED const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define WITH p, t, q, v, u
 
+/* Of pivot k of M, or of the constraints behind its n. */
+static int some_failure(size_t k, size_t n)
+{
+    return k < n ? PK_FAILED(PK_FAILURE_MASS, k) : PK_FAILED(PK_FAILURE_CONSTRAINT, k - n);
+}
 static int acceleration(CALLED, pk_real *a)
 {
     const size_t n = fault.of->n;
@@ -53,7 +58,7 @@ static int acceleration(CALLED, pk_real *a)
             spoil(ACCELERATION, a, n);
         return failed;
     }
-    return now(ACCELERATION) ? 1 + (int)(((size_t)fault.calls) % (n + fault.of->constraints.n))
+    return now(ACCELERATION) ? some_failure((size_t)fault.calls % (n + fault.of->constraints.n), n)
                              : failed;
 }
 static unsigned long long lanes(const void *p, const pk_real *t, const pk_real *q, const pk_real *v,
@@ -132,7 +137,7 @@ static void marking(CALLED, pk_real *out)
 static int prepare(void *p)
 {
     const int outside = fault.of->prepare(p);
-    return now(PREPARE) ? 1 + (int)fault.of->n_parameters : outside;
+    return now(PREPARE) ? PK_FAILED(PK_FAILURE_DERIVED, 0) : outside;
 }
 
 static struct pk_system faulty(void)

@@ -93,7 +93,9 @@ static int hoisting(void *params)
 {
     struct test_params *p = (struct test_params *)params;
     p->limit = 2 * p->g;
-    return p->g > 0 ? (p->g < 1e300 ? 0 : 3) : 1;
+    if (!(p->g > 0))
+        return PK_FAILED(PK_FAILURE_PARAMETER, 0);
+    return p->g < 1e300 ? 0 : PK_FAILED(PK_FAILURE_DERIVED, 0);
 }
 
 static void parameters(void)

@@ -14,6 +14,7 @@
 #ifndef PK_ELLIPTIC_H
 #define PK_ELLIPTIC_H
 
+#include <pk/begin.h>
 #include <pk/real.h>
 
 PK_BEGIN

@@ -13,8 +13,6 @@
 #include <math.h>
 #include <stdint.h>
 
-#include <pk/begin.h>
-
 #if defined PK_FLOAT
 typedef float pk_real;
 #define PK_C(x) x##F
@@ -41,6 +39,20 @@ typedef double pk_real;
 #define PK_EPSILON DBL_EPSILON
 #define PK_INFINITY HUGE_VAL
 #endif
+
+/* What a kernel that can fail returns: 0, or which failure it is and the number of what failed. Of
+ * such a value, say PK_FAILED(PK_FAILURE_MASS, i), PK_FAILURE() and PK_FAILURE_AT() are the
+ * parts. */
+enum pk_failure {
+    PK_FAILURE_MASS = 1,   /* pivot i of M = L D L^T is not positive: M is singular or indefinite */
+    PK_FAILURE_CONSTRAINT, /* row k of the constraints depends on those before it */
+    PK_FAILURE_PARAMETER,  /* parameter k is outside its bounds, or not finite */
+    PK_FAILURE_DERIVED,    /* what follows from the parameters is not finite (1/m at m = 0) */
+    PK_FAILURE_SIZE        /* a size is too small */
+};
+#define PK_FAILED(failure, number) ((int)(failure) + 8 * (int)(number))
+#define PK_FAILURE(value) ((enum pk_failure)((value) % 8))
+#define PK_FAILURE_AT(value) ((value) / 8)
 
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
 

@@ -12,6 +12,13 @@ size_t pk_params_reals(const struct pk_system *system)
     return (system->params_size + sizeof(pk_real) - 1) / sizeof(pk_real);
 }
 
+size_t pk_refused_parameter(const struct pk_system *system, int outside)
+{
+    if (PK_FAILURE(outside) == PK_FAILURE_PARAMETER)
+        return (size_t)PK_FAILURE_AT(outside);
+    return system->n_parameters + (PK_FAILURE(outside) == PK_FAILURE_SIZE);
+}
+
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
 {
     const struct pk_system *system = it->problem.system;
@@ -19,7 +26,7 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
         return PK_DONE;
     memcpy(scratch, it->problem.params, system->params_size);
     const int outside = system->prepare(scratch);
-    it->where = outside > 0 ? (size_t)outside - 1 : 0;
+    it->where = pk_refused_parameter(system, outside);
     if (outside)
         return PK_OUT_OF_BOUNDS;
     it->where = BAD_PARAMS;

@@ -72,12 +72,10 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
     /* A state that has run away makes M no number: that is the cause to name. */
     if (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
-    it->where = (size_t)failed - 1;
+    it->where = (size_t)PK_FAILURE_AT(failed);
     it->detail = t;
-    if (it->where >= it->n) { /* a row of the constraints */
-        it->where -= it->n;
+    if (PK_FAILURE(failed) == PK_FAILURE_CONSTRAINT)
         return pk_project_singular(it, q, v);
-    }
     it->own->condition = condition(it, t, q, v, it->where);
     return PK_SINGULAR_MASS;
 }

@@ -53,6 +53,9 @@ size_t pk_lay_out(pk_real *base, const struct pk_slot *slots, size_t count);
 /* Checks before the first step; scratch holds pk_params_reals() numbers. */
 size_t pk_params_reals(const struct pk_system *system);
 enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
+/* it->where of what prepare() refused: the parameter; n_parameters where it is none alone, and one
+ * more where it is a size. */
+size_t pk_refused_parameter(const struct pk_system *system, int outside);
 enum pk_status pk_check_options(struct pk_integrator *it);
 /* Facts that a method needs and the system lacks; and where it lacks no more than smoothness across
  * its switches, or rates jump there, whether their sides are not given. */

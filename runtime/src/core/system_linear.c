@@ -42,7 +42,8 @@ static enum pk_status linear(const struct pk_problem *problem, pk_real t, const 
     *failed = system->acceleration(params, t, q, v, u, a);
     if (!*failed) {
         system->mass(params, t, q, v, u, L);
-        *failed = (int)pk_ldl_factor(L, n);
+        const size_t pivot = pk_ldl_factor(L, n);
+        *failed = pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
     }
     if (*failed)
         return PK_SINGULAR_MASS;

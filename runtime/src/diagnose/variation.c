@@ -38,9 +38,9 @@ static int acceleration(ARGS, pk_real *a)
         return failed;
     system->linear(OF(w), a, r_q, r_v, r_t);
     system->mass(OF(w), M);
-    failed = (int)pk_ldl_factor(M, n);
-    if (failed)
-        return failed;
+    const size_t pivot = pk_ldl_factor(M, n);
+    if (pivot)
+        return PK_FAILED(PK_FAILURE_MASS, pivot - 1);
     for (size_t k = 1; k <= w->columns; k++) {
         pk_real *da = a + k * n;
         memset(da, 0, n * sizeof *da);

@@ -156,7 +156,7 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
     if (outside) { /* as the integrator would have found and said */
         part->it.problem = problem;
         part->it.method = choice->method;
-        part->it.where = (size_t)outside - 1;
+        part->it.where = pk_refused_parameter(system, outside);
         return a->status = part->it.status = PK_OUT_OF_BOUNDS;
     }
     if (system->n_inputs && a->whole.input) {

@@ -62,10 +62,10 @@ def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
         if positive or pivot in pivots[:i]:
             continue
         if pivot == diagonal:
-            checks.append(Target(CHECK, str(i + 1), (pivot,), "{0} > 0"))
+            checks.append(Target(CHECK, f"PK_FAILED(PK_FAILURE_MASS, {i})", (pivot,), "{0} > 0"))
         else:
             text = "{0} > PK_PIVOT_MIN * {1}"
-            checks.append(Target(CHECK, str(i + 1), (pivot, diagonal), text))
+            checks.append(Target(CHECK, f"PK_FAILED(PK_FAILURE_MASS, {i})", (pivot, diagonal), text))
     return checks
 
 
@@ -111,5 +111,5 @@ def row_checks(equations: Equations) -> list[Target]:
         nodes, text = (pivot, diagonal), "{0} > PK_PIVOT_MIN * {1}"
         if pivot == diagonal:
             nodes, text = (pivot,), "{0} > 0"
-        checks.append(Target(CHECK, str(n + k + 1), nodes, text))
+        checks.append(Target(CHECK, f"PK_FAILED(PK_FAILURE_CONSTRAINT, {k})", nodes, text))
     return checks
