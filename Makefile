@@ -82,17 +82,22 @@ golden: $(STAMP)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py
 	@git --no-pager diff --stat -- tests
 
-# ruff is not among Debian's packages: where pkgen was installed from those, lint needs a registry.
+# These are not among Debian's packages: where pkgen was installed from those, lint needs a registry.
 PYTHON_CODE := generator tests tools bench
+C_CODE = $(shell find runtime tests/runtime tests/fuzz -name '*.[ch]')
+CLANG_FORMAT = $(VENV)/bin/clang-format
 lint: $(STAMP) runtime
 	@$(PYTHON) -m ruff --version || { echo 'lint: no ruff here; pip install ruff'; exit 1; }
 	$(PYTHON) -m ruff check $(PYTHON_CODE)
 	$(PYTHON) -m ruff format --check $(PYTHON_CODE)
+	$(CLANG_FORMAT) --dry-run -Werror $(C_CODE)
+	$(PYTHON) -m mypy
 	@sh tools/check_licence.sh
 
 format: $(STAMP)
 	$(PYTHON) -m ruff format $(PYTHON_CODE)
 	$(PYTHON) -m ruff check --fix $(PYTHON_CODE)
+	$(CLANG_FORMAT) -i $(C_CODE)
 
 # Sanitizers: gcc's and clang's over the runtime, clang's over emitted C.
 asan: $(STAMP) asan-runtime msan-runtime

@@ -34,9 +34,8 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     if (!x || !s->turns || !s->primes)
         return 0;
     primes(s->primes, n + 1);
-    double **const vectors[] = {&s->q,   &s->v,    &s->kept, &s->box, &s->middle,
-                                &s->p,   &s->pdot, &s->F,    &s->pivot, &s->scale,
-                                &s->step};
+    double **const vectors[] = {&s->q,    &s->v, &s->kept,  &s->box,   &s->middle, &s->p,
+                                &s->pdot, &s->F, &s->pivot, &s->scale, &s->step};
     double **const matrices[] = {&s->M, &s->p_q, &s->F_q, &s->F_v, &s->J};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         *vectors[k] = x, x += n;
@@ -193,8 +192,8 @@ static void insert(struct search *s, struct pk_equilibria *found)
         }
     const double h = energy(s, s->q, s->v);
     size_t at = found->count;
-    while (at > 0 && h < energy(s, found->q + (at - 1) * n, found->v + (at - 1) * n) -
-                             1e-9 * fabs(h))
+    while (at > 0 &&
+           h < energy(s, found->q + (at - 1) * n, found->v + (at - 1) * n) - 1e-9 * fabs(h))
         at--;
     double *const lists[] = {found->q, found->v, found->doubt};
     const double *const one[] = {s->q, s->v, s->step};
@@ -243,7 +242,8 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     const struct pk_system *system = problem->system;
     found->count = found->failed = found->singular = 0;
     found->more = 0;
-    if (!(system->facts & PK_AUTONOMOUS) || !system->jacobian || !system->mass || system->n_first_order)
+    if (!(system->facts & PK_AUTONOMOUS) || !system->jacobian || !system->mass ||
+        system->n_first_order)
         return PK_REFUSED;
     struct search s;
     const size_t n = pk_system_count(system, problem->params);

@@ -24,10 +24,7 @@ static size_t padded(size_t count)
     return size;
 }
 
-size_t pk_gsl_spectrum_size(size_t count)
-{
-    return (padded(count) + count) * sizeof(double);
-}
+size_t pk_gsl_spectrum_size(size_t count) { return (padded(count) + count) * sizeof(double); }
 
 /* The frequency at which the transform is largest, between the grid's neighbours lo and hi. */
 static double strongest(const double *left, size_t count, double dt, double *work, double *lo,

@@ -10,9 +10,11 @@
 
 #include "../src/core/internal.h"
 
-enum { LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
-       ROUNDINGS = 4,    /* units in the last place by which a sample may be wrong */
-       FEW = 4 };        /* of harmonics there are as many at least, to tell how large they are */
+enum {
+    LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
+    ROUNDINGS = 4,  /* units in the last place by which a sample may be wrong */
+    FEW = 4
+}; /* of harmonics there are as many at least, to tell how large they are */
 
 static size_t largest_factor(size_t count)
 {
@@ -24,10 +26,7 @@ static size_t largest_factor(size_t count)
 }
 
 /* How many are the last ones. */
-static size_t last_of(size_t harmonics)
-{
-    return harmonics / 8 > FEW ? harmonics / 8 : FEW;
-}
+static size_t last_of(size_t harmonics) { return harmonics / 8 > FEW ? harmonics / 8 : FEW; }
 
 static double square(const double *c, size_t j)
 {

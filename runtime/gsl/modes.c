@@ -148,8 +148,8 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
     gsl_vector *square = gsl_vector_alloc(m);
     gsl_matrix *U = gsl_matrix_alloc(m, m);
     gsl_matrix_view K = gsl_matrix_view_array(x->K, m, m), M = gsl_matrix_view_array(x->M, m, m);
-    const int failed =
-        !w || !square || !U || gsl_eigen_gensymmv(&K.matrix, &M.matrix, square, U, w);
+    const int failed = !w || !square || !U ||
+                       gsl_eigen_gensymmv(&K.matrix, &M.matrix, square, U, w);
     double most = 0;
     for (size_t k = 0; k < m && !failed; k++)
         most = fmax(most, fabs(gsl_vector_get(square, k)));
@@ -161,8 +161,8 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
             scratch[m + i] = 0;
         }
         for (int sign = 1; sign >= (s > 0 && !zero ? 1 : -1); sign -= 2) {
-            add(x, s > 0 || zero ? 0 : sign * rate, s > 0 && !zero ? rate : 0, scratch,
-                scratch + m, modes + *count, shapes + 2 * x->n * *count);
+            add(x, s > 0 || zero ? 0 : sign * rate, s > 0 && !zero ? rate : 0, scratch, scratch + m,
+                modes + *count, shapes + 2 * x->n * *count);
             ++*count;
         }
     }
@@ -212,8 +212,7 @@ static int general_modes(const struct pencil *x, struct pk_mode *modes, double *
             scratch[i] = GSL_REAL(u);
             scratch[m + i] = GSL_IMAG(u);
         }
-        add(x, growth, frequency, scratch, scratch + m, modes + *count,
-            shapes + 2 * x->n * *count);
+        add(x, growth, frequency, scratch, scratch + m, modes + *count, shapes + 2 * x->n * *count);
         ++*count;
     }
     gsl_eigen_nonsymmv_free(w);

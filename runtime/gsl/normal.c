@@ -22,8 +22,8 @@ static double largest(const double *A, size_t count)
 }
 
 /* M, and K = -d(pdot)/dq made symmetric. PK_REFUSED where rates act besides, or K is no Hessian. */
-static enum pk_status pencil(const struct pk_problem *problem, size_t n, const double *q,
-                             double *M, double *K, double *work)
+static enum pk_status pencil(const struct pk_problem *problem, size_t n, const double *q, double *M,
+                             double *K, double *work)
 {
     const struct pk_system *system = problem->system;
     double *P = work, *G = P + n * n, *rest = G + n * n;

@@ -203,7 +203,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         h = left > 0 ? h : -h;
         it->own->flags = 0;
     }
-    if (!(it->own->flags & PK_HAVE_STEP)) /* a step that GSL has made was refused: its end is none */
+    if (!(it->own->flags &
+          PK_HAVE_STEP)) /* a step that GSL has made was refused: its end is none */
         fall_back(f, PK_DONE);
     it->own->flags = 0;
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
@@ -249,7 +250,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define GSL(type)                                                                       \
+#define GSL(type)                                                                           \
     .needs = PK_NEEDS_GSL, .table = &gsl_odeiv2_step_##type, .size = no_size, .init = init, \
     .step = step, .release = release
 PK_METHODS_GSL(PK_DEFINE_METHOD, GSL)

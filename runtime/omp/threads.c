@@ -51,7 +51,8 @@ enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threa
     for (size_t i = 0; i < chunks; i++) {
         const size_t first = i * CHUNK, left = e->members - first;
         (void)pk_ensemble_run(e, first, left < CHUNK ? left : CHUNK,
-                              (char *)block + pk_thread() * one, one); /* what it came to is in e->status */
+                              (char *)block + pk_thread() * one,
+                              one); /* what it came to is in e->status */
     }
     for (size_t i = 0; i < e->members; i++)
         if (e->status[i] != PK_DONE)

@@ -46,8 +46,10 @@ int write_npy(const struct program *p, const struct pk_run *run, const char *pat
     header = (char *)malloc(size + 1);
     rewind(head);
     int failed = !header || fread(header, 1, size, head) != size || length > UINT16_MAX;
+    /* clang-format off */
     const unsigned char begin[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0,
                                    (unsigned char)(length & 255), (unsigned char)(length >> 8)};
+    /* clang-format on */
     if (!failed) {
         fwrite(begin, 1, sizeof begin, file);
         fwrite(header, 1, size, file);
@@ -84,14 +86,18 @@ void write_description(const struct program *p, struct pk_run *run, FILE *file)
     fputs(count ? ", \"rows\": [" : "", file);
     for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < columns; k++)
-            fprintf(file, "%s%.17g%s", k ? ", " : i ? ", [" : "[", rows[i * columns + k],
-                    k + 1 < columns ? "" : "]");
+            fprintf(file, "%s%.17g%s",
+                    k   ? ", "
+                    : i ? ", ["
+                        : "[",
+                    rows[i * columns + k], k + 1 < columns ? "" : "]");
     fputs(count ? "]}\n" : "}\n", file);
 }
 
 void write_summary(struct pk_run *run, FILE *file)
 {
-    const char *report = pk_run_report(run), *keys[] = {"\"t\": ", "\"steps\": ", "\"evaluations\": "};
+    const char *report = pk_run_report(run),
+               *keys[] = {"\"t\": ", "\"steps\": ", "\"evaluations\": "};
     const char *const words[] = {"run: t = ", " after steps: ", ", evaluations: "};
     for (size_t k = 0; k < 3; k++) {
         const char *at = strstr(report, keys[k]);

@@ -51,7 +51,8 @@ int find_name(const char *name, size_t length, char kind, size_t *index, size_t 
               const char **unit)
 {
     const struct pk_system *s = program_model.system;
-    const size_t one = sizeof(struct pk_quantity), n = s->families.count ? s->families.n_coordinates : s->n;
+    const size_t one = sizeof(struct pk_quantity),
+                 n = s->families.count ? s->families.n_coordinates : s->n;
     const size_t rates = s->families.count ? 2 * s->families.n_coordinates : s->n;
     *member = 0;
     switch (kind) {
@@ -61,8 +62,8 @@ int find_name(const char *name, size_t length, char kind, size_t *index, size_t 
     case 'i':
         return among(s->inputs, s->n_inputs, one, name, length, index, unit);
     case 'q':
-        return among(s->coordinates, n - (s->families.count ? 0 : s->n_first_order), one, name, length, index,
-                     unit);
+        return among(s->coordinates, n - (s->families.count ? 0 : s->n_first_order), one, name,
+                     length, index, unit);
     case 'v':
         return among(s->rates, s->families.count ? n : rates, one, name, length, index, unit);
     case 'o':
@@ -70,11 +71,11 @@ int find_name(const char *name, size_t length, char kind, size_t *index, size_t 
     case 'z':
         return among(s->quadratures.names, s->quadratures.n, one, name, length, index, unit);
     case 's':
-        return s->families.n_sizes &&
-               among(&s->families.sizes->what, s->families.n_sizes, sizeof *s->families.sizes, name, length, index, unit);
+        return s->families.n_sizes && among(&s->families.sizes->what, s->families.n_sizes,
+                                            sizeof *s->families.sizes, name, length, index, unit);
     default:
-        return s->events.n &&
-               among(&s->events.table->what, s->events.n, sizeof *s->events.table, name, length, index, unit);
+        return s->events.n && among(&s->events.table->what, s->events.n, sizeof *s->events.table,
+                                    name, length, index, unit);
     }
 }
 
@@ -97,8 +98,8 @@ static struct pk_run_value *add(struct program *p, const struct pk_run_value **l
                                 const struct pk_run_value *fixed)
 {
     const int own = *list != fixed;
-    struct pk_run_value *more = (struct pk_run_value *)keep(
-        p, own ? (void *)(size_t)*list : NULL, (*count + 1) * sizeof *more);
+    struct pk_run_value *more = (struct pk_run_value *)keep(p, own ? (void *)(size_t)*list : NULL,
+                                                            (*count + 1) * sizeof *more);
     if (!own && *count)
         memcpy(more, fixed, *count * sizeof *more);
     *list = more;
@@ -119,8 +120,9 @@ static int assign(struct program *p, const char *option, const char *text, const
             continue;
         struct pk_run_value x = {index, member, 0};
         if (!read_number(equals + 1, unit, &x.value))
-            return usage(option, text, *unit ? "not a number in SI, nor with the unit that it has"
-                                             : "not a number");
+            return usage(option, text,
+                         *unit ? "not a number in SI, nor with the unit that it has"
+                               : "not a number");
         switch (*kinds) {
         case 'p':
             *add(p, &s->parameters, &s->n_parameters, f->parameters) = x;

@@ -15,7 +15,7 @@ struct program {
     struct pk_run_settings settings;
     const char *output; /* NULL: standard output */
     int json, units, shows;
-    void *lists[16];    /* memory of options.c */
+    void *lists[16]; /* memory of options.c */
     size_t n_lists;
 };
 

@@ -29,11 +29,11 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
 enum pk_run_code apart_choose(struct run *run)
 {
     struct settings *s = &run->settings;
-    const char *none = s->members              ? "ensembles"
-                       : run->settings.system->events.n  ? "events"
-                       : s->diagnose           ? "diagnostics"
-                       : s->land == 0          ? "dense rows"
-                                               : NULL;
+    const char *none = s->members                       ? "ensembles"
+                       : run->settings.system->events.n ? "events"
+                       : s->diagnose                    ? "diagnostics"
+                       : s->land == 0                   ? "dense rows"
+                                                        : NULL;
     s->has_every = s->every >= 0;
     if (!s->has_every)
         s->every = s->until / 1000;
@@ -47,7 +47,8 @@ enum pk_run_code apart_choose(struct run *run)
     }
     s->land = 1;
     run->count = run_intervals(s->until, s->every);
-    run->choices = (struct pk_choice *)memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
+    run->choices =
+        (struct pk_choice *)memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
     for (size_t k = 0; k < run->settings.n_parts; k++) {
         struct pk_choice *c = &run->choices[k];
         *c = choice_of(s, k);
@@ -96,15 +97,17 @@ enum pk_run_code apart_begin(struct run *run)
     struct settings *s = &run->settings;
     const size_t m = run->settings.system->quadratures.n;
     run->problem = run_problem(run);
-    const size_t size = pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
+    const size_t size =
+        pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
     const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = memory_take(&run->memory, size, 1);
     run->monitor_block = memory_take(&run->memory, monitor_size, 1);
     rows_begin(run);
     pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
     run->monitor.has_energy |= expect_uses_h(run);
-    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts, run->choices,
-                                          run->settings.n_parts, 0, s->q, s->v, run->block, size);
+    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
+                                          run->choices, run->settings.n_parts, 0, s->q, s->v,
+                                          run->block, size);
     if (status >= 0 && m) {
         settings_z(s, s->params, run->row);
         status = pk_apart_set_quadratures(&run->apart, run->row);

@@ -28,7 +28,8 @@ void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v
     struct diagnostics *d = run->diagnostics;
     if (d->n_rows == d->capacity) {
         d->capacity = d->capacity ? 2 * d->capacity : 1024;
-        d->rows = (pk_real *)memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
+        d->rows =
+            (pk_real *)memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
     }
     pk_real *row = d->rows + d->n_rows++ * width;
     row[0] = t;

@@ -71,16 +71,17 @@ void diagnose_action(struct run *run, struct diagnostics *d)
                  coordinates, s->n - coordinates,
                  coordinates ? ": name it alone, in a scene whose reductions leave that" : "");
     else if (kinked)
-        strcpy(reason, "the equations have a kink (abs, min, max, step) on its way, across which its "
-                       "sums do not hold");
+        strcpy(reason,
+               "the equations have a kink (abs, min, max, step) on its way, across which its "
+               "sums do not hold");
     else if (found.orbit == PK_ORBIT_SEVERAL)
         snprintf(reason, sizeof reason,
                  "%zu coordinates: it is of one degree of freedom; name it alone, in a scene whose "
-                 "reductions leave one", s->n);
+                 "reductions leave one",
+                 s->n);
     else
         snprintf(reason, sizeof reason, "%s", pk_orbit_text(found.orbit));
-    const enum pk_status status =
-        kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
+    const enum pk_status status = kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
     if (diagnose_member(d, "action", status, reason)) {
         fputs(", \"orbit\": ", d->file);
         report_text(d->file, pk_orbit_text(found.orbit));

@@ -48,7 +48,8 @@ enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
     if (why)
         return refuse(run, why);
     if (16.0 * (double)s->members * (double)(count + 1) * (double)n > BYTES)
-        return refuse(run, "so many rows of so many members take more than 2 GB: record less often");
+        return refuse(run,
+                      "so many rows of so many members take more than 2 GB: record less often");
     struct loop *l = (struct loop *)memory_take(&run->memory, 1, sizeof *l);
     l->members = s->members;
     l->rows = count + 1;
@@ -74,7 +75,8 @@ void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
     if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* a row at an event, or a stop */
         return;
     pk_real *p = l->work + 2 * l->whole * member;
-    run->settings.system->canonical(run->settings.params, t, q, v, run->settings.u, p, p + l->whole);
+    run->settings.system->canonical(run->settings.params, t, q, v, run->settings.u, p,
+                                    p + l->whole);
     for (size_t i = 0; i < l->n; i++) {
         area_series(l, row, i, 0)[member] = (double)q[i];
         area_series(l, row, i, 1)[member] = (double)p[i];

@@ -7,11 +7,11 @@
 /* q and p of all members at the rows that they have in common, as far as each has come. */
 struct loop {
     size_t members, rows, n; /* n: coordinates; states have no momenta */
-    double *x;       /* of each row: q of all members for each coordinate, then p */
-    double *t;       /* of the start and each row */
-    size_t *came;    /* how many rows each member has */
-    pk_real *work;   /* of each member, who may run beside others: p and pdot */
-    size_t whole;    /* of these: coordinates and states */
+    double *x;               /* of each row: q of all members for each coordinate, then p */
+    double *t;               /* of the start and each row */
+    size_t *came;            /* how many rows each member has */
+    pk_real *work;           /* of each member, who may run beside others: p and pdot */
+    size_t whole;            /* of these: coordinates and states */
 };
 
 /* Room for them at the start and `count` times; else the exit code. */

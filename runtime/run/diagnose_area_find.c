@@ -90,7 +90,8 @@ static int is_turn(struct run *run, size_t i, double turn)
     const struct loop *l = run->loop;
     const struct settings *s = &run->settings;
     const size_t n = l->whole;
-    const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit : NULL;
+    const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit
+                                                         : NULL;
     pk_real *q = (pk_real *)memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
     pk_real *p = v + n, *P = p + 2 * n; /* here and there, with their rates */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
@@ -143,8 +144,9 @@ static int no_loop(const struct run *run, const struct finding *f, const struct 
     const double all = fmax(size_at(f, 0), size_at(f, next));
     double worst = 0;
     if (!(all > 0)) {
-        snprintf(reason, size, "the starts are no loop: they enclose nothing, all of them in one "
-                               "place or with the same q or the same p, or less than a double holds");
+        snprintf(reason, size,
+                 "the starts are no loop: they enclose nothing, all of them in one "
+                 "place or with the same q or the same p, or less than a double holds");
         return 1;
     }
     for (size_t k = 0; k < 2 * l->n; k++) {
@@ -156,13 +158,14 @@ static int no_loop(const struct run *run, const struct finding *f, const struct 
             continue;
         char name[128];
         worst = tail;
-        pk_system_name(run->settings.system, run->settings.params, run->settings.system->coordinates, k / 2, name,
-                       sizeof name);
-        snprintf(reason, size,
-                 "the starts are no smooth closed loop with members equally far apart, or too few "
-                 "for it, or of too few digits: %.1e of %s%s is in its last harmonics; from the last "
-                 "member to the first it goes by %.3g, from the one before by %.3g",
-                 s->tail, k % 2 ? "the momentum of " : "", name, ends[k].closing, ends[k].before);
+        pk_system_name(run->settings.system, run->settings.params,
+                       run->settings.system->coordinates, k / 2, name, sizeof name);
+        snprintf(
+            reason, size,
+            "the starts are no smooth closed loop with members equally far apart, or too few "
+            "for it, or of too few digits: %.1e of %s%s is in its last harmonics; from the last "
+            "member to the first it goes by %.3g, from the one before by %.3g",
+            s->tail, k % 2 ? "the momentum of " : "", name, ends[k].closing, ends[k].before);
     }
     return worst > 0;
 }
@@ -173,9 +176,9 @@ static enum pk_status transform(struct run *run, struct finding *f)
     const struct loop *l = f->l;
     for (size_t row = 0; row < f->common; row++) {
         for (size_t i = 0; i < l->n; i++) {
-            const enum pk_status status = pk_gsl_loop_area(
-                area_series(l, row, i, 0), area_series(l, row, i, 1), l->members, f->winding[i],
-                f->parts + row * l->n + i);
+            const enum pk_status status =
+                pk_gsl_loop_area(area_series(l, row, i, 0), area_series(l, row, i, 1), l->members,
+                                 f->winding[i], f->parts + row * l->n + i);
             if (status == PK_NOT_FINITE && row > 0) { /* where the mass is singular, or too large */
                 f->common = row;
                 return PK_DONE;
@@ -212,11 +215,12 @@ static int parted(const struct run *run, const struct finding *f, const char *go
         if (l->came[k] <= f->common)
             missing++, first = k;
     if (missing)
-        snprintf(text, size,
-                 "%zu of %zu members, first member %ld, are not there at t = %.6g, for %s: the last "
-                 "row that all have is at t = %.6g",
-                 missing, l->members, ensemble_number(&run->settings, first), l->t[f->common], gone,
-                 l->t[f->common - 1]);
+        snprintf(
+            text, size,
+            "%zu of %zu members, first member %ld, are not there at t = %.6g, for %s: the last "
+            "row that all have is at t = %.6g",
+            missing, l->members, ensemble_number(&run->settings, first), l->t[f->common], gone,
+            l->t[f->common - 1]);
     else
         snprintf(text, size,
                  "q, p or the area is not finite at t = %.6g: the last row before is at t = %.6g",
@@ -300,8 +304,8 @@ enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *g
     for (size_t i = 0; i < l->n && status == PK_DONE; i++) {
         f.winding[i] = winding_of(run, i);
         for (int k = 0; k < 2; k++)
-            ends[2 * i + (size_t)k] = ends_of(area_series(l, 0, i, k), l->members,
-                                              k ? 0 : f.winding[i]);
+            ends[2 * i + (size_t)k] =
+                ends_of(area_series(l, 0, i, k), l->members, k ? 0 : f.winding[i]);
     }
     if (status == PK_DONE)
         status = transform(run, &f);

@@ -66,8 +66,8 @@ enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
     void *events_block = memory_take(&b->run->memory, events_size + 1, 1);
     struct pk_integrator it = {0};
     struct pk_events events = {0};
-    enum pk_status status = pk_integrator_init(&it, &b->problem, s->method, &s->options, 0, s->q,
-                                               s->v, block, it_size);
+    enum pk_status status =
+        pk_integrator_init(&it, &b->problem, s->method, &s->options, 0, s->q, s->v, block, it_size);
     if (status >= 0)
         status = pk_events_init(&events, &it, events_block, events_size);
     events.found = b->pericentre ? found : NULL;
@@ -100,7 +100,7 @@ int bodies_begin(struct bodies *b, struct run *run)
     b->problem = run->problem;
     b->problem.system = &b->system;
     b->m = (pk_real *)memory_take(&run->memory, 10 * b->n + run->settings.n + system->n_inputs,
-                                     sizeof *b->m);
+                                  sizeof *b->m);
     b->r = b->m + b->n;
     b->v = b->r + 3 * b->n;
     b->a = b->v + 3 * b->n;

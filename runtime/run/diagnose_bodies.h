@@ -4,7 +4,7 @@
 
 #include "diagnose_parts.h"
 
-#define BODIES_NONE                                                              \
+#define BODIES_NONE                                                                  \
     "the kinetic energy is not seen to be a sum of m/2 r'^2 over particles; named, " \
     "it says why"
 

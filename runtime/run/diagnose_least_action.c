@@ -13,11 +13,12 @@
 #include <pk/gsl.h>
 
 enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
-static const double SETTLED = 1e-12; /* of the action, from panels to twice as many */
+static const double SETTLED = 1e-12;  /* of the action, from panels to twice as many */
 static const double AMPLITUDE = 1e-3; /* of a neighbour, in the length in which B is 1 */
 
-static const char FORCES[] = "forces act besides those of L (dissipation or force): the motion is no "
-                             "extremum of an action";
+static const char FORCES[] =
+    "forces act besides those of L (dissipation or force): the motion is no "
+    "extremum of an action";
 
 struct stage {
     struct pk_least_action *found;
@@ -31,8 +32,8 @@ static void renew(struct stage *x, struct run *run, size_t panels, size_t modes)
     const size_t size = pk_least_action_size(&run->problem, s->method, panels, modes);
     x->block = memory_take(&run->memory, size ? size : 1, 1);
     pk_least_action_free(x->found);
-    x->status = pk_least_action_find(x->found, &run->problem, s->method, &s->options, 0, s->q,
-                                     s->v, run->it.t, panels, modes, x->block, size);
+    x->status = pk_least_action_find(x->found, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                                     run->it.t, panels, modes, x->block, size);
 }
 
 /* With panels, each at most half a wave of the shortest mode, until the action has settled. */
@@ -132,7 +133,8 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
         if (x.status >= 0)
             x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
         half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));
-        if (x.status >= 0 && (x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m)) < 0)
+        if (x.status >= 0 &&
+            (x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m)) < 0)
             strcpy(reason, pk_status_text(x.status));
         if (x.status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST) {
             modes *= 2; /* so few do not show all ways yet */
@@ -149,8 +151,9 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
 void diagnose_least_action(struct run *run, struct diagnostics *d)
 {
     (void)run;
-    diagnose_member(d, "least_action", PK_REFUSED, "its eigenvalues are made by GSL, without which "
-                                                   "this was built");
+    diagnose_member(d, "least_action", PK_REFUSED,
+                    "its eigenvalues are made by GSL, without which "
+                    "this was built");
 }
 
 #endif

@@ -143,10 +143,9 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
         diagnose_real(d, "error", error);
         diagnose_real(d, "megno", pk_lyapunov_megno(&l));
         diagnose_real(d, "time", l.it.t);
-        const int leaving = motion == PK_CHAOTIC &&
-                            (excursion_leaves(&excursion, s) || !can_be_chaotic(run->problem.system));
+        const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
+                                                     !can_be_chaotic(run->problem.system));
         fprintf(d->file, ", \"motion\": \"%s\"}", leaving ? "leaving" : motions[motion]);
     }
     pk_lyapunov_free(&l);
 }
-

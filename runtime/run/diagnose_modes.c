@@ -269,9 +269,10 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     m.turns = (unsigned char *)memory_take(&run->memory, n, 1);
     const enum fitness best = choose(&m);
     enum pk_status status = best < NOTHING && best != KINKED ? PK_DONE : PK_REFUSED;
-    reason = best == KINKED ? "where nothing pulls the equations have a kink (abs, min, max, step): "
-                              "there are no modes, for no motion is small beside it"
-                            : "no equilibrium was found about which it could oscillate";
+    reason = best == KINKED
+                 ? "where nothing pulls the equations have a kink (abs, min, max, step): "
+                   "there are no modes, for no motion is small beside it"
+                 : "no equilibrium was found about which it could oscillate";
     if (status == PK_DONE) {
         double *rest = m.work;
         memset(rest, 0, n * sizeof *rest);

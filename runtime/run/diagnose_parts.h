@@ -30,7 +30,8 @@ const char *diagnose_no_variation(const struct pk_system *system);
  * that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1. */
 int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to);
 /* Each writes its member. */
-#define DIAGNOSE_DECLARE(name, of, kernels) void diagnose_##name(struct run *run, struct diagnostics *d);
+#define DIAGNOSE_DECLARE(name, of, kernels) \
+    void diagnose_##name(struct run *run, struct diagnostics *d);
 DIAGNOSTICS(DIAGNOSE_DECLARE)
 
 #endif

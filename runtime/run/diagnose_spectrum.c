@@ -45,10 +45,7 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
 }
 
 /* Where the i-th quantity is in (q, v): the coordinates, then the states. */
-static size_t column(size_t i, size_t n, size_t seen)
-{
-    return i < seen ? i : n + i;
-}
+static size_t column(size_t i, size_t n, size_t seen) { return i < seen ? i : n + i; }
 
 /* Rows at equal times: all but a last one that is nearer. */
 void diagnose_spectrum(struct run *run, struct diagnostics *d)

@@ -48,8 +48,9 @@ void diagnose_symplectic(struct run *run, struct diagnostics *d)
         diagnose_real(d, "rounding", most.rounding);
         diagnose_real(d, "step", most.h);
         diagnose_real(d, "t", t);
-        fprintf(d->file, ", \"states\": %zu, \"failed\": %zu, \"symplectic\": %s, "
-                         "\"variational\": %s}",
+        fprintf(d->file,
+                ", \"states\": %zu, \"failed\": %zu, \"symplectic\": %s, "
+                "\"variational\": %s}",
                 made, states - made, most.defect <= most.rounding ? "true" : "false",
                 system->facts & PK_VARIATIONAL ? "true" : "false");
     }

@@ -20,8 +20,7 @@ int ensemble_fixed(const struct settings *s)
 {
     if (watched_by_one(s))
         return !(s->method->traits & PK_ADAPTIVE);
-    const struct pk_ensemble e = {
-        .system = s->system, .method = s->method, .options = s->options};
+    const struct pk_ensemble e = {.system = s->system, .method = s->method, .options = s->options};
     return pk_ensemble_fixed(&e);
 }
 
@@ -96,8 +95,7 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
             tally->first_failed = first + i;
             tally->status = e->status[i];
             tally->t = e->last_t[i];
-            pk_ensemble_reason(e, i, b->block, b->block_size, tally->reason,
-                               sizeof tally->reason);
+            pk_ensemble_reason(e, i, b->block, b->block_size, tally->reason, sizeof tally->reason);
         }
     }
 }
@@ -151,8 +149,9 @@ static const char *ended(const struct settings *s, const struct tally *tally)
     int stops = 0;
     for (size_t k = 0; s->watch && k < s->system->events.n; k++)
         stops |= s->system->events.table[k].stop;
-    return !stops ? "they failed" : tally->failed ? "they failed or an event stopped them"
-                                                  : "an event stopped them";
+    return !stops          ? "they failed"
+           : tally->failed ? "they failed or an event stopped them"
+                           : "an event stopped them";
 }
 
 /* What there is to say at the end, and the code. */

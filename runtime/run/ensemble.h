@@ -14,7 +14,7 @@ struct tally {
     size_t astray, first_astray; /* whose energy at the end is wrong */
     enum pk_status status;       /* of the first that failed, */
     pk_real t;
-    char reason[512];            /* in words */
+    char reason[512];         /* in words */
     unsigned long *crossings; /* of events and switches, in all, */
     unsigned long *never;     /* and how many members had none, */
     unsigned long *doubts;    /* or may have missed some */

@@ -44,7 +44,7 @@ static int differences(const struct pk_problem *problem, pk_real t, const pk_rea
 }
 
 static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
-                 const pk_real *u, pk_real *a_q, pk_real *a_v, pk_real *work)
+                    const pk_real *u, pk_real *a_q, pk_real *a_v, pk_real *work)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
     const enum pk_status status =
@@ -57,8 +57,8 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
 static const struct {
     const char *name;
     enum what { ACCELERATION, FORCE, MASS, MOMENTA, ENERGY, OUTPUTS, JACOBIAN } what;
-} kinds[] = {{"acceleration", ACCELERATION}, {"force", FORCE},     {"mass", MASS},
-             {"momenta", MOMENTA},           {"energy", ENERGY},   {"outputs", OUTPUTS},
+} kinds[] = {{"acceleration", ACCELERATION}, {"force", FORCE},   {"mass", MASS},
+             {"momenta", MOMENTA},           {"energy", ENERGY}, {"outputs", OUTPUTS},
              {"jacobian", JACOBIAN}};
 
 static size_t width(const struct settings *s, enum what what)
@@ -161,9 +161,8 @@ size_t pk_run_width(const struct pk_run *of, const char *what)
 /* NULL without memory. */
 static pk_real *work_of(struct run *run, size_t count)
 {
-    return setjmp(run->memory.none)
-               ? NULL
-               : (pk_real *)memory_take(&run->memory, count, sizeof(pk_real));
+    return setjmp(run->memory.none) ? NULL
+                                    : (pk_real *)memory_take(&run->memory, count, sizeof(pk_real));
 }
 
 size_t pk_run_evaluate(struct pk_run *of, const char *what, size_t count, const double *t,

@@ -44,8 +44,8 @@ pk_real expect_limit(const struct run *run, pk_real t, pk_real limit)
     pk_real next = limit;
     for (size_t i = 0; i < run->settings.n_expected; i++) {
         const struct expected *x = &run->settings.expected[i];
-        if (x->of.when == 't' && (pk_real)x->of.at < next && (pk_real)x->of.at > t && !is_at(run, t, (pk_real)x->of.at) &&
-            !is_at(run, limit, (pk_real)x->of.at))
+        if (x->of.when == 't' && (pk_real)x->of.at < next && (pk_real)x->of.at > t &&
+            !is_at(run, t, (pk_real)x->of.at) && !is_at(run, limit, (pk_real)x->of.at))
             next = (pk_real)x->of.at;
     }
     return next;
@@ -69,8 +69,7 @@ static void compare_all(struct run *run, char when, size_t event, pk_real t, con
     }
 }
 
-void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
-                   const pk_real *z)
+void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z)
 {
     compare_all(run, 't', 0, t, q, v, z);
 }
@@ -156,8 +155,8 @@ void expect_merge(struct settings *all, const struct settings *one)
 void expect_begin(struct run *run)
 {
     if (run->settings.n_expected || run->settings.n_drifting)
-        run->expected = (pk_real *)memory_take(
-            &run->memory, run->settings.system->n_observed + 1, sizeof *run->expected);
+        run->expected = (pk_real *)memory_take(&run->memory, run->settings.system->n_observed + 1,
+                                               sizeof *run->expected);
 }
 
 static void named_real(FILE *file, const char *key, pk_real x)

@@ -38,10 +38,7 @@ void run_sample(struct run *run)
     expect_landed(run, it->t, it->q, it->v, it->z);
 }
 
-static int is_fixed(const struct run *run)
-{
-    return !(run->settings.method->traits & PK_ADAPTIVE);
-}
+static int is_fixed(const struct run *run) { return !(run->settings.method->traits & PK_ADAPTIVE); }
 
 /* The motion at t within the last step: q, v and quadratures there, or none where that fails. */
 struct inside {

@@ -55,8 +55,10 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, con
         const struct pk_run_column c = s->columns[k];
         pk_real *z = b->z0 ? b->z0 + i * b->system->quadratures.n : NULL;
         if (c.kind != 'p')
-            (c.kind == 'i' ? u : c.kind == 'q' ? q : c.kind == 'z' ? z : v)[c.index] =
-                (pk_real)row[k];
+            (c.kind == 'i'   ? u
+             : c.kind == 'q' ? q
+             : c.kind == 'z' ? z
+                             : v)[c.index] = (pk_real)row[k];
     }
     return PK_RUN_DONE;
 }
@@ -114,7 +116,8 @@ void members_allocate(struct batch *b, struct run *run, size_t rows)
     e->q = (pk_real *)memory_take(m, b->size * rows * b->n, sizeof *e->q);
     e->v = (pk_real *)memory_take(m, b->size * rows * b->n, sizeof *e->v);
     if (b->system->quadratures.n) {
-        e->z0 = b->z0 = (pk_real *)memory_take(m, b->size * b->system->quadratures.n, sizeof *b->z0);
+        e->z0 = b->z0 =
+            (pk_real *)memory_take(m, b->size * b->system->quadratures.n, sizeof *b->z0);
         e->z = (pk_real *)memory_take(m, b->size * rows * b->system->quadratures.n, sizeof *e->z);
     }
     e->done = (size_t *)memory_take(m, b->size, sizeof *e->done);

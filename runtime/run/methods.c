@@ -58,9 +58,9 @@ const char *pk_run_methods(void)
     FILE *file = text ? NULL : open_memstream(&text, &size);
     if (!file)
         return text;
-    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
-                                         "dense",      "jacobians", "linear",   "no_inputs",
-                                         "quadrature", "exact",  "holonomic", "group"};
+    static const char *const traits[] = {"symplectic", "symmetric", "adaptive",  "implicit",
+                                         "dense",      "jacobians", "linear",    "no_inputs",
+                                         "quadrature", "exact",     "holonomic", "group"};
     static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
                                         "separable",     "autonomous",    "conservative",
                                         "variational",   "smooth",        "affine"};

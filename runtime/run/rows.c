@@ -56,7 +56,8 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
     if (i - before >= s->n_show)
         return 0;
     const struct pk_run_column *show = &s->show[i - before];
-    const struct pk_quantity *const places = show->kind == 'v' ? system->rates : system->coordinates;
+    const struct pk_quantity *const places = show->kind == 'v' ? system->rates
+                                                               : system->coordinates;
     const struct pk_quantity *what = show->kind == 'o'   ? &system->observed[show->index]
                                      : show->kind == 'z' ? &system->quadratures.names[show->index]
                                                          : NULL;
@@ -161,7 +162,8 @@ static void keep(struct run *run)
     for (size_t i = 0; i < width - first; i++) {
         run->kept[at + first + i] = (double)run->cells[i];
         if (run->kept_low)
-            run->kept_low[at + first + i] = (double)(run->cells[i] - (pk_real)(double)run->cells[i]);
+            run->kept_low[at + first + i] =
+                (double)(run->cells[i] - (pk_real)(double)run->cells[i]);
     }
 }
 

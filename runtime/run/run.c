@@ -18,8 +18,8 @@
 #include "trust.h"
 #include "watch.h"
 
-#define SELDOM 16u      /* steps from one look at the clock to the next */
-#define BETWEEN 0.1     /* seconds from one question to the next */
+#define SELDOM 16u       /* steps from one look at the clock to the next */
+#define BETWEEN 0.1      /* seconds from one question to the next */
 #define LAP_SECONDS 1e-3 /* so many runs that the clock's own cost is nothing */
 
 static double seconds_of(clockid_t clock)
@@ -140,10 +140,7 @@ enum pk_run_code run_begin(struct run *run)
     return code ? code : watch_begin(run);
 }
 
-void run_steps(struct run *run)
-{
-    (run->settings.n_parts ? apart_integrate : run_integrate)(run);
-}
+void run_steps(struct run *run) { (run->settings.n_parts ? apart_integrate : run_integrate)(run); }
 
 void run_end(struct run *run)
 {
@@ -233,7 +230,8 @@ static enum pk_run_code one(struct run *run)
 }
 
 /* Settings and where rows go; 0: there is no memory. */
-static int take(struct run *run, const struct pk_run_model *model, const struct pk_run_settings *given)
+static int take(struct run *run, const struct pk_run_model *model,
+                const struct pk_run_settings *given)
 {
     if (setjmp(run->memory.none))
         return 0;

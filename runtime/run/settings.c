@@ -63,7 +63,8 @@ static int sizes(struct settings *s, const struct pk_run_settings *given)
         memcpy((char *)s->params + system->families.sizes[x.index].offset, &length, sizeof length);
     }
     if (system->families.attach)
-        system->families.attach(s->params, memory_take(s->memory, system->families.block_size(s->params), 1));
+        system->families.attach(s->params,
+                                memory_take(s->memory, system->families.block_size(s->params), 1));
     s->n = pk_system_count(system, s->params);
     s->q = (pk_real *)memory_take(s->memory, 2 * s->n + system->quadratures.n, sizeof *s->q);
     s->v = s->q + s->n;
@@ -124,7 +125,8 @@ static int parameters(struct settings *s, const struct pk_run_settings *given)
     return 1;
 }
 
-static int starts(struct settings *s, const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n)
+static int starts(struct settings *s, const struct pk_run_value *x, size_t n_x, pk_real *to,
+                  size_t n)
 {
     for (size_t k = 0; k < n_x; k++) {
         if (x[k].index >= n || !(x[k].value - x[k].value == 0))
@@ -240,8 +242,8 @@ static int members(struct settings *s, const struct pk_run_settings *given)
     for (size_t i = 0; i < s->n_columns; i++)
         if (!strchr("piqvz", s->columns[i].kind) || !is_column(s, s->columns[i]))
             return 0;
-    s->values = (const double *)copy(s, given->member_values, s->members * s->n_columns,
-                                     sizeof *s->values);
+    s->values =
+        (const double *)copy(s, given->member_values, s->members * s->n_columns, sizeof *s->values);
     return 1;
 }
 
@@ -254,8 +256,8 @@ static int methods(struct settings *s, const struct pk_run_model *model,
     if (given->n_parts && given->n_parts != s->n_parts)
         return 0;
     if (given->n_parts)
-        s->part_given = (const struct pk_run_part *)copy(s, given->parts, s->n_parts,
-                                                         sizeof *given->parts);
+        s->part_given =
+            (const struct pk_run_part *)copy(s, given->parts, s->n_parts, sizeof *given->parts);
     for (size_t k = 0; s->part_given && k < s->n_parts; k++)
         if (s->part_given[k].method && !run_method_find(s->part_given[k].method))
             return 0;
@@ -301,8 +303,9 @@ enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model
     s->given = (unsigned char *)memory_take(s->memory, system->n_parameters, 1);
     s->u = (pk_real *)memory_take(s->memory, system->n_inputs, sizeof *s->u);
     if (!methods(s, model, given)) {
-        run_say(run, s->method ? "there is no such part, or no such method of one"
-                               : "there is no such method: %s",
+        run_say(run,
+                s->method ? "there is no such part, or no such method of one"
+                          : "there is no such method: %s",
                 given->method ? given->method : "");
         return PK_RUN_USAGE;
     }

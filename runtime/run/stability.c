@@ -97,18 +97,16 @@ struct pk_stability *pk_stability_new(const struct pk_run_model *model,
 static const struct {
     const char *what;
     int (*answer)(struct stability *s, const struct pk_stability_question *q);
-} answers[] = {{"start", stability_ready},
-               {"motion", stability_motion},
+} answers[] = {{"start", stability_ready},           {"motion", stability_motion},
 #ifdef PK_WITH_GSL
-               {"equilibria", stability_equilibria},
-               {"near", stability_near},
+               {"equilibria", stability_equilibria}, {"near", stability_near},
                {"leave", stability_leave},
 #endif
-               {"point", stability_point},
-               {"oscillator", stability_oscillator}};
+               {"point", stability_point},           {"oscillator", stability_oscillator}};
 
 /* 1 where there is an answer. */
-static int answer(struct stability *s, const char *what, const struct pk_stability_question *question)
+static int answer(struct stability *s, const char *what,
+                  const struct pk_stability_question *question)
 {
     if (s->run->code || setjmp(s->run->memory.none))
         return 0;

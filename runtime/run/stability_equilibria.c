@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-
 enum { MOST = 32 };
 static const double SAME = 1e-2; /* relative difference of lambda here and beside */
 
@@ -49,7 +48,7 @@ static void print_modes(const struct stability *s, const struct modes *modes)
     const size_t n = s->n;
     for (size_t m = 0; m < modes->count; m++) {
         fprintf(s->out, "%s{\"growth\": %.17g, \"frequency\": %.17g, ", m ? ", " : "",
-               modes->list[m].growth, modes->list[m].frequency);
+                modes->list[m].growth, modes->list[m].frequency);
         report_numbers(s->out, "re", modes->shapes + m * 2 * n, n);
         fputs(", ", s->out);
         report_numbers(s->out, "im", modes->shapes + m * 2 * n + n, n);
@@ -83,9 +82,11 @@ static void print(struct stability *s, const struct pk_equilibria *found, struct
 int stability_equilibria(struct stability *s, const struct pk_stability_question *x)
 {
     const size_t n = s->n;
-    double *const room = (double *)memory_take(&s->run->memory, 3 * MOST * n + 8 * n * n, sizeof *room);
+    double *const room =
+        (double *)memory_take(&s->run->memory, 3 * MOST * n + 8 * n * n, sizeof *room);
     double *const shapes = room + 3 * MOST * n;
-    struct pk_mode *const list = (struct pk_mode *)memory_take(&s->run->memory, 4 * n, sizeof *list);
+    struct pk_mode *const list =
+        (struct pk_mode *)memory_take(&s->run->memory, 4 * n, sizeof *list);
     struct modes modes = {list, shapes, 0}, beside = {list + 2 * n, shapes + 4 * n * n, 0};
     struct pk_equilibria found = {.most = MOST,
                                   .q = room,
@@ -97,7 +98,7 @@ int stability_equilibria(struct stability *s, const struct pk_stability_question
     for (size_t i = 0; i < n; i++)
         s->work[i] = found.turns[i];
     fprintf(s->out, "{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, ",
-           pk_status_name(status), found.failed, found.singular, found.more ? "true" : "false");
+            pk_status_name(status), found.failed, found.singular, found.more ? "true" : "false");
     report_numbers(s->out, "turns", s->work, n);
     fputs(", \"equilibria\": [", s->out);
     print(s, &found, &modes, &beside);

@@ -25,8 +25,8 @@ static void keep(struct stability *s, double t, const double *q, const double *v
 {
     if (s->n_records == s->room) {
         s->room = s->room ? 2 * s->room : 1024;
-        s->records = (struct record *)memory_grow(&s->run->memory, s->records, s->room,
-                                                  sizeof *s->records);
+        s->records =
+            (struct record *)memory_grow(&s->run->memory, s->records, s->room, sizeof *s->records);
     }
     struct record *r = &s->records[s->n_records++];
     r->t = t;
@@ -140,8 +140,8 @@ static int print(const struct stability *s, double scale)
 {
     const struct record *first = s->records, *last = first + s->n_records - 1;
     fprintf(s->out, "{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
-           s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
-           last->t);
+            s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
+            last->t);
     report_real(s->out, first->energy);
     fputs(", \"scale\": ", s->out);
     report_real(s->out, scale);

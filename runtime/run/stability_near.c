@@ -17,7 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 static const double TWO_PI = 6.283185307179586476925;
 static const double FAR = 1e3; /* growth that settles it */
 
@@ -172,20 +171,22 @@ int stability_near(struct stability *s, const struct pk_stability_question *x)
     struct pk_options options = s->settings->options;
     enum pk_status status;
     options.h = h;
-    struct pk_integrator *it =
-        stability_begin(s, method, &options, s->work, s->work + n, &status);
-    struct turning turning = {leading(s, from), steps / 2, 0, s->modes[from].frequency, 0, 0, {0, 0}};
+    struct pk_integrator *it = stability_begin(s, method, &options, s->work, s->work + n, &status);
+    struct turning turning = {
+        leading(s, from), steps / 2, 0, s->modes[from].frequency, 0, 0, {0, 0}};
     turning.angle = it ? phase(s, &turning, it) : 0;
     while (it && turning.steps < steps && grown < FAR) {
         status = pk_integrator_step(it, (double)(steps + 1) * h);
         if (status < 0)
             break;
-        grown = fmax(grown, (seeded ? part_of(s, other, weights, it->q, it->v)
-                                    : displacement(s, it->q)) / first);
+        grown = fmax(grown,
+                     (seeded ? part_of(s, other, weights, it->q, it->v) : displacement(s, it->q)) /
+                         first);
         turn(s, &turning, it);
     }
-    fprintf(s->out, "{\"near\": \"%s\", \"h\": %.17g, \"status\": \"%s\", \"steps\": %zu, \"growth\": ",
-           method->name, h, pk_status_name(status), turning.steps);
+    fprintf(s->out,
+            "{\"near\": \"%s\", \"h\": %.17g, \"status\": \"%s\", \"steps\": %zu, \"growth\": ",
+            method->name, h, pk_status_name(status), turning.steps);
     report_real(s->out, grown);
     fputs(", \"turn\": ", s->out);
     report_real(s->out, mean_turn(&turning));
@@ -208,7 +209,7 @@ int stability_leave(struct stability *s, const struct pk_stability_question *x)
     for (size_t k = 0; k < s->n_modes; k++)
         most = fmax(most, s->modes[k].growth);
     double until = log(FAR) / most; /* no longer: a faster one grows from round-off */
-    if (mode.frequency > 0) /* whole turns, so that phases do not count */
+    if (mode.frequency > 0)         /* whole turns, so that phases do not count */
         until = ceil(until * mode.frequency / TWO_PI) * TWO_PI / mode.frequency;
     struct pk_options options = s->settings->options;
     options.h = 0;
@@ -217,12 +218,13 @@ int stability_leave(struct stability *s, const struct pk_stability_question *x)
     start_near(s, from, to, amplitude);
     const double first = displacement(s, s->work);
     enum pk_status status;
-    struct pk_integrator *it = stability_begin(s, pk_method_find("dop853"), &options,
-                                               s->work, s->work + s->n, &status);
+    struct pk_integrator *it =
+        stability_begin(s, pk_method_find("dop853"), &options, s->work, s->work + s->n, &status);
     double rate = 0;
     if (it && (status = pk_integrator_to(it, until)) >= 0)
         rate = log(displacement(s, it->q) / first) / until;
-    fprintf(s->out, "{\"leave\": %zu, \"status\": \"%s\", \"rate\": ", from, pk_status_name(status));
+    fprintf(s->out, "{\"leave\": %zu, \"status\": \"%s\", \"rate\": ", from,
+            pk_status_name(status));
     report_real(s->out, rate);
     fputs("}\n", s->out);
     stability_end(s, it);

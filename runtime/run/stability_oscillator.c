@@ -29,8 +29,9 @@ int stability_oscillator(struct stability *s, const struct pk_stability_question
     if (!(y > 0))
         return stability_wrong(s, "a step is positive");
     const enum pk_status status = pk_method_spring(method, x->stiffness, x->damping, y, map);
-    fprintf(s->out, "{\"oscillator\": \"%s\", \"y\": %.17g, \"status\": \"%s\", \"growth\": ", method->name,
-           y, pk_status_name(status));
+    fprintf(s->out,
+            "{\"oscillator\": \"%s\", \"y\": %.17g, \"status\": \"%s\", \"growth\": ", method->name,
+            y, pk_status_name(status));
     report_real(s->out, pk_map_growth(map));
     fputs(", \"turn\": ", s->out);
     report_real(s->out, rotation(map));

@@ -63,8 +63,7 @@ static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsi
     int begun = 0;
     while (e->steps < steps) {
         double energy, vp, size;
-        const enum pk_status status =
-            pk_integrator_step(it, (double)(steps + 1) * it->options.h);
+        const enum pk_status status = pk_integrator_step(it, (double)(steps + 1) * it->options.h);
         if (status < 0)
             return status;
         stability_energies(s, it->t, it->q, it->v, &energy, &vp, &size);
@@ -89,9 +88,8 @@ static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsi
 static int has_left(const struct energies *e) { return e->away > (e->high - e->low) / 4; }
 
 /* PK_DONE with the class, or what ended the run. */
-static enum pk_status classify(struct stability *s, struct pk_integrator *it,
-                               unsigned long steps, struct energies *e, struct reference *motion,
-                               const char **class)
+static enum pk_status classify(struct stability *s, struct pk_integrator *it, unsigned long steps,
+                               struct energies *e, struct reference *motion, const char **class)
 {
     enum pk_status status = follow(s, it, steps, e, motion);
     if (status < 0)
@@ -131,13 +129,14 @@ int stability_point(struct stability *s, const struct pk_stability_question *x)
     struct reference motion = {.scale = 1};
     const char *class = "";
     enum pk_status status;
-    struct pk_integrator *it = stability_begin(s, method, &options, s->settings->q,
-                                               s->settings->v, &status);
+    struct pk_integrator *it =
+        stability_begin(s, method, &options, s->settings->q, s->settings->v, &status);
     if (it)
         status = classify(s, it, steps, &e, &motion, &class);
-    fprintf(s->out, "{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
-           "\"steps\": %lu, \"rise\": ",
-           method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
+    fprintf(s->out,
+            "{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
+            "\"steps\": %lu, \"rise\": ",
+            method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
     report_real(s->out, e.rise / motion.scale);
     fputs(", \"away\": ", s->out);
     report_real(s->out, e.away / motion.scale);

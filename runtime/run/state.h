@@ -74,12 +74,12 @@ struct settings {
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
     int has_every, has_step, bare, compared, polls;
-    int land; /* rows: 1 by a step that ends there, 0 by dense output */
+    int land;          /* rows: 1 by a step that ends there, 0 by dense output */
     unsigned diagnose; /* flags of diagnose.h */
-    size_t n; /* degrees of freedom */
+    size_t n;          /* degrees of freedom */
     void *params;
-    unsigned char *given; /* which parameters were set */
-    pk_real *q, *v, *z, *u; /* z: of those that were given */
+    unsigned char *given;       /* which parameters were set */
+    pk_real *q, *v, *z, *u;     /* z: of those that were given */
     unsigned char *start_given; /* 2 n flags, and of each quadrature */
     struct pk_run_column *show; /* the columns of rows behind t */
     size_t n_show;
@@ -90,9 +90,9 @@ struct settings {
     size_t at; /* 1 + which event has rows; 0: none */
     size_t members, threads, n_columns; /* members 0: one trajectory */
     const struct pk_run_column *columns;
-    const double *values; /* of members, a row of columns each */
+    const double *values;    /* of members, a row of columns each */
     const char *member_name; /* the column that counts members */
-    long first_member; /* and the number of the first */
+    long first_member;       /* and the number of the first */
     int header;
 };
 
@@ -101,7 +101,8 @@ struct crossed {
     unsigned long count;
     pk_real *t;
     unsigned long states; /* of steps, at which its function was looked at: */
-    unsigned long doubts; /* parts of steps in which crossings may be missed, and the first's time */
+    unsigned long
+        doubts; /* parts of steps in which crossings may be missed, and the first's time */
     pk_real doubtful_t;
     int leaves;    /* it has been away from zero by more than errors, */
     pk_real parts; /* beside the largest contribution to it so far */
@@ -131,27 +132,27 @@ struct run {
     FILE *out;               /* where rows go as CSV; NULL: they are kept */
     double *kept, *kept_low; /* rows; what they lack of more digits */
     size_t n_kept, room;
-    pk_real count, next;     /* rows by time behind the first, and the number of the next one */
-    pk_real expecting;       /* what is expected at times within steps was looked at up to here */
+    pk_real count, next; /* rows by time behind the first, and the number of the next one */
+    pk_real expecting;   /* what is expected at times within steps was looked at up to here */
     struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */
     void *aside_block;
-    pk_real last_row;        /* its time */
-    int at_event;            /* the row being written is at one */
+    pk_real last_row; /* its time */
+    int at_event;     /* the row being written is at one */
     unsigned long rows;
-    int begun;               /* it could start */
-    pk_real h_min, h_max;    /* steps made */
-    pk_real trusted;         /* until when the energy was what it is to be; see trust.h */
+    int begun;            /* it could start */
+    pk_real h_min, h_max; /* steps made */
+    pk_real trusted;      /* until when the energy was what it is to be; see trust.h */
     int distrusted;
-    pk_real ends;            /* where dop853 says that the motion does, */
-    int beyond;              /* and the steps have gone on behind it */
-    int goes_on;             /* by dop853 the motion does, where the steps ended */
-    char *besides;           /* behind the reason of a failure, or NULL; of malloc() */
+    pk_real ends;  /* where dop853 says that the motion does, */
+    int beyond;    /* and the steps have gone on behind it */
+    int goes_on;   /* by dop853 the motion does, where the steps ended */
+    char *besides; /* behind the reason of a failure, or NULL; of malloc() */
     int interrupted;
     int write_failed;
-    const char *not_finite;  /* the first energy or observed value that was not, or NULL */
-    double bad_t;            /* and in which row, and how many rows there were */
+    const char *not_finite; /* the first energy or observed value that was not, or NULL */
+    double bad_t;           /* and in which row, and how many rows there were */
     unsigned long bad_rows;
-    double part;             /* of an ensemble that is done */
+    double part;               /* of an ensemble that is done */
     double seconds, processor; /* on the wall's clock and the processor's, of the steps and rows */
     struct diagnostics *diagnostics; /* NULL: none asked for */
     struct loop *loop;               /* of members, for their area */
@@ -166,7 +167,8 @@ struct pk_problem run_problem(struct run *run);
 void settings_z(const struct settings *s, const void *params, pk_real *z);
 enum pk_status run_quadratures(struct run *run, struct pk_integrator *it);
 /* Which parameter prepare() refused, its value and bounds; of what follows from all, their values. */
-void parameters_refused(FILE *file, const struct pk_system *system, const void *params, int outside);
+void parameters_refused(FILE *file, const struct pk_system *system, const void *params,
+                        int outside);
 /* Parameters and start as they are in memory, one JSON object. */
 void settings_tell(const struct settings *s, FILE *file);
 /* The core's methods, then GSL's. */
@@ -176,8 +178,8 @@ const struct pk_method *run_method_at(size_t index);
 /* Of run.c. Whether it is to stop: asks `poll` now and then. */
 int run_stopped(struct run *run, double part);
 int run_ending(void *context); /* of pk_options.stop: whether all runs are to end */
-double run_now(void);       /* seconds on the wall's clock */
-double run_processor(void); /* of this thread */
+double run_now(void);          /* seconds on the wall's clock */
+double run_processor(void);    /* of this thread */
 /* Settings that depend on one another; memory, integrators and events; all rows; and all is given
  * back but the settings. */
 enum pk_run_code run_settle(struct run *run);

@@ -53,8 +53,8 @@ static void judge(struct run *run, pk_real t, FILE *file)
     void *block = memory_take(&run->memory, size, 1);
     options.rtol = JUDGE_TOL;
     options.max_steps = MOST_VALUES / (12 * s->n) + 1;
-    enum pk_status status = pk_integrator_init(&it, &run->problem, method, &options, 0, s->q, s->v,
-                                               block, size);
+    enum pk_status status =
+        pk_integrator_init(&it, &run->problem, method, &options, 0, s->q, s->v, block, size);
     if (status >= 0)
         status = pk_integrator_to(&it, t);
     if (status == PK_DONE && run->it.status < 0) {
@@ -70,8 +70,7 @@ static void judge(struct run *run, pk_real t, FILE *file)
         run->ends = singular ? it.detail : it.t;
         run->beyond = run->ends < run->it.t;
         fprintf(file, "; by %s at %.0e it ends at t = %.9g%s", JUDGE, (double)JUDGE_TOL,
-                (double)run->ends,
-                run->beyond ? ", so what follows is of the steps alone" : "");
+                (double)run->ends, run->beyond ? ", so what follows is of the steps alone" : "");
     }
     pk_integrator_free(&it);
     memory_drop(&run->memory, block);
@@ -81,7 +80,8 @@ void trust_judge(struct run *run)
 {
     const int fixed = fixed_step(run), arrived = run->it.status >= 0;
     /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */
-    if (run->settings.n_parts || !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
+    if (run->settings.n_parts ||
+        !(arrived ? fixed && run->distrusted && !run->interrupted : doubtful(run)))
         return;
     FILE *file = run_text(run, &run->besides);
     if (run->distrusted)
@@ -100,8 +100,8 @@ int trust_warning(const struct run *run, char *text, size_t size)
     text[0] = '\0';
     if (!run->distrusted || run->it.status < 0 || run->beyond)
         return 0;
-    return snprintf(text, size,
-                    OFF ": make the steps shorter", (double)TRUST_WRONG, (double)run->trusted) > 0;
+    return snprintf(text, size, OFF ": make the steps shorter", (double)TRUST_WRONG,
+                    (double)run->trusted) > 0;
 }
 
 pk_real trust_last_valid(const struct run *run)
@@ -119,9 +119,9 @@ void trust_reason(const struct run *run, char *text, size_t size)
     }
     pk_integrator_reason(it, text, size);
     /* What is singular ends these steps, and not the motion. */
-    if (run->goes_on &&
-        (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
-        pk_system_singularity_name(it->problem.system, it->problem.params, it->where, name, sizeof name);
+    if (run->goes_on && (it->status == PK_SINGULAR_TIME || it->status == PK_SINGULAR_COORDINATES)) {
+        pk_system_singularity_name(it->problem.system, it->problem.params, it->where, name,
+                                   sizeof name);
         snprintf(text, size, "the steps come to %s = 0 at t = %.17g; last valid time %.17g", name,
                  (double)it->detail, (double)it->t);
     }

@@ -94,8 +94,8 @@ static void note_leaving(struct run *run)
         system->events.values(run->settings.params, t, x, x + n, u, moved);
         x[i] = was;
         for (size_t k = 0; k < m; k++)
-            run->crossed[k].parts = PK_F(fmax)(run->crossed[k].parts,
-                                               PK_F(fabs)(moved[k] - g[k]) / part);
+            run->crossed[k].parts =
+                PK_F(fmax)(run->crossed[k].parts, PK_F(fabs)(moved[k] - g[k]) / part);
     }
     for (size_t k = 0; k < m; k++) {
         run->crossed[k].states++;
@@ -132,7 +132,8 @@ static void warn_of_short_forces(struct run *run)
     const struct pk_integrator *it;
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++)
         if (it->passed_over.count)
-            run_say(run, "warning: %s: from t = %.9g on steps are too long for what it does within "
+            run_say(run,
+                    "warning: %s: from t = %.9g on steps are too long for what it does within "
                     "them (%lu of them), it may be missed: take shorter ones (--step), or an "
                     "adaptive method",
                     it->problem.system->marks.names[it->passed_over.which].name,
@@ -150,14 +151,16 @@ void watch_warn(struct run *run)
                     (double)run->crossed[k].doubtful_t, WATCH_TOO_OFTEN);
     for (size_t k = 0; run->crossed && k < run->problem.system->events.n; k++)
         if (run->crossed[k].count && !run->crossed[k].leaves && run->crossed[k].states > FEW)
-            run_say(run, "event %s: its function stays within %g of zero, beside what it is made "
+            run_say(run,
+                    "event %s: its function stays within %g of zero, beside what it is made "
                     "of: its crossings may be no more than errors",
                     run->problem.system->events.table[k].what.name, (double)NOISE);
 }
 
 static void report_times(FILE *file, const struct crossed *crossed)
 {
-    fprintf(file, ", \"doubts\": %lu, \"count\": %lu, \"times\": [", crossed->doubts, crossed->count);
+    fprintf(file, ", \"doubts\": %lu, \"count\": %lu, \"times\": [", crossed->doubts,
+            crossed->count);
     for (unsigned long i = 0; i < crossed->count && i < MOST_TIMES; i++) {
         fputs(i ? ", " : "", file);
         report_real(file, crossed->t[i]);

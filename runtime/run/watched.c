@@ -172,8 +172,8 @@ void watched_begin(struct tally *tally, struct run *run)
     tally->never = tally->crossings + m;
     tally->doubts = tally->never + m;
     if (s->watch > 1)
-        tally->first = (pk_real *)memory_take(memory, s->system->events.n * s->members,
-                                              sizeof *tally->first);
+        tally->first =
+            (pk_real *)memory_take(memory, s->system->events.n * s->members, sizeof *tally->first);
 }
 
 void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
@@ -187,8 +187,8 @@ void watched_batch(const struct batch *b, struct run *run, size_t first, size_t 
     pk_real *firsts = (pk_real *)memory_take(memory, m * count, sizeof *firsts);
     w.done = (struct done *)memory_take(memory, count, sizeof *w.done);
     for (size_t i = 0; i < count; i++)
-        w.done[i] = (struct done){
-            .run = &runs[i], .count = counts + 2 * m * i, .first = firsts + m * i};
+        w.done[i] =
+            (struct done){.run = &runs[i], .count = counts + 2 * m * i, .first = firsts + m * i};
     pk_parallel(b->threads, count, member, &w);
     for (size_t i = 0; i < count; i++) {
         merge(run, &w.done[i], tally);
@@ -214,8 +214,8 @@ void watched_warn(struct run *run, const struct tally *tally)
     const struct settings *s = &run->settings;
     for (size_t k = 0; tally->crossings && k < kinds(s); k++)
         if (tally->doubts[k])
-            run_say(run, "warning: %s: in %lu members %s", watch_name(s->system, k), tally->doubts[k],
-                    WATCH_TOO_OFTEN);
+            run_say(run, "warning: %s: in %lu members %s", watch_name(s->system, k),
+                    tally->doubts[k], WATCH_TOO_OFTEN);
 }
 
 void watched_report(const struct tally *tally, const struct settings *s, FILE *file)

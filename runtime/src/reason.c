@@ -79,7 +79,8 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
         &system->singularities.table[pk_system_singularity(system, params, it->where).singularity];
     char name[128];
     pk_system_singularity_name(system, params, it->where, name, sizeof name);
-    const int removable = singularity->kind == PK_SINGULARITY_DIVISOR && pk_finite(it->own->condition);
+    const int removable = singularity->kind == PK_SINGULARITY_DIVISOR &&
+                          pk_finite(it->own->condition);
     return snprintf(text, size, "%s: %s vanishes at t = %.17g, and %s%s; last valid time %.17g",
                     pk_status_text(it->status), name, (double)it->detail,
                     singularity_use[singularity->kind],
@@ -99,19 +100,20 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
 
     switch (it->status) {
     case PK_BAD_ARGUMENT:
-        return snprintf(text, size, "%s: %s", what,
-                        it->where < sizeof bad_argument / sizeof *bad_argument
-                            ? bad_argument[it->where] : "");
+        return snprintf(
+            text, size, "%s: %s", what,
+            it->where < sizeof bad_argument / sizeof *bad_argument ? bad_argument[it->where] : "");
     case PK_REFUSED:
         for (size_t i = 0; i < sizeof fact_text / sizeof *fact_text; i++)
             if (pk_missing_facts(system, it->method) & fact_text[i].fact)
                 return snprintf(text, size, "%s needs a system that is %s; %s is not",
                                 it->method->name, fact_text[i].text, system->name);
         if (pk_sides_missing(it) && system->switches.impulses)
-            return snprintf(text, size,
-                            "the rates of %s jump where one of its switches vanishes: make steps by "
-                            "pk_events_step(), which does what follows there",
-                            system->name);
+            return snprintf(
+                text, size,
+                "the rates of %s jump where one of its switches vanishes: make steps by "
+                "pk_events_step(), which does what follows there",
+                system->name);
         if (pk_sides_missing(it))
             return snprintf(text, size,
                             "%s needs a smooth system; %s changes where %s vanishes: make steps by "
@@ -125,8 +127,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "%s needs Jacobians; %s keeps its families as loops and has none",
                             it->method->name, system->name);
         if (!system->linear && (it->method->traits & PK_LINEAR))
-            return snprintf(text, size,
-                            "%s needs the derivatives of the acceleration; %s has none",
+            return snprintf(text, size, "%s needs the derivatives of the acceleration; %s has none",
                             it->method->name, system->name);
         if (pk_missing_kernel(system, it->method))
             return snprintf(text, size, "%s calls the kernel %s, which %s was compiled without",
@@ -136,13 +137,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "%s needs the derivative by time, and %s has inputs, whose is unknown",
                             it->method->name, system->name);
         if (system->quadratures.n && !it->method->stage)
-            return snprintf(text, size, "%s carries no quadratures, and %s has %s", it->method->name,
-                            system->name, system->quadratures.names[0].name);
+            return snprintf(text, size, "%s carries no quadratures, and %s has %s",
+                            it->method->name, system->name, system->quadratures.names[0].name);
         if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
             pk_constraint_name(system, system->constraints.n_holonomic, name, sizeof name);
             return snprintf(text, size,
                             "%s takes constraints of positions alone, and %s is one of the rates "
-                            "(rolling): use gauss", it->method->name, name);
+                            "(rolling): use gauss",
+                            it->method->name, name);
         }
         if (it->n > PK_EXPONENTIAL_MOST && (it->method->traits & PK_EXACT))
             return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
@@ -161,8 +163,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             what);
         return snprintf(text, size, "%s: what follows from the parameters is not finite", what);
     case PK_SINGULAR_MASS:
-        pk_system_name(system, it->problem.params,
-                       it->where < it->n ? system->coordinates : NULL, it->where, name, sizeof name);
+        pk_system_name(system, it->problem.params, it->where < it->n ? system->coordinates : NULL,
+                       it->where, name, sizeof name);
         if (!pk_finite(it->own->condition))
             return snprintf(text, size,
                             "%s: pivot of coordinate %s is not positive at t = %.17g; "
@@ -185,11 +187,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         "%.17g",
                         what, t, (double)it->detail, name, t);
     case PK_SLIDING:
-        return snprintf(text, size,
-                        "the motion stays on %s = 0: on either side of it the equations lead "
-                        "back to it, and what follows they do not say; a smooth function in place "
-                        "of the jump, such as tanh, does; last valid time %.17g",
-                        it->where < system->switches.n ? system->switches.names[it->where].name : "x", t);
+        return snprintf(
+            text, size,
+            "the motion stays on %s = 0: on either side of it the equations lead "
+            "back to it, and what follows they do not say; a smooth function in place "
+            "of the jump, such as tanh, does; last valid time %.17g",
+            it->where < system->switches.n ? system->switches.names[it->where].name : "x", t);
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
@@ -204,11 +207,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                         what, (double)it->detail, (double)pk_abs(it->own->h), t);
     case PK_STEP_UNDERFLOW:
         if (it->detail < 0) /* adaptive_verlet's */
-            return snprintf(text, size,
-                            "%s cannot follow: the time scale changes too much within a step; give "
-                            "a smaller tolerance, a largest step or a shorter first one; last valid "
-                            "time %.17g",
-                            it->method->name, t);
+            return snprintf(
+                text, size,
+                "%s cannot follow: the time scale changes too much within a step; give "
+                "a smaller tolerance, a largest step or a shorter first one; last valid "
+                "time %.17g",
+                it->method->name, t);
         return snprintf(text, size,
                         "%s: step %.3g: the motion may end there, at infinity or in a singularity; "
                         "last valid time %.17g",
@@ -229,7 +233,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return snprintf(text, size, "%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
         if (it->event > system->events.n)
-            return snprintf(text, size, "%s, at whose zeros the equations change, is not finite at "
+            return snprintf(text, size,
+                            "%s, at whose zeros the equations change, is not finite at "
                             "t = %.17g",
                             system->switches.names[it->event - 1 - system->events.n].name, t);
         if (it->event)

@@ -31,7 +31,8 @@ static void integrate(const struct pk_problem *problem, const struct pk_method *
 {
     struct pk_options options = pk_options_default();
     struct pk_integrator it;
-    const size_t size = pk_integrator_size(problem, method), n = pk_system_count(&MODEL, problem->params);
+    const size_t size = pk_integrator_size(problem, method),
+                 n = pk_system_count(&MODEL, problem->params);
     void *block = room(size);
     pk_real *x = (pk_real *)room(2 * n * sizeof *x);
     char text[300];
@@ -56,9 +57,16 @@ static void crowd(const void *params, const pk_real *q, const pk_real *v, const 
     pk_real last[MEMBERS];
     char *all = (char *)room(MEMBERS * MODEL.params_size);
     pk_real *x = (pk_real *)room((2 + 2 * ROWS) * MEMBERS * n * sizeof *x), *at = x;
-    struct pk_ensemble e = {.system = &MODEL, .method = pk_method_find(method),
-                            .options = pk_options_default(), .members = MEMBERS, .params = all,
-                            .rows = ROWS, .t = t, .done = done, .status = status, .last_t = last};
+    struct pk_ensemble e = {.system = &MODEL,
+                            .method = pk_method_find(method),
+                            .options = pk_options_default(),
+                            .members = MEMBERS,
+                            .params = all,
+                            .rows = ROWS,
+                            .t = t,
+                            .done = done,
+                            .status = status,
+                            .last_t = last};
     e.options.h = 1e-3;
     for (size_t i = 0; i < MEMBERS; i++) {
         memcpy(all + i * MODEL.params_size, params, MODEL.params_size);

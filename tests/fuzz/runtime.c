@@ -15,12 +15,14 @@
 #include "systems.h"
 
 static const struct pk_system *const systems[] = {
-    &pendulum_system, &oscillator_system, &stiffening_system, &double_pendulum_system,
-    &kepler_system, &relativistic_system, &folded_system, &broken_system, &driven_system,
-    &forced_system, &van_der_pol_system, &damped_system, &dipping_system, &radial_system,
-    &brusselator_system, &maxwell_system, &pushed_system, &free_body_system, &top_system,
-    &carriage_system, &swift_system, &rod_system, &twice_system, &rods_system, &wire_system,
-    &jointed_system, &sleigh_system, &ball_system, &barred_system,
+    &pendulum_system, &oscillator_system,   &stiffening_system,  &double_pendulum_system,
+    &kepler_system,   &relativistic_system, &folded_system,      &broken_system,
+    &driven_system,   &forced_system,       &van_der_pol_system, &damped_system,
+    &dipping_system,  &radial_system,       &brusselator_system, &maxwell_system,
+    &pushed_system,   &free_body_system,    &top_system,         &carriage_system,
+    &swift_system,    &rod_system,          &twice_system,       &rods_system,
+    &wire_system,     &jointed_system,      &sleigh_system,      &ball_system,
+    &barred_system,
 };
 enum { SYSTEMS = sizeof systems / sizeof *systems, SIZE = 1 << 15, MOST = 16, MEMBERS = 9 };
 
@@ -91,10 +93,20 @@ static void ensemble(const struct pk_problem *problem, const struct pk_method *m
     enum pk_status status[MEMBERS];
     double last[MEMBERS];
     char text[300];
-    struct pk_ensemble e = {.system = problem->system, .method = method, .options = *options,
-                            .members = MEMBERS, .params = params, .q0 = q0, .v0 = v0, .rows = 2,
-                            .t = t, .q = rows, .v = rows + 2 * MEMBERS * MOST, .done = done,
-                            .last_t = last, .status = status};
+    struct pk_ensemble e = {.system = problem->system,
+                            .method = method,
+                            .options = *options,
+                            .members = MEMBERS,
+                            .params = params,
+                            .q0 = q0,
+                            .v0 = v0,
+                            .rows = 2,
+                            .t = t,
+                            .q = rows,
+                            .v = rows + 2 * MEMBERS * MOST,
+                            .done = done,
+                            .last_t = last,
+                            .status = status};
     for (size_t i = 0; i < MEMBERS; i++) {
         memcpy(&params[i], problem->params, sizeof *params);
         memcpy(q0 + i * n, q, n * sizeof *q);
@@ -149,8 +161,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t length)
     enum pk_status status =
         pk_integrator_init(&it, &problem, method, &options, 0, q, v, block, size);
     check(&it);
-    const int watched = status >= 0 && pk_events_init(&events, &it, more,
-                                                      pk_events_size(&problem, method)) >= 0;
+    const int watched = status >= 0 &&
+                        pk_events_init(&events, &it, more, pk_events_size(&problem, method)) >= 0;
     for (int calls = 0; watched && b.left && calls < 12; calls++) {
         const unsigned call = byte(&b) % 8;
         if (call < 2)

@@ -26,13 +26,8 @@ static pk_real series_of_exp(const pk_real *theta, pk_real angle)
 
 static pk_real series_of_dexp(const pk_real *theta, pk_real angle)
 {
-    static const pk_real below[] = {12,
-                                    720,
-                                    30240,
-                                    1209600,
-                                    47900160,
-                                    PK_C(1307674368000.0) / 691,
-                                    PK_C(74724249600.0)};
+    static const pk_real below[] = {
+        12, 720, 30240, 1209600, 47900160, PK_C(1307674368000.0) / 691, PK_C(74724249600.0)};
     static const pk_real omega[] = {PK_C(0.75), PK_C(-0.5), PK_C(0.25)};
     pk_real one[3], two[3], out[3], weight = 0, worst = 0;
     for (int k = 6; k >= 0; k--)

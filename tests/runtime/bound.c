@@ -2,9 +2,9 @@
 #include "bound.h"
 
 const char *const bound_methods[BOUND_METHODS] = {
-    "lie_midpoint", "lie_midpoint4", "lie_midpoint6", "rattle",    "rattle4",  "rattle6",
-    "rk4",          "rkmk4",         "rkmk8",         "gauss2",    "gauss4",   "lobatto3",
-    "radau5",       "dopri5",        "dop853",        "gauss",     "gsl_rk8pd", "gsl_msadams"};
+    "lie_midpoint", "lie_midpoint4", "lie_midpoint6", "rattle", "rattle4",   "rattle6",
+    "rk4",          "rkmk4",         "rkmk8",         "gauss2", "gauss4",    "lobatto3",
+    "radau5",       "dopri5",        "dop853",        "gauss",  "gsl_rk8pd", "gsl_msadams"};
 
 void bound_set(struct bound_run *f, const struct pk_system *system)
 {

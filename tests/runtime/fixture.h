@@ -34,9 +34,10 @@ void fixture_exact(struct fixture *f, const struct pk_system *system, const doub
 typedef int acceleration_function(const void *, pk_real, const pk_real *, const pk_real *,
                                   const pk_real *, pk_real *);
 /* The oscillator with another acceleration and one singularity, all through function pointers. */
-struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_singularity *what,
+struct pk_system guarded_point(acceleration_function *acceleration,
+                               const struct pk_singularity *what,
                                void (*singularity)(const void *, pk_real, const pk_real *,
-                                             const pk_real *, const pk_real *, pk_real *));
+                                                   const pk_real *, const pk_real *, pk_real *));
 /* r'' = J^2/r^3, the radial equation of a free point: limit is J. */
 int radial_acceleration(const void *p, double t, const double *q, const double *v, const double *u,
                         double *a);

@@ -19,9 +19,10 @@ void fixture_set(struct fixture *f, const struct pk_system *system)
     f->options = pk_options_default();
 }
 
-struct pk_system guarded_point(acceleration_function *acceleration, const struct pk_singularity *what,
+struct pk_system guarded_point(acceleration_function *acceleration,
+                               const struct pk_singularity *what,
                                void (*singularity)(const void *, pk_real, const pk_real *,
-                                             const pk_real *, const pk_real *, pk_real *))
+                                                   const pk_real *, const pk_real *, pk_real *))
 {
     struct pk_system system = oscillator_system;
     system.acceleration = acceleration;

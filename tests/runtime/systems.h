@@ -7,8 +7,8 @@
 #include <pk/apart.h>
 
 struct test_params {
-    pk_real g;     /* gravity, or the oscillator's omega^2, or mu */
-    pk_real limit; /* where `broken` and `folded` break */
+    pk_real g;           /* gravity, or the oscillator's omega^2, or mu */
+    pk_real limit;       /* where `broken` and `folded` break */
     pk_real hoisted[40]; /* as many as a model's, of what depends on parameters alone */
 };
 

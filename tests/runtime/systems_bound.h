@@ -141,23 +141,23 @@ static inline void bound_terms(const struct bound *b, ARGS, pk_real *phi_size, p
 }
 
 /* x^2 + y^2 = 1, for a system of these two coordinates first. */
-#define UNIT_ROD(NAME)                                                                             \
-    static void NAME##_constraint(ARGS, pk_real *phi)                                              \
-    {                                                                                              \
-        UNUSED;                                                                                    \
-        phi[0] = q[0] * q[0] + q[1] * q[1] - 1;                                                    \
-    }                                                                                              \
-    static void NAME##_rows(ARGS, pk_real *J, pk_real *residual)                                   \
-    {                                                                                              \
-        UNUSED;                                                                                    \
-        J[0] = 2 * q[0];                                                                           \
-        J[1] = 2 * q[1];                                                                           \
-        residual[0] = J[0] * v[0] + J[1] * v[1];                                                   \
-    }                                                                                              \
-    static void NAME##_bias(ARGS, pk_real *b)                                                      \
-    {                                                                                              \
-        UNUSED;                                                                                    \
-        b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);                                                    \
+#define UNIT_ROD(NAME)                                           \
+    static void NAME##_constraint(ARGS, pk_real *phi)            \
+    {                                                            \
+        UNUSED;                                                  \
+        phi[0] = q[0] * q[0] + q[1] * q[1] - 1;                  \
+    }                                                            \
+    static void NAME##_rows(ARGS, pk_real *J, pk_real *residual) \
+    {                                                            \
+        UNUSED;                                                  \
+        J[0] = 2 * q[0];                                         \
+        J[1] = 2 * q[1];                                         \
+        residual[0] = J[0] * v[0] + J[1] * v[1];                 \
+    }                                                            \
+    static void NAME##_bias(ARGS, pk_real *b)                    \
+    {                                                            \
+        UNUSED;                                                  \
+        b[0] = 2 * (v[0] * v[0] + v[1] * v[1]);                  \
     }
 
 /* A diagonal M: these masses, and 1 for what has no momenta. */
@@ -175,7 +175,10 @@ static inline void bound_derive(void *params, const unsigned char *given)
 {
     (void)params, (void)given;
 }
-static inline int bound_prepare(void *params) { return G(params) > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 0); }
+static inline int bound_prepare(void *params)
+{
+    return G(params) > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 0);
+}
 static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
 {
     (void)params;
@@ -184,7 +187,7 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
 }
 
 #define LIST(...) {__VA_ARGS__}
-#define BOUND_FACTS \
+#define BOUND_FACTS                                                                   \
     (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH | \
      PK_CONSERVATIVE | PK_VARIATIONAL)
 #define BOUND_OUTSIDE (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SMOOTH)
@@ -192,83 +195,84 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
 /* A system of these names: NAME_inertia, _drift, _unconstrained, _energy, and with constraints _rows,
  * _bias. n counts quaternions. The rest: further members of struct pk_system, of which `terms` is
  * NAME_terms or its own. */
-#define BOUND(NAME, N, COORDINATES, ROTATIONS, C, FACTS, GRAVITY, LIMIT0, START_Q, START_V, ...)  \
-    static const struct bound NAME##_bound = {N, COORDINATES, ROTATIONS, C, NAME##_inertia,        \
-                                              NAME##_drift, NAME##_bias, NAME##_rows};             \
-    static int NAME##_acceleration(ARGS, pk_real *a)                                               \
-    {                                                                                              \
-        return bound_solve(&NAME##_bound, params, t, q, v, u, a, NULL);                            \
-    }                                                                                              \
-    static void NAME##_multipliers(ARGS, pk_real *lambda)                                          \
-    {                                                                                              \
-        pk_real a[N];                                                                              \
-        bound_solve(&NAME##_bound, params, t, q, v, u, a, lambda);                                 \
-    }                                                                                              \
-    static inline void NAME##_terms(ARGS, pk_real *phi_size, pk_real *rate_size)                   \
-    {                                                                                              \
-        bound_terms(&NAME##_bound, params, t, q, v, u, phi_size, rate_size);                       \
-    }                                                                                              \
-    static void NAME##_mass(ARGS, pk_real *M)                                                      \
-    {                                                                                              \
-        UNUSED;                                                                                    \
-        memset(M, 0, (size_t)(N) * (N) * sizeof *M);                                               \
-        for (size_t i = 0; i < (N); i++)                                                           \
-            M[i * (N) + i] = 1;                                                                    \
-    }                                                                                              \
-    static void NAME##_force(ARGS, pk_real *f) { NAME##_acceleration(params, t, q, v, u, f); }     \
-    static void NAME##_canonical(ARGS, pk_real *p, pk_real *pdot)                                  \
-    {                                                                                              \
-        memcpy(p, v, (N) * sizeof *p);                                                             \
-        NAME##_acceleration(params, t, q, v, u, pdot);                                             \
-    }                                                                                              \
-    static void NAME##_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)              \
-    {                                                                                              \
-        memset(p_q, 0, (size_t)(N) * (N) * sizeof *p_q);                                           \
-        bound_derivative(&NAME##_bound, params, t, q, v, u, 0, pdot_q);                            \
-        bound_derivative(&NAME##_bound, params, t, q, v, u, 1, pdot_v);                            \
-    }                                                                                              \
-    static void NAME##_defaults(void *params)                                                      \
-    {                                                                                              \
-        ((struct test_params *)params)->g = GRAVITY;                                               \
-        ((struct test_params *)params)->limit = LIMIT0;                                            \
-    }                                                                                              \
-    static void NAME##_start(const void *params, pk_real *q, pk_real *v)                           \
-    {                                                                                              \
-        static const pk_real q0[] = START_Q, v0[N] = START_V;                                      \
-        (void)params;                                                                              \
-        memset(q, 0, (N) * sizeof *q);                                                             \
-        memcpy(q, q0, sizeof q0 < (N) * sizeof *q ? sizeof q0 : (N) * sizeof *q);                  \
-        memcpy(v, v0, sizeof v0);                                                                  \
-    }                                                                                              \
-    const struct pk_system NAME##_system = {.abi = PK_ABI,                                         \
-                                            .name = #NAME,                                         \
-                                            .source_hash = "by hand",                              \
-                                            .facts = FACTS,                                        \
-                                            .n = N,                                                \
-                                            .n_first_order = (N) - (COORDINATES),                       \
-                                            .n_rotations = ROTATIONS,                              \
-                                            .constraints.n = C,                                    \
-                                            .n_parameters = 2,                                     \
-                                            .params_size = sizeof(struct test_params),             \
-                                            .parameters = bound_parameters,                        \
-                                            .coordinates = NAME##_names,                           \
-                                            .rates = NAME##_names,                                 \
-                                            .momenta = NAME##_names,                               \
-                                            .defaults = NAME##_defaults,                           \
-                                            .derive = bound_derive,                                \
-                                            .prepare = bound_prepare,                              \
-                                            .bounds = bound_bounds,                                \
-                                            .start = NAME##_start,                                 \
-                                            .acceleration = NAME##_acceleration,                   \
-                                            .mass = NAME##_mass,                                   \
-                                            .force = NAME##_force,                                 \
-                                            .canonical = NAME##_canonical,                         \
-                                            .jacobian = NAME##_jacobian,                           \
-                                            .energy = NAME##_energy,                               \
-                                            .constraints.multipliers = (C) ? NAME##_multipliers : NULL,        \
-                                            .constraints.jacobian = NAME##_rows,                                   \
-                                            .unconstrained = NAME##_unconstrained,                             \
-                                            .inertia = NAME##_inertia,                             \
+#define BOUND(NAME, N, COORDINATES, ROTATIONS, C, FACTS, GRAVITY, LIMIT0, START_Q, START_V, ...) \
+    static const struct bound NAME##_bound = {                                                   \
+        N, COORDINATES, ROTATIONS, C, NAME##_inertia, NAME##_drift, NAME##_bias, NAME##_rows};   \
+    static int NAME##_acceleration(ARGS, pk_real *a)                                             \
+    {                                                                                            \
+        return bound_solve(&NAME##_bound, params, t, q, v, u, a, NULL);                          \
+    }                                                                                            \
+    static void NAME##_multipliers(ARGS, pk_real *lambda)                                        \
+    {                                                                                            \
+        pk_real a[N];                                                                            \
+        bound_solve(&NAME##_bound, params, t, q, v, u, a, lambda);                               \
+    }                                                                                            \
+    static inline void NAME##_terms(ARGS, pk_real *phi_size, pk_real *rate_size)                 \
+    {                                                                                            \
+        bound_terms(&NAME##_bound, params, t, q, v, u, phi_size, rate_size);                     \
+    }                                                                                            \
+    static void NAME##_mass(ARGS, pk_real *M)                                                    \
+    {                                                                                            \
+        UNUSED;                                                                                  \
+        memset(M, 0, (size_t)(N) * (N) * sizeof *M);                                             \
+        for (size_t i = 0; i < (N); i++)                                                         \
+            M[i * (N) + i] = 1;                                                                  \
+    }                                                                                            \
+    static void NAME##_force(ARGS, pk_real *f) { NAME##_acceleration(params, t, q, v, u, f); }   \
+    static void NAME##_canonical(ARGS, pk_real *p, pk_real *pdot)                                \
+    {                                                                                            \
+        memcpy(p, v, (N) * sizeof *p);                                                           \
+        NAME##_acceleration(params, t, q, v, u, pdot);                                           \
+    }                                                                                            \
+    static void NAME##_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)            \
+    {                                                                                            \
+        memset(p_q, 0, (size_t)(N) * (N) * sizeof *p_q);                                         \
+        bound_derivative(&NAME##_bound, params, t, q, v, u, 0, pdot_q);                          \
+        bound_derivative(&NAME##_bound, params, t, q, v, u, 1, pdot_v);                          \
+    }                                                                                            \
+    static void NAME##_defaults(void *params)                                                    \
+    {                                                                                            \
+        ((struct test_params *)params)->g = GRAVITY;                                             \
+        ((struct test_params *)params)->limit = LIMIT0;                                          \
+    }                                                                                            \
+    static void NAME##_start(const void *params, pk_real *q, pk_real *v)                         \
+    {                                                                                            \
+        static const pk_real q0[] = START_Q, v0[N] = START_V;                                    \
+        (void)params;                                                                            \
+        memset(q, 0, (N) * sizeof *q);                                                           \
+        memcpy(q, q0, sizeof q0 < (N) * sizeof *q ? sizeof q0 : (N) * sizeof *q);                \
+        memcpy(v, v0, sizeof v0);                                                                \
+    }                                                                                            \
+    const struct pk_system NAME##_system = {.abi = PK_ABI,                                       \
+                                            .name = #NAME,                                       \
+                                            .source_hash = "by hand",                            \
+                                            .facts = FACTS,                                      \
+                                            .n = N,                                              \
+                                            .n_first_order = (N) - (COORDINATES),                \
+                                            .n_rotations = ROTATIONS,                            \
+                                            .constraints.n = C,                                  \
+                                            .n_parameters = 2,                                   \
+                                            .params_size = sizeof(struct test_params),           \
+                                            .parameters = bound_parameters,                      \
+                                            .coordinates = NAME##_names,                         \
+                                            .rates = NAME##_names,                               \
+                                            .momenta = NAME##_names,                             \
+                                            .defaults = NAME##_defaults,                         \
+                                            .derive = bound_derive,                              \
+                                            .prepare = bound_prepare,                            \
+                                            .bounds = bound_bounds,                              \
+                                            .start = NAME##_start,                               \
+                                            .acceleration = NAME##_acceleration,                 \
+                                            .mass = NAME##_mass,                                 \
+                                            .force = NAME##_force,                               \
+                                            .canonical = NAME##_canonical,                       \
+                                            .jacobian = NAME##_jacobian,                         \
+                                            .energy = NAME##_energy,                             \
+                                            .constraints.multipliers = (C) ? NAME##_multipliers  \
+                                                                           : NULL,               \
+                                            .constraints.jacobian = NAME##_rows,                 \
+                                            .unconstrained = NAME##_unconstrained,               \
+                                            .inertia = NAME##_inertia,                           \
                                             __VA_ARGS__}
 
 #endif

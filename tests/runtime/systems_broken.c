@@ -1,14 +1,13 @@
 /* Systems of systems.h that fail on purpose: no number after t = limit, no mass at q = limit. */
 #include "systems_make.h"
 
-POINT_MASS(broken, 0, PK_F(sqrt)(LIMIT(params) - t), 0,
-           -PK_C(0.5) / PK_F(sqrt)(LIMIT(params) - t))
+POINT_MASS(broken, 0, PK_F(sqrt)(LIMIT(params) - t), 0, -PK_C(0.5) / PK_F(sqrt)(LIMIT(params) - t))
 SIZES(broken, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) broken_##x
 #include <pk/inlined.h>
-SYSTEM(broken, 1, DRIVEN, PK_C(1.0), PK_C(1.25), none_cyclic, LIST(PK_C(0.7)),
-       LIST(PK_C(0.2)), .linear = broken_linear);
+SYSTEM(broken, 1, DRIVEN, PK_C(1.0), PK_C(1.25), none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
+       .linear = broken_linear);
 
 /* L = (limit - q) v^2/2: p = (limit - q) v, pdot = -v^2/2, M a = v^2/2. */
 static void folded_mass(ARGS, pk_real *M)
@@ -57,5 +56,4 @@ SIZES(folded, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) folded_##x
 #include <pk/inlined.h>
-SYSTEM(folded, 1, GENERAL, PK_C(1.0), PK_C(1.25), none_cyclic, LIST(PK_C(0.7)),
-       LIST(PK_C(0.2)), );
+SYSTEM(folded, 1, GENERAL, PK_C(1.0), PK_C(1.25), none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)), );

@@ -29,8 +29,9 @@ static pk_real rod_energy(ARGS)
     return (v[0] * v[0] + v[1] * v[1]) / 2 + G(params) * q[1];
 }
 BOUND(rod, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
-      LIST(PK_C(0.8), PK_C(0.6)), .constraints.n_holonomic = 1, .constraints.names = rod_constraints,
-      .constraints.values = rod_constraint, .constraints.scale = rod_terms);
+      LIST(PK_C(0.8), PK_C(0.6)), .constraints.n_holonomic = 1,
+      .constraints.names = rod_constraints, .constraints.values = rod_constraint,
+      .constraints.scale = rod_terms);
 
 /* On a circle through 0 about (-3 limit, -4 limit): the numbers of phi are beside small x and y. */
 static const struct pk_quantity circle_names[] = {NAMED("x"), NAMED("y")};
@@ -55,8 +56,9 @@ static void circle_rows(ARGS, pk_real *J, pk_real *residual)
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
 static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size);
-BOUND(circle, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), PK_C(100.0), LIST(0), LIST(0), .constraints.n_holonomic = 1,
-      .constraints.names = rod_constraints, .constraints.values = circle_constraint, .constraints.scale = circle_sizes);
+BOUND(circle, 2, 2, 0, 1, BOUND_FACTS, PK_C(1.0), PK_C(100.0), LIST(0), LIST(0),
+      .constraints.n_holonomic = 1, .constraints.names = rod_constraints,
+      .constraints.values = circle_constraint, .constraints.scale = circle_sizes);
 static void circle_sizes(ARGS, pk_real *phi_size, pk_real *rate_size)
 {
     circle_terms(params, t, q, v, u, phi_size, rate_size);
@@ -88,8 +90,9 @@ static void twice_bias(ARGS, pk_real *b)
     b[1] = 3 * b[0];
 }
 BOUND(twice, 2, 2, 0, 2, BOUND_FACTS, PK_C(1.0), 0, LIST(PK_C(0.6), PK_C(-0.8)),
-      LIST(PK_C(0.8), PK_C(0.6)), .constraints.n_holonomic = 2, .constraints.names = twice_constraints,
-      .constraints.values = twice_constraint, .constraints.scale = twice_terms);
+      LIST(PK_C(0.8), PK_C(0.6)), .constraints.n_holonomic = 2,
+      .constraints.names = twice_constraints, .constraints.values = twice_constraint,
+      .constraints.scale = twice_terms);
 
 /* Two unit masses on unit rods: double_pendulum as particles. */
 static const struct pk_quantity rods_names[] = {NAMED("x1"), NAMED("y1"), NAMED("x2"), NAMED("y2")};
@@ -141,7 +144,8 @@ static pk_real rods_energy(ARGS)
 BOUND(rods, 4, 4, 0, 2, BOUND_FACTS, PK_C(1.0), 0,
       LIST(PK_C(0.6), PK_C(-0.8), PK_C(1.4), PK_C(-0.2)),
       LIST(PK_C(0.4), PK_C(0.3), PK_C(0.22), PK_C(0.54)), .constraints.n_holonomic = 2,
-      .constraints.names = rods_constraints, .constraints.values = rods_constraint, .constraints.scale = rods_terms);
+      .constraints.names = rods_constraints, .constraints.values = rods_constraint,
+      .constraints.scale = rods_terms);
 
 /* A bead on a wire through the origin that turns by A(t) = t + .3 sin 2t, V = g r^2/2 + x^4/4. */
 static const struct pk_quantity wire_names[] = {NAMED("x"), NAMED("y")};
@@ -188,14 +192,15 @@ static pk_real wire_energy(ARGS)
            q[0] * q[0] * q[0] * q[0] / 4;
 }
 BOUND(wire, 2, 2, 0, 1, BOUND_OUTSIDE | PK_VARIATIONAL, PK_C(2.0), 0, LIST(PK_C(0.8), PK_C(0.0)),
-      LIST(PK_C(0.1), PK_C(1.28)), .constraints.n_holonomic = 1, .constraints.names = wire_constraints,
-      .constraints.values = wire_constraint, .constraints.scale = wire_terms);
+      LIST(PK_C(0.1), PK_C(1.28)), .constraints.n_holonomic = 1,
+      .constraints.names = wire_constraints, .constraints.values = wire_constraint,
+      .constraints.scale = wire_terms);
 
 /* The top of systems_rotation.c as a body free in space whose point r = -e_z is held: unit mass,
  * I = (1/2, 1/2, 1/2) about its centre. */
 static const struct pk_quantity jointed_names[] = {
-    NAMED("x"), NAMED("y"), NAMED("z"), NAMED("omega(R).x"), NAMED("omega(R).y"),
-    NAMED("omega(R).z"), NAMED("R.w"), NAMED("R.x"), NAMED("R.y"), NAMED("R.z")};
+    NAMED("x"),          NAMED("y"),   NAMED("z"),   NAMED("omega(R).x"), NAMED("omega(R).y"),
+    NAMED("omega(R).z"), NAMED("R.w"), NAMED("R.x"), NAMED("R.y"),        NAMED("R.z")};
 static const struct pk_quantity jointed_constraints[] = {
     NAMED("lambda_joint.x"), NAMED("lambda_joint.y"), NAMED("lambda_joint.z")};
 static const pk_real jointed_M[] = {PK_C(1.0), PK_C(1.0), PK_C(1.0),
@@ -263,9 +268,8 @@ static pk_real jointed_energy(ARGS)
     return sum;
 }
 /* r = R e_z and r' = R (omega x e_z) at the start of `top`, turned by 2 atan(3/4) about x. */
-BOUND(jointed, 10, 3, 1, 3, BOUND_FACTS, PK_C(2.0), 0,
-      LIST(PK_C(0.0), PK_C(-0.96), PK_C(0.28)),
+BOUND(jointed, 10, 3, 1, 3, BOUND_FACTS, PK_C(2.0), 0, LIST(PK_C(0.0), PK_C(-0.96), PK_C(0.28)),
       LIST(PK_C(-0.2), PK_C(-0.084), PK_C(-0.288), PK_C(0.3), PK_C(-0.2), PK_C(5.0), PK_C(0.8),
            PK_C(0.6), PK_C(0.0), PK_C(0.0)),
-      .constraints.n_holonomic = 3, .constraints.names = jointed_constraints, .constraints.values = jointed_constraint,
-      .constraints.scale = jointed_terms);
+      .constraints.n_holonomic = 3, .constraints.names = jointed_constraints,
+      .constraints.values = jointed_constraint, .constraints.scale = jointed_terms);

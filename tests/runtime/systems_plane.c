@@ -58,8 +58,7 @@ static void double_pendulum_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_rea
     pdot_v[0] = -s * v[1], pdot_v[1] = -s * v[0];
     pdot_v[2] = s * v[1], pdot_v[3] = s * v[0];
 }
-static void double_pendulum_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v,
-                                   pk_real *r_t)
+static void double_pendulum_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
 {
     const pk_real s = PK_F(sin)(q[0] - q[1]), c = PK_F(cos)(q[0] - q[1]);
     UNUSED;
@@ -166,5 +165,4 @@ SIZES(arenstorf, 2, 0)
 #define PK_MODEL(x) arenstorf_##x
 #include <pk/inlined.h>
 SYSTEM(arenstorf, 2, PK_QUADRATIC | PK_SMOOTH, PK_C(1.0), 0, none_cyclic,
-       LIST(PK_C(0.994), PK_C(0.0)),
-       LIST(PK_C(0.0), PK_C(-2.00158510637908252240537862224)), );
+       LIST(PK_C(0.994), PK_C(0.0)), LIST(PK_C(0.0), PK_C(-2.00158510637908252240537862224)), );

@@ -19,8 +19,8 @@ SIZES(oscillator, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) oscillator_##x
 #include <pk/inlined.h>
-SYSTEM(oscillator, 1, NATURAL | PK_AFFINE, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
-       .linear = oscillator_linear);
+SYSTEM(oscillator, 1, NATURAL | PK_AFFINE, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)),
+       LIST(PK_C(0.2)), .linear = oscillator_linear);
 
 POINT_MASS(stiffening, G(params) * q[0] * q[0] * (1 + q[0] * q[0] / 2) / 2,
            -G(params) * q[0] * (1 + q[0] * q[0]), -G(params) * (1 + 3 * q[0] * q[0]), 0)
@@ -72,8 +72,8 @@ SIZES(radial, 1, 0)
 #define PK_MODEL(x) radial_##x
 #include <pk/inlined.h>
 SYSTEM(radial, 1, NATURAL, PK_C(0.75), PK_C(0.25), none_cyclic, LIST(PK_C(0.5)), LIST(0),
-       .linear = radial_linear, .quadratures.n = 1, .quadratures.names = angle, .quadratures.rates = angle_rate,
-       .quadratures.start = angle_start);
+       .linear = radial_linear, .quadratures.n = 1, .quadratures.names = angle,
+       .quadratures.rates = angle_rate, .quadratures.start = angle_start);
 
 /* exp(-s^2), s = (x - 1.3)/limit, of which .8 bars the way. */
 #define AWAY(params, q) ((q[0] - PK_C(1.3)) / LIMIT(params))
@@ -86,7 +86,8 @@ static void barred_marking(ARGS, pk_real *out)
 }
 POINT_MASS(barred, HILL(params, q), 2 * AWAY(params, q) / LIMIT(params) * HILL(params, q),
            (2 - 4 * AWAY(params, q) * AWAY(params, q)) / (LIMIT(params) * LIMIT(params)) *
-               HILL(params, q), 0)
+               HILL(params, q),
+           0)
 SIZES(barred, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) barred_##x

@@ -63,8 +63,8 @@ BOUND(sleigh, 3, 3, 0, 1, BOUND_FACTS & ~(unsigned)PK_VARIATIONAL, PK_C(0.5), PK
 /* A solid unit sphere that rolls on a table turning at `limit`: its centre goes round at 2/7 of
  * that, wherever it starts. */
 static const struct pk_quantity ball_names[] = {
-    NAMED("x"), NAMED("y"), NAMED("omega(R).x"), NAMED("omega(R).y"), NAMED("omega(R).z"),
-    NAMED("R.w"), NAMED("R.x"), NAMED("R.y"), NAMED("R.z")};
+    NAMED("x"),   NAMED("y"),   NAMED("omega(R).x"), NAMED("omega(R).y"), NAMED("omega(R).z"),
+    NAMED("R.w"), NAMED("R.x"), NAMED("R.y"),        NAMED("R.z")};
 static const struct pk_quantity ball_constraints[] = {NAMED("lambda_contact.x"),
                                                       NAMED("lambda_contact.y")};
 static const pk_real ball_M[] = {PK_C(1.0), PK_C(1.0), PK_C(0.4), PK_C(0.4), PK_C(0.4)};

@@ -2,8 +2,7 @@
  * passing. */
 #include "systems_make.h"
 
-#define DISSIPATIVE \
-    (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH)
+#define DISSIPATIVE (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH)
 
 /* Van der Pol: a force g (1 - q^2) v beside -q. */
 static void van_der_pol_force(ARGS, pk_real *f)

@@ -7,10 +7,7 @@
 
 static const struct pk_quantity swift_names[] = {NAMED("x"), NAMED("y")};
 static const struct pk_quantity swift_constraints[] = {NAMED("lambda_rod")};
-static pk_real gamma_of(const pk_real *v)
-{
-    return 1 / PK_F(sqrt)(1 - v[0] * v[0] - v[1] * v[1]);
-}
+static pk_real gamma_of(const pk_real *v) { return 1 / PK_F(sqrt)(1 - v[0] * v[0] - v[1] * v[1]); }
 static void swift_inertia(ARGS, pk_real *M)
 {
     const pk_real c = gamma_of(v);
@@ -39,5 +36,6 @@ static pk_real swift_energy(ARGS)
     return gamma_of(v) + G(params) * q[1];
 }
 BOUND(swift, 2, 2, 0, 1, PK_AUTONOMOUS | PK_SMOOTH | PK_CONSERVATIVE | PK_VARIATIONAL, PK_C(1.0),
-      PK_C(5.0), LIST(PK_C(0.6), PK_C(-0.8)), LIST(PK_C(0.4), PK_C(0.3)), .constraints.n_holonomic = 1,
-      .constraints.names = swift_constraints, .constraints.values = swift_constraint, .constraints.scale = swift_terms);
+      PK_C(5.0), LIST(PK_C(0.6), PK_C(-0.8)), LIST(PK_C(0.4), PK_C(0.3)),
+      .constraints.n_holonomic = 1, .constraints.names = swift_constraints,
+      .constraints.values = swift_constraint, .constraints.scale = swift_terms);

@@ -53,9 +53,8 @@ SIZES(relativistic, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) relativistic_##x
 #include <pk/inlined.h>
-SYSTEM(relativistic, 1,
-       NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_QUADRATIC | PK_SEPARABLE), PK_C(1.0), 0,
-       none_cyclic, LIST(PK_C(1.7)), LIST(PK_C(0.2)), .linear = relativistic_linear);
+SYSTEM(relativistic, 1, NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_QUADRATIC | PK_SEPARABLE),
+       PK_C(1.0), 0, none_cyclic, LIST(PK_C(1.7)), LIST(PK_C(0.2)), .linear = relativistic_linear);
 
 /* p = E (1 + q^2) v with E = exp(t/2), see systems.h. */
 #define E_OF_T PK_F(exp)(t / 2)

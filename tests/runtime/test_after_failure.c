@@ -29,7 +29,7 @@ static void no_dense_output(void)
 static void going_on(void)
 {
     static struct fixture f, fresh;
-    static const char *const names[] = {"verlet", "yoshida4", "rk4",    "gauss2", "gauss8",
+    static const char *const names[] = {"verlet", "yoshida4", "rk4",   "gauss2",   "gauss8",
                                         "dopri5", "dop853",   "gauss", "gsl_rk8pd"};
     for (int i = 0; i < 9; i++) {
         const int adaptive = i >= 5;
@@ -46,8 +46,8 @@ static void going_on(void)
         fresh.q0[0] = f.it.q[0];
         fresh.v0[0] = f.it.v[0];
         const struct pk_method *m = fresh.it.method = f.it.method;
-        CU_ASSERT(pk_integrator_init(&fresh.it, &fresh.problem, m, &fresh.options, f.it.t,
-                                     fresh.q0, fresh.v0, fresh.block,
+        CU_ASSERT(pk_integrator_init(&fresh.it, &fresh.problem, m, &fresh.options, f.it.t, fresh.q0,
+                                     fresh.v0, fresh.block,
                                      pk_integrator_size(&fresh.problem, m)) == PK_DONE);
         CU_ASSERT(pk_integrator_set_step(&f.it, 0.01) == PK_DONE);
         const double end = f.it.t + (adaptive ? -0.3 : 0.03); /* back, or nearer to the end */

@@ -21,9 +21,8 @@ static const struct pk_quantity coordinates[] = {{"x", "", ""}, {"y", "", ""}};
 static const struct pk_quantity inputs[] = {{"push", "", ""}, {"pull", "", ""}};
 static const struct pk_quantity angles[] = {{"phi", "", ""}};
 #define PARAMETER(name, of) {{#name, "", ""}, offsetof(struct of, name), 0, 0, 0}
-static const struct pk_parameter of_whole[] = {PARAMETER(fast, whole_params),
-                                               PARAMETER(slow, whole_params),
-                                               PARAMETER(end, whole_params)};
+static const struct pk_parameter of_whole[] = {
+    PARAMETER(fast, whole_params), PARAMETER(slow, whole_params), PARAMETER(end, whole_params)};
 static const struct pk_parameter of_slow[] = {PARAMETER(tilt, slow_params),
                                               PARAMETER(slow, slow_params)};
 static const struct pk_parameter of_fast[] = {PARAMETER(end, fast_params),
@@ -72,7 +71,10 @@ static void whole_defaults(void *params)
 {
     *(struct whole_params *)params = (struct whole_params){900, 0.5, 100};
 }
-static void slow_defaults(void *params) { *(struct slow_params *)params = (struct slow_params){7, 3}; }
+static void slow_defaults(void *params)
+{
+    *(struct slow_params *)params = (struct slow_params){7, 3};
+}
 static void slow_derive(void *params, const unsigned char *given)
 {
     struct slow_params *p = (struct slow_params *)params;
@@ -81,35 +83,42 @@ static void slow_derive(void *params, const unsigned char *given)
     if (!given[0])
         p->tilt = 2 * p->slow;
 }
-static void fast_defaults(void *params) { *(struct fast_params *)params = (struct fast_params){1, 2}; }
+static void fast_defaults(void *params)
+{
+    *(struct fast_params *)params = (struct fast_params){1, 2};
+}
 static void no_derive(void *params, const unsigned char *given) { (void)params, (void)given; }
 static int no_prepare(void *params)
 {
     (void)params;
     return 0;
 }
-static int fast_prepare(void *params) { return ((struct fast_params *)params)->fast > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 1); }
+static int fast_prepare(void *params)
+{
+    return ((struct fast_params *)params)->fast > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 1);
+}
 
-#define SYSTEM(NAME, N, FIRST, PREPARE, DERIVE, ...)                                               \
-    static const struct pk_system NAME##_system = {.abi = PK_ABI,                                  \
-                                                   .name = #NAME,                                  \
-                                                   .source_hash = "by hand",                       \
-                                                   .facts = PK_SMOOTH | PK_MASS_CONSTANT |         \
-                                                            PK_QUADRATIC | PK_SEPARABLE,           \
-                                                   .n = N,                                         \
-                                                   .params_size = sizeof(struct NAME##_params),    \
-                                                   .n_parameters = sizeof of_##NAME /              \
-                                                                   sizeof *of_##NAME,              \
-                                                   .parameters = of_##NAME,                        \
-                                                   .coordinates = coordinates + FIRST,             \
-                                                   .n_inputs = N,                                  \
-                                                   .inputs = inputs + FIRST,                       \
-                                                   .acceleration = NAME##_acceleration,            \
-                                                   .defaults = NAME##_defaults,                    \
-                                                   .derive = DERIVE,                               \
-                                                   .prepare = PREPARE,                             \
-                                                   __VA_ARGS__}
-#define ANGLE .quadratures.n = 1, .quadratures.names = angles, .quadratures.rates = angle, .quadratures.start = at_one
+#define SYSTEM(NAME, N, FIRST, PREPARE, DERIVE, ...)                         \
+    static const struct pk_system NAME##_system = {                          \
+        .abi = PK_ABI,                                                       \
+        .name = #NAME,                                                       \
+        .source_hash = "by hand",                                            \
+        .facts = PK_SMOOTH | PK_MASS_CONSTANT | PK_QUADRATIC | PK_SEPARABLE, \
+        .n = N,                                                              \
+        .params_size = sizeof(struct NAME##_params),                         \
+        .n_parameters = sizeof of_##NAME / sizeof *of_##NAME,                \
+        .parameters = of_##NAME,                                             \
+        .coordinates = coordinates + FIRST,                                  \
+        .n_inputs = N,                                                       \
+        .inputs = inputs + FIRST,                                            \
+        .acceleration = NAME##_acceleration,                                 \
+        .defaults = NAME##_defaults,                                         \
+        .derive = DERIVE,                                                    \
+        .prepare = PREPARE,                                                  \
+        __VA_ARGS__}
+#define ANGLE                                                                    \
+    .quadratures.n = 1, .quadratures.names = angles, .quadratures.rates = angle, \
+    .quadratures.start = at_one
 SYSTEM(whole, 2, 0, no_prepare, no_derive, ANGLE);
 SYSTEM(slow, 1, 0, no_prepare, slow_derive, ANGLE);
 SYSTEM(fast, 1, 1, fast_prepare, no_derive, .quadratures.n = 0);
@@ -179,8 +188,7 @@ static void against_together(void)
     }
     const unsigned long many = t.apart.parts[0].it.count.steps;
     const unsigned long few = t.apart.parts[1].it.count.steps;
-    printf("\n    apart %lu and %lu steps, together %lu: %.1e", many, few, it.count.steps,
-           worst);
+    printf("\n    apart %lu and %lu steps, together %lu: %.1e", many, few, it.count.steps, worst);
     CU_ASSERT(worst > 0 && worst < 2e-11);
     CU_ASSERT(many == 2000 && few < 20 && it.count.steps > 100);
     const double other = 5, was = t.apart.z[0];
@@ -207,7 +215,8 @@ static void failure(void)
     CU_ASSERT(pk_apart_to(&t.apart, 2, 2) == PK_NOT_FINITE && t.apart.failed == 1);
     CU_ASSERT(t.apart.t == 1 && t.apart.q[0] == x && t.apart.q[1] == y);
     pk_apart_reason(&t.apart, reason, sizeof reason);
-    CU_ASSERT(strstr(reason, "part 1 (y): the motion is no longer finite; last valid time 1.2") != NULL);
+    CU_ASSERT(strstr(reason, "part 1 (y): the motion is no longer finite; last valid time 1.2") !=
+              NULL);
     CU_ASSERT(strstr(reason, "the whole is at t = 1") != NULL);
     CU_ASSERT(pk_apart_to(&t.apart, 1.5, 1.5) == PK_NOT_FINITE && t.apart.t == 1);
     end(&t);

@@ -66,9 +66,12 @@ static void all_roots(void)
     static const struct {
         double q0, v0, h;
         int roots, right; /* number of the right one; -1: none */
-    } rows[] = {{3.141592653589793, 0, 1.998, 1, 0},  {3.141592653589793, 0, 2.01, 3, -1},
-                {3.141592653589793, 0, 6, 7, -1},     {1.2, 0, 6, 5, 2},
-                {-1.7, 0.4, 6, 5, 2},                 {2.385, 0.13, 1.9, 1, 0}};
+    } rows[] = {{3.141592653589793, 0, 1.998, 1, 0},
+                {3.141592653589793, 0, 2.01, 3, -1},
+                {3.141592653589793, 0, 6, 7, -1},
+                {1.2, 0, 6, 5, 2},
+                {-1.7, 0.4, 6, 5, 2},
+                {2.385, 0.13, 1.9, 1, 0}};
     static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double root[9];
@@ -135,8 +138,8 @@ static void upright(void)
 /* Stiffness without a second solution is not stopped, and costs little: the matrix stays. */
 static void convex(void)
 {
-    static const char *const names[] = {"gauss1", "gauss2", "gauss3", "gauss4", "gauss6", "gauss8",
-                                        "radau5", "radau9"};
+    static const char *const names[] = {"gauss1", "gauss2", "gauss3", "gauss4",
+                                        "gauss6", "gauss8", "radau5", "radau9"};
     static struct fixture f;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         CU_ASSERT(fixture_run(&f, &oscillator_system, names[i], 100, 1000) == PK_DONE);
@@ -193,9 +196,9 @@ static void mass_inside(void)
     static const struct {
         const char *method;
         double c;
-    } rows[] = {{"gauss1", 0.5}, {"gauss3", 0.5}, {"gauss4", 0.3300094782},
-                {"gauss8", 0.5917173212},
-                {"lobatto3", 0.5}, {"radau5", 0.6449489743}, {"radau9", 0.2768430136}};
+    } rows[] = {{"gauss1", 0.5},          {"gauss3", 0.5},   {"gauss4", 0.3300094782},
+                {"gauss8", 0.5917173212}, {"lobatto3", 0.5}, {"radau5", 0.6449489743},
+                {"radau9", 0.2768430136}};
     static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
         for (int step = 0; step < 8; step += 7) {

@@ -113,8 +113,9 @@ static void reversal(void)
     const struct pk_reversal kept = there_and_back(0.5, "gauss1", 0.01, 60, 1e-3);
     const struct pk_reversal rk4 = there_and_back(0.5, "rk4", 0.01, 60, 1e-3);
     printf("\n    midpoint, h = .01: lost between %.2f and %.2f s; a regular orbit returns within "
-           "%.1e, by rk4 %.1e", lost.horizon_lo, lost.horizon_hi,
-           kept.at[kept.count - 1].absolute, rk4.at[rk4.count - 1].absolute);
+           "%.1e, by rk4 %.1e",
+           lost.horizon_lo, lost.horizon_hi, kept.at[kept.count - 1].absolute,
+           rk4.at[rk4.count - 1].absolute);
     CU_ASSERT(lost.passed && lost.horizon_lo > 28 && lost.horizon_hi < 50);
     CU_ASSERT(lost.horizon_hi < 1.07 * lost.horizon_lo);
     CU_ASSERT(!kept.passed && kept.count == 13 && fabs(kept.at[12].t - 60) < 1e-12);

@@ -6,8 +6,8 @@
 enum { VARIATIONAL = BOUND_VARIATIONAL, FIXED = BOUND_FIXED, NAMES = BOUND_METHODS };
 static const char *const *const names = bound_methods;
 
-static const struct pk_system *const systems[] = {&rod_system,     &rods_system,   &wire_system,
-                                                  &jointed_system, &swift_system,  &sleigh_system,
+static const struct pk_system *const systems[] = {&rod_system,     &rods_system,  &wire_system,
+                                                  &jointed_system, &swift_system, &sleigh_system,
                                                   &ball_system};
 enum { SYSTEMS = 7, ROLLING = 5 };
 
@@ -17,8 +17,8 @@ static double momenta_apart(const struct bound_run *f)
     const struct pk_system *system = f->problem.system;
     const int own = (f->it.method->traits & PK_HOLONOMIC) != 0;
     double p[BOUND_N], pdot[BOUND_N], most = 0, worst = 0;
-    (own ? system->unconstrained : system->canonical)(&f->params, f->it.t, f->it.q, f->it.v, NULL, p,
-                                                pdot);
+    (own ? system->unconstrained : system->canonical)(&f->params, f->it.t, f->it.q, f->it.v, NULL,
+                                                      p, pdot);
     for (size_t i = 0; f->it.p && i < f->it.n; i++) {
         most = fmax(most, fabs(p[i]));
         worst = fmax(worst, fabs(p[i] - f->it.p[i]));
@@ -84,8 +84,11 @@ static void equal_motion(void)
     static const struct {
         const char *method;
         double h, bound;
-    } rows[] = {{"gauss", 1e-13, 1e-11}, {"lie_midpoint6", 0.01, 1e-8}, {"rattle6", 0.01, 1e-8},
-                {"gauss4", 0.05, 1e-10}, {"rattle", 0.01, 1e-1}};
+    } rows[] = {{"gauss", 1e-13, 1e-11},
+                {"lie_midpoint6", 0.01, 1e-8},
+                {"rattle6", 0.01, 1e-8},
+                {"gauss4", 0.05, 1e-10},
+                {"rattle", 0.01, 1e-1}};
     for (int i = 0; i < 5; i++) {
         bound_set(&f, &rods_system);
         const double a[] = {f.q0[0], -f.q0[1], f.q0[2] - f.q0[0], f.q0[1] - f.q0[3]};
@@ -228,7 +231,8 @@ static void symplectic(void)
     const double start = form("rattle", 1e-9); /* as good as none */
     for (int i = 0; i < 8; i++) {
         const double defect = fabs(form(names[i], 0.1) - start);
-        printf("\n    %-13s form on the constraints missed by %.1e of %.2f", names[i], defect, start);
+        printf("\n    %-13s form on the constraints missed by %.1e of %.2f", names[i], defect,
+               start);
         CU_ASSERT(i < VARIATIONAL ? defect > 0 && defect < 2e-8 : defect > 1e-6);
     }
 }

@@ -152,7 +152,8 @@ static void refusals(void)
     system.unconstrained = NULL;
     bound_set(&f, &system);
     CU_ASSERT(bound_init(&f, "rk4", 0.1) == PK_DONE);
-    CU_ASSERT(bound_init(&f, "rattle", 0.1) == PK_REFUSED && bound_says(&f, "the kernel unconstrained"));
+    CU_ASSERT(bound_init(&f, "rattle", 0.1) == PK_REFUSED &&
+              bound_says(&f, "the kernel unconstrained"));
 }
 
 static void lowest(const void *params, double t, const double *q, const double *v, const double *u,

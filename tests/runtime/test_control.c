@@ -60,7 +60,8 @@ static void published(void)
            fixture_distance(&f, f.q0, f.v0));
     CU_ASSERT(f.it.count.steps + f.it.count.rejections == 240);
     CU_ASSERT(f.it.count.evaluations == 1442);
-    fixture_set(&f, &arenstorf_system); /* scipy's DOP853, the same formulas: 84 accepted, 36 rejected */
+    fixture_set(
+        &f, &arenstorf_system); /* scipy's DOP853, the same formulas: 84 accepted, 36 rejected */
     f.options.rtol = f.options.atol = 1e-7;
     CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, period) == PK_DONE);

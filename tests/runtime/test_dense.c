@@ -147,9 +147,9 @@ static void long_chain(void)
  * does not. */
 static void every_method(void)
 {
-    static const struct pk_system *const systems[] = {
-        &pendulum_system, &double_pendulum_system, &kepler_system, &driven_system,
-        &oscillator_system, &relativistic_system};
+    static const struct pk_system *const systems[] = {&pendulum_system,   &double_pendulum_system,
+                                                      &kepler_system,     &driven_system,
+                                                      &oscillator_system, &relativistic_system};
     static struct fixture f, e;
     int made = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
@@ -195,8 +195,8 @@ static void every_method(void)
             }
         }
         if (method->dense) {
-            printf("\n    %s: at ends %.1e, inside %.2g of the bound, a line %.0f", method->name, ends,
-                   worst, line);
+            printf("\n    %s: at ends %.1e, inside %.2g of the bound, a line %.0f", method->name,
+                   ends, worst, line);
             const double most = method->dense_order < method->order ? 100 : 3;
             CU_ASSERT(ends < 1e-14 && worst > 0 && worst < most && line > 10 * most);
         }

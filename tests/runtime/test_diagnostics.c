@@ -56,9 +56,9 @@ static void growth(void)
         int law;
         double exponent, within;
         enum pk_growth growth;
-    } rows[] = {{1, 0, 0.01, PK_GROWTH_BOUNDED},    {2, 0.5, 0.24, PK_GROWTH_RANDOM},
-                {3, 1, 0.02, PK_GROWTH_LINEAR},     {4, 2, 0.02, PK_GROWTH_QUADRATIC},
-                {5, 50, 49, PK_GROWTH_FASTER},      {6, 0, 0.01, PK_GROWTH_BOUNDED}};
+    } rows[] = {{1, 0, 0.01, PK_GROWTH_BOUNDED}, {2, 0.5, 0.24, PK_GROWTH_RANDOM},
+                {3, 1, 0.02, PK_GROWTH_LINEAR},  {4, 2, 0.02, PK_GROWTH_QUADRATIC},
+                {5, 50, 49, PK_GROWTH_FASTER},   {6, 0, 0.01, PK_GROWTH_BOUNDED}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         CU_ASSERT(growth_of(rows[k].law, 1e-8, 100000, &e) == rows[k].growth);
         CU_ASSERT(fabs(e - rows[k].exponent) < rows[k].within);
@@ -98,8 +98,10 @@ static void growth_of_methods(void)
     static const struct {
         const char *method;
         enum pk_growth growth;
-    } rows[] = {{"verlet", PK_GROWTH_BOUNDED}, {"gauss2", PK_GROWTH_BOUNDED},
-                {"rk4", PK_GROWTH_LINEAR}, {"gauss8", PK_GROWTH_ROUND_OFF}};
+    } rows[] = {{"verlet", PK_GROWTH_BOUNDED},
+                {"gauss2", PK_GROWTH_BOUNDED},
+                {"rk4", PK_GROWTH_LINEAR},
+                {"gauss8", PK_GROWTH_ROUND_OFF}};
     static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         struct pk_monitor m;

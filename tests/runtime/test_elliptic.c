@@ -24,10 +24,8 @@ static void against_gsl(void)
         CU_ASSERT(near(pk_elliptic_e(m), gsl_sf_ellint_Ecomp(k, 0), 8));
         if (i < 0) { /* m < 0: K(m) = K(m/(m - 1))/sqrt(1 - m); A&S 17.4.17 */
             const double of = i / 64.0, root = sqrt(1 - of), modulus = sqrt(of / (of - 1));
-            CU_ASSERT(near(pk_elliptic_k(of),
-                           gsl_sf_ellint_Kcomp(modulus, 0) / root, 8));
-            CU_ASSERT(near(pk_elliptic_e(of),
-                           gsl_sf_ellint_Ecomp(modulus, 0) * root, 8));
+            CU_ASSERT(near(pk_elliptic_k(of), gsl_sf_ellint_Kcomp(modulus, 0) / root, 8));
+            CU_ASSERT(near(pk_elliptic_e(of), gsl_sf_ellint_Ecomp(modulus, 0) * root, 8));
         }
     }
 }
@@ -82,7 +80,8 @@ static void pendulum(void)
     /* dJ/dE = period/(2 pi) on both sides of the separatrix, by a central difference. */
     for (double above = -1.5; above < 4; above += 0.35) {
         const double d = 1e-5, slope = (pk_pendulum_energy_action(above + d) -
-                                        pk_pendulum_energy_action(above - d)) / (2 * d);
+                                        pk_pendulum_energy_action(above - d)) /
+                                       (2 * d);
         CU_ASSERT(fabs(slope * 2 * PI / pk_pendulum_energy_period(above) - 1) < 1e-8);
     }
     /* Turning fast it is free: theta' = sqrt(2 above) (1 + 1/(2 above) ...). */

@@ -76,9 +76,8 @@ static enum pk_status alone(struct crowd *c, size_t i, double *q, double *v, siz
     struct pk_problem problem = {.system = &c->system, .params = &c->params[i]};
     problem.input = member_input;
     problem.context = &c->u[i];
-    enum pk_status status =
-        pk_integrator_init(&it, &problem, c->e.method, &c->e.options, 0, c->q0 + i * n,
-                           c->v0 + i * n, block, sizeof block);
+    enum pk_status status = pk_integrator_init(&it, &problem, c->e.method, &c->e.options, 0,
+                                               c->q0 + i * n, c->v0 + i * n, block, sizeof block);
     for (*rows = 0; *rows < ROWS && status == PK_DONE;) {
         status = pk_integrator_to(&it, c->t[*rows]);
         if (status == PK_DONE) {
@@ -111,13 +110,19 @@ static const struct {
     const struct pk_system *system;
     const char *method;
     double h;
-} cases[] = {{&double_pendulum_system, "rk4", 0.01},   {&double_pendulum_system, "euler", 0.01},
-             {&pushed_system, "rk4", 0.01},            {&forced_system, "rk4", 0.01},
-             {&driven_system, "verlet", 0.01},         {&driven_system, "yoshida4", 0.01},
+} cases[] = {{&double_pendulum_system, "rk4", 0.01},
+             {&double_pendulum_system, "euler", 0.01},
+             {&pushed_system, "rk4", 0.01},
+             {&forced_system, "rk4", 0.01},
+             {&driven_system, "verlet", 0.01},
+             {&driven_system, "yoshida4", 0.01},
              {&pendulum_system, "symplectic_euler", 0.01},
-             {&double_pendulum_system, "rk3", 0.01},   {&driven_system, "blanes_moan6", 0.05},
-             {&driven_system, "kahan_li8", 0.05},      {&pendulum_system, "adaptive_verlet", 0.01},
-             {&double_pendulum_system, "gauss2", 0.05}, {&double_pendulum_system, "dop853", 0},
+             {&double_pendulum_system, "rk3", 0.01},
+             {&driven_system, "blanes_moan6", 0.05},
+             {&driven_system, "kahan_li8", 0.05},
+             {&pendulum_system, "adaptive_verlet", 0.01},
+             {&double_pendulum_system, "gauss2", 0.05},
+             {&double_pendulum_system, "dop853", 0},
              {&kepler_system, "dopri5", 0}};
 
 /* Rows that are no whole number of steps: by lanes and one by one, with and without momenta, each is what
@@ -127,8 +132,11 @@ static void rows_between(void)
     static const struct {
         const struct pk_system *system;
         const char *method;
-    } of[] = {{&pendulum_system, "rk4"}, {&driven_system, "yoshida4"}, {&pendulum_system, "verlet"},
-              {&double_pendulum_system, "gauss2"}, {&pushed_system, "rk4"}};
+    } of[] = {{&pendulum_system, "rk4"},
+              {&driven_system, "yoshida4"},
+              {&pendulum_system, "verlet"},
+              {&double_pendulum_system, "gauss2"},
+              {&pushed_system, "rk4"}};
     static struct crowd c, other;
     for (size_t k = 0; k < sizeof of / sizeof *of; k++)
         for (int route = OWN; route <= SCALAR; route++) {
@@ -137,8 +145,10 @@ static void rows_between(void)
             const size_t n = of[k].system->n, i = 5;
             size_t row = 0;
             crowd_set(&c, of[k].system, (enum route)route, of[k].method, 0.07);
-            const struct pk_problem problem = {.system = &c.system, .params = &c.params[i],
-                                               .input = member_input, .context = &c.u[i]};
+            const struct pk_problem problem = {.system = &c.system,
+                                               .params = &c.params[i],
+                                               .input = member_input,
+                                               .context = &c.u[i]};
             CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) == PK_DONE);
             for (int side = 0; side < 2; side++)
                 pk_integrator_init(side ? &aside : &it, &problem, c.e.method, &c.e.options, 0,
@@ -158,7 +168,8 @@ static void rows_between(void)
             crowd_set(&other, of[k].system, (enum route)route, of[k].method, 0.07);
             other.e.rows = 1;
             other.e.t = other.t + ROWS - 1;
-            CU_ASSERT(pk_ensemble_run(&other.e, 0, MEMBERS, other.block, sizeof c.block) == PK_DONE);
+            CU_ASSERT(pk_ensemble_run(&other.e, 0, MEMBERS, other.block, sizeof c.block) ==
+                      PK_DONE);
             for (size_t m = 0; m < MEMBERS; m++)
                 CU_ASSERT(memcmp(other.q + m * n, c.q + (m * ROWS + ROWS - 1) * n, n * 8) == 0);
         }
@@ -220,8 +231,8 @@ static void any_company(void)
         }
         crowd_set(&other, cases[k].system, OWN, cases[k].method, cases[k].h);
         for (size_t first = 0; first < MEMBERS; first += 7) /* lanes shifted, blocks padded */
-            pk_ensemble_run(&other.e, first, MEMBERS - first < 7 ? MEMBERS - first : 7,
-                            other.block, sizeof other.block);
+            pk_ensemble_run(&other.e, first, MEMBERS - first < 7 ? MEMBERS - first : 7, other.block,
+                            sizeof other.block);
         CU_ASSERT(memcmp(c.q, other.q, sizeof c.q) == 0 && c.q[5] != 0);
     }
 }
@@ -253,7 +264,7 @@ static void failures(void)
                 c.params[i].limit = 9;
             c.params[3].limit = k < 2 ? 0.9 : 0.7;
             c.params[0].limit = k < 2 ? 1.0 : 0.9; /* later than 3, whose lane follows it */
-            c.v0[20] = k < 2 ? 1e200 : 0.2; /* M is no number since q is none */
+            c.v0[20] = k < 2 ? 1e200 : 0.2;        /* M is no number since q is none */
             c.params[149].limit = 1.2;
             c.params[70].g = -1; /* out of bounds */
             c.v0[77] = (double)NAN;
@@ -295,7 +306,7 @@ static void singularities(void)
             c.system.singularities.table = &centre;
             c.system.singularities.values = distance;
             c.v0[2 * 3 + 1] = c.v0[2 * 64 + 1] = c.v0[2 * 149 + 1] = 0;
-            c.q0[2 * 64] = 0.8; /* falls later, between rows */
+            c.q0[2 * 64] = 0.8;                /* falls later, between rows */
             c.q0[2 * 5] = c.q0[2 * 5 + 1] = 0; /* starts there */
             CU_ASSERT(pk_ensemble_run(&c.e, 0, MEMBERS, c.block, sizeof c.block) ==
                       (guarded ? PK_SINGULAR_TIME : PK_NOT_FINITE));

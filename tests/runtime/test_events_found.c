@@ -17,8 +17,11 @@ static void lawful(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                    pk_real *g)
 {
     const double away = (t - law.a) * (t - law.a);
-    const double all[] = {sin(law.w * t + law.c), cos(t) - 0.999, away - law.d,
-                          fabs(t - law.a) - law.d, sin(law.w * t + law.c) * (t - law.a),
+    const double all[] = {sin(law.w * t + law.c),
+                          cos(t) - 0.999,
+                          away - law.d,
+                          fabs(t - law.a) - law.d,
+                          sin(law.w * t + law.c) * (t - law.a),
                           v[0] - law.c / 4};
     (void)p, (void)q, (void)u;
     g[0] = law.unit * all[law.kind];
@@ -42,7 +45,8 @@ static int roots(double T, double *t)
         if (law.kind == TOPS)
             found[n++] = 2 * pi * k - acos(0.999), found[n++] = 2 * pi * k + acos(0.999);
         if (law.kind == OF_RATE) /* -sin t = c/4 */
-            found[n++] = 2 * pi * k - asin(law.c / 4), found[n++] = pi * (2 * k + 1) + asin(law.c / 4);
+            found[n++] = 2 * pi * k - asin(law.c / 4),
+            found[n++] = pi * (2 * k + 1) + asin(law.c / 4);
     }
     if (law.kind == PRODUCT)
         found[n++] = law.a;
@@ -65,7 +69,7 @@ static void all_are_found(void)
         const char *method;
         double h, within; /* of what is a function of the motion */
     } by[] = {{"gauss", 1e-11, 1e-7}, {"dop853", 1e-10, 1e-7}, {"rk4", 0.4, 0.05},
-              {"verlet", 0.3, 0.1},  {"radau", 1e-8, 1e-4},    {"gauss4", 2, 1e-2}};
+              {"verlet", 0.3, 0.1},   {"radau", 1e-8, 1e-4},   {"gauss4", 2, 1e-2}};
     static const double units[] = {1, 1e-12, 1e12};
     static struct watch w;
     double t[2000];

@@ -97,8 +97,8 @@ static void near_the_top(const void *p, pk_real t, const pk_real *q, const pk_re
     g[0] = q[0] - 0.9999;
 }
 
-static void touching(const void *p, pk_real t, const pk_real *q, const pk_real *v,
-                     const pk_real *u, pk_real *g)
+static void touching(const void *p, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
+                     pk_real *g)
 {
     (void)p, (void)t, (void)v, (void)u;
     g[0] = q[0] - 1.0001;

@@ -10,7 +10,9 @@ struct affine {
 };
 
 #define ARGS const void *params, double t, const double *q, const double *v, const double *u
-#define SELF const struct affine *s = (const struct affine *)params; const size_t n = s->n
+#define SELF                                                \
+    const struct affine *s = (const struct affine *)params; \
+    const size_t n = s->n
 #define UNUSED ((void)t, (void)q, (void)v, (void)u)
 
 static size_t count(const void *params) { return ((const struct affine *)params)->n; }
@@ -154,8 +156,8 @@ static double chain(const char *method, size_t n, double h, long steps)
                 a += sinl(pi * k * (j + 1) / (n + 1)) * q0[j];
                 b += sinl(pi * k * (j + 1) / (n + 1)) * v0[j];
             }
-            exact += (a * cosl(w * T) + b / w * sinl(w * T)) *
-                     sinl(pi * k * (i + 1) / (n + 1)) * 2 / (n + 1);
+            exact += (a * cosl(w * T) + b / w * sinl(w * T)) * sinl(pi * k * (i + 1) / (n + 1)) *
+                     2 / (n + 1);
         }
         worst = fmax(worst, (double)fabsl(m.it.q[i] - exact));
     }

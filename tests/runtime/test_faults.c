@@ -13,8 +13,23 @@
 enum { SIZE = 1 << 15, MOST = 16 };
 
 enum kernel {
-    ACCELERATION, MASS, CANONICAL, JACOBIAN, LINEAR, SINGULARITY, EVENT, QUADRATURE, CONSTRAINT, ROWS,
-    TERMS, UNCONSTRAINED, INERTIA, MARKING, PREPARE, LANES, KERNELS
+    ACCELERATION,
+    MASS,
+    CANONICAL,
+    JACOBIAN,
+    LINEAR,
+    SINGULARITY,
+    EVENT,
+    QUADRATURE,
+    CONSTRAINT,
+    ROWS,
+    TERMS,
+    UNCONSTRAINED,
+    INERTIA,
+    MARKING,
+    PREPARE,
+    LANES,
+    KERNELS
 };
 
 static struct {
@@ -142,17 +157,21 @@ static int prepare(void *p)
 
 static struct pk_system faulty(void)
 {
-    static const struct pk_singularity singularity[] = {{{"100 + x", "", ""}, PK_SINGULARITY_DIVISOR}};
+    static const struct pk_singularity singularity[] = {
+        {{"100 + x", "", ""}, PK_SINGULARITY_DIVISOR}};
     static const struct pk_event event[] = {{{"low", "", ""}, 0, 0}};
     const struct pk_system *of = fault.of;
     struct pk_system s = *of;
 #define WRAP_AS(field, kernel) s.field = s.field ? kernel : NULL
 #define WRAP(kernel) WRAP_AS(kernel, kernel)
-    WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unconstrained), WRAP(jacobian);
-    WRAP(linear), WRAP_AS(quadratures.rates, quadrature), WRAP_AS(constraints.values, constraint), WRAP_AS(constraints.jacobian, rows), WRAP_AS(constraints.scale, terms), WRAP(inertia);
+    WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unconstrained),
+        WRAP(jacobian);
+    WRAP(linear), WRAP_AS(quadratures.rates, quadrature), WRAP_AS(constraints.values, constraint),
+        WRAP_AS(constraints.jacobian, rows), WRAP_AS(constraints.scale, terms), WRAP(inertia);
     WRAP_AS(marks.values, marking), WRAP(prepare);
     s.steppers = NULL, s.block_steppers = NULL;
-    s.singularities.n = 1, s.singularities.table = singularity, s.singularities.values = one_singularity;
+    s.singularities.n = 1, s.singularities.table = singularity,
+    s.singularities.values = one_singularity;
     s.events.n = 1, s.events.table = event, s.events.values = one_event;
     return s;
 }
@@ -233,10 +252,10 @@ static const struct pk_method *method_at(size_t i)
 
 static void of_system(const struct pk_system *system, double h, long deep)
 {
-    static const char *const names[] = {"acceleration", "mass", "canonical", "jacobian", "linear",
-                                        "singularity", "event", "quadrature", "constraint", "rows",
-                                        "terms", "unconstrained", "inertia", "marking", "prepare",
-                                        "lanes"};
+    static const char *const names[] = {"acceleration", "mass",        "canonical", "jacobian",
+                                        "linear",       "singularity", "event",     "quadrature",
+                                        "constraint",   "rows",        "terms",     "unconstrained",
+                                        "inertia",      "marking",     "prepare",   "lanes"};
     double right[2 * MOST], x[2 * MOST];
     fault.of = system;
     for (size_t i = 0; method_at(i); i++) {

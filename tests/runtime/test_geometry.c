@@ -27,8 +27,8 @@ static void long_energy(void)
     double slope, slope4;
     const double gauss = energy_drift("gauss2", 0.02, 2000, &slope); /* 1e5 steps */
     const double rk4 = energy_drift("rk4", 0.02, 2000, &slope4);
-    printf("\n    1e5 steps: gauss2 max %.2e trend %.1e, rk4 max %.2e trend %.1e", gauss, slope, rk4,
-           slope4);
+    printf("\n    1e5 steps: gauss2 max %.2e trend %.1e, rk4 max %.2e trend %.1e", gauss, slope,
+           rk4, slope4);
     CU_ASSERT(gauss > 1e-12 && gauss < 1e-5);
     CU_ASSERT(fabs(slope) < 0.02 * gauss);
     CU_ASSERT(rk4 > 10 * gauss && fabs(slope4) > 0.5 * rk4);
@@ -101,7 +101,8 @@ static void symplectic(void)
         CU_ASSERT(defect > 0 && defect < 2e-8); /* of the differences, e^4 */
     }
     /* The adaptive form, in (q, q'), is not where M varies: as large as its error a step. */
-    const double adaptive = symplectic_defect("gauss", 0.3), eight = symplectic_defect("gauss8", 0.3);
+    const double adaptive = symplectic_defect("gauss", 0.3),
+                 eight = symplectic_defect("gauss8", 0.3);
     printf("; at h = .3 gauss8 %.1e, gauss %.1e", eight, adaptive);
     CU_ASSERT(eight < 2e-8 && adaptive > 100 * eight);
 }
@@ -123,8 +124,7 @@ static void reversible(void)
 {
     for (size_t i = 0; pk_method_at(i); i++) {
         const unsigned traits = pk_method_at(i)->traits;
-        const struct pk_system *system =
-            traits & PK_EXACT ? &oscillator_system : &pendulum_system;
+        const struct pk_system *system = traits & PK_EXACT ? &oscillator_system : &pendulum_system;
         if ((traits & PK_SYMMETRIC) && !(traits & PK_ADAPTIVE))
             CU_ASSERT(reversal(system, pk_method_at(i)->name) < 1e-13);
     }
@@ -183,8 +183,8 @@ static void brouwer(void)
         for (int turn = 0; turn < 600; turn++) {
             for (int i = 0; i < rows[k].steps; i++)
                 CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
-            pk_drift_update_scaled(&drift, turn, kepler_system.energy(&f.params, 0, f.it.q, f.it.v,
-                                                                      NULL), 0.5);
+            pk_drift_update_scaled(&drift, turn,
+                                   kepler_system.energy(&f.params, 0, f.it.q, f.it.v, NULL), 0.5);
         }
         slope[k] = fabs(pk_drift_slope(&drift));
         worst[k] = pk_drift_max(&drift);

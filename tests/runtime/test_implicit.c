@@ -84,8 +84,8 @@ static void tables(void)
         for (int i = 0; i < s; i++)
             for (int j = 0; j < s; j++) {
                 const int ii = s - 1 - i, jj = s - 1 - j;
-                pair = fmax(pair, fabs(t->b[i] * a_p[i][j] + t->b[j] * a[j][i] -
-                                       t->b[i] * t->b[j]));
+                pair =
+                    fmax(pair, fabs(t->b[i] * a_p[i][j] + t->b[j] * a[j][i] - t->b[i] * t->b[j]));
                 mirror = fmax(mirror, fabs(a[ii][jj] + a[i][j] - t->b[j]));
                 mirror = fmax(mirror, fabs(a_p[ii][jj] + a_p[i][j] - t->b[j]));
             }
@@ -117,7 +117,9 @@ static void energy(void)
     static const struct {
         const char *method;
         double most, slope; /* of the drift, per unit of time */
-    } rows[] = {{"lobatto2", 0.02, 2e-6}, {"lobatto3", 5e-4, 1e-7}, {"lobatto4", 1e-5, 2e-9},
+    } rows[] = {{"lobatto2", 0.02, 2e-6},
+                {"lobatto3", 5e-4, 1e-7},
+                {"lobatto4", 1e-5, 2e-9},
                 {"radau5", 1, 1}};
     static struct fixture f;
     for (int k = 0; k < 4; k++) {
@@ -128,10 +130,9 @@ static void energy(void)
         CU_ASSERT_FATAL(fixture_init(&f, rows[k].method) == PK_DONE);
         for (int i = 0; i < 20000; i++) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1e9) == PK_DONE);
-            pk_drift_update_scaled(&drift, f.it.t,
-                                   double_pendulum_system.energy(&f.params, 0, f.it.q, f.it.v,
-                                                                 NULL),
-                                   30);
+            pk_drift_update_scaled(
+                &drift, f.it.t, double_pendulum_system.energy(&f.params, 0, f.it.q, f.it.v, NULL),
+                30);
         }
         const double most = pk_drift_max(&drift), slope = pk_drift_slope(&drift);
         printf("\n    %s: %.1e, %.1e a second", rows[k].method, most, slope);
@@ -147,8 +148,8 @@ static void l_stable(void)
     static const struct {
         const char *method;
         double least, most;
-    } rows[] = {{"radau5", 0, 1e-3}, {"radau9", 0, 1e-3}, {"gauss2", 0.9, 1.1},
-                {"gauss3", 0.9, 1.1}};
+    } rows[] = {
+        {"radau5", 0, 1e-3}, {"radau9", 0, 1e-3}, {"gauss2", 0.9, 1.1}, {"gauss3", 0.9, 1.1}};
     static struct fixture f;
     for (int k = 0; k < 4; k++) {
         fixture_set(&f, &damped_system); /* spread decays by exp(-5000 t), or stays */
@@ -174,9 +175,11 @@ static void stiff(void)
         const struct pk_system *system;
         double t;
         int stiff;
-    } rows[] = {{&van_der_pol_system, 400, 1}, {&damped_system, 10, 1},
+    } rows[] = {{&van_der_pol_system, 400, 1},
+                {&damped_system, 10, 1},
                 {&double_pendulum_system, 3, 0},
-                {&forced_system, 4, 0}, {&relativistic_system, 10, 0}};
+                {&forced_system, 4, 0},
+                {&relativistic_system, 10, 0}};
     static struct fixture f, e;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double tol[8], error[8];

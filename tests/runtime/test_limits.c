@@ -92,8 +92,8 @@ static void step_against_table(enum pk_axis axis)
             continue;
         found++;
         const double limit = interval[0];
-        const double above =
-            interval[1] < 1.001 * limit ? (limit + interval[1]) / 2 : 1.001 * limit;
+        const double above = interval[1] < 1.001 * limit ? (limit + interval[1]) / 2
+                                                         : 1.001 * limit;
         const double y = limit > 0 ? above : 0.1;
         CU_ASSERT((axis == PK_AXIS_REAL ? pk_method_decay(m, y, map)
                                         : pk_method_oscillator(m, y, map)) == PK_DONE);

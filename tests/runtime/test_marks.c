@@ -5,7 +5,8 @@
 static const double widths[] = {1e-1, 1e-3, 1e-6};
 
 /* Until t, of a bead that starts at x0 with the speed v0. */
-static void along(struct fixture *f, const char *method, double width, double x0, double v0, double t)
+static void along(struct fixture *f, const char *method, double width, double x0, double v0,
+                  double t)
 {
     fixture_set(f, &barred_system);
     f->params.limit = width;
@@ -16,7 +17,8 @@ static void along(struct fixture *f, const char *method, double width, double x0
 
 static void turns_back(void)
 {
-    static const char *const methods[] = {"gauss", "dop853", "dopri5", "radau", "gsl_rk8pd", "gsl_rkf45"};
+    static const char *const methods[] = {"gauss", "dop853",    "dopri5",
+                                          "radau", "gsl_rk8pd", "gsl_rkf45"};
     static struct fixture f;
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++)
         for (size_t k = 0; k < sizeof widths / sizeof *widths; k++)

@@ -26,18 +26,20 @@ struct pattern {
 };
 static const struct pattern zero = {"zero", 0};
 static const struct pattern patterns[] = {
-    {"signalling NaN", 0x7ff4dead0000beefull}, {"all ones", ~0ull},
-    {"one", 0x3ff0000000000000ull}, {"-2e300", 0xfe47e43c8800759cull},
-    {"least number", 1},
+    {"signalling NaN", 0x7ff4dead0000beefull}, {"all ones", ~0ull}, {"one", 0x3ff0000000000000ull},
+    {"-2e300", 0xfe47e43c8800759cull},         {"least number", 1},
 };
 enum { PATTERNS = sizeof patterns / sizeof *patterns };
 
 static const struct pk_system *const systems[] = {
-    &pendulum_system, &oscillator_system, &double_pendulum_system, &kepler_system,
-    &relativistic_system, &driven_system, &forced_system, &van_der_pol_system, &damped_system,
-    &radial_system, &brusselator_system, &maxwell_system, &pushed_system, &free_body_system,
-    &top_system, &carriage_system, &swift_system, &rod_system, &rods_system, &wire_system,
-    &jointed_system, &sleigh_system, &ball_system, &barred_system,
+    &pendulum_system, &oscillator_system,   &double_pendulum_system,
+    &kepler_system,   &relativistic_system, &driven_system,
+    &forced_system,   &van_der_pol_system,  &damped_system,
+    &radial_system,   &brusselator_system,  &maxwell_system,
+    &pushed_system,   &free_body_system,    &top_system,
+    &carriage_system, &swift_system,        &rod_system,
+    &rods_system,     &wire_system,         &jointed_system,
+    &sleigh_system,   &ball_system,         &barred_system,
 };
 enum { SYSTEMS = sizeof systems / sizeof *systems };
 
@@ -126,7 +128,10 @@ static double room[2 * REALS];
 static enum pk_status motion(const struct pk_system *of, const struct pk_method *method,
                              const struct pattern *with, size_t padding, struct trace *to)
 {
-    static union { struct test_params p; double x[128 + PADDING]; } params;
+    static union {
+        struct test_params p;
+        double x[128 + PADDING];
+    } params;
     struct pk_system system = *of;
     const struct pk_problem problem = {.system = &system, .params = &params};
     struct pk_options options = pk_options_default();
@@ -179,8 +184,9 @@ static int same(const char *what, const struct pk_system *system, const struct p
 {
     const long at = difference(&plain, &other);
     if (at >= 0)
-        printf("\n    %s: %s, %s in memory of %s, %zu parameters more: number %ld is %.17g, not %.17g",
-               what, system->name, method->name, with->name, padding, at, other.x[at], plain.x[at]);
+        printf(
+            "\n    %s: %s, %s in memory of %s, %zu parameters more: number %ld is %.17g, not %.17g",
+            what, system->name, method->name, with->name, padding, at, other.x[at], plain.x[at]);
     return at < 0;
 }
 
@@ -207,7 +213,6 @@ static void every_method(void)
     printf("\n    %zu pairs of a system and a method, %zu patterns each", made, (size_t)PATTERNS);
     CU_ASSERT(made > 500 && moved == made);
 }
-
 
 /* Everything else that takes a block: what it leaves in `to`, of a block with that pattern. */
 
@@ -274,9 +279,19 @@ static void ensemble(const struct use *use, const struct pattern *with, struct t
     size_t done[MEMBERS];
     enum pk_status status[MEMBERS];
     const struct pk_system *system = use->problem->system;
-    struct pk_ensemble e = {.system = system, .method = use->method, .options = *use->options,
-                            .members = MEMBERS, .params = params, .q0 = q0, .v0 = v0, .rows = 2,
-                            .t = t, .q = q, .v = v, .done = done, .last_t = last_t,
+    struct pk_ensemble e = {.system = system,
+                            .method = use->method,
+                            .options = *use->options,
+                            .members = MEMBERS,
+                            .params = params,
+                            .q0 = q0,
+                            .v0 = v0,
+                            .rows = 2,
+                            .t = t,
+                            .q = q,
+                            .v = v,
+                            .done = done,
+                            .last_t = last_t,
                             .status = status};
     for (size_t i = 0; i < MEMBERS; i++) {
         memcpy(&params[i], use->problem->params, sizeof *params);
@@ -331,8 +346,8 @@ static void least_action(const struct use *use, const struct pattern *with, stru
     if (!size || size > sizeof room || !use->problem->system->linear)
         return;
     poison(room, sizeof room, with);
-    note(to, pk_least_action_find(&found, use->problem, use->method, use->options, 0, use->q, use->v,
-                                  0.3, 4, 3, room, sizeof room));
+    note(to, pk_least_action_find(&found, use->problem, use->method, use->options, 0, use->q,
+                                  use->v, 0.3, 4, 3, room, sizeof room));
     if (to->x[to->count - 1] >= 0) {
         note(to, found.action);
         note_all(to, found.C, 9 * found.n * found.n);
@@ -357,8 +372,9 @@ static void (*const uses[])(const struct use *, const struct pattern *, struct t
 
 static void every_block(void)
 {
-    static const char *const methods[] = {"radau", "rk4", "verlet", "gauss4", "gauss8", "gauss",
-                                          "dop853", "rattle4", "adaptive_verlet", "exponential"};
+    static const char *const methods[] = {"radau",           "rk4",        "verlet", "gauss4",
+                                          "gauss8",          "gauss",      "dop853", "rattle4",
+                                          "adaptive_verlet", "exponential"};
     size_t made = 0;
     for (size_t k = 0; k < SYSTEMS; k++)
         for (size_t i = 0; i < sizeof methods / sizeof *methods; i++)

@@ -71,7 +71,8 @@ static void order_with_time(void)
     /* Verlet keeps its order only if its kicks are at the right times. */
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *m = pk_method_at(i);
-        if (m->order > 6 || (m->needs & (PK_AUTONOMOUS | PK_AFFINE)) || !(m->traits & PK_SYMPLECTIC))
+        if (m->order > 6 || (m->needs & (PK_AUTONOMOUS | PK_AFFINE)) ||
+            !(m->traits & PK_SYMPLECTIC))
             continue;
         const double p = measured_order(&driven_system, m, 3);
         printf("\n    driven, %-16s measured %.3f", m->name, p);
@@ -88,8 +89,8 @@ static void order_with_time(void)
 
 static void order_general_mass(void)
 {
-    static const struct pk_system *const systems[] = {&double_pendulum_system,
-                                                      &relativistic_system, &forced_system};
+    static const struct pk_system *const systems[] = {&double_pendulum_system, &relativistic_system,
+                                                      &forced_system};
     static const char *const names[] = {"rk4",      "gauss1",   "gauss2",   "gauss3",
                                         "lobatto2", "lobatto3", "lobatto4", "radau5"};
     for (size_t s = 0; s < 3; s++)
@@ -102,8 +103,8 @@ static void order_general_mass(void)
 
 static void tolerance(void)
 {
-    static const char *const names[] = {"dopri5", "dop853", "gsl_rkf45", "gsl_rk8pd",
-                                        "gsl_msadams", "gsl_msbdf"};
+    static const char *const names[] = {"dopri5",    "dop853",      "gsl_rkf45",
+                                        "gsl_rk8pd", "gsl_msadams", "gsl_msbdf"};
     static struct fixture f;
     double q[2], v[2];
     CU_ASSERT(fixture_run(&f, &pendulum_system, "gauss4", 0.002, 10) == PK_DONE);

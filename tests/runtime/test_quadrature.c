@@ -281,10 +281,21 @@ static void members(void)
     enum pk_status status[2];
     system.defaults(&params[0]);
     system.defaults(&params[1]);
-    struct pk_ensemble e = {.system = &system, .method = pk_method_find("rk4"), .members = 2,
-                            .options = pk_options_default(), .params = params, .q0 = q0, .v0 = v0,
-                            .rows = 2, .t = t, .q = q, .v = v, .z = z, .done = done,
-                            .last_t = last, .status = status};
+    struct pk_ensemble e = {.system = &system,
+                            .method = pk_method_find("rk4"),
+                            .members = 2,
+                            .options = pk_options_default(),
+                            .params = params,
+                            .q0 = q0,
+                            .v0 = v0,
+                            .rows = 2,
+                            .t = t,
+                            .q = q,
+                            .v = v,
+                            .z = z,
+                            .done = done,
+                            .last_t = last,
+                            .status = status};
     e.options.h = 0.001;
     const size_t size = pk_ensemble_size(&e);
     void *block = malloc(size);

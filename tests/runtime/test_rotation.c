@@ -4,9 +4,9 @@
 #include "attitude_series.h"
 #include "bound.h"
 
-static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6", "rattle",
-                                    "rattle4",      "rattle6",       "rkmk4",         "rk4",
-                                    "gauss2"};
+static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6",
+                                    "rattle",       "rattle4",       "rattle6",
+                                    "rkmk4",        "rk4",           "gauss2"};
 enum { STEPS = sizeof steps / sizeof *steps, VARIATIONAL = 6 };
 
 static void order(void)
@@ -166,8 +166,7 @@ static double form(const double *P, const double *eta1, const double *dP1, const
     double sum = 0;
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        sum += dP1[i] * eta2[i] - dP2[i] * eta1[i] -
-               P[i] * (eta1[j] * eta2[k] - eta1[k] * eta2[j]);
+        sum += dP1[i] * eta2[i] - dP2[i] * eta1[i] - P[i] * (eta1[j] * eta2[k] - eta1[k] * eta2[j]);
     }
     return sum;
 }
@@ -252,7 +251,8 @@ static void small_angles(void)
 {
     double exp_off, dexp_off;
     series_of_attitudes(12, &exp_off, &dexp_off); /* 7/64 */
-    printf("\n    small angles: exp off by %.2g eps, the inverse of d(exp) by %.2g", exp_off, dexp_off);
+    printf("\n    small angles: exp off by %.2g eps, the inverse of d(exp) by %.2g", exp_off,
+           dexp_off);
     CU_ASSERT(exp_off > 0 && exp_off < 4 && dexp_off > 0 && dexp_off < 3);
 }
 

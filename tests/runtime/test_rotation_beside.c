@@ -4,9 +4,9 @@
 
 #include "bound.h"
 
-static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6", "rattle",
-                                    "rattle4",      "rattle6",       "rkmk4",         "rk4",
-                                    "gauss2"};
+static const char *const steps[] = {"lie_midpoint", "lie_midpoint4", "lie_midpoint6",
+                                    "rattle",       "rattle4",       "rattle6",
+                                    "rkmk4",        "rk4",           "gauss2"};
 enum { STEPS = sizeof steps / sizeof *steps, VARIATIONAL = 6 };
 
 /* Through theta = 0, where Euler's angles end: the axis of a sleeping top that falls and rises. */

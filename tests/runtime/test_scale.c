@@ -2,8 +2,8 @@
  * method; what begins at rest, at an equilibrium or with a jump. */
 #include "fixture.h"
 
-static const char *const methods[] = {"gauss",     "dop853",    "dopri5",      "gsl_rkf45",
-                                      "gsl_rk8pd", "gsl_msadams"};
+static const char *const methods[] = {"gauss",     "dop853",    "dopri5",
+                                      "gsl_rkf45", "gsl_rk8pd", "gsl_msadams"};
 
 /* A Duffing oscillator in units: x'' = -x - g x^3, of q = x limit. */
 static int duffing(const void *p, double t, const double *q, const double *v, const double *u,

@@ -47,10 +47,10 @@ static void refused_options(void)
     int count = 0;
     fixture_set(&f, &pendulum_system);
     f.options.h = 0.1;
-#define ROW(name, field, value, want)   \
-    row[count].method = name;           \
-    row[count].o = f.options;           \
-    row[count].o.field = value;         \
+#define ROW(name, field, value, want) \
+    row[count].method = name;         \
+    row[count].o = f.options;         \
+    row[count].o.field = value;       \
     row[count++].status = want
     ROW("rk4", h, -0.1, PK_BAD_ARGUMENT);
     ROW("rk4", h, inf, PK_BAD_ARGUMENT);
@@ -209,8 +209,10 @@ static void after_a_sliver(void)
         const struct pk_system *system;
         const char *method;
         double sliver;
-    } rows[] = {{&double_pendulum_system, "gauss4", 2e-6}, {&stiffening_system, "gauss8", 2e-6},
-                {&stiffening_system, "gauss8", 2e-14},     {&stiffening_system, "gauss", 2e-6},
+    } rows[] = {{&double_pendulum_system, "gauss4", 2e-6},
+                {&stiffening_system, "gauss8", 2e-6},
+                {&stiffening_system, "gauss8", 2e-14},
+                {&stiffening_system, "gauss", 2e-6},
                 {&stiffening_system, "gauss", 2e-14}};
     static struct fixture f;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
@@ -232,8 +234,8 @@ static void after_a_sliver(void)
 /* A reset leaves nothing of before: the same numbers as a new integrator's. */
 static void reset_is_fresh(void)
 {
-    static const char *const names[] = {"verlet", "rk4", "dop853", "gauss1", "gauss4",
-                                        "gauss8", "gauss"};
+    static const char *const names[] = {"verlet", "rk4",    "dop853", "gauss1",
+                                        "gauss4", "gauss8", "gauss"};
     static struct fixture f, g;
     for (int i = 0; i < 7; i++) {
         fixture_set(&f, &kepler_system);
@@ -296,8 +298,8 @@ static void sums(void)
 /* Backward as forward: adaptive and fixed methods return to their start. */
 static void backward(void)
 {
-    static const char *const names[] = {"dopri5", "dop853", "gsl_rk8pd", "gsl_msadams", "gsl_rkf45",
-                                        "gsl_msbdf", "gsl_bsimp", "rk4"};
+    static const char *const names[] = {"dopri5",    "dop853",    "gsl_rk8pd", "gsl_msadams",
+                                        "gsl_rkf45", "gsl_msbdf", "gsl_bsimp", "rk4"};
     static struct fixture f;
     for (int i = 0; i < 8; i++) {
         fixture_set(&f, &kepler_system);

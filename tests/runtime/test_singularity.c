@@ -13,8 +13,8 @@ static void distance(const void *p, double t, const double *q, const double *v, 
     out[1] = sqrt(q[0] * q[0] + q[1] * q[1]);
 }
 
-static const struct pk_singularity kepler_singularities[] = {{{"1 + x^2", "", ""}, PK_SINGULARITY_COORDINATES},
-                                                {{"r", "", ""}, PK_SINGULARITY_DIVISOR}};
+static const struct pk_singularity kepler_singularities[] = {
+    {{"1 + x^2", "", ""}, PK_SINGULARITY_COORDINATES}, {{"r", "", ""}, PK_SINGULARITY_DIVISOR}};
 
 static struct pk_system guarded_kepler(void)
 {
@@ -28,11 +28,12 @@ static struct pk_system guarded_kepler(void)
 static const struct {
     const char *name;
     double h;
-} methods[] = {{"euler", 1e-3},  {"rk4", 1e-2},    {"symplectic_euler", 1e-3}, {"verlet", 1e-2},
-               {"verlet", 0.1},  {"yoshida4", .01}, {"gauss1", 1e-2},          {"gauss4", 1e-2},
-               {"gauss8", 1e-2}, {"dopri5", 0},    {"dop853", 0},              {"gauss", 0},
-               {"gsl_rk8pd", 0}, {"gsl_msadams", 0}, {"gsl_msbdf", 0}, {"gsl_bsimp", 0},
-               {"rk3", 1e-2},    {"kahan_li8", 1e-2}};
+} methods[] = {{"euler", 1e-3},  {"rk4", 1e-2},      {"symplectic_euler", 1e-3},
+               {"verlet", 1e-2}, {"verlet", 0.1},    {"yoshida4", .01},
+               {"gauss1", 1e-2}, {"gauss4", 1e-2},   {"gauss8", 1e-2},
+               {"dopri5", 0},    {"dop853", 0},      {"gauss", 0},
+               {"gsl_rk8pd", 0}, {"gsl_msadams", 0}, {"gsl_msbdf", 0},
+               {"gsl_bsimp", 0}, {"rk3", 1e-2},      {"kahan_li8", 1e-2}};
 enum { METHODS = sizeof methods / sizeof *methods };
 
 static void skew_start(struct fixture *f)
@@ -81,8 +82,8 @@ static void loose(void)
 {
     static struct fixture f;
     struct pk_system system = guarded_kepler();
-    static const char *const names[] = {"dopri5", "dop853", "gauss", "gsl_rkf45", "gsl_rk8pd",
-                                        "gsl_bsimp"};
+    static const char *const names[] = {"dopri5",    "dop853",    "gauss",
+                                        "gsl_rkf45", "gsl_rk8pd", "gsl_bsimp"};
     for (int i = 0; i < 6; i++)
         for (double tol = 1e-4; tol < 0.5; tol *= 10) {
             fixture_set(&f, &system);
@@ -130,7 +131,8 @@ static void near_pass(void)
         }
 }
 
-static const struct pk_singularity pole_singularity[] = {{{"r", "", ""}, PK_SINGULARITY_COORDINATES}};
+static const struct pk_singularity pole_singularity[] = {
+    {{"r", "", ""}, PK_SINGULARITY_COORDINATES}};
 
 static struct pk_system polar(void)
 {
@@ -188,7 +190,8 @@ static void until_one(const void *p, double t, const double *q, const double *v,
     out[0] = t - 1;
 }
 
-static const struct pk_singularity time_singularity[] = {{{"t - 1", "", ""}, PK_SINGULARITY_DIVISOR}};
+static const struct pk_singularity time_singularity[] = {
+    {{"t - 1", "", ""}, PK_SINGULARITY_DIVISOR}};
 
 /* The time is always one of the step that failed. */
 static void time_of_it(void)
@@ -260,10 +263,20 @@ static void members(void)
     fixture_set(&f, &system);
     params[0] = params[1] = params[2] = f.params;
     f.options.h = 0.01;
-    const struct pk_ensemble e = {.system = &system, .method = pk_method_find("rk4"),
-                                  .options = f.options, .members = 3, .params = params, .q0 = q0,
-                                  .v0 = v0, .rows = 2, .t = times, .q = q, .v = v, .done = done,
-                                  .last_t = last, .status = status};
+    const struct pk_ensemble e = {.system = &system,
+                                  .method = pk_method_find("rk4"),
+                                  .options = f.options,
+                                  .members = 3,
+                                  .params = params,
+                                  .q0 = q0,
+                                  .v0 = v0,
+                                  .rows = 2,
+                                  .t = times,
+                                  .q = q,
+                                  .v = v,
+                                  .done = done,
+                                  .last_t = last,
+                                  .status = status};
     CU_ASSERT_FATAL(pk_ensemble_size(&e) <= sizeof block);
     CU_ASSERT(pk_ensemble_run(&e, 0, 3, block, sizeof block) == PK_SINGULAR_TIME);
     CU_ASSERT(status[0] == PK_SINGULAR_TIME && done[0] == 1 && fabs(last[0] - FALL) < 0.02);

@@ -86,7 +86,8 @@ static void expression_or_motion(void)
         for (int i = 0; i < 5; i++)
             for (double v = 0.5; v < 3; v += 0.5) {
                 fixture_set(&f, &system);
-                f.params.limit = 1e-4; /* of the radial one: it comes as near as 1e-4 and turns back */
+                f.params.limit =
+                    1e-4; /* of the radial one: it comes as near as 1e-4 and turns back */
                 f.q0[0] = 1;
                 f.v0[0] = -v;
                 f.options.h = 0.01;

@@ -37,7 +37,7 @@ static int acceleration(const void *p, double t, const double *q, const double *
 }
 
 static void singularity(const void *p, double t, const double *q, const double *v, const double *u,
-                  double *out)
+                        double *out)
 {
     (void)p, (void)t, (void)v, (void)u;
     calls++;
@@ -54,7 +54,8 @@ static void place(const void *p, size_t k, struct pk_singularity_place *at)
     *at = (struct pk_singularity_place){0, (ptrdiff_t)k + 1, 0};
 }
 
-static const struct pk_singularity line_singularity[] = {{{"x[i+1] - x[i]", "", ""}, PK_SINGULARITY_DIVISOR}};
+static const struct pk_singularity line_singularity[] = {
+    {{"x[i+1] - x[i]", "", ""}, PK_SINGULARITY_DIVISOR}};
 
 struct line {
     struct fixture f;
@@ -101,7 +102,7 @@ static void one_meets(void)
     static const struct {
         const char *name;
         double h, within;
-    } by[] = {{"dop853", 1e-9, 1e-9},  {"gauss", 1e-6, 1e-7},    {"rk4", 0.01, 1e-6},
+    } by[] = {{"dop853", 1e-9, 1e-9}, {"gauss", 1e-6, 1e-7},    {"rk4", 0.01, 1e-6},
               {"verlet", 0.01, 1e-3}, {"yoshida8", 0.01, 1e-4}, {"euler", 1e-3, 5e-3}};
     char text[200], what[60];
     double reference = 0;
@@ -215,8 +216,10 @@ static void named(void)
                  {"r[3] + s[N] + k[2*i] + in[i", "r[3] + s[N] + k[2*i] + in[i"},
                  {"", ""}};
     struct pk_singularity singularities[1] = {{{"", "", ""}, PK_SINGULARITY_DIVISOR}};
-    const struct pk_system system = {
-        .singularities.n = 1, .singularities.table = singularities, .singularities.count = one, .singularities.place = seven};
+    const struct pk_system system = {.singularities.n = 1,
+                                     .singularities.table = singularities,
+                                     .singularities.count = one,
+                                     .singularities.place = seven};
     char text[40], few[4];
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
         singularities[0].what.name = texts[k].name;

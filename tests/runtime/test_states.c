@@ -113,8 +113,8 @@ static void unseen(void)
             CU_ASSERT(status == PK_DONE);
             const int same = memcmp(at0, far, sizeof far) == 0;
             if (!same)
-                printf("\n    %s: v %.17g and %.17g, %g and %g steps", name, at0[0], far[0],
-                       at0[2], far[2]);
+                printf("\n    %s: v %.17g and %.17g, %g and %g steps", name, at0[0], far[0], at0[2],
+                       far[2]);
             CU_ASSERT(same);
             found++;
         }
@@ -149,7 +149,7 @@ static void exponents(void)
 {
     static struct fixture f;
     fixture_set(&f, &maxwell_system);
-    f.q0[0] = 1e-3, f.v0[1] = 1e-3; /* linear: eigenvalues of s^3 + s^2 + 10.81 s + 9.81 */
+    f.q0[0] = 1e-3, f.v0[1] = 1e-3;     /* linear: eigenvalues of s^3 + s^2 + 10.81 s + 9.81 */
     const double expected = -0.0429345; /* the real part of the pair */
     const struct pk_method *method = pk_method_find("dop853");
     f.options.rtol = f.options.atol = 1e-10;

@@ -61,7 +61,7 @@ static void bad_arguments(void)
     CU_ASSERT(pk_integrator_init(&f.it, &f.problem, m, NULL, 0, f.q0, f.v0, f.block, size) ==
               PK_BAD_ARGUMENT);
     CU_ASSERT(strcmp(pk_status_name(PK_REFUSED), "PK_REFUSED") == 0);
-    CU_ASSERT(strlen(pk_status_text((enum pk_status)-77)) > 0);
+    CU_ASSERT(strlen(pk_status_text((enum pk_status) - 77)) > 0);
 }
 
 /* Steps until something fails; then the state must be, to the bit, that of the last good step. */
@@ -87,11 +87,11 @@ static enum pk_status run_to_failure(struct fixture *f, double t_end)
     }
 }
 
-static const char *const all[] = {"euler",  "symplectic_euler", "verlet", "yoshida4",  "rk4",
-                                  "dopri5", "dop853",           "gauss1", "gauss2",    "gauss3",
-                                  "gauss4", "gauss8",           "gauss",  "gsl_rk8pd",
-                                  "gsl_msadams", "rk2", "rk3", "kahan_li8", "blanes_moan6",
-                                  "gsl_rkf45", "gsl_msbdf", "gsl_bsimp"};
+static const char *const all[] = {
+    "euler",        "symplectic_euler", "verlet",      "yoshida4", "rk4",    "dopri5",
+    "dop853",       "gauss1",           "gauss2",      "gauss3",   "gauss4", "gauss8",
+    "gauss",        "gsl_rk8pd",        "gsl_msadams", "rk2",      "rk3",    "kahan_li8",
+    "blanes_moan6", "gsl_rkf45",        "gsl_msbdf",   "gsl_bsimp"};
 enum { ALL = sizeof all / sizeof *all };
 
 static void not_finite(void)
@@ -226,10 +226,7 @@ static void deterministic(void)
     }
 }
 
-static void push(void *context, double t, double *u)
-{
-    u[0] = *(double *)context * t;
-}
+static void push(void *context, double t, double *u) { u[0] = *(double *)context * t; }
 
 static void inputs(void)
 {

@@ -9,11 +9,11 @@ struct parameters {
     double k, F;
     double side[2];
 };
-#define KERNEL(name)                                                                    \
-    static int name(const void *params, double t, const double *q, const double *v,     \
+#define KERNEL(name)                                                                \
+    static int name(const void *params, double t, const double *q, const double *v, \
                     const double *u, double *a)
-#define SWITCHING(name)                                                                 \
-    static void name(const void *params, double t, const double *q, const double *v,    \
+#define SWITCHING(name)                                                              \
+    static void name(const void *params, double t, const double *q, const double *v, \
                      const double *u, double *x)
 typedef void event_values(const void *, double, const double *, const double *, const double *,
                           double *);
@@ -157,8 +157,8 @@ static void orders(void)
     static const struct {
         const char *method;
         int order;
-    } of[] = {{"euler", 1}, {"rk2", 2}, {"verlet", 2}, {"rk3", 3}, {"rk4", 4}, {"blanes_moan4", 4},
-              {"blanes_moan6", 6}};
+    } of[] = {{"euler", 1}, {"rk2", 2},          {"verlet", 2},      {"rk3", 3},
+              {"rk4", 4},   {"blanes_moan4", 4}, {"blanes_moan6", 6}};
     static struct run r;
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         double h[4], error[4];

@@ -15,8 +15,8 @@ struct dense_table {
     double a[MOST][MOST], b[MOST], c[MOST];
 };
 
-static void weight(const struct dense_table *t, const int *level, int first, int order,
-                   double *phi, double *density)
+static void weight(const struct dense_table *t, const int *level, int first, int order, double *phi,
+                   double *density)
 {
     /* The subtree rooted at `first`: phi_i = product over children of sum_j a_ij phi_child_j. */
     int size = 1;
@@ -75,8 +75,8 @@ static double defect(const struct dense_table *t, int order, int *trees)
 
 static void check_order(const char *name, const struct dense_table *t, int order)
 {
-    static const int known[] = {0, 1, 1, 2, 4, 9, 20, 48, 115, 286, 719, 1842, 4766,
-                                12486, 32973, 87811, 235381, 634847};
+    static const int known[] = {0,   1,   1,    2,    4,     9,     20,    48,     115,
+                                286, 719, 1842, 4766, 12486, 32973, 87811, 235381, 634847};
     int trees;
     for (int p = 1; p <= order; p++) {
         CU_ASSERT(defect(t, p, &trees) < 3e-14);
@@ -203,8 +203,8 @@ static void gauss_tables(void)
                 t.a[i][j] = table->mu[j * s + i] * table->b[j];
                 CU_ASSERT(fabs(table->mu[i * s + j] + table->mu[j * s + i] - 1) < 1e-15);
                 /* symmetry: a_{s+1-i,s+1-j} + a_ij = b_j */
-                CU_ASSERT(fabs(table->mu[(s - 1 - j) * s + s - 1 - i] + table->mu[j * s + i] -
-                               1) < 1e-15);
+                CU_ASSERT(fabs(table->mu[(s - 1 - j) * s + s - 1 - i] + table->mu[j * s + i] - 1) <
+                          1e-15);
                 if (j < i) /* what makes 1 - mu exact */
                     CU_ASSERT(table->mu[j * s + i] > 0.5 && table->mu[j * s + i] < 2);
             }

@@ -162,7 +162,8 @@ static void symplectic_form(void)
     const double adaptive = defect(&double_pendulum_system, "gauss", 0.5, &m);
     const double rk4 = defect(&double_pendulum_system, "rk4", 0.2, &m);
     printf("\n    defect of a step of the double pendulum: gauss8 %.1e; gauss, in (q, q'), %.1e; "
-           "rk4 %.1e", eight, adaptive, rk4);
+           "rk4 %.1e",
+           eight, adaptive, rk4);
     CU_ASSERT(eight > 0 && adaptive > 1e-3 && adaptive < 1e-2 && rk4 > 1e-3);
     /* And free of units: q'' = -w^2 q is the oscillator in another unit of time. */
     struct test_params params = {.g = 1};
@@ -197,11 +198,10 @@ static void refusals(void)
     CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, 8) == PK_BLOCK_TOO_SMALL);
     CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0.1, 0, q, v, NULL, block, 8) ==
               PK_BLOCK_TOO_SMALL);
-    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0, 0, q, v, NULL, block,
-                              sizeof block) == PK_BAD_ARGUMENT);
+    CU_ASSERT(pk_stepmap_find(&m, &problem, rk4, &options, 0, 0, q, v, NULL, block, sizeof block) ==
+              PK_BAD_ARGUMENT);
     params.g = -1; /* outside its bounds */
-    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, sizeof block) ==
-              PK_OUT_OF_BOUNDS);
+    CU_ASSERT(pk_variation_init(&variation, &problem, 1, block, sizeof block) == PK_OUT_OF_BOUNDS);
     oscillator.abi++;
     CU_ASSERT(pk_variation_size(&problem, 1) == 0 && pk_stepmap_size(&problem, rk4) == 0);
 }

@@ -17,9 +17,9 @@ static void textbook(void)
     static const struct {
         const struct pk_system *system;
         double h;
-    } rows[] = {{&pendulum_system, 0.3},      {&double_pendulum_system, 0.1},
-                {&relativistic_system, 0.3},  {&forced_system, 0.3},
-                {&stiffening_system, 0.3},    {&kepler_system, 0.1},
+    } rows[] = {{&pendulum_system, 0.3},     {&double_pendulum_system, 0.1},
+                {&relativistic_system, 0.3}, {&forced_system, 0.3},
+                {&stiffening_system, 0.3},   {&kepler_system, 0.1},
                 {&van_der_pol_system, 0.05}};
     for (int i = 0; i < 7; i++) {
         const double same = apart(rows[i].system, "lie_midpoint", "gauss1", rows[i].h);
@@ -47,8 +47,10 @@ static void ambiguous(void)
         const struct pk_system *system;
         const char *method;
         double h;
-    } rows[] = {{&kepler_system, "lie_midpoint", 2.2}, {&kepler_system, "lie_midpoint", 25},
-                {&rod_system, "rattle", 5},            {&rods_system, "lie_midpoint", 2.5},
+    } rows[] = {{&kepler_system, "lie_midpoint", 2.2},
+                {&kepler_system, "lie_midpoint", 25},
+                {&rod_system, "rattle", 5},
+                {&rods_system, "lie_midpoint", 2.5},
                 {&rods_system, "rattle6", 3}};
     for (int i = 0; i < 5; i++) {
         bound_set(&f, rows[i].system);
@@ -219,7 +221,8 @@ static void moved_by_others(void)
         memset(f.q0, 0, sizeof f.q0);
         memset(f.v0, 0, sizeof f.v0);
         CU_ASSERT_FATAL(bound_init(&f, bound_methods[i], 0.01) == PK_DONE);
-        CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE && fabs(f.it.q[0] + 0.21 / 0.58 / 2) < 1e-14);
+        CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE &&
+                  fabs(f.it.q[0] + 0.21 / 0.58 / 2) < 1e-14);
         CU_ASSERT(f.it.count.jacobians == 0);
     }
 }

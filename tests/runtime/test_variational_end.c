@@ -3,8 +3,7 @@
  */
 #include "bound.h"
 
-#define ARGS \
-    const void *params, double t, const double *q, const double *v, const double *u
+#define ARGS const void *params, double t, const double *q, const double *v, const double *u
 #define UNUSED (void)params, (void)t, (void)q, (void)v, (void)u
 
 static struct bound_run f;

@@ -232,7 +232,7 @@ class Model:
             raise UsageError(said)
         if told.code:
             report = told.report
-            first = report.get("first_failed") or report
+            first: Any = report.get("first_failed") or report
             valid = first.get("last_valid", first.get("t", 0.0))
             raise RunError(said, first.get("status", ""), valid, result)
         return result
@@ -248,7 +248,7 @@ class Model:
         options.until, options.method, options.step = "1.0", "rk4", "1.0"
         settings: Settings = parsing.settings(options, compilation)
         library = load_library(build(compilation, settings, None))
-        return library.run(replace(settings, every=None, show=()), bare=1, idle=1)
+        return library.run(replace(settings, every=None, show=()), bare=True, idle=True)
 
     def _kernel(self, what: str, q: ArrayLike, v: ArrayLike, t: ArrayLike) -> NDArray[Any]:
         import numpy

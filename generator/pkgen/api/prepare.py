@@ -68,17 +68,18 @@ def prepare(
     if chosen is not None:
         scene_check.refuse(options, compilation, chosen)
     threads = parsing.threads(options, several)
-    if swarm:
-        scene_run.refuse_swarm(options, compilation.declared, chosen)
+    of_swarm = chosen if swarm else None
+    if of_swarm is not None:
+        scene_run.refuse_swarm(options, compilation.declared, of_swarm)
     ensemble = None
     if options.ensemble is not None:
         ensemble = table(compilation) if table else members.read(options.ensemble, compilation)
-    count = scene_run.count(compilation.declared, chosen) if swarm else None
+    count = scene_run.count(compilation.declared, of_swarm) if of_swarm is not None else None
     settings = parsing.settings(
         options, compilation, len(ensemble.lines) if ensemble else count, chosen
     )
-    if swarm:
-        ensemble = scene_run.members(options, compilation, chosen, settings)
+    if of_swarm is not None:
+        ensemble = scene_run.members(options, compilation, of_swarm, settings)
     if chosen is not None:
         expected = scene_run.watched(compilation, chosen, settings, several)
         settings = replace(settings, watched=expected)

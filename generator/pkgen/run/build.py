@@ -68,7 +68,8 @@ def _build_runtime(tools: Toolchain, directory: Path) -> None:
 
         def one(name: str, path: Path) -> None:
             more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
-            compile_c(tools, ["-c", *SHARED, "-fvisibility=hidden", *more, str(path), "-o", name], directory)
+            hidden = "-fvisibility=hidden"  # what no header declares
+            compile_c(tools, ["-c", *SHARED, hidden, *more, str(path), "-o", name], directory)
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(one, objects, objects.values()))

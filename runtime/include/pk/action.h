@@ -21,22 +21,22 @@
 
 PK_BEGIN
 
-#define PK_ORBITS(X)                                                                       \
-    X(PK_ORBIT_LIBRATION, "to and fro")                                                    \
-    X(PK_ORBIT_ROTATION, "round and round")                                                \
-    X(PK_ORBIT_EQUILIBRIUM, "at rest in an equilibrium: it has no orbit")                  \
-    X(PK_ORBIT_SEPARATRIX, "on a separatrix, as far as rounding tells: it never returns")  \
-    X(PK_ORBIT_UNBOUNDED, "not periodic: it goes to infinity or into a singularity")       \
-    X(PK_ORBIT_UNSETTLED, "not smooth enough for the sums to settle")                      \
-    X(PK_ORBIT_SEVERAL, "not of one degree of freedom")                                    \
-    X(PK_ORBIT_NOT_QUADRATIC, "of an L that is not of second degree in the rate")          \
+#define PK_ORBITS(X)                                                                      \
+    X(PK_ORBIT_LIBRATION, "to and fro")                                                   \
+    X(PK_ORBIT_ROTATION, "round and round")                                               \
+    X(PK_ORBIT_EQUILIBRIUM, "at rest in an equilibrium: it has no orbit")                 \
+    X(PK_ORBIT_SEPARATRIX, "on a separatrix, as far as rounding tells: it never returns") \
+    X(PK_ORBIT_UNBOUNDED, "not periodic: it goes to infinity or into a singularity")      \
+    X(PK_ORBIT_UNSETTLED, "not smooth enough for the sums to settle")                     \
+    X(PK_ORBIT_SEVERAL, "not of one degree of freedom")                                   \
+    X(PK_ORBIT_NOT_QUADRATIC, "of an L that is not of second degree in the rate")         \
     X(PK_ORBIT_NO_KERNELS, "compiled without its kernels gradient, mass and canonical")
 
 enum pk_orbit {
 #define PK_ORBIT_ENUM(name, text) name,
     PK_ORBITS(PK_ORBIT_ENUM)
 #undef PK_ORBIT_ENUM
-    PK_ORBIT_COUNT
+        PK_ORBIT_COUNT
 };
 
 struct pk_action {

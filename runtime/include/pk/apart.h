@@ -33,7 +33,7 @@ struct pk_choice {
 /* A part at work; to be read alone. */
 struct pk_apart_part {
     struct pk_part of;
-    struct pk_integrator it, aside; /* see pk_integrator_aside() */
+    struct pk_integrator it, aside;    /* see pk_integrator_aside() */
     const struct pk_integrator *there; /* of these, at the time of the whole */
     void *params;
     const struct pk_apart *apart;

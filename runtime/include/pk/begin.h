@@ -13,8 +13,12 @@
 #endif
 
 #ifdef __cplusplus
-#define PK_BEGIN PK_SHOW extern "C" {
-#define PK_END } PK_SHOW_END
+#define PK_BEGIN       \
+    PK_SHOW extern "C" \
+    {
+#define PK_END \
+    }          \
+    PK_SHOW_END
 #else
 #define PK_BEGIN PK_SHOW
 #define PK_END PK_SHOW_END

@@ -17,12 +17,12 @@ PK_BEGIN
 /* The residual that is largest beside the sizes of its terms, which rounding is to be measured by:
  * in its own unit, and so. 0 where there is no such row. */
 struct pk_residuals {
-    pk_real norm; /* | |Q| - 1 | */
+    pk_real norm;    /* | |Q| - 1 | */
     size_t rotation; /* which of n_rotations */
     pk_real position, position_relative;
-    size_t position_row; /* of n_holonomic */
+    size_t position_row;         /* of n_holonomic */
     pk_real rate, rate_relative; /* of positions and of rolling */
-    size_t rate_row; /* of n_constraints */
+    size_t rate_row;             /* of n_constraints */
 };
 
 /* Bytes of the block that the two functions below want, aligned for pk_real; 0 for a problem without

@@ -24,31 +24,31 @@ enum { PK_DRIFT_MARKS = 13 }; /* six octaves, by halves */
 
 struct pk_drift {
     unsigned long samples;
-    pk_real first, scale, max, final;                  /* max and final not yet divided by S */
-    pk_real mean_t, mean_x, var_t, cov;                /* Welford's sums for the slope */
+    pk_real first, scale, max, final;   /* max and final not yet divided by S */
+    pk_real mean_t, mean_x, var_t, cov; /* Welford's sums for the slope */
     pk_real start, edge;           /* first time; time after it at which this half octave ends */
     pk_real marks[PK_DRIFT_MARKS]; /* max at the ends of the last half octaves, in a ring */
     unsigned long n_marks;         /* half octaves that have ended */
 };
 
 /* What an exponent says; the texts are in pk_growth_text(). */
-#define PK_GROWTHS(X)                                                                      \
-    X(PK_GROWTH_ZERO, "zero all along")                                                    \
-    X(PK_GROWTH_CONSTANT, "constant to the last bit")                                      \
-    X(PK_GROWTH_ROUND_OFF, "round-off")                                                    \
-    X(PK_GROWTH_SHORT, "too few steps to tell how it grows")                               \
-    X(PK_GROWTH_BOUNDED, "bounded")                                                        \
-    X(PK_GROWTH_RANDOM, "as a random walk grows")                                          \
-    X(PK_GROWTH_LINEAR, "secular, as t")                                                   \
-    X(PK_GROWTH_QUADRATIC, "as t^2")                                                       \
-    X(PK_GROWTH_FASTER, "faster than t^2")                                                 \
+#define PK_GROWTHS(X)                                        \
+    X(PK_GROWTH_ZERO, "zero all along")                      \
+    X(PK_GROWTH_CONSTANT, "constant to the last bit")        \
+    X(PK_GROWTH_ROUND_OFF, "round-off")                      \
+    X(PK_GROWTH_SHORT, "too few steps to tell how it grows") \
+    X(PK_GROWTH_BOUNDED, "bounded")                          \
+    X(PK_GROWTH_RANDOM, "as a random walk grows")            \
+    X(PK_GROWTH_LINEAR, "secular, as t")                     \
+    X(PK_GROWTH_QUADRATIC, "as t^2")                         \
+    X(PK_GROWTH_FASTER, "faster than t^2")                   \
     X(PK_GROWTH_NO_NUMBER, "not finite")
 
 enum pk_growth {
 #define PK_GROWTH_ENUM(name, text) name,
     PK_GROWTHS(PK_GROWTH_ENUM)
 #undef PK_GROWTH_ENUM
-    PK_GROWTH_COUNT
+        PK_GROWTH_COUNT
 };
 
 void pk_drift_init(struct pk_drift *drift);
@@ -69,7 +69,7 @@ const char *pk_growth_text(enum pk_growth growth);
  * coordinate, every `conserve`. Memory is the caller's. */
 struct pk_monitor {
     struct pk_problem problem;
-    int has_energy;           /* 0: the energy of this system is not conserved */
+    int has_energy; /* 0: the energy of this system is not conserved */
     struct pk_drift energy;
     struct pk_drift *momenta;   /* n, of which cyclic ones are updated; none if none is known */
     struct pk_drift *conserved; /* n_conserved */
@@ -79,8 +79,7 @@ struct pk_monitor {
 size_t pk_monitor_size(const struct pk_problem *problem);
 enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_problem *problem,
                                void *block, size_t block_size);
-void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
-                       const pk_real *v);
+void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v);
 
 PK_END
 

@@ -61,8 +61,8 @@ int pk_ensemble_fixed(const struct pk_ensemble *e);
 
 /* Members first, ..., first + count - 1. PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL, and then no member
  * was touched; else PK_DONE, or the status of the first member that did not arrive. */
-enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,
-                               void *block, size_t size);
+enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count, void *block,
+                               size_t size);
 
 /* Why a member of a run failed, in words, with its last valid time, as pk_integrator_reason() has it:
  * the member goes its way once more, alone. The block is as for pk_ensemble_run(), and what is wrong

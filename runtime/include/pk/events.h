@@ -79,33 +79,33 @@ struct pk_events {
      * events, and behind these of switches. */
     void (*doubtful)(void *context, const struct pk_events *events);
 
-    unsigned long doubts; /* parts of steps in which that was so */
-    unsigned long count; /* of crossings reported */
+    unsigned long doubts;     /* parts of steps in which that was so */
+    unsigned long count;      /* of crossings reported */
     unsigned long switchings; /* of switches */
-    unsigned long tries; /* states computed to locate them */
+    unsigned long tries;      /* states computed to locate them */
 
     /* For the runtime alone. */
     struct pk_integrator scout;
     size_t n, n_events, n_switches;
-    int proposes; /* the method's own dense output does, */
-    int dense;    /* and is as accurate as its steps */
-    int by_steps; /* no interpolant of this step is worth anything */
-    pk_real from; /* time where the step began */
+    int proposes;      /* the method's own dense output does, */
+    int dense;         /* and is as accurate as its steps */
+    int by_steps;      /* no interpolant of this step is worth anything */
+    pk_real from;      /* time where the step began */
     pk_real at, width; /* the window that is looked at, from there */
     pk_real *q0, *v0, *z0, *bend, *trial, *u, *g, *ends, *list;
     struct pk_shape *shapes;
     int cut; /* the step ends at an event or a switch in it */
     size_t listed;
-    void *params;    /* with sides: */
+    void *params; /* with sides: */
     pk_real *sides;
-    pk_real *fresh;  /* flags: zero where the step begins, so that the side is a guess, */
-    int again;       /* and was a wrong one */
-    int brief;       /* switchings one upon another */
-    int at_switch;   /* the step begins at one */
-    int kept;        /* the step goes on from where the last one ended, at */
-    pk_real left;    /* this time: switches with an impulse keep their sides, */
-    pk_real *held;   /* and events that end a step theirs, within rounding, which stands there */
-    pk_real *room;   /* for impulses */
+    pk_real *fresh; /* flags: zero where the step begins, so that the side is a guess, */
+    int again;      /* and was a wrong one */
+    int brief;      /* switchings one upon another */
+    int at_switch;  /* the step begins at one */
+    int kept;       /* the step goes on from where the last one ended, at */
+    pk_real left;   /* this time: switches with an impulse keep their sides, */
+    pk_real *held;  /* and events that end a step theirs, within rounding, which stands there */
+    pk_real *room;  /* for impulses */
 };
 
 /* Bytes of the block that pk_events_init() wants, aligned for pk_real; 0 as
@@ -114,8 +114,8 @@ size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *
 
 /* For an integrator that is initialised; takes its problem, method and options. Without
  * events and switches in the system all below is as without struct pk_events. */
-enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it,
-                              void *block, size_t block_size);
+enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it, void *block,
+                              size_t block_size);
 
 /* One step of `it` towards `limit`, as pk_integrator_step(), and found() for all that was crossed
  * in it. PK_STOPPED_EVENT: `it` is at the event, behind all others at the same time (some four

@@ -25,12 +25,12 @@
 PK_BEGIN
 
 struct pk_equilibria {
-    size_t most;  /* as many as q and v, the caller's, have room for: n numbers each */
+    size_t most; /* as many as q and v, the caller's, have room for: n numbers each */
     double *q, *v;
-    size_t count; /* found, the lowest energy first */
-    size_t failed;   /* starts that led nowhere */
-    size_t singular; /* that led to where M is singular or indefinite: the pole of a chart */
-    int more;        /* there are more than `most`, perhaps a continuum */
+    size_t count;         /* found, the lowest energy first */
+    size_t failed;        /* starts that led nowhere */
+    size_t singular;      /* that led to where M is singular or indefinite: the pole of a chart */
+    int more;             /* there are more than `most`, perhaps a continuum */
     unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same place as q_i */
     double *doubt; /* room as q has, or NULL: out, Newton's last correction of q_i, or of v_i where
                       cyclic. Where the linear terms vanish it is some of the way to the root. */

@@ -35,11 +35,11 @@
 #define PK_STEPPER_N(it) ((void)(it), (size_t)PK_MODEL(N))
 #endif
 #define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->own->u)
-#define PK_STEPPER_ACCELERATION(it, t, q, v, u, a)                                              \
+#define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
     PK_MODEL(acceleration)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, a)
-#define PK_STEPPER_LANES(it, t, q, v, u, a)                                                     \
-    PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t,  \
-                           q, v, u, a)
+#define PK_STEPPER_LANES(it, t, q, v, u, a)                                                       \
+    PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t, q, \
+                           v, u, a)
 
 /* Members a block: state, stages and parameters of few coordinates then stay in the first cache. */
 #ifndef PK_INLINE_LANES
@@ -49,11 +49,11 @@
 #define PK_BLOCK_N(b) ((void)(b), (size_t)PK_MODEL(N))
 #define PK_BLOCK_MEMBERS(b, q, v, a) PK_STEPPER(members)((b)->P, (b)->t, q, v, (b)->u, a)
 
-#define PK_INLINED_STEP(method, call)                                                           \
-    static enum pk_status PK_STEPPER(method)(struct pk_integrator * it, pk_real limit)          \
-    {                                                                                           \
-        (void)limit;                                                                            \
-        return call;                                                                            \
+#define PK_INLINED_STEP(method, call)                                                  \
+    static enum pk_status PK_STEPPER(method)(struct pk_integrator * it, pk_real limit) \
+    {                                                                                  \
+        (void)limit;                                                                   \
+        return call;                                                                   \
     }
 #define PK_INLINED_ERK(method) PK_INLINED_STEP(method, PK_STEPPER(erk)(it, &pk_##method##_table))
 #define PK_INLINED_EMBEDDED(method) \
@@ -63,14 +63,13 @@
 #define PK_INLINED_GAUSS(method) PK_INLINED_STEP(method##_adaptive, PK_STEPPER(gauss)(it, limit))
 #define PK_INLINED_GAUSS_ENTRY(method) {#method, PK_STEPPER(method##_adaptive)},
 #define PK_INLINED_ENTRY(method) {#method, PK_STEPPER(method)},
-#define PK_INLINED_BLOCK(method, call)                                                          \
+#define PK_INLINED_BLOCK(method, call) \
     static unsigned long long PK_STEPPER(block_##method)(struct pk_block * b) { return call; }
 #define PK_INLINED_BLOCK_RUNGE_KUTTA(method) \
     PK_INLINED_BLOCK(method, PK_STEPPER(block_erk)(b, &pk_##method##_table))
 #define PK_INLINED_BLOCK_SPLITTING(method) \
     PK_INLINED_BLOCK(method, PK_STEPPER(block_splitting)(b, &pk_##method##_table))
-#define PK_INLINED_BLOCK_ENTRY(method) \
-    {#method, PK_INLINE_LANES, PK_STEPPER(block_##method)},
+#define PK_INLINED_BLOCK_ENTRY(method) {#method, PK_INLINE_LANES, PK_STEPPER(block_##method)},
 #endif
 
 #if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
@@ -100,15 +99,15 @@ static const struct pk_stepper PK_STEPPER(steppers)[] = {
     PK_ERK_METHODS(PK_INLINED_ENTRY)
 #endif
 #ifdef PK_INLINE_EMBEDDED
-    PK_EMBEDDED_METHODS(PK_INLINED_ENTRY)
+        PK_EMBEDDED_METHODS(PK_INLINED_ENTRY)
 #endif
 #ifdef PK_INLINE_SPLITTING
-    PK_SPLITTING_METHODS(PK_INLINED_ENTRY)
+            PK_SPLITTING_METHODS(PK_INLINED_ENTRY)
 #endif
 #if defined PK_INLINE_GAUSS && !defined PK_MODEL_WITHOUT_LANES
-    PK_GAUSS_METHODS(PK_INLINED_GAUSS_ENTRY)
+                PK_GAUSS_METHODS(PK_INLINED_GAUSS_ENTRY)
 #endif
-    {NULL, NULL}};
+                    {NULL, NULL}};
 #else
 #define PK_INLINE_STEPPERS NULL
 #endif
@@ -135,12 +134,12 @@ static const struct pk_block_stepper PK_STEPPER(block_steppers)[] = {
     PK_ERK_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
 #ifdef PK_INLINE_EMBEDDED
-    PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_ENTRY)
+        PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
 #ifdef PK_INLINE_SPLITTING
-    PK_SPLITTING_METHODS(PK_INLINED_BLOCK_ENTRY)
+            PK_SPLITTING_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
-    {NULL, 0, NULL}};
+                {NULL, 0, NULL}};
 #else
 #define PK_INLINE_BLOCK_STEPPERS NULL
 #endif

@@ -50,8 +50,8 @@ struct pk_options {
                      and gauss takes 2 PK_EPSILON at least. */
     pk_real atol; /* PK_ATOL_OF_MOTION: rtol times the largest value that the coordinate or rate has
                      had, at least 1e-6 of the largest of one of the same unit */
-    pk_real h_min; /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
-    pk_real h_max; /* adaptive; 0: none. A last step may be 1% longer. */
+    pk_real h_min;           /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
+    pk_real h_max;           /* adaptive; 0: none. A last step may be 1% longer. */
     unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run before it where time all
                                 but stands still: where at the rate of the last half of the steps
                                 it would take more than max_steps (where that is 0, 1e9) to arrive
@@ -89,14 +89,14 @@ struct pk_integrator_private;
 struct pk_integrator {
     pk_real t;
     const pk_real *q, *v, *p, *z;
-    size_t n;                /* numbers in each of q, v and p */
-    pk_real last_t;          /* start of the last step made; it ended at t */
+    size_t n;       /* numbers in each of q, v and p */
+    pk_real last_t; /* start of the last step made; it ended at t */
     struct pk_counters count;
     struct pk_passed_over passed_over;
-    enum pk_status status;   /* of the last call; pk_integrator_reason() says it in words, from */
-    size_t where;            /* which coordinate, parameter or constraint it is about, */
-    pk_real detail;          /* a number that belongs to it, */
-    size_t event;            /* and 1 + which event, 0: none; see pk/events.h */
+    enum pk_status status; /* of the last call; pk_integrator_reason() says it in words, from */
+    size_t where;          /* which coordinate, parameter or constraint it is about, */
+    pk_real detail;        /* a number that belongs to it, */
+    size_t event;          /* and 1 + which event, 0: none; see pk/events.h */
     struct pk_problem problem;
     const struct pk_method *method;
     struct pk_options options;
@@ -115,9 +115,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
  * PK_NOT_FINITE, PK_NO_MEMORY (GSL): then no later call makes a step, and each
  * returns the same status. An integrator of GSL's is to be freed before it is initialised again. */
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
-                                  const struct pk_method *method,
-                                  const struct pk_options *options, pk_real t0,
-                                  const pk_real *q0, const pk_real *v0, void *block,
+                                  const struct pk_method *method, const struct pk_options *options,
+                                  pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
 /* A new state at t for the same integrator; counters go on, and quadratures from what they are.
  * q and v may be it->q and it->v: so it is to be called after a change of parameters or a jump of

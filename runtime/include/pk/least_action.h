@@ -29,11 +29,11 @@ enum { PK_CONJUGATE_MOST = 64 };
 
 struct pk_least_action {
     struct pk_integrator it; /* of the path and of n displacements; for the reason if it fails */
-    pk_real action, size;  /* S; the integral of |p.v| + |h|, beside which it has round-off */
-    pk_real slope;         /* max |dS/da_ik| over what its terms are without their signs */
-    size_t n, modes;       /* a is n by modes, by coordinates */
-    const pk_real *C, *B;  /* (n modes) by (n modes), row-major, in the block */
-    size_t n_conjugate;    /* found; the first PK_CONJUGATE_MOST of them: */
+    pk_real action, size;    /* S; the integral of |p.v| + |h|, beside which it has round-off */
+    pk_real slope;           /* max |dS/da_ik| over what its terms are without their signs */
+    size_t n, modes;         /* a is n by modes, by coordinates */
+    const pk_real *C, *B;    /* (n modes) by (n modes), row-major, in the block */
+    size_t n_conjugate;      /* found; the first PK_CONJUGATE_MOST of them: */
     pk_real conjugate[PK_CONJUGATE_MOST];
 
     /* For the runtime alone. */

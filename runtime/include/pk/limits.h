@@ -42,8 +42,8 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
 /* The map of one step, y > 0. PK_REFUSED where there is none, or what the step failed of. */
 enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, pk_real map[4]);
 /* The same of q'' = -stiffness q - damping q', h > 0, always by the step itself. */
-enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness,
-                                pk_real damping, pk_real h, pk_real map[4]);
+enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness, pk_real damping,
+                                pk_real h, pk_real map[4]);
 /* R(-z) of u' = -u, z > 0; the same statuses. */
 enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_real *factor);
 

@@ -38,7 +38,7 @@ struct pk_lyapunov {
     /* G after every `stride` blocks; when full every other one is dropped. */
     pk_real marks[PK_LYAPUNOV_MARKS];
     unsigned long n_marks, stride;
-    size_t metric_n;         /* of the length; see src/diagnose/metric.h */
+    size_t metric_n; /* of the length; see src/diagnose/metric.h */
     pk_real metric_tau, *metric_L;
     pk_real *scratch;
 };

@@ -27,10 +27,10 @@ enum pk_trait {
     PK_SYMMETRIC = 1u << 1,
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
-    PK_DENSE = 1u << 4,    /* pk_integrator_dense() works */
-    PK_JACOBIANS = 1u << 5, /* calls the system's mass and jacobian */
-    PK_LINEAR = 1u << 6,    /* calls the system's mass and linear */
-    PK_NO_INPUTS = 1u << 7, /* needs d/dt of all, which inputs do not give */
+    PK_DENSE = 1u << 4,      /* pk_integrator_dense() works */
+    PK_JACOBIANS = 1u << 5,  /* calls the system's mass and jacobian */
+    PK_LINEAR = 1u << 6,     /* calls the system's mass and linear */
+    PK_NO_INPUTS = 1u << 7,  /* needs d/dt of all, which inputs do not give */
     PK_QUADRATURE = 1u << 8, /* carries the system's quadratures, to its own order */
     PK_EXACT = 1u << 9,      /* a step of any length errs by rounding alone; its order is 0 */
     PK_HOLONOMIC = 1u << 10, /* ends its steps on holonomic constraints itself, and takes no

@@ -11,6 +11,7 @@
 
 #include <pk/method.h>
 
+/* clang-format off */
 #define PK_NEEDS_ERK 0
 #define PK_METHODS_ERK(X, A)                                                                       \
     X(A, euler, 1, 1, 0, PK_QUADRATURE, euler,                                                     \

@@ -22,7 +22,7 @@ struct pk_reversal {
         pk_real t, error, absolute; /* t - t0 > 0; absolute: max |x - x0|, in units of each */
     } at[PK_REVERSAL_TIMES];
     pk_real threshold;
-    int passed;                   /* 0: below the threshold at all times tried */
+    int passed;                     /* 0: below the threshold at all times tried */
     pk_real horizon_lo, horizon_hi; /* last time below, first above; hi only if passed */
 };
 

@@ -31,8 +31,8 @@ struct pk_run_model {
 /* What a run ends with: also the exit code of a program. */
 enum pk_run_code {
     PK_RUN_DONE = 0,
-    PK_RUN_USAGE = 2,       /* wrong settings, or output that cannot be written */
-    PK_RUN_FAILED = 4,      /* the numerics failed, or what rows show was not finite */
+    PK_RUN_USAGE = 2,        /* wrong settings, or output that cannot be written */
+    PK_RUN_FAILED = 4,       /* the numerics failed, or what rows show was not finite */
     PK_RUN_INTERRUPTED = 130 /* by `poll` */
 };
 
@@ -44,14 +44,15 @@ struct pk_run_value {
 
 /* A column of the rows, or of an ensemble's members. */
 struct pk_run_column {
-    char kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q, v, z */
+    char
+        kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q, v, z */
     size_t index;
 };
 
 /* A relation between columns, to be measured: a = b up to `within`, a < b, or a > b. */
 struct pk_run_expected {
-    char relation; /* =, <, > */
-    char when;     /* r in all rows, t at a time, e at an event */
+    char relation;                     /* =, <, > */
+    char when;                         /* r in all rows, t at a time, e at an event */
     struct pk_run_column a, b, within; /* within.kind 0: none */
     double at;
     size_t event;
@@ -65,44 +66,45 @@ struct pk_run_part {
 
 struct pk_run_settings {
     const char *method;
-    double until;              /* > 0 */
-    double every;              /* between rows; 0: each step; < 0: none but at events, or `until`/1000 */
-    double step, rtol, atol;   /* step 0: the method's own; atol < 0: of the motion */
-    double h_min, h_max;       /* of adaptive steps; 0: none */
-    int fixed_point;           /* iteration of implicit methods, in place of Newton's */
-    unsigned long max_steps;   /* 0: no limit */
-    int land;                  /* on rows: 1 by steps that end there, 0 between steps, -1 as it is best */
+    double until; /* > 0 */
+    double every; /* between rows; 0: each step; < 0: none but at events, or `until`/1000 */
+    double step, rtol, atol; /* step 0: the method's own; atol < 0: of the motion */
+    double h_min, h_max;     /* of adaptive steps; 0: none */
+    int fixed_point;         /* iteration of implicit methods, in place of Newton's */
+    unsigned long max_steps; /* 0: no limit */
+    int land; /* on rows: 1 by steps that end there, 0 between steps, -1 as it is best */
     size_t n_sizes, n_parameters, n_inputs, n_q, n_v, n_z;
     const struct pk_run_value *sizes, *parameters, *inputs, *q, *v, *z;
-    size_t n_columns;          /* of rows behind t; 0: all */
+    size_t n_columns; /* of rows behind t; 0: all */
     const struct pk_run_column *columns;
-    size_t n_hidden;           /* outputs that are no columns where there are all */
+    size_t n_hidden; /* outputs that are no columns where there are all */
     const size_t *hidden;
-    size_t at;                 /* 1 + the event that has rows; 0: none */
+    size_t at; /* 1 + the event that has rows; 0: none */
     size_t n_expected, n_drifts;
     const struct pk_run_expected *expected;
     const struct pk_run_column *drifts; /* o, e: outputs and the energy, over all steps */
-    unsigned diagnose;         /* of pk_run_diagnostic() */
-    size_t n_parts;            /* of the model's, or 0 */
+    unsigned diagnose;                  /* of pk_run_diagnostic() */
+    size_t n_parts;                     /* of the model's, or 0 */
     const struct pk_run_part *parts;
-    int bare;                  /* steps alone: no events or quadratures, no second opinion, and no rows
+    int bare;     /* steps alone: no events or quadratures, no second opinion, and no rows
                                   without `every` but the final state */
-    int compared;              /* with other runs: no second opinion; and where no event was met that
+    int compared; /* with other runs: no second opinion; and where no event was met that
                                   has rows, the start and the end are rows */
-    double cap;                /* seconds of the processor after which it is given up; 0: none */
+    double cap;   /* seconds of the processor after which it is given up; 0: none */
 
-    size_t members;            /* 0: one trajectory. Else an ensemble: */
+    size_t members; /* 0: one trajectory. Else an ensemble: */
     size_t n_member_columns;
     const struct pk_run_column *member_columns;
     const double *member_values; /* members by n_member_columns */
-    const char *member_name;   /* of the column that counts members; NULL: "member" */
+    const char *member_name;     /* of the column that counts members; NULL: "member" */
     long first_member;
-    size_t threads;            /* 0: all */
-    int watch;                 /* events of members are looked for; 2: and their first times reported */
+    size_t threads; /* 0: all */
+    int watch;      /* events of members are looked for; 2: and their first times reported */
 
-    int csv;                   /* file descriptor for rows as CSV; < 0: they are kept in memory */
-    int header;                /* of names above the CSV */
-    int (*poll)(void *context, double part); /* some ten times a second, with the part of the way that
+    int csv;    /* file descriptor for rows as CSV; < 0: they are kept in memory */
+    int header; /* of names above the CSV */
+    int (*poll)(void *context,
+                double part); /* some ten times a second, with the part of the way that
                                   is done; not 0: stop. NULL: never */
     void *context;
 };

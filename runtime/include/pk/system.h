@@ -66,8 +66,8 @@ struct pk_quantity {
 /* A parameter: where it is in struct NAME_params, and where its value may lie. */
 struct pk_parameter {
     struct pk_quantity what;
-    size_t offset;  /* in bytes */
-    int follows;    /* its default is computed from other parameters */
+    size_t offset; /* in bytes */
+    int follows;   /* its default is computed from other parameters */
     int lo_open, hi_open;
 };
 
@@ -202,9 +202,10 @@ struct pk_part_constraints {
     size_t n, n_holonomic;
     const struct pk_quantity *names; /* "lambda_rod": unit and description of the multipliers */
     pk_kernel *values;               /* the n_holonomic phi; NULL where they are none */
-    pk_kernel_2 *jacobian; /* J (n by the degrees of freedom, row-major; the columns of quaternions and
+    pk_kernel_2
+        *jacobian;      /* J (n by the degrees of freedom, row-major; the columns of quaternions and
                               first-order variables are 0) and J v + j0 */
-    pk_kernel_2 *scale;    /* the sizes of the terms that phi and J v + j0 are sums of, in whose
+    pk_kernel_2 *scale; /* the sizes of the terms that phi and J v + j0 are sums of, in whose
                               units of rounding a residual is judged */
     pk_kernel *multipliers; /* lambda */
 };
@@ -340,12 +341,13 @@ static inline size_t pk_system_coordinates(const struct pk_system *system, const
 /* How many values there are of singularities. */
 static inline size_t pk_system_singularity_count(const struct pk_system *system, const void *params)
 {
-    return system->singularities.count ? system->singularities.count(params) : system->singularities.n;
+    return system->singularities.count ? system->singularities.count(params)
+                                       : system->singularities.n;
 }
 
 /* Which singularity value number k is of. */
 static inline struct pk_singularity_place pk_system_singularity(const struct pk_system *system,
-                                                    const void *params, size_t k)
+                                                                const void *params, size_t k)
 {
     struct pk_singularity_place place = {k, 0, 0};
     if (system->singularities.place)
@@ -354,8 +356,8 @@ static inline struct pk_singularity_place pk_system_singularity(const struct pk_
 }
 
 /* Its name with i and j in brackets as numbers: "x[8] - x[7]". */
-int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k, char *text,
-                         size_t size);
+int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
+                               char *text, size_t size);
 
 /* The name of coordinate i (a number in q): "theta", "q[3]". `table` is the system's coordinates,
  * rates or momenta ("q[3]'", "p_q[3]"). Returns its length as snprintf() does. */

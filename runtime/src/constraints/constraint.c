@@ -11,7 +11,7 @@
 
 #include "../core/project.h"
 
-#define DEBRIS (64 * PK_EPS)                 /* beside the largest number of a start */
+#define DEBRIS (64 * PK_EPS)               /* beside the largest number of a start */
 #define WRITTEN pk_max(PK_C(1e-8), DEBRIS) /* of its terms */
 #define SHARE PK_C(1e-6)                   /* of a row in one that depends on it */
 
@@ -20,8 +20,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
     if (!problem || !problem->system || problem->system->abi != PK_ABI)
         return 0;
     const size_t n = pk_system_count(problem->system, problem->params);
-    return (pk_project_size(problem->system, n) + problem->system->n_inputs + 1) *
-           sizeof(pk_real);
+    return (pk_project_size(problem->system, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
 /* In block: the projection's room, and inputs behind it. */

@@ -20,7 +20,7 @@
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-#define ROUND (PK_EPS / 2)              /* of its terms: as good as zero. More, left each step, drifts */
+#define ROUND (PK_EPS / 2) /* of its terms: as good as zero. More, left each step, drifts */
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
 #define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
 #define MOST_OFF PK_C(100.0)            /* the models shipped: 47, and 470 in one run at 1e-3 */
@@ -38,7 +38,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c))
-        return 0; /* steps say so themselves */
+        return 0;                          /* steps say so themselves */
     for (size_t row = 0; row < w.c; row++) /* a pivot beside its diagonal: the square of a sine */
         if (w.A[row * w.c + row] < DEPENDENT * w.mu[row]) {
             it->where = row;
@@ -232,7 +232,8 @@ enum pk_status pk_project_step(struct pk_integrator *it)
 {
     const size_t n = it->n;
     pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
-    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q), *low_v = pk_part(it->own->next, n, PK_LOW_X);
+    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
+            *low_v = pk_part(it->own->next, n, PK_LOW_X);
     int moved = 0;
     if (!it->own->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
         return PK_DONE;
@@ -240,7 +241,8 @@ enum pk_status pk_project_step(struct pk_integrator *it)
         pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved);
     if (status < 0 || !moved || !it->p)
         return status;
-    pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P), it->own->project + n);
+    pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P),
+                      it->own->project + n);
     memset(low_v, 0, n * sizeof *low_v);
     return PK_DONE;
 }

@@ -64,7 +64,8 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
     } kernels[] = {
         {"constraint_jacobian", c ? ~0u : 0, system->constraints.jacobian != NULL},
         {"residual_scale", c ? ~0u : 0, system->constraints.scale != NULL},
-        {"constraint", c && system->constraints.n_holonomic ? ~0u : 0, system->constraints.values != NULL},
+        {"constraint", c && system->constraints.n_holonomic ? ~0u : 0,
+         system->constraints.values != NULL},
         {"inertia", c ? ~0u : own, system->inertia != NULL},
         {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
@@ -91,8 +92,8 @@ enum pk_status pk_check_options(struct pk_integrator *it)
     it->where = BAD_TOLERANCE;
     const int relative = o->atol >= PK_ATOL_OF_MOTION && o->atol <= PK_ATOL_OF_MOTION;
     const pk_real atol = relative ? 0 : o->atol;
-    if (adaptive && (!(o->rtol >= 0) || !(atol >= 0) || !(o->rtol + atol > 0) ||
-                     !pk_finite(o->rtol + atol)))
+    if (adaptive &&
+        (!(o->rtol >= 0) || !(atol >= 0) || !(o->rtol + atol > 0) || !pk_finite(o->rtol + atol)))
         return PK_BAD_ARGUMENT;
     it->where = BAD_ITERATION; /* a correction of 1 is no convergence at all */
     if (!(o->newton_tol >= 0 && o->newton_tol < 1) || o->max_iterations < 0 ||

@@ -9,14 +9,15 @@ static size_t lay_out(struct pk_projection *w, int all, pk_real *base)
 {
     const size_t n = w->n, c = w->c;
     const struct pk_slot slots[] = {{&w->d, 2 * n}, /* a correction; momenta and forces of a step */
-                                    {&w->M, n * n}, {&w->J, c * n},     {&w->W, c * n},
-                                    {&w->A, c * c}, {&w->phi, c},       {&w->rate, c},
-                                    {&w->phi_size, c}, {&w->rate_size, c}, {&w->mu, c},
+                                    {&w->M, n * n},      {&w->J, c * n},     {&w->W, c * n},
+                                    {&w->A, c * c},      {&w->phi, c},       {&w->rate, c},
+                                    {&w->phi_size, c},   {&w->rate_size, c}, {&w->mu, c},
                                     {&w->depends, 1 + c}};
     return c || all ? PK_LAY_OUT(base, slots) : pk_lay_out(base, slots, 1);
 }
 
-static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk_real *base, int all)
+static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk_real *base,
+                                  int all)
 {
     const struct pk_system *system = problem->system;
     struct pk_projection w = {.system = system, .params = problem->params, .n = n};

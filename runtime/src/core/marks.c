@@ -40,7 +40,8 @@ static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
 {
     const struct pk_system *system = it->problem.system;
     const size_t n = it->n;
-    const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->own->next, *v1 = pk_part(it->own->next, n, PK_V);
+    const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->own->next,
+                  *v1 = pk_part(it->own->next, n, PK_V);
     const pk_real h = it->own->next_t - it->t, t = x < 1 ? it->t + x * h : it->own->next_t;
     pk_real *q = it->own->marks + 4 * system->marks.n, *v = q + n, *input = v + n;
     if (x > 0 && x < 1)
@@ -85,7 +86,8 @@ static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
 /* How much of the trial step may be made for mark k, 1: all; of that, how much where it varies. */
 static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 {
-    const pk_real h = pk_abs(it->own->next_t - it->t), round = 8 * PK_EPS * pk_abs(it->own->next_t) / h;
+    const pk_real h = pk_abs(it->own->next_t - it->t),
+                  round = 8 * PK_EPS * pk_abs(it->own->next_t) / h;
     pk_real total = 0, begins = -1, width = PK_C(1.0) / FEW, from = 0, u = it->own->marks[k];
     for (int count = 0; from < 1; count++) {
         const pk_real to = pk_min(from + width, 1), a = warped(from), b = warped(to);
@@ -138,7 +140,8 @@ int pk_marks_reject(struct pk_integrator *it)
     it->own->range = it->own->varied = 0;
     for (size_t k = 0; k < m; k++)
         it->own->range = pk_max(it->own->range, pk_abs(end[k] - begin[k]));
-    if (it->own->range <= MOST / 4 && h <= 3 * it->own->calm) /* nearly always, but for short forces */
+    if (it->own->range <= MOST / 4 &&
+        h <= 3 * it->own->calm) /* nearly always, but for short forces */
         return 0;
     values(it, warped(PK_C(0.5)), middle);
     for (size_t k = 0; k < m; k++) {
@@ -181,13 +184,15 @@ void pk_marks_accept(struct pk_integrator *it)
         return;
     }
     it->own->unlooked = it->own->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
-    it->own->calm = it->own->range <= MOST / 4 ? h : 0; /* a step that long had nothing short in it */
+    it->own->calm = it->own->range <= MOST / 4 ? h
+                                               : 0; /* a step that long had nothing short in it */
     memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
     if (!(it->own->reach > 0))
         return;
     if (h < it->own->reach * (1 - PK_C(1e-6)) || it->own->varied < MOST / 8)
         it->own->reach = 0; /* by its error, or there is nothing more */
     else
-        it->own->reach = it->own->rise > 0 ? it->own->rise : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->varied);
+        it->own->reach = it->own->rise > 0 ? it->own->rise
+                                           : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->varied);
     it->own->rise = 0;
 }

@@ -31,7 +31,8 @@ int pk_system_name(const struct pk_system *system, const void *params,
 }
 
 /* "[i+1]" and "[j-2]" as numbers; where it ends, or NULL if it is none of these. */
-static const char *index_of(const char *text, const struct pk_singularity_place *place, ptrdiff_t *index)
+static const char *index_of(const char *text, const struct pk_singularity_place *place,
+                            ptrdiff_t *index)
 {
     ptrdiff_t number = 0;
     if (text[0] != '[' || (text[1] != 'i' && text[1] != 'j'))
@@ -45,8 +46,8 @@ static const char *index_of(const char *text, const struct pk_singularity_place 
     return *text == ']' ? text + 1 : NULL;
 }
 
-int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k, char *text,
-                         size_t size)
+int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
+                               char *text, size_t size)
 {
     const struct pk_singularity_place place = pk_system_singularity(system, params, k);
     const char *from = system->singularities.table[place.singularity].what.name;

@@ -19,8 +19,8 @@ struct pk_projection {
     pk_real *phi, *rate;         /* residuals of position and of the rates */
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
-    pk_real *mu, *d;             /* multipliers; 2 n numbers: a correction, and what is behind it */
-    pk_real *depends;            /* 1 + the row that depends on earlier ones, or 0; by how much */
+    pk_real *mu, *d;  /* multipliers; 2 n numbers: a correction, and what is behind it */
+    pk_real *depends; /* 1 + the row that depends on earlier ones, or 0; by how much */
 };
 
 /* Whether there are rows of rates that are no rates of positions. */

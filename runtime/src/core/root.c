@@ -9,8 +9,8 @@
 #include "internal.h"
 #include "root.h"
 
-enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_real *b,
-                       pk_real fb, pk_real width)
+enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_real *b, pk_real fb,
+                       pk_real width)
 {
     const pk_real kappa = PK_C(0.2) / (*b - *a);
     pk_real reach = width / 2; /* epsilon 2^(n_max - j) of the reference */

@@ -16,7 +16,7 @@
 #define ROUNDING (8 * PK_EPS)
 #define ASIDE PK_F(sqrt)(PK_EPS)
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
-enum { OFTEN = 64 }; /* steps between two looks at rounding */
+enum { OFTEN = 64 };               /* steps between two looks at rounding */
 
 /* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n each:
  * what rounding does to accelerations, an acceleration, what rounding of momenta does to rates, two
@@ -40,7 +40,8 @@ static void group(const struct pk_integrator *it, const struct pk_quantity *tabl
                   pk_real *to)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t declared = system->families.n_coordinates ? system->families.n_coordinates : system->n;
+    const size_t declared = system->families.n_coordinates ? system->families.n_coordinates
+                                                           : system->n;
     for (size_t k = 0; !table && k < it->n; k++)
         to[k] = (pk_real)base;
     size_t first = 0, i = 0;
@@ -79,7 +80,8 @@ static void follow(const struct pk_integrator *it)
     for (size_t i = 0; i < 2 * n; i++)
         all[(size_t)of[i]] = pk_max(all[(size_t)of[i]], most[i]);
     for (size_t i = 0; i < 2 * n; i++)
-        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) + PK_F(sqrt)(PK_TINY);
+        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) +
+                 PK_F(sqrt)(PK_TINY);
 }
 
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
@@ -127,7 +129,8 @@ static void look_at_momenta(struct pk_integrator *it)
 }
 
 /* Each number of a state by its `share` up or down. */
-static void shake(const struct pk_integrator *it, pk_real share, unsigned long random, pk_real *state)
+static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
+                  pk_real *state)
 {
     for (size_t i = 0; i < 2 * it->n; i++) {
         random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;

@@ -18,11 +18,16 @@
 #define CALM PK_C(0.0625) /* a change in two steps running that is no cause for any doubt */
 #define FAR PK_C(1.5)     /* tangents are trusted to tell of a zero up to so many steps away */
 
-enum { KNOWN = 1, QUIET = 2 }; /* it->own->slopes: those at the state; the last step changed little */
+enum {
+    KNOWN = 1,
+    QUIET = 2
+}; /* it->own->slopes: those at the state; the last step changed little */
 
 size_t pk_singularity_size(size_t n_singularities, size_t n)
 {
-    return n_singularities ? PK_SINGULARITY_PARTS * n_singularities + PK_SINGULARITY_SEARCH_PARTS * n : 0;
+    return n_singularities
+               ? PK_SINGULARITY_PARTS * n_singularities + PK_SINGULARITY_SEARCH_PARTS * n
+               : 0;
 }
 
 static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
@@ -40,14 +45,16 @@ void pk_singularity_start(struct pk_integrator *it)
     if (!it->own->singularities)
         return;
     pk_singularity_evaluate(it, it->t, it->q, it->v, pk_singularity_part(it, PK_SINGULARITY_NOW));
-    memset(pk_singularity_part(it, PK_SINGULARITY_MOST), 0, it->own->n_singularities * sizeof(pk_real));
+    memset(pk_singularity_part(it, PK_SINGULARITY_MOST), 0,
+           it->own->n_singularities * sizeof(pk_real));
 }
 
 /* The end of the trial step becomes the state. */
 static enum pk_status go_on(struct pk_integrator *it, int known)
 {
     const size_t m = it->own->n_singularities;
-    pk_real *now = pk_singularity_part(it, PK_SINGULARITY_NOW), *most = pk_singularity_part(it, PK_SINGULARITY_MOST);
+    pk_real *now = pk_singularity_part(it, PK_SINGULARITY_NOW),
+            *most = pk_singularity_part(it, PK_SINGULARITY_MOST);
     for (size_t k = 0; k < m; k++)
         most[k] = pk_max(most[k], pk_abs(now[k]));
     memcpy(now, pk_singularity_part(it, PK_SINGULARITY_NEXT), 2 * m * sizeof *now);
@@ -72,7 +79,8 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
 static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
 {
     const pk_real h = it->own->next_t - it->t;
-    const struct pk_singularity_search s = pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
+    const struct pk_singularity_search s =
+        pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
     if (s.found == PK_SINGULARITY_UNDECIDED)
@@ -94,16 +102,15 @@ enum pk_status pk_singularity_here(struct pk_integrator *it)
 }
 
 /* +1, -1, or 0 for zero and what is no number; products of two singularities may underflow. */
-static int sign(pk_real x)
-{
-    return (x > 0) - (x < 0);
-}
+static int sign(pk_real x) { return (x > 0) - (x < 0); }
 
 /* Whether the tangents say that singularity k may vanish in the step just tried, or say too little. */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
-    const pk_real g0 = pk_singularity_part(it, PK_SINGULARITY_NOW)[k], g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT)[k];
-    const pk_real h = it->own->next_t - it->t, d0 = h * pk_singularity_part(it, PK_SINGULARITY_SLOPE)[k];
+    const pk_real g0 = pk_singularity_part(it, PK_SINGULARITY_NOW)[k],
+                  g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT)[k];
+    const pk_real h = it->own->next_t - it->t,
+                  d0 = h * pk_singularity_part(it, PK_SINGULARITY_SLOPE)[k];
     const pk_real d1 = h * pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE)[k];
     if (sign(g0) * sign(d0) < 0 && pk_abs(g0) <= FAR * pk_abs(d0))
         return 1;
@@ -114,7 +121,8 @@ static int doubtful(const struct pk_integrator *it, size_t k)
 
 static int calm(const struct pk_integrator *it)
 {
-    const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW), *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
+    const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW),
+                  *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
     for (size_t k = 0; k < it->own->n_singularities; k++)
         if (!(pk_abs(g1[k] - g0[k]) <= CALM * pk_abs(g0[k])))
             return 0;
@@ -144,7 +152,8 @@ enum pk_status pk_singularity_step(struct pk_integrator *it)
         doubt |= doubtful(it, k);
     }
     if (doubt) {
-        const struct pk_singularity_search s = pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
+        const struct pk_singularity_search s =
+            pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
         if (s.found == PK_SINGULARITY_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
         pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* the search has used its place */
@@ -156,14 +165,14 @@ enum pk_status pk_singularity_step(struct pk_integrator *it)
 enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed)
 {
     pk_real ahead = 2 * (it->own->next_t - it->t), depth = PK_SINGULARITY_DEEP;
-    if (!it->own->singularities || (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE &&
-                        status != PK_STEP_UNDERFLOW && status != PK_NO_CONVERGENCE &&
-                        status != PK_AMBIGUOUS_STEP))
+    if (!it->own->singularities ||
+        (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE && status != PK_STEP_UNDERFLOW &&
+         status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP))
         return status;
     if (!fixed) { /* that close ahead steps underflow: pk_underflow() */
         depth = PK_SINGULARITY_SHALLOW;
-        ahead = (pk_real)it->own->direction * (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) +
-                                          PK_C(10.0) * pk_abs(it->own->h));
+        ahead = (pk_real)it->own->direction *
+                (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + PK_C(10.0) * pk_abs(it->own->h));
     }
     const struct pk_singularity_search s = pk_singularity_search(it, it->t + ahead, depth);
     return s.found == PK_SINGULARITY_VANISHES ? ended(it, s.which, s.when, s.bounded) : status;

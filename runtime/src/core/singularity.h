@@ -16,31 +16,35 @@ enum {
 };
 enum { PK_SINGULARITY_SEARCH_PARTS = 10 };
 
-#define PK_SINGULARITY_DEEP PK_C(1e-12)   /* of its value at the start of the search: it vanishes, */
-#define PK_SINGULARITY_SHALLOW PK_C(1e-3) /* or where steps underflow already, and it is small already */
+#define PK_SINGULARITY_DEEP PK_C(1e-12) /* of its value at the start of the search: it vanishes, */
+#define PK_SINGULARITY_SHALLOW \
+    PK_C(1e-3) /* or where steps underflow already, and it is small already */
 
 static inline pk_real *pk_singularity_part(const struct pk_integrator *it, int which)
 {
     return it->own->singularities + (size_t)which * it->own->n_singularities;
 }
 
-void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
-                       pk_real *out);
+void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q,
+                             const pk_real *v, pk_real *out);
 /* The singularities at d along the tangent. */
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
-                    pk_real d, pk_real *out);
+                          pk_real d, pk_real *out);
 /* A time from a tangent that is no more than round-off may be anything: then the first of two. */
 pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last);
 /* Whether a singularity falls to `depth` of its value at the state on the way to t_end, and which. Leaves
  * counters and the reason of a failure as they were. */
 struct pk_singularity_search {
-    enum { PK_SINGULARITY_UNDECIDED, /* steps underflow, or there would be too many */
-           PK_SINGULARITY_STAYS,     /* they arrive, and none comes near to zero on the way */
-           PK_SINGULARITY_VANISHES } found;
+    enum {
+        PK_SINGULARITY_UNDECIDED, /* steps underflow, or there would be too many */
+        PK_SINGULARITY_STAYS,     /* they arrive, and none comes near to zero on the way */
+        PK_SINGULARITY_VANISHES
+    } found;
     size_t which;
     pk_real when; /* it vanishes */
     int bounded;  /* the acceleration does not grow on the way there */
 };
-struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end, pk_real depth);
+struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end,
+                                                   pk_real depth);
 
 #endif

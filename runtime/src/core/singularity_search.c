@@ -19,15 +19,15 @@ static pk_real *search_part(const struct pk_integrator *it, int which)
     return pk_singularity_part(it, PK_SINGULARITY_PARTS) + (size_t)which * it->n;
 }
 
-void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
-                       pk_real *out)
+void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q,
+                             const pk_real *v, pk_real *out)
 {
     const pk_real *u = pk_eval_input(it, t);
     it->problem.system->singularities.values(it->problem.params, t, q, v, u, out);
 }
 
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
-                    pk_real d, pk_real *out)
+                          pk_real d, pk_real *out)
 {
     pk_real *moved = search_part(it, STAGE);
     for (size_t i = 0; i < it->n; i++)
@@ -108,7 +108,8 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 {
     static const pk_real depth[2] = {PK_C(1e-2), PK_C(1e-4)};
     const pk_real *a = search_part(it, K) + it->n;
-    while (growth->levels < 2 && fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities) {
+    while (growth->levels < 2 &&
+           fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities) {
         pk_real most = 0;
         for (size_t i = 0; i < it->n; i++)
             most = pk_max(most, pk_abs(a[i]));
@@ -120,12 +121,14 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
 {
     const size_t n = it->n, m = it->own->n_singularities;
     const pk_real whole = t_end - it->t;
-    pk_real *g = pk_singularity_part(it, PK_SINGULARITY_NEXT), *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE);
+    pk_real *g = pk_singularity_part(it, PK_SINGULARITY_NEXT),
+            *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE);
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL);
     pk_real at = 0, made = 0, s = whole / 16;
     struct pk_singularity_search found = {PK_SINGULARITY_UNDECIDED, m, it->t, 0};
     struct growth growth = {0};
-    int stuck = 0, arrived = 0; /* M is singular to round-off before the singularity is quite zero */
+    int stuck = 0,
+        arrived = 0; /* M is singular to round-off before the singularity is quite zero */
     memcpy(y, it->q, n * sizeof *y);
     memcpy(y + n, it->v, n * sizeof *y);
     memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);
@@ -163,8 +166,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     found.which = fallen(it, g, stuck ? PK_SINGULARITY_SHALLOW : depth, !arrived);
     if (found.which < m) {
         pk_singularity_along(it, it->t + at, y, y + n, made / 16, g1);
-        found.when = it->t + at +
-                     made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
+        found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;
     } else if (arrived && growth.levels < 2) { /* else round-off close to it may have turned it */
@@ -174,7 +176,8 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     return found;
 }
 
-struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end, pk_real depth)
+struct pk_singularity_search pk_singularity_search(struct pk_integrator *it, pk_real t_end,
+                                                   pk_real depth)
 {
     const struct pk_counters count = it->count;
     const size_t where = it->where;

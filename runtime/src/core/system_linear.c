@@ -27,8 +27,8 @@ static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *
 
 /* *failed: as the acceleration has it, of PK_SINGULAR_MASS. */
 static enum pk_status linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
-                             const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
-                             pk_real *a_t, pk_real *work, int *failed)
+                             const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v, pk_real *a_t,
+                             pk_real *work, int *failed)
 {
     const struct pk_system *system = problem->system;
     const void *params = problem->params;
@@ -70,8 +70,7 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
                               pk_real *a_t, pk_real *work)
 {
     int failed;
-    const enum pk_status status =
-        linear(&it->problem, t, q, v, a, a_q, a_v, a_t, work, &failed);
+    const enum pk_status status = linear(&it->problem, t, q, v, a, a_q, a_v, a_t, work, &failed);
     it->count.jacobians++;
     return status == PK_SINGULAR_MASS ? pk_eval_failed(it, t, q, v, failed) : status;
 }

@@ -15,10 +15,7 @@
 #define EVALUATION PK_C(16.0)
 #define WALK PK_C(2.0)
 
-void pk_drift_init(struct pk_drift *drift)
-{
-    memset(drift, 0, sizeof *drift);
-}
+void pk_drift_init(struct pk_drift *drift) { memset(drift, 0, sizeof *drift); }
 
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale)
 {
@@ -156,8 +153,8 @@ size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params);
-    return (drift_reals(momenta_of(problem) + system->n_conserved) + 2 * n +
-            system->n_inputs + system->n_conserved) *
+    return (drift_reals(momenta_of(problem) + system->n_conserved) + 2 * n + system->n_inputs +
+            system->n_conserved) *
            sizeof(pk_real);
 }
 
@@ -171,8 +168,7 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
         return PK_BLOCK_TOO_SMALL;
     memset(block, 0, pk_monitor_size(problem));
     monitor->problem = *problem;
-    monitor->has_energy =
-        (system->facts & PK_CONSERVATIVE) && system->energy && system->canonical;
+    monitor->has_energy = (system->facts & PK_CONSERVATIVE) && system->energy && system->canonical;
     pk_drift_init(&monitor->energy);
     monitor->momenta = (struct pk_drift *)block;
     monitor->conserved = monitor->momenta + n;
@@ -180,8 +176,7 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
     return PK_DONE;
 }
 
-void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q,
-                       const pk_real *v)
+void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v)
 {
     const struct pk_problem *problem = &monitor->problem;
     const struct pk_system *system = problem->system;

@@ -110,8 +110,7 @@ static void add(struct pk_least_action *found, struct node *x, pk_real weight, p
             slope[m + row] += pk_abs(by_rate) + pk_abs(by_place);
             for (size_t j = 0; j < n; j++)
                 for (size_t l = 0; l < modes; l++) {
-                    const pk_real kinetic =
-                        weight * x->M[i * n + j] * x->rate[k] * x->rate[l];
+                    const pk_real kinetic = weight * x->M[i * n + j] * x->rate[k] * x->rate[l];
                     B[row * m + j * modes + l] += kinetic;
                     C[row * m + j * modes + l] +=
                         kinetic + weight * (x->rate[k] * x->p_q[i * n + j] * x->sine[l] +
@@ -162,8 +161,8 @@ static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
     struct pk_least_action *found = s->found;
     const pk_real now = found->it.t;
     pk_real a = s->from, b = now;
-    enum pk_status status = pk_root(determinant_at, s, &a, before, &b, det,
-                                    4 * PK_EPS * (pk_abs(now) + found->time));
+    enum pk_status status =
+        pk_root(determinant_at, s, &a, before, &b, det, 4 * PK_EPS * (pk_abs(now) + found->time));
     if (status < 0)
         return status;
     if (found->n_conjugate < PK_CONJUGATE_MOST)
@@ -233,8 +232,8 @@ enum pk_status pk_least_action_find(struct pk_least_action *found, const struct 
     found->nodes = panels * NODES;
     found->t0 = t0;
     found->time = time;
-    enum pk_status status = pk_variation_init(&found->variation, problem, found->n, at,
-                                              x.variation * sizeof *at);
+    enum pk_status status =
+        pk_variation_init(&found->variation, problem, found->n, at, x.variation * sizeof *at);
     if (status < 0)
         return status;
     pk_real *integrator = at + x.variation, *path = integrator + x.integrator;

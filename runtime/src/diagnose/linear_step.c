@@ -64,7 +64,7 @@ static pk_real energy(ARGS)
 
 enum {
     DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH |
-             PK_AFFINE,
+        PK_AFFINE,
     FREE = DAMPED | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL
 };
 
@@ -153,8 +153,8 @@ static void turn(const struct pk_splitting *table, pk_real y, pk_real map[4])
         }
 }
 
-enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness,
-                                pk_real damping, pk_real h, pk_real map[4])
+enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffness, pk_real damping,
+                                pk_real h, pk_real map[4])
 {
     const struct pk_method *f = formula(method);
     const struct spring params = {stiffness, damping};

@@ -22,10 +22,8 @@ size_t pk_lyapunov_size(const struct pk_problem *problem, const struct pk_method
 static struct pk_metric metric_of(const struct pk_lyapunov *l)
 {
     const size_t states = l->variation.of.system->n_first_order;
-    return (struct pk_metric){.n = l->metric_n,
-                              .seen = l->metric_n - states,
-                              .tau = l->metric_tau,
-                              .L = l->metric_L};
+    return (struct pk_metric){
+        .n = l->metric_n, .seen = l->metric_n - states, .tau = l->metric_tau, .L = l->metric_L};
 }
 
 /* The displacement in (q, v) made of unit length, from it->q and it->v or from the scratch itself;
@@ -197,7 +195,4 @@ enum pk_motion pk_lyapunov_motion(const struct pk_lyapunov *l)
     return megno <= 3 ? PK_REGULAR : megno >= 6 ? PK_CHAOTIC : PK_UNDECIDED;
 }
 
-void pk_lyapunov_free(struct pk_lyapunov *l)
-{
-    pk_integrator_free(&l->it);
-}
+void pk_lyapunov_free(struct pk_lyapunov *l) { pk_integrator_free(&l->it); }

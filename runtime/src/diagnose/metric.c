@@ -5,10 +5,7 @@
 
 size_t pk_metric_reals(size_t n) { return n * n; }
 
-static pk_real root(const struct pk_metric *m, size_t i)
-{
-    return PK_F(sqrt)(m->L[i * m->n + i]);
-}
+static pk_real root(const struct pk_metric *m, size_t i) { return PK_F(sqrt)(m->L[i * m->n + i]); }
 
 /* x = C^T x and so on; each walks so that it reads what it has not written yet. */
 static void times_Ct(const struct pk_metric *m, pk_real *x)

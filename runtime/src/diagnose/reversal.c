@@ -72,8 +72,8 @@ static enum pk_status there_and_back(struct trial *w, struct pk_reversal *revers
         const pk_real miss = off(w, i);
         reversal->at[at].absolute = pk_max(reversal->at[at].absolute, miss);
         if (miss > 0) /* what never moved and did on the way back has lost all */
-            reversal->at[at].error = pk_max(reversal->at[at].error,
-                                            w->reach[i] > 0 ? miss / w->reach[i] : 1);
+            reversal->at[at].error =
+                pk_max(reversal->at[at].error, w->reach[i] > 0 ? miss / w->reach[i] : 1);
     }
     if (reversal->at[at].error > reversal->threshold) {
         reversal->passed = 1;
@@ -108,8 +108,14 @@ enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrat
     reversal->threshold = threshold;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
-    struct trial w = {.it = it, .problem = problem, .method = method, .options = options,
-                      .t0 = t0, .q0 = q0, .v0 = v0, .reach = (pk_real *)block};
+    struct trial w = {.it = it,
+                      .problem = problem,
+                      .method = method,
+                      .options = options,
+                      .t0 = t0,
+                      .q0 = q0,
+                      .v0 = v0,
+                      .reach = (pk_real *)block};
     w.block = w.reach + 2 * pk_system_count(problem->system, problem->params);
     w.size = size - (size_t)((char *)w.block - (char *)block);
 

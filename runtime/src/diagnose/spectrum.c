@@ -15,10 +15,7 @@ static pk_real sample_time(size_t j, size_t count)
     return (2 * (pk_real)j - (pk_real)(count - 1)) / (pk_real)(count - 1);
 }
 
-static pk_real window(pk_real s)
-{
-    return 1 + PK_F(cos)(PK_PI * s);
-}
+static pk_real window(pk_real s) { return 1 + PK_F(cos)(PK_PI * s); }
 
 /* d/dw of that square, but for a factor. */
 static pk_real slope(const pk_real *x, size_t count, pk_real w)
@@ -183,8 +180,8 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
         spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* at best */
     for (int part = 0; part < 2; part++) {
         struct pk_spectrum of_half = *spectrum;
-        const int done =
-            pk_spectrum_fit(&of_half, x + (part ? count - half : 0), half, dt, left) == PK_DONE;
+        const int done = pk_spectrum_fit(&of_half, x + (part ? count - half : 0), half, dt, left) ==
+                         PK_DONE;
         for (size_t k = 0; k < spectrum->count; k++) {
             struct pk_line *line = &spectrum->lines[k];
             const pk_real moved = done ? pk_abs(of_half.lines[k].frequency - line->frequency)

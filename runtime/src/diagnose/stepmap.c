@@ -144,8 +144,8 @@ static enum pk_status column(struct parts *w, const struct pk_method *method,
     memcpy(w->V, v0, n * sizeof *v0);
     enum pk_status status = displace(w, t0, j);
     if (status >= 0)
-        status = pk_integrator_init(&w->it, &w->variation.problem, method, options, t0, w->Q,
-                                    w->V, w->block, w->block_size);
+        status = pk_integrator_init(&w->it, &w->variation.problem, method, options, t0, w->Q, w->V,
+                                    w->block, w->block_size);
     if (status >= 0)
         status = pk_integrator_to(&w->it, t0 + options->h);
     if (status >= 0 && w->it.count.steps != 1)

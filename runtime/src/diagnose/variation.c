@@ -14,10 +14,7 @@ static const struct pk_variation *self(const void *params)
     return (const struct pk_variation *)params;
 }
 
-static size_t count(const void *params)
-{
-    return self(params)->n * (1 + self(params)->columns);
-}
+static size_t count(const void *params) { return self(params)->n * (1 + self(params)->columns); }
 
 /* y += A x */
 static void add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n)
@@ -157,30 +154,31 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     variation->work = (pk_real *)block;
     /* p of the displacements depends on q, so on v too unless M is constant: then M, with zeros
      * for that, is not the whole of dp/dv. */
-    unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH |
-                    PK_MASS_DIAGONAL | PK_AFFINE;
+    unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH | PK_MASS_DIAGONAL |
+                    PK_AFFINE;
     if (system->facts & PK_MASS_CONSTANT)
         kept |= PK_QUADRATIC;
-    variation->system = (struct pk_system){.abi = PK_ABI,
-                                           .name = system->name,
-                                           .source_hash = system->source_hash,
-                                           .facts = system->facts & kept,
-                                           .n = variation->n * (1 + columns),
-                                           .families.n_coordinates = variation->n,
-                                           .n_inputs = system->n_inputs,
-                                           .inputs = system->inputs,
-                                           .coordinates = system->coordinates,
-                                           .rates = system->rates,
-                                           .momenta = system->momenta,
-                                           .acceleration = acceleration,
-                                           .mass = mass,
-                                           .canonical = canonical,
-                                           .jacobian = jacobian,
-                                           .linear = linear,
-                                           .singularities.n = system->singularities.n,
-                                           .singularities.table = system->singularities.table,
-                                           .singularities.values = system->singularities.n ? singularity : NULL,
-                                           .families.count = count};
+    variation->system =
+        (struct pk_system){.abi = PK_ABI,
+                           .name = system->name,
+                           .source_hash = system->source_hash,
+                           .facts = system->facts & kept,
+                           .n = variation->n * (1 + columns),
+                           .families.n_coordinates = variation->n,
+                           .n_inputs = system->n_inputs,
+                           .inputs = system->inputs,
+                           .coordinates = system->coordinates,
+                           .rates = system->rates,
+                           .momenta = system->momenta,
+                           .acceleration = acceleration,
+                           .mass = mass,
+                           .canonical = canonical,
+                           .jacobian = jacobian,
+                           .linear = linear,
+                           .singularities.n = system->singularities.n,
+                           .singularities.table = system->singularities.table,
+                           .singularities.values = system->singularities.n ? singularity : NULL,
+                           .families.count = count};
     variation->problem = (struct pk_problem){.system = &variation->system,
                                              .params = variation,
                                              .input = of->input,

@@ -173,4 +173,3 @@ struct pk_end pk_well_march(struct pk_well *w, pk_real q, pk_real U, pk_real dir
     }
     return end;
 }
-

@@ -110,8 +110,8 @@ static enum pk_status check_parts(struct pk_apart *a)
                 return bad(a, "a coordinate is not of the whole", k + 1);
         if (!find(of->system->inputs, of->system->n_inputs, whole->inputs, whole->n_inputs,
                   a->parts[k].inputs) ||
-            !find(of->system->quadratures.names, of->system->quadratures.n, whole->quadratures.names,
-                  whole->quadratures.n, a->parts[k].quadratures))
+            !find(of->system->quadratures.names, of->system->quadratures.n,
+                  whole->quadratures.names, whole->quadratures.n, a->parts[k].quadratures))
             return bad(a, "an input or a quadrature is not of the whole", k + 1);
     }
     if (n != whole->n || m != whole->quadratures.n)
@@ -171,8 +171,8 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
     a->status = pk_integrator_init(&part->it, &problem, choice->method, &choice->options, t0, q, v,
                                    block, size);
     if (a->status == PK_DONE)
-        a->status = pk_integrator_init(&part->aside, &problem, choice->method, &choice->options, t0, q,
-                                       v, (char *)block + padded(size), size);
+        a->status = pk_integrator_init(&part->aside, &problem, choice->method, &choice->options, t0,
+                                       q, v, (char *)block + padded(size), size);
     if (a->status == PK_DONE)
         a->failed = 0;
     return a->status;

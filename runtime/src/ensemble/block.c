@@ -44,21 +44,21 @@ static unsigned long long members(struct pk_block *b, const pk_real *q, const pk
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v)
 {
-    const unsigned long long lost =
-        pk_block_not_finite(q, b->n, b->lanes) | pk_block_not_finite(v, b->n, b->lanes);
+    const unsigned long long lost = pk_block_not_finite(q, b->n, b->lanes) |
+                                    pk_block_not_finite(v, b->n, b->lanes);
     b->not_finite |= lost & failed & ~b->failed;
     b->failed |= failed;
 }
 
-#define RUNGE_KUTTA(method)                                       \
-    static unsigned long long step_##method(struct pk_block *b)  \
-    {                                                             \
-        return generic_block_erk(b, &pk_##method##_table);        \
+#define RUNGE_KUTTA(method)                                     \
+    static unsigned long long step_##method(struct pk_block *b) \
+    {                                                           \
+        return generic_block_erk(b, &pk_##method##_table);      \
     }
-#define SPLITTING(method)                                         \
+#define SPLITTING(method)                                        \
     static unsigned long long step_##method(struct pk_block *b)  \
-    {                                                             \
-        return generic_block_splitting(b, &pk_##method##_table);  \
+    {                                                            \
+        return generic_block_splitting(b, &pk_##method##_table); \
     }
 PK_ERK_METHODS(RUNGE_KUTTA)
 PK_EMBEDDED_METHODS(RUNGE_KUTTA)
@@ -230,8 +230,8 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
         for (size_t l = 0; e->system->singularities.n && l < b->lanes; l++) {
             if (!(live >> l & 1))
                 continue;
-            const enum pk_status seen = pk_member_step(member_at(e, memory, l), clock,
-                                                       b->next + l, b->lanes, PK_DONE);
+            const enum pk_status seen =
+                pk_member_step(member_at(e, memory, l), clock, b->next + l, b->lanes, PK_DONE);
             if (seen < 0)
                 retire(b, e, first, 1ull << l, seen, &live);
         }

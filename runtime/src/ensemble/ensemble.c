@@ -51,8 +51,8 @@ static void keep(const struct pk_ensemble *e, size_t member, size_t row,
 }
 
 /* To the time of a row, and for a fixed step beyond it: the integrator that is there then. */
-static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct pk_member *m, pk_real t,
-                             const struct pk_integrator **there)
+static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct pk_member *m,
+                             pk_real t, const struct pk_integrator **there)
 {
     struct pk_integrator *it = &m->it;
     struct pk_member *aside = (struct pk_member *)(void *)((char *)m + pk_member_size(e));
@@ -132,8 +132,8 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
                                   (double)last);
 }
 
-enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count,
-                               void *block, size_t size)
+enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count, void *block,
+                               size_t size)
 {
     const enum pk_status wrong = usable(e, first, count, block, size);
     if (wrong < 0)

@@ -28,7 +28,8 @@ size_t pk_member_size(const struct pk_ensemble *e);
 /* How many of them a block has, for steps of W lanes; of 1, another makes steps aside. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
 /* Its integrator alone, and with what is known of the member before the first step. */
-enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, struct pk_member *m);
+enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
+                                    struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
 /* The step that its lane has just made by the clock, to next[i * W] and so on, or failed with
  * `status`: the reason by the singularities, if they know one, or PK_DONE, and the member follows. */

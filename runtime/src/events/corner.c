@@ -164,7 +164,8 @@ int pk_corner_leave(struct corner *x, pk_real direction, int free)
             return -1;
         if (!lowest && count && by * s > 0 &&
             (pk_abs(step) <= PK_EPS * pk_abs(alpha) ||
-             (count > 1 && pk_abs(step) >= before / 2 && pk_abs(step) <= PK_CORNER_WHOLE * pk_abs(alpha))))
+             (count > 1 && pk_abs(step) >= before / 2 &&
+              pk_abs(step) <= PK_CORNER_WHOLE * pk_abs(alpha))))
             return 1;
         if (!lowest && !(pk_abs(step) > 0))
             return 1;

@@ -5,8 +5,10 @@
 #include "events.h"
 #include "../core/project.h"
 
-#define PK_CORNER_ALONG (PK_C(1024.0) * PK_EPS) /* of s_q: so little is left of it beside the rows, or none */
-#define PK_CORNER_WHOLE PK_F(sqrt)(PK_EPS)      /* what a position or a row is off by more by has jumped */
+#define PK_CORNER_ALONG \
+    (PK_C(1024.0) * PK_EPS) /* of s_q: so little is left of it beside the rows, or none */
+#define PK_CORNER_WHOLE \
+    PK_F(sqrt)(PK_EPS) /* what a position or a row is off by more by has jumped */
 
 struct corner {
     struct pk_events *e;

@@ -101,7 +101,8 @@ static pk_real vertex(const pk_real *x, const pk_real *g)
 static int may_cross(const pk_real *x, const pk_real *g)
 {
     const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? PK_C(1.0) : PK_C(-1.0);
-    return sign * g[1] <= sign * (g[2] - g[1]) * (l / r) || sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
+    return sign * g[1] <= sign * (g[2] - g[1]) * (l / r) ||
+           sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
 }
 
 /* True values down a dip that has its least value near `at`, until one has crossed: by parabolas, and
@@ -276,8 +277,7 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
             continue; /* from zero nothing crosses it */
         if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
             continue; /* a touch */
-        if ((after > 0 || after < 0) &&
-            pk_root(truth, &a, &lo, before, &hi, after, width) < 0)
+        if ((after > 0 || after < 0) && pk_root(truth, &a, &lo, before, &hi, after, width) < 0)
             return it->status;
         enlist(e, &a, hi, before < 0 ? it->own->direction : -it->own->direction);
     }

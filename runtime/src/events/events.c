@@ -23,8 +23,8 @@ static size_t reals(const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
     const size_t switches = problem->system->switches.n, m = problem->system->events.n + switches;
-    return 6 * n + problem->system->n_inputs + 2 * problem->system->quadratures.n + m +
-           shapes(m) + m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
+    return 6 * n + problem->system->n_inputs + 2 * problem->system->quadratures.n + m + shapes(m) +
+           m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
            (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
 }
 
@@ -34,8 +34,8 @@ size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *
     return scout ? scout + reals(problem) * sizeof(pk_real) : 0;
 }
 
-enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it,
-                              void *block, size_t block_size)
+enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it, void *block,
+                              size_t block_size)
 {
     memset(events, 0, sizeof *events);
     if (!it || !pk_ready(it) || !block)
@@ -70,7 +70,8 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     memset(events->shapes, 0, reals(problem) * sizeof(pk_real));
     if (events->n_switches) {
         events->params = events->fresh + events->n_switches;
-        events->sides = (pk_real *)(void *)((char *)events->params + problem->system->switches.sides);
+        events->sides =
+            (pk_real *)(void *)((char *)events->params + problem->system->switches.sides);
         memcpy(events->params, own.params, problem->system->params_size);
         events->room = (pk_real *)events->params + pk_params_reals(problem->system);
         own.params = events->params;

@@ -23,8 +23,8 @@ static void hermite(const struct pk_events *e, const struct pk_integrator *it, p
     for (size_t i = 0; i < e->n; i++) {
         const pk_real bend = (bend0[i] * y + bend1[i] * x) / 2;
         e->trial[i] += x * x * y * y * bend;
-        e->trial[e->n + i] += (2 * x * y * (y - x) * bend +
-                               x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
+        e->trial[e->n + i] +=
+            (2 * x * y * (y - x) * bend + x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
     }
 }
 

@@ -98,8 +98,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     hold(e);
     if (passed && pk_switches_pass(e, it, last, attempted) < 0)
         return it->status;
-    if ((passed || e->t < it->t || e->t > it->t) &&
-        pk_integrator_reset(it, e->t, e->q, e->v) < 0)
+    if ((passed || e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
         return it->status;
     if (e->z)
         pk_integrator_set_quadratures(it, e->z);

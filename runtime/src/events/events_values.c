@@ -47,7 +47,7 @@ void pk_switches_functions(const struct pk_events *e, const struct pk_integrator
 }
 
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
-                      const pk_real *q, const pk_real *v, pk_real *g)
+                         const pk_real *q, const pk_real *v, pk_real *g)
 {
     const struct pk_problem *p = &it->problem;
     if (p->system->n_inputs && p->input)
@@ -85,5 +85,6 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
 
 pk_real pk_events_node(const struct pk_events *e, int j)
 {
-    return j == PK_MOST_SAMPLES ? e->at + e->width : e->at + e->width * (1 - pk_events_cosines[j]) / 2;
+    return j == PK_MOST_SAMPLES ? e->at + e->width
+                                : e->at + e->width * (1 - pk_events_cosines[j]) / 2;
 }

@@ -17,7 +17,9 @@ enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 size_t pk_impulse_size(const struct pk_system *system, size_t n)
 {
     const size_t c = system->constraints.n, k = system->switches.n;
-    return system->switches.impulses ? pk_project_room(system, n) + 7 * n + (n + 3) * c + (n + 5) * k : 0;
+    return system->switches.impulses
+               ? pk_project_room(system, n) + 7 * n + (n + 3) * c + (n + 5) * k
+               : 0;
 }
 
 /* To the other side of one, and of those in whose arguments it stands. */
@@ -53,7 +55,8 @@ static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
     for (size_t i = 0; i < w->m; i++)
         if (pk_abs(x->p[i] - x->p0[i]) > SAME * (pk_abs(x->p[i]) + pk_abs(x->p0[i])))
             *found |= PK_IMPULSE_ENERGY;
-    const pk_real h = pk_corner_energy(x, x->start), work = pk_abs(pk_corner_dot(x->p, x->start, w->m));
+    const pk_real h = pk_corner_energy(x, x->start),
+                  work = pk_abs(pk_corner_dot(x->p, x->start, w->m));
     if (pk_abs(h - x->h0) > SAME * (pk_abs(h) + pk_abs(x->h0) + work))
         *found |= PK_IMPULSE_ENERGY;
     if (!w->c)
@@ -71,7 +74,8 @@ static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
         }
         if (!holonomic && change > PK_CORNER_WHOLE * size)
             return refuse(x, k, ROLLING, j);
-        if (pk_abs(w->rate[j]) > PK_CORNER_ALONG * w->rate_size[j] || change > PK_CORNER_WHOLE * size)
+        if (pk_abs(w->rate[j]) > PK_CORNER_ALONG * w->rate_size[j] ||
+            change > PK_CORNER_WHOLE * size)
             *found |= holonomic ? PK_IMPULSE_ENERGY : PK_IMPULSE_ROLLING;
     }
     return PK_DONE;
@@ -87,7 +91,7 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
     unsigned found;
     memcpy(given, e->sides, e->n_switches * sizeof *given);
     w->system->switches.slopes(w->params, w->t, x->q, x->start, w->u, x->slopes,
-                      x->slopes + e->n_switches * w->n);
+                               x->slopes + e->n_switches * w->n);
     x->slope = x->slopes + k * w->n;
     x->slope_t = x->slopes[e->n_switches * w->n + k];
     int of_place = 0;
@@ -159,7 +163,8 @@ enum pk_status pk_impulse(struct pk_events *e, struct pk_integrator *it, const s
 int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const char *name = it->where < system->switches.n ? system->switches.names[it->where].name : "x";
+    const char *name = it->where < system->switches.n ? system->switches.names[it->where].name
+                                                      : "x";
     const size_t row = (size_t)it->own->condition;
     char other[128] = "";
     if (it->detail <= (pk_real)ROLLING)
@@ -180,5 +185,6 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
     };
     const int used = snprintf(text, size, why[(int)it->detail], other, name);
     const size_t at = used > 0 && (size_t)used < size ? (size_t)used : size;
-    return used + snprintf(at < size ? text + at : NULL, size - at, "; last valid time %.17g", (double)it->t);
+    return used + snprintf(at < size ? text + at : NULL, size - at, "; last valid time %.17g",
+                           (double)it->t);
 }

@@ -212,8 +212,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     if (status < 0)
         return status;
 
-    const pk_real least =
-        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
     pk_real low = number[T_LOW];
     const pk_real end = pk_sum(number[T], sign * number[LENGTH], &low);
@@ -226,8 +225,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         const pk_real half = sign * number[EPS] / 2;
         it->own->next_t = pk_abs(end - limit) <= close ? limit : end;
         drift(it, &w, half / number[RHO], it->own->next);
-        kick_drift(it, &w, sign * number[LENGTH], half / number[RHO_NEXT], w.a,
-                   it->own->next);
+        kick_drift(it, &w, sign * number[LENGTH], half / number[RHO_NEXT], w.a, it->own->next);
         if (!pk_all_finite(it->own->next, 2 * it->n))
             return PK_NOT_FINITE;
         number[END] = it->own->next_t;
@@ -249,7 +247,7 @@ static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_
     return status < 0 || (pk_all_finite(q, n) && pk_all_finite(v, n)) ? status : PK_NOT_FINITE;
 }
 
-#define ADAPTIVE_VERLET(of)                                                             \
+#define ADAPTIVE_VERLET(of)                                                                      \
     .needs = PK_NEEDS_ADAPTIVE_VERLET, .formula = &pk_method_verlet, .size = size, .init = init, \
     .step = step, .dense = dense
 PK_METHODS_ADAPTIVE_VERLET(PK_DEFINE_METHOD, ADAPTIVE_VERLET)

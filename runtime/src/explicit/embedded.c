@@ -37,8 +37,7 @@ static enum pk_status embedded_init(struct pk_integrator *it)
 }
 
 /* HNW II.4: a step whose explicit Euler half-way error is about 1%, checked against y''. */
-static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w,
-                          pk_real limit)
+static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w, pk_real limit)
 {
     const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0, d2 = 0;
@@ -71,10 +70,10 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (!pk_finite(most))
         return h;
     const pk_real order = (pk_real)table_of(it->method)->error_order;
-    const pk_real h1 = most > PK_C(1e-15) * PK_F(sqrt)((pk_real)w->m)
-                           ? PK_SAME(PK_F(pow)(PK_C(0.01) * PK_F(sqrt)((pk_real)w->m) / most,
-                                               PK_C(1.0) / order))
-                           : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
+    const pk_real h1 =
+        most > PK_C(1e-15) * PK_F(sqrt)((pk_real)w->m)
+            ? PK_SAME(PK_F(pow)(PK_C(0.01) * PK_F(sqrt)((pk_real)w->m) / most, PK_C(1.0) / order))
+            : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
     return pk_min(pk_min(PK_C(100.0) * h, h1), span);
 }
 
@@ -143,8 +142,7 @@ static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_em
         r[2 * w->m + i] = bend;
         r[3 * w->m + i] = rise - h * w->last[i] - bend;
         for (int j = 0; j < table->rows; j++)
-            r[(size_t)(4 + j) * w->m + i] =
-                h * pk_row_sum(table->d + j * all, all, w->k, w->m, i);
+            r[(size_t)(4 + j) * w->m + i] = h * pk_row_sum(table->d + j * all, all, w->k, w->m, i);
     }
     it->own->flags |= PK_HAVE_DENSE;
     return PK_DONE;
@@ -168,8 +166,8 @@ static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_rea
     return pk_all_finite(q, it->n) && pk_all_finite(v, it->n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-#define EMBEDDED(of)                                                                  \
-    .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = embedded_size,      \
-    .init = embedded_init, .step = embedded_step, .dense = embedded_dense,             \
+#define EMBEDDED(of)                                                              \
+    .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = embedded_size, \
+    .init = embedded_init, .step = embedded_step, .dense = embedded_dense,        \
     .stage = embedded_stage, .stage_error = embedded_error
 PK_METHODS_EMBEDDED(PK_DEFINE_METHOD, EMBEDDED)

@@ -30,7 +30,8 @@ int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *t
         return 0;
     const pk_real e = table->e ? h * table->e[i] : 0, e3 = table->e3 ? h * table->e3[i] : 0;
     if (i == table->stages) {
-        *stage = (struct pk_stage){it->own->next_t, 0, it->own->next, it->own->next + it->n, {e, 0}};
+        *stage =
+            (struct pk_stage){it->own->next_t, 0, it->own->next, it->own->next + it->n, {e, 0}};
         return 1;
     }
     if (i > 0)
@@ -42,8 +43,8 @@ int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *t
 
 static int erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
 {
-    return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->own->h, it->own->work, i,
-                             stage, room);
+    return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->own->h,
+                             it->own->work, i, stage, room);
 }
 
 const struct pk_tableau *pk_erk_table(const struct pk_method *method)
@@ -51,7 +52,7 @@ const struct pk_tableau *pk_erk_table(const struct pk_method *method)
     return method->step == erk_step ? (const struct pk_tableau *)method->table : NULL;
 }
 
-#define ERK(of)                                                                          \
+#define ERK(of)                                                                           \
     .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = erk_size, .init = erk_init, \
     .step = erk_step, .stage = erk_stage
 PK_METHODS_ERK(PK_DEFINE_METHOD, ERK)

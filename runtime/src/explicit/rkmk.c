@@ -40,7 +40,8 @@ static void rotation_vector(const struct pk_integrator *it, const pk_real *a, in
                             pk_real *theta)
 {
     for (size_t i = 0; i < 3; i++)
-        theta[i] = it->own->h * pk_row_sum(a, count, it->own->work, 2 * it->n, quaternion(it, r) + i);
+        theta[i] = it->own->h *
+                   pk_row_sum(a, count, it->own->work, 2 * it->n, quaternion(it, r) + i);
 }
 
 /* The argument of stage i. */
@@ -83,7 +84,8 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
     memcpy(low, pk_part(it->own->state, n, PK_LOW_Q), m * sizeof *low); /* of q and of v */
     for (size_t i = 0; i < m; i++) {
         const pk_real before = low[i]; /* of a quaternion: what is added to it comes below */
-        y[i] = pk_sum(it->own->state[i], it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),
+        y[i] = pk_sum(it->own->state[i],
+                      it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),
                       &low[i]);
         if (turned && i >= quaternion(it, 0) && i < quaternion(it, turned))
             low[i] = before;
@@ -104,12 +106,12 @@ static int rkmk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, p
     if (i >= table->stages)
         return 0;
     const pk_real *y = argument(it, table, i, room);
-    *stage = (struct pk_stage){it->t + table->c[i] * it->own->h, it->own->h * table->b[i], y, y + it->n,
-                               {0, 0}};
+    *stage = (struct pk_stage){
+        it->t + table->c[i] * it->own->h, it->own->h * table->b[i], y, y + it->n, {0, 0}};
     return 1;
 }
 
-#define RKMK(of)                                                                      \
+#define RKMK(of)                                                                             \
     .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = rkmk_size, .init = rkmk_init, \
     .step = rkmk_step, .stage = rkmk_stage
 PK_METHODS_RKMK(PK_DEFINE_METHOD, RKMK)

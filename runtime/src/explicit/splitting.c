@@ -28,7 +28,7 @@ const struct pk_splitting *pk_splitting_table(const struct pk_method *method)
     return method->step == splitting_step ? (const struct pk_splitting *)method->table : NULL;
 }
 
-#define SPLITTING(of)                                                              \
+#define SPLITTING(of)                                                               \
     .needs = PK_NEEDS_SPLITTING, .table = &pk_##of##_table, .size = splitting_size, \
     .init = splitting_init, .step = splitting_step
 PK_METHODS_SPLITTING(PK_DEFINE_METHOD, SPLITTING)

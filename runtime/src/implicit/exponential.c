@@ -186,8 +186,8 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     memset(w.L.lo, 0, m * m * sizeof *w.L.lo);
     memset(w.h, 0, KEPT * sizeof *w.h);
     *w.last = 0;
-    const enum pk_status status =
-        system->linear && system->mass ? from_linear(it, &w) : from_accelerations(it, &w);
+    const enum pk_status status = system->linear && system->mass ? from_linear(it, &w)
+                                                                 : from_accelerations(it, &w);
     if (status < 0)
         return status;
     for (size_t j = 0; j < n; j++)
@@ -263,8 +263,7 @@ static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_
     load(&w, it->own->next);
     for (size_t j = 0; j < w.m; j++)
         w.x.hi[j] *= w.scale[j], w.x.lo[j] *= w.scale[j];
-    const enum pk_status status =
-        pk_expm_row(w.x, w.L, *w.norm, t - it->last_t, w.m, w.room);
+    const enum pk_status status = pk_expm_row(w.x, w.L, *w.norm, t - it->last_t, w.m, w.room);
     for (size_t j = 0; j < w.n; j++) {
         q[j] = w.x.hi[j] / w.scale[j];
         v[j] = w.x.hi[w.n + j] / w.scale[w.n + j];

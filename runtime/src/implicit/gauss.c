@@ -138,7 +138,8 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     memcpy(it->own->next, it->own->state, PK_PARTS * n * sizeof *w->V);
     pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
     pk_real *p = pk_part(it->own->next, n, PK_P);
-    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q), *low_p = pk_part(it->own->next, n, PK_LOW_X);
+    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
+            *low_p = pk_part(it->own->next, n, PK_LOW_X);
     for (size_t k = 0; k < n; k++) {
         pk_real dq = 0, dp = 0;
         for (size_t i = 0; i < s; i++) {
@@ -164,7 +165,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     return PK_DONE;
 }
 
-#define COLLOCATION(of)                                                                     \
-    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size,         \
+#define COLLOCATION(of)                                                              \
+    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size, \
     .init = pk_gauss_init, .step = pk_gauss_step, .stage = pk_gauss_stage
 PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

@@ -17,7 +17,8 @@ static enum pk_status init(struct pk_integrator *it)
 {
     pk_gauss_dense_init(it);
     /* Where nothing depends on rates those of stages are not made, and kernels get them yet. */
-    memset(pk_gauss_lanes(it, it->n, it->own->work).v, 0, it->n * PK_GAUSS_S * sizeof *it->own->work);
+    memset(pk_gauss_lanes(it, it->n, it->own->work).v, 0,
+           it->n * PK_GAUSS_S * sizeof *it->own->work);
     return PK_DONE;
 }
 
@@ -48,7 +49,8 @@ static int stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_rea
 /* As of the accelerations: |h g| theta^16, where the last two Legendre coefficients tell theta. */
 static pk_real stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
 {
-    const pk_real six = pk_abs(sums[0]) / (size + PK_TINY), seven = pk_abs(sums[1]) / (size + PK_TINY);
+    const pk_real six = pk_abs(sums[0]) / (size + PK_TINY),
+                  seven = pk_abs(sums[1]) / (size + PK_TINY);
     const pk_real theta =
         PK_SAME(pk_max(PK_F(pow)(six, PK_C(1.0) / 6), PK_F(pow)(seven, PK_C(1.0) / 7)));
     const pk_real theta2 = theta * theta, theta4 = theta2 * theta2, theta8 = theta4 * theta4;
@@ -56,7 +58,7 @@ static pk_real stage_error(const struct pk_integrator *it, pk_real size, const p
     return size * theta8 * theta8 / (PK_GAUSS_SHARE * PK_F(exp)(PK_GAUSS_ACCEPT_LOG));
 }
 
-#define GAUSS(of)                                                                          \
-    .needs = PK_NEEDS_GAUSS, .formula = &pk_method_##of, .size = size, .init = init,        \
-    .step = step, .dense = pk_gauss_dense, .stage = stage, .stage_error = stage_error
+#define GAUSS(of)                                                                                  \
+    .needs = PK_NEEDS_GAUSS, .formula = &pk_method_##of, .size = size, .init = init, .step = step, \
+    .dense = pk_gauss_dense, .stage = stage, .stage_error = stage_error
 PK_METHODS_GAUSS(PK_DEFINE_METHOD, GAUSS)

@@ -29,9 +29,12 @@ enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
 static const pk_real node[] = {
     PK_C(0.0052995325041750337019229132748336862869),
     PK_C(0.027712488463383711961005792232695827454),
-    PK_C(0.067184398806084128059766051143803433806), PK_C(0.12229779582249848305244940257627886582),
-    PK_C(0.1910618777986781257766641179756044905), PK_C(0.27099161117138630682879027850821121323),
-    PK_C(0.35919822461037054338476974926975194676), PK_C(0.45249374508118127990734033228752096843),
+    PK_C(0.067184398806084128059766051143803433806),
+    PK_C(0.12229779582249848305244940257627886582),
+    PK_C(0.1910618777986781257766641179756044905),
+    PK_C(0.27099161117138630682879027850821121323),
+    PK_C(0.35919822461037054338476974926975194676),
+    PK_C(0.45249374508118127990734033228752096843),
 };
 static const pk_real weight[] = {
     PK_C(0.013576229705877047425890286228009051756),
@@ -91,8 +94,8 @@ static void legendre(pk_real y, int count, pk_real *P, int stride)
     pk_real below = 0, here = 1;
     for (int k = 0; k < count; k++) {
         P[k * stride] = here;
-        const pk_real next =
-            ((pk_real)(2 * k + 1) * y * here - (pk_real)k * below) / (pk_real)(k + 1);
+        const pk_real next = ((pk_real)(2 * k + 1) * y * here - (pk_real)k * below) /
+                             (pk_real)(k + 1);
         below = here;
         here = next;
     }
@@ -110,8 +113,8 @@ void pk_gauss_dense_init(struct pk_integrator *it)
         const pk_real y = l < 8 ? 2 * node[l] - 1 : 1 - 2 * node[NODES - 1 - l];
         legendre(y, TERMS, d->P + l, NODES);
         for (int k = 0; k < NODES; k++)
-            d->to_alpha[k * NODES + l] =
-                (pk_real)(2 * k + 1) * weight[l < 8 ? l : NODES - 1 - l] * d->P[k * NODES + l];
+            d->to_alpha[k * NODES + l] = (pk_real)(2 * k + 1) * weight[l < 8 ? l : NODES - 1 - l] *
+                                         d->P[k * NODES + l];
     }
 }
 

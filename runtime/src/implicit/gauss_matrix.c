@@ -68,8 +68,8 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     it->own->flags &= ~(PK_HAVE_LU | PK_REFRESH);
     it->count.factorisations++;
     if (mode == PK_BY_MASS) {
-        it->problem.system->mass(it->problem.params, it->t, it->q, it->v,
-                                 pk_eval_input(it, it->t), w->jacobian);
+        it->problem.system->mass(it->problem.params, it->t, it->q, it->v, pk_eval_input(it, it->t),
+                                 w->jacobian);
         return pk_ldl_factor(w->jacobian, n) == 0;
     }
     const int each = mode == PK_FULL || pk_gauss_small(it, w);

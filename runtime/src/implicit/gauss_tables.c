@@ -8,6 +8,7 @@
 
 #include <pk/step/gauss_tables.h>
 
+/* clang-format off */
 static const pk_real gauss1_c[] = {
     PK_C(0.5),
 };

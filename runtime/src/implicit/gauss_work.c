@@ -7,6 +7,7 @@ static size_t lay_out(struct pk_gauss_work *w, size_t n, pk_real *base)
 {
     const size_t s = w->s, m = s * n, kept = PK_REALS_OF(struct pk_gauss_kept);
     pk_real *memory = NULL;
+    /* clang-format off */
     const struct pk_slot slots[] = {
         {&memory, kept},      {&w->V, m},           {&w->Q, m},           {&w->P, m},
         {&w->F, m},           {&w->G, m},           {&w->last_V, m},      {&w->pivot, m},
@@ -18,6 +19,7 @@ static size_t lay_out(struct pk_gauss_work *w, size_t n, pk_real *base)
         {&w->old_J, 4 * s * n * n},                 {&w->old_V, m},       {&w->older_V, m},
         {&w->x, m},           {&w->y, m},           {&w->other, m * m + n * n},
         {&w->rest, s == PK_LANES ? pk_gauss_nystrom_size(n) : 0}};
+    /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->kept = (struct pk_gauss_kept *)(void *)memory;
     return size;

@@ -9,6 +9,7 @@
  */
 #include "../core/tableau.h"
 
+/* clang-format off */
 static const pk_real lobatto2_c[] = {
     PK_C(0.0), PK_C(1.0),
 };

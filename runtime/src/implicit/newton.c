@@ -132,8 +132,7 @@ static int rising(pk_real size, int count, pk_real *window)
 
 /* Keeps the matrix for the next step only while that does not cost iterations; where it did, it
  * is made anew for a while, twice as long each time, before keeping it is tried again. */
-static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh,
-                            int count)
+static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh, int count)
 {
     if (!(it->own->flags & PK_HAVE_STEP)) {
         it->own->flags |= PK_REFRESH; /* a first step has no prediction: its count says nothing */
@@ -201,8 +200,8 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
             last = size <= it->options.newton_tol;
         else if (size <= (count ? PK_EPS / 4 : PK_GAUSS_BIAS) ||
                  (rate < 1 && size * rate / (1 - rate) <= PK_GAUSS_BIAS) ||
-                 (rate > PK_C(0.5) && count && shared <= PK_GAUSS_ROUND &&
-                  mode != PK_BY_MASS && (fresh || mode == PK_FULL)))
+                 (rate > PK_C(0.5) && count && shared <= PK_GAUSS_ROUND && mode != PK_BY_MASS &&
+                  (fresh || mode == PK_FULL)))
             last = 1;
         growing = count && size >= least ? growing + 1 : 0;
         least = count == 0 ? size : pk_min(least, size);

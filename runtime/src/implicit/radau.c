@@ -89,8 +89,9 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             return PK_NOT_FINITE;
         if (done)
             return PK_DONE;
-        if (*count == 0 && (!(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
-                            it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h) &&
+        if (*count == 0 &&
+            (!(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
+             it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h) &&
             !pk_gauss_refactor(it, w, PK_SIMPLIFIED))
             return PK_NO_CONVERGENCE;
         pk_gauss_correct(it, w, PK_SIMPLIFIED);
@@ -137,7 +138,8 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     if (status < 0 || (status = pk_radau_judge(it, w, r, again)) < 0 || it->own->error > 1)
         return status;
     status = pk_gauss_certify(it, w);
-    if (status >= 0 && !pk_finite(w->kept->contraction)) /* it was followed, and may be another one */
+    if (status >= 0 &&
+        !pk_finite(w->kept->contraction)) /* it was followed, and may be another one */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }
@@ -190,8 +192,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     struct pk_gauss_work w = pk_gauss_parts(it);
     const struct pk_radau_parts r = parts_of(it, &w);
     const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
-    const pk_real least =
-        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     int rejected = 0, lands, count = 0;
     enum pk_status status = PK_DONE;
     if (!(pk_abs(it->own->h) > 0))
@@ -213,7 +214,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
-            pk_trouble(it, status, it->own->next_t); /* the others are no cause but a step too long */
+            pk_trouble(it, status,
+                       it->own->next_t); /* the others are no cause but a step too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         planned = pk_abs(it->own->h) * less;
         rejected = 1;
@@ -227,13 +229,13 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     r.kept->h = it->own->h;
     r.kept->error = pk_max(it->own->error, PK_C(0.01));
     const pk_real next = pk_abs(it->own->h) * grow;
-    it->own->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
-            : sign * (lands && !rejected && grow >= 1 ? pk_max(next, planned) : next);
+    it->own->h = !(planned > least) && !(left > least)
+                     ? 0 /* after a step below round-off */
+                     : sign * (lands && !rejected && grow >= 1 ? pk_max(next, planned) : next);
     return PK_DONE;
 }
 
-#define RADAU(of)                                                                        \
-    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of,       \
-    .size = size, .init = init, .step = step, .stage = pk_radau_stage,                    \
-    .stage_error = pk_radau_stage_error
+#define RADAU(of)                                                                                 \
+    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, .size = size, \
+    .init = init, .step = step, .stage = pk_radau_stage, .stage_error = pk_radau_stage_error
 PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

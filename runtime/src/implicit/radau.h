@@ -11,7 +11,7 @@ struct pk_radau_parts {
 };
 
 struct pk_radau_kept {
-    pk_real left;     /* the factor between corrections to come and the last one, of the step before */
+    pk_real left; /* the factor between corrections to come and the last one, of the step before */
     pk_real enough;   /* the part of the tolerance that the iteration may leave undone */
     pk_real h, error; /* of the last step accepted */
 };

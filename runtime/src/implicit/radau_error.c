@@ -36,13 +36,15 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
     const pk_real factor = factor_of(it);
     /* As in RADAU5: what is left undone has the same sign from step to step. */
     r->kept->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
-                                      pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
-                             : PK_C(1e-3);
+                                           pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
+                                  : PK_C(1e-3);
     const size_t seen = it->n - it->problem.system->n_first_order;
     for (size_t k = 0; k < it->n; k++) {
-        r->of_q[k] = factor * (it->own->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
+        r->of_q[k] = factor * (it->own->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) +
+                     PK_TINY;
         r->of_v[k] =
-            factor * (it->own->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
+            factor * (it->own->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) +
+            PK_TINY;
         if (k >= seen) /* the integral of a state may be as wrong as it likes */
             r->of_q[k] = PK_INFINITY;
     }

@@ -9,6 +9,7 @@
  */
 #include "../core/tableau.h"
 
+/* clang-format off */
 static const pk_real radau5_c[] = {
     PK_C(0.1550510257216821901802715925294108608), PK_C(0.6449489742783178098197284074705891392),
     PK_C(1.0),

@@ -28,7 +28,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     const struct pk_splitting *table = pk_splitting_table(it->method);
     const size_t n = it->n;
     const pk_real h = (pk_real)it->own->direction * it->options.h;
-    if (!system->families.advance || !table || system->n_inputs || it->own->singularities || it->own->project)
+    if (!system->families.advance || !table || system->n_inputs || it->own->singularities ||
+        it->own->project)
         return 0;
     unsigned long steps = whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
@@ -42,8 +43,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
             return 0;
         memcpy(q, it->q, n * sizeof *q);
         memcpy(v, it->v, n * sizeof *v);
-        system->families.advance(it->problem.params, table->stages, table->kick, table->drift, it->t, h,
-                        steps, q, v);
+        system->families.advance(it->problem.params, table->stages, table->kick, table->drift,
+                                 it->t, h, steps, q, v);
         if (pk_all_finite(q, n) && pk_all_finite(v, n))
             break;
     }
@@ -70,7 +71,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps)
 {
     unsigned long left = steps ? steps : (unsigned long)-1;
-    if (pk_ready(it) && it->own->direction && it->own->direction == (limit > it->t) - (limit < it->t))
+    if (pk_ready(it) && it->own->direction &&
+        it->own->direction == (limit > it->t) - (limit < it->t))
         left -= advance(it, limit, left);
     while (left) {
         /* A step sets the direction and the grid, and meets whatever is wrong. */

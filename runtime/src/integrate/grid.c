@@ -4,7 +4,7 @@
 #include "../core/internal.h"
 
 enum { FIRST_LOOK = 1 << 16 }; /* at progress: steps */
-#define MOST_AHEAD PK_C(1e9) /* steps, where nobody says how many */
+#define MOST_AHEAD PK_C(1e9)   /* steps, where nobody says how many */
 
 /* Chooses it->own->h and it->own->next_t of a fixed-step method. 1 where the step leaves the grid. */
 static int choose_fixed(struct pk_integrator *it, pk_real limit)
@@ -16,7 +16,8 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
 
     it->own->h = h;
     if (pk_abs(target - limit) <= close) {
-        it->own->next_t = limit; /* the grid and the limit are the same point, rounded differently */
+        it->own->next_t =
+            limit; /* the grid and the limit are the same point, rounded differently */
         return 0;
     }
     if (sign * (target - limit) < 0) {
@@ -38,7 +39,8 @@ static int stands_still(struct pk_integrator *it, pk_real left)
         return 0;
     const unsigned long given = it->options.max_steps;
     const pk_real most = given ? (pk_real)given : MOST_AHEAD;
-    const pk_real rate = (it->own->passed - it->own->judged_passed) / (pk_real)(tried - it->own->judged);
+    const pk_real rate = (it->own->passed - it->own->judged_passed) /
+                         (pk_real)(tried - it->own->judged);
     const pk_real ahead = pk_min(it->own->passed, pk_abs(left));
     if (ahead > most * rate) {
         it->detail = rate > 0 ? ahead / rate : PK_INFINITY;

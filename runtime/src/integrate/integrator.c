@@ -55,8 +55,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
 }
 
 /* The system's own for this method, its kernels compiled in, or the method's for any system. */
-static enum pk_status (*stepper(const struct pk_system *system, const struct pk_method *method))(
-    struct pk_integrator *, pk_real)
+static enum pk_status (*stepper(const struct pk_system *system,
+                                const struct pk_method *method))(struct pk_integrator *, pk_real)
 {
     for (const struct pk_stepper *s = system->steppers; s && s->method; s++)
         if (strcmp(s->method, method->name) == 0)
@@ -65,9 +65,8 @@ static enum pk_status (*stepper(const struct pk_system *system, const struct pk_
 }
 
 enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_problem *problem,
-                                  const struct pk_method *method,
-                                  const struct pk_options *options, pk_real t0,
-                                  const pk_real *q0, const pk_real *v0, void *block,
+                                  const struct pk_method *method, const struct pk_options *options,
+                                  pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size)
 {
     memset(it, 0, sizeof *it);
@@ -213,8 +212,8 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     int raised = 0;
     for (int cuts = 0;; cuts++) {
         enum pk_status status = try_step(it, pk_marks_limit(it, limit));
-        const int pushed =
-            status == PK_STEP_UNDERFLOW && !raised && pk_scale_raise(it, while_at_rest);
+        const int pushed = status == PK_STEP_UNDERFLOW && !raised &&
+                           pk_scale_raise(it, while_at_rest);
         if (pushed || (status >= 0 && pk_marks_reject(it))) {
             cuts--;
             raised |= pushed;
@@ -302,14 +301,16 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (!(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     if (it->own->atol && side->own->atol)
-        memcpy(side->own->atol, it->own->atol, pk_scale_size(it->method, n) * sizeof *it->own->atol);
+        memcpy(side->own->atol, it->own->atol,
+               pk_scale_size(it->method, n) * sizeof *it->own->atol);
     pk_integrator_reset(side, it->last_t, it->own->next, pk_part(it->own->next, n, PK_V));
     if (side->status >= 0) { /* what a start lacks of a state amid the motion */
         memcpy(pk_part(side->own->state, n, PK_P), pk_part(it->own->next, n, PK_P),
                (PK_A - PK_P) * n * sizeof *it->own->next);
         pk_quadrature_aside(it, side);
     }
-    if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) && (t < it->last_t || t > it->last_t))
+    if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
+        (t < it->last_t || t > it->last_t))
         pk_integrator_set_step(side, pk_abs(t - it->last_t));
     if (side->status >= 0 && pk_integrator_to(side, t) >= 0)
         return PK_DONE;

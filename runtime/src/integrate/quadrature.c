@@ -65,7 +65,7 @@ static void add(struct pk_integrator *it, const struct pk_stage *stage, pk_real 
     if (!(pk_abs(stage->weight) + pk_abs(stage->error[0]) + pk_abs(stage->error[1]) > 0))
         return;
     system->quadratures.rates(it->problem.params, stage->t, stage->q, stage->v,
-                       pk_eval_input(it, stage->t), rate);
+                              pk_eval_input(it, stage->t), rate);
     for (size_t i = 0; i < system->quadratures.n; i++) {
         const pk_real added = stage->weight * rate[i];
         z[i] = pk_sum(z[i], added, &low[i]);
@@ -98,9 +98,8 @@ static pk_real error_of(struct pk_integrator *it)
         const pk_real larger = pk_max(pk_abs(before[i]), pk_abs(z[i]));
         const pk_real rtol = pk_max(it->options.rtol, 2 * PK_EPS);
         const pk_real error = it->method->stage_error(it, part(it, SIZE)[i], sums);
-        const pk_real atol = it->options.atol < 0
-                                 ? rtol * (part(it, TRAVEL)[i] + part(it, SIZE)[i])
-                                 : it->options.atol;
+        const pk_real atol = it->options.atol < 0 ? rtol * (part(it, TRAVEL)[i] + part(it, SIZE)[i])
+                                                  : it->options.atol;
         worst = pk_max(worst, error / (atol + rtol * larger + PK_TINY));
     }
     return worst;

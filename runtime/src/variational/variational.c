@@ -182,10 +182,9 @@ static int variational_stage(struct pk_integrator *it, int k, struct pk_stage *s
     return 1;
 }
 
-#define VARIATIONAL(of, ends)                                                           \
-    .table = &(const struct pk_variational){&pk_##of##_table, ends},                     \
-    .size = pk_variational_size, .init = variational_init, .step = variational_step,     \
-    .stage = variational_stage
+#define VARIATIONAL(of, ends)                                                                     \
+    .table = &(const struct pk_variational){&pk_##of##_table, ends}, .size = pk_variational_size, \
+    .init = variational_init, .step = variational_step, .stage = variational_stage
 #define LIE_MIDPOINT(of) .needs = PK_NEEDS_LIE_MIDPOINT, VARIATIONAL(of, 0)
 #define RATTLE(of) .needs = PK_NEEDS_RATTLE, VARIATIONAL(of, 1)
 PK_METHODS_LIE_MIDPOINT(PK_DEFINE_METHOD, LIE_MIDPOINT)

@@ -35,15 +35,15 @@ struct pk_variational_work {
      * constraints at the end. */
     struct pk_projection at;
     /* n each. */
-    pk_real *V, *dV, *scale;       /* the unknown rates, of states too; what they are judged by */
+    pk_real *V, *dV, *scale;        /* the unknown rates, of states too; what they are judged by */
     pk_real *p, *f, *p_end, *f_end; /* momenta and forces at the middle or the start; at the end */
-    pk_real *f_start;              /* forces where this part begins */
-    pk_real *q_at, *v_at;          /* the middle; of ends, the start by V */
+    pk_real *f_start;               /* forces where this part begins */
+    pk_real *q_at, *v_at;           /* the middle; of ends, the start by V */
     pk_real *q_end, *v_end, *low_q, *low_v; /* the end and its low parts */
-    pk_real *kick, *root, *spare;  /* mu; roots of the diagonal of M */
-    pk_real *last_V, *last_h;      /* of the part before, for the guess; 1 number */
+    pk_real *kick, *root, *spare;           /* mu; roots of the diagonal of M */
+    pk_real *last_V, *last_h;               /* of the part before, for the guess; 1 number */
     pk_real *kept, *kept_kick, *slope; /* of a shorter step: V, kick, how V goes on from there */
-    pk_real *pivot, *A_pivot;      /* of lu; of at.A in the step */
+    pk_real *pivot, *A_pivot;          /* of lu; of at.A in the step */
     /* n by n: J at the start; the matrix of Newton's method, factored. */
     pk_real *J, *lu;
     pk_real *stages; /* 2 + 2 n numbers each */
@@ -53,8 +53,8 @@ struct pk_variational_work {
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it);
 /* n each: p and dp/dt of L alone at a state; of quaternions and states themselves and their rates. */
 size_t pk_variational_size(const struct pk_method *method, size_t n);
-void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *q,
-                            const pk_real *v, pk_real *p, pk_real *pdot);
+void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                            pk_real *p, pk_real *pdot);
 /* M there, factored into w->at.M, m by m, and w->root; PK_SINGULAR_MASS, PK_NOT_FINITE. */
 enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variational_work *w,
                                    pk_real t, const pk_real *q, const pk_real *v);

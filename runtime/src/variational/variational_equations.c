@@ -49,8 +49,7 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
         pk_variational_momenta(it, w->t + w->h / 2, w->q_at, w->v_at, w->p, w->f);
         return pk_all_finite(w->p, n) && pk_all_finite(w->f, n);
     }
-    memcpy(w->v_at + w->m, pk_part(w->to, n, PK_V) + w->m,
-           (n - w->m) * sizeof *w->v_at);
+    memcpy(w->v_at + w->m, pk_part(w->to, n, PK_V) + w->m, (n - w->m) * sizeof *w->v_at);
     pk_variational_momenta(it, w->t, pk_part(w->to, n, PK_Q), w->v_at, w->p, w->f);
     pk_variational_momenta(it, w->end, w->q_end, w->v_end, w->p_end, w->f_end);
     return pk_all_finite(w->p, n) && pk_all_finite(w->f, n) && pk_all_finite(w->p_end, n) &&

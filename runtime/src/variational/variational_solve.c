@@ -218,9 +218,9 @@ enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variatio
 {
     int sign = 1;
     if (w->c)
-        it->problem.system->constraints.jacobian(it->problem.params, w->t, pk_part(w->to, w->n, PK_Q),
-                                 pk_part(w->to, w->n, PK_V), pk_eval_input(it, w->t), w->J,
-                                 w->at.rate);
+        it->problem.system->constraints.jacobian(
+            it->problem.params, w->t, pk_part(w->to, w->n, PK_Q), pk_part(w->to, w->n, PK_V),
+            pk_eval_input(it, w->t), w->J, w->at.rate);
     const int converged = iterate(it, w, 0, &sign);
     if (converged && sign > 0 && w->worst <= FAST && is_gentle(w))
         return PK_DONE;

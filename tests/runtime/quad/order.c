@@ -91,9 +91,10 @@ static int check(const struct pk_system *system, const char *name)
     if (count < points)
         return 1;
     const double slope = (double)((count * sxy - sx * sy) / (count * sxx - sx * sx));
-    const double off = system->quadratures.n ? 0.4 /* dop853's comes down to 8 late */
-                       : !high               ? 0.1
-                       : system == &pendulum_system ? 0.15 : 0.25;
+    const double off = system->quadratures.n        ? 0.4 /* dop853's comes down to 8 late */
+                       : !high                      ? 0.1
+                       : system == &pendulum_system ? 0.15
+                                                    : 0.25;
     const int failed = !(fabs(slope - order) < off);
     printf("quad: %-16s %-7s order %d%s %.3f\n", system->name, name, order,
            failed ? " but" : ", measured", slope);

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from ...equations import Equations, Matrix, Row
-from ...graph.graph import ZERO, Node, Op
+from ...graph.graph import ZERO, Graph, Node, Op
 from ...record import record
 from .program import CHECK, FILL, STORE, Output
 from .schedule import Target
@@ -53,20 +53,25 @@ def stores(name: str, row: Row) -> list[Target]:
     return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
 
 
-def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
-    checks, mass = [], equations.inertia or equations.mass
-    graph = equations.graph
-    for i, pivot in enumerate(pivots[: len(mass)]):
-        diagonal = mass[i][i]
+def _pivot_checks(
+    graph: Graph, failure: str, pivots: Iterable[tuple[Node, Node]]
+) -> Iterator[Target]:
+    """That each pivot is positive beside its diagonal entry, where that is not known."""
+    checked: set[tuple[Node, Node]] = set()
+    for number, (pivot, diagonal) in enumerate(pivots):
         positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
-        if positive or pivot in pivots[:i]:
+        if positive or (pivot, diagonal) in checked:
             continue
-        if pivot == diagonal:
-            checks.append(Target(CHECK, f"PK_FAILED(PK_FAILURE_MASS, {i})", (pivot,), "{0} > 0"))
-        else:
-            text = "{0} > PK_PIVOT_MIN * {1}"
-            checks.append(Target(CHECK, f"PK_FAILED(PK_FAILURE_MASS, {i})", (pivot, diagonal), text))
-    return checks
+        checked.add((pivot, diagonal))
+        nodes = (pivot,) if pivot == diagonal else (pivot, diagonal)
+        text = "{0} > 0" if pivot == diagonal else "{0} > PK_PIVOT_MIN * {1}"
+        yield Target(CHECK, f"PK_FAILED(PK_FAILURE_{failure}, {number})", nodes, text)
+
+
+def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
+    mass = equations.inertia or equations.mass
+    pairs = [(pivot, mass[i][i]) for i, pivot in enumerate(pivots[: len(mass)])]
+    return list(_pivot_checks(equations.graph, "MASS", pairs))
 
 
 def vector(name: str, row: Callable[[Equations], Row]):
@@ -100,16 +105,7 @@ def square(name: str, equations: Equations) -> Output:
 
 
 def row_checks(equations: Equations) -> list[Target]:
-    """That the rows of constraints do not depend on each other; counted behind the coordinates."""
+    """That the rows of constraints do not depend on each other."""
     if equations.constraints is None:
         return []
-    g, n = equations.graph, len(equations.coordinates)
-    checks = []
-    for k, (pivot, diagonal) in enumerate(equations.constraints.pivots):
-        if g.op[pivot] is Op.NUMBER and g.data[pivot] > 0:  # type: ignore[operator]
-            continue
-        nodes, text = (pivot, diagonal), "{0} > PK_PIVOT_MIN * {1}"
-        if pivot == diagonal:
-            nodes, text = (pivot,), "{0} > 0"
-        checks.append(Target(CHECK, f"PK_FAILED(PK_FAILURE_CONSTRAINT, {k})", nodes, text))
-    return checks
+    return list(_pivot_checks(equations.graph, "CONSTRAINT", equations.constraints.pivots))

@@ -9,6 +9,7 @@
 #include <pk/step/tableau.h>
 
 /* Twelve stages, then the three of the dense output. */
+/* clang-format off */
 static const pk_real pk_dop853_c[] = {
     PK_C(0.0), PK_C(0.526001519587677318785587544488e-01),
     PK_C(0.789002279381515978178381316732e-01), PK_C(0.118350341907227396726757197510),

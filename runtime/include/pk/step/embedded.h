@@ -21,14 +21,10 @@ struct pk_embedded_work {
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
 };
 
-static inline int pk_embedded_dense_rows(const struct pk_tableau *table)
-{
-    return 4 + table->rows;
-}
+static inline int pk_embedded_dense_rows(const struct pk_tableau *table) { return 4 + table->rows; }
 
 static PK_INLINE struct pk_embedded_work
-pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n,
-                  size_t states)
+pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n, size_t states)
 {
     struct pk_embedded_work w;
     w.m = 2 * n;
@@ -71,9 +67,7 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
     if (!table->e3)
         return pk_abs(h) * PK_F(sqrt)(e / counted);
     const pk_real blend = e + PK_C(0.01) * e3;
-    return blend > 0 || !pk_finite(blend)
-               ? pk_abs(h) * e / PK_F(sqrt)(blend * counted)
-               : 0;
+    return blend > 0 || !pk_finite(blend) ? pk_abs(h) * e / PK_F(sqrt)(blend * counted) : 0;
 }
 #endif
 
@@ -84,13 +78,12 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
 {
     enum pk_status status;
     pk_real *y = it->own->next;
-#define PK_EMBEDDED_STAGE(i)                                                                 \
-    if ((i) < table->stages) {                                                              \
-        pk_erk_combine(y, it->own->state, h, table->a + (i) * ((i)-1) / 2, i, w->k, w->m);       \
-        status =                                                                            \
-            PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)(i) * w->m);   \
-        if (status < 0)                                                                     \
-            return status;                                                                  \
+#define PK_EMBEDDED_STAGE(i)                                                                   \
+    if ((i) < table->stages) {                                                                 \
+        pk_erk_combine(y, it->own->state, h, table->a + (i) * ((i) - 1) / 2, i, w->k, w->m);   \
+        status = PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)(i) * w->m); \
+        if (status < 0)                                                                        \
+            return status;                                                                     \
     }
     PK_EACH_STAGE(PK_EMBEDDED_STAGE)
 #undef PK_EMBEDDED_STAGE
@@ -121,10 +114,8 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
     const struct pk_embedded_work w =
         pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_FIRST_ORDER(it));
     const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
-    const pk_real least =
-        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
-    const pk_real alpha =
-        PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
+    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     enum pk_status status = PK_DONE;
     if (it->own->flags & PK_HAVE_STEP)
@@ -157,8 +148,8 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
             if (it->own->error <= PK_C(1.0)) {
                 const pk_real fac = raw / PK_SAME(PK_F(pow)(*w.err_old, table->beta));
                 const int at_most = fac <= PK_C(1.0) / table->grow;
-                pk_real next = h / pk_min(PK_C(1.0) / table->shrink,
-                                          pk_max(PK_C(1.0) / table->grow, fac));
+                pk_real next =
+                    h / pk_min(PK_C(1.0) / table->shrink, pk_max(PK_C(1.0) / table->grow, fac));
                 if (rejected)
                     next = pk_min(next, h);
                 else if (lands && at_most)

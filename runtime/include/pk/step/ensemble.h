@@ -22,8 +22,8 @@ struct pk_block {
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
     pk_real *t;                        /* W times */
     pk_real *state, *next, *spare, *work;
-    pk_real *lane;                     /* one state, of a system without lane kernels */
-    pk_real now, end, h;               /* of the step */
+    pk_real *lane;       /* one state, of a system without lane kernels */
+    pk_real now, end, h; /* of the step */
     int have_a;
     unsigned long long failed, not_finite; /* lanes, since the step began */
 };
@@ -104,13 +104,13 @@ static PK_INLINE unsigned long long PK_STEPPER(block_erk)(struct pk_block *b,
         k[i] = v0[i];
     PK_STEPPER(block_slope)(b, b->now, q0, v0, k + m);
 /* The argument's rates are the slope of its coordinates: they are made where that is kept. */
-#define PK_BLOCK_STAGE(i)                                                                        \
-    if ((i) < table->stages) {                                                                   \
-        const pk_real *ai = table->a + (i) * ((i)-1) / 2;                                        \
-        pk_real *ki = k + (size_t)(i) * 2 * m;                                                   \
-        pk_block_combine(q, q0, b->h, ai, i, k, 2 * m, m);                                       \
-        pk_block_combine(ki, v0, b->h, ai, i, k + m, 2 * m, m);                                  \
-        PK_STEPPER(block_slope)(b, b->now + table->c[i] * b->h, q, ki, ki + m);                  \
+#define PK_BLOCK_STAGE(i)                                                       \
+    if ((i) < table->stages) {                                                  \
+        const pk_real *ai = table->a + (i) * ((i) - 1) / 2;                     \
+        pk_real *ki = k + (size_t)(i) * 2 * m;                                  \
+        pk_block_combine(q, q0, b->h, ai, i, k, 2 * m, m);                      \
+        pk_block_combine(ki, v0, b->h, ai, i, k + m, 2 * m, m);                 \
+        PK_STEPPER(block_slope)(b, b->now + table->c[i] * b->h, q, ki, ki + m); \
     }
     PK_EACH_STAGE(PK_BLOCK_STAGE)
 #undef PK_BLOCK_STAGE

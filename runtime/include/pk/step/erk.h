@@ -14,14 +14,16 @@ static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
     const size_t m = 2 * PK_STEPPER_N(it);
     pk_real *k = it->own->work;
     pk_erk_combine(it->own->next, it->own->state, it->own->h, table->a + i * (i - 1) / 2, i, k, m);
-    return PK_STEPPER(slope)(it, it->t + table->c[i] * it->own->h, it->own->next, k + (size_t)i * m);
+    return PK_STEPPER(slope)(it, it->t + table->c[i] * it->own->h, it->own->next,
+                             k + (size_t)i * m);
 }
 
 static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
                                                 const struct pk_tableau *table)
 {
     const size_t n = PK_STEPPER_N(it), m = 2 * n;
-    const pk_real h = it->own->h, *y0 = it->own->state, *low0 = pk_part(it->own->state, n, PK_LOW_Q);
+    const pk_real h = it->own->h, *y0 = it->own->state,
+                  *low0 = pk_part(it->own->state, n, PK_LOW_Q);
     pk_real *k = it->own->work, *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q);
 
     enum pk_status status = PK_STEPPER(slope)(it, it->t, y0, k);

@@ -57,14 +57,14 @@ static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real 
         }
     }
     const pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.1) * PK_F(sqrt)(d0 / d1)
-                                                         : PK_C(1e-6) * span;
+                                                           : PK_C(1e-6) * span;
     return h > 0 && pk_finite(h) ? pk_min(h, span) : PK_C(1e-6) * span;
 }
 
 /* One trial of size y->h: PK_DONE with what it came to, or why it broke down. */
 static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it,
-                                                              const struct pk_gauss_lanes *w,
-                                                              struct pk_gauss_trial *y)
+                                                        const struct pk_gauss_lanes *w,
+                                                        struct pk_gauss_trial *y)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations : 30;
     const int with_v = !(it->problem.system->facts & PK_SEPARABLE);
@@ -119,7 +119,8 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
 {
     const size_t n = PK_STEPPER_N(it);
     pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
-    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q), *low_v = pk_part(it->own->next, n, PK_LOW_X);
+    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
+            *low_v = pk_part(it->own->next, n, PK_LOW_X);
     const pk_real *old_q = pk_part(it->own->state, n, PK_LOW_Q);
     const pk_real *old_v = pk_part(it->own->state, n, PK_LOW_X);
     pk_real hb[PK_GAUSS_S], left[PK_GAUSS_S];
@@ -134,8 +135,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
         w->start[i] = it->q[i];
         w->start[n + i] = it->v[i];
         w->last_weight[i] = w->weight[i];
-        q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))),
-                      &low_q[i]);
+        q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))), &low_q[i]);
         v[i] = pk_sum(it->v[i], pk_gauss_dot(hb, ai), &low_v[i]);
         pk_gauss_rows(pk_gauss8_taylor, ai, w->poly + i * PK_GAUSS_S);
     }
@@ -149,8 +149,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
     const size_t n = PK_STEPPER_N(it);
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->own->work);
     const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
-    const pk_real least =
-        pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
+    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     struct pk_gauss_trial y;
     int rejected = 0, lands;
 
@@ -173,7 +172,8 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
             return pk_underflow(it, planned); /* also a step that shrank while being accepted */
         lands = planned * PK_C(1.01) >= left || !(left > least);
         it->own->next_t = lands ? limit : it->t + sign * planned;
-        y.h = it->own->next_t - it->t; /* what the rounded times are apart: no drift between q and t */
+        y.h = it->own->next_t -
+              it->t; /* what the rounded times are apart: no drift between q and t */
         pk_scale_attempt(it, y.h);
         const enum pk_status status = PK_STEPPER(gauss_trial)(it, &w, &y);
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
@@ -204,8 +204,9 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
     const int cut = lands && !rejected && y.growth >= PK_GAUSS_GROW; /* says nothing of the next */
     const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
     it->own->error = 1 / (g8 * g8 * y.growth + PK_TINY);
-    it->own->h = !(planned > least) && !(left > least) ? 0 /* after a step below round-off */
-            : sign * (cut ? pk_max(next, planned) : next);
+    it->own->h = !(planned > least) && !(left > least)
+                     ? 0 /* after a step below round-off */
+                     : sign * (cut ? pk_max(next, planned) : next);
     it->own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }

@@ -39,14 +39,14 @@ enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work. Arrays of n by 8 but for those said otherwise. */
 struct pk_gauss_lanes {
-    pk_real *a, *next_a, *q, *v; /* the iterate, the next one, the stages */
-    pk_real *u;                  /* inputs at the stages */
-    pk_real *poly;               /* Taylor coefficients of the last step's a at its end, in h */
-    pk_real *weight;             /* n: of errors in a */
+    pk_real *a, *next_a, *q, *v;  /* the iterate, the next one, the stages */
+    pk_real *u;                   /* inputs at the stages */
+    pk_real *poly;                /* Taylor coefficients of the last step's a at its end, in h */
+    pk_real *weight;              /* n: of errors in a */
     pk_real *start, *last_weight; /* 2 n: q and v where the last step began; n: its weights */
-    pk_real *h, *rate, *decay;   /* of the last step: its size, the contraction of its iteration,
+    pk_real *h, *rate, *decay;    /* of the last step: its size, the contraction of its iteration,
                                     and the theta^2 up to which a next one is accepted */
-    pk_real *dense;              /* of gauss_dense.c */
+    pk_real *dense;               /* of gauss_dense.c */
 };
 
 static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n, pk_real *x)
@@ -121,10 +121,10 @@ static inline pk_real pk_gauss_sum(const pk_real *restrict x)
 /* What one trial step has come to. Norms are in units of the tolerance, root mean square. */
 struct pk_gauss_trial {
     pk_real h, hc[PK_GAUSS_S], t[PK_GAUSS_S];
-    pk_real size2, change2;      /* of a; of its last correction; squared */
-    pk_real rate;                /* by which corrections shrink */
+    pk_real size2, change2;       /* of a; of its last correction; squared */
+    pk_real rate;                 /* by which corrections shrink */
     pk_real theta_log, error_log; /* logarithms of theta and of the error */
-    pk_real growth;              /* by which the step may grow */
+    pk_real growth;               /* by which the step may grow */
     int count;
 };
 
@@ -136,7 +136,7 @@ static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_rea
     const pk_real six3 = six * six * six, seven3 = seven * seven * seven;
     const pk_real a = PK_F(log)(y->size2 + PK_TINY);
     const pk_real theta = six3 * six3 * six > seven3 * seven3 ? PK_F(log)(six) / 12
-                                                             : PK_F(log)(seven) / 14;
+                                                              : PK_F(log)(seven) / 14;
     y->theta_log = theta;
     y->error_log = a / 2 + 16 * theta;
     y->growth = PK_SAME(PK_F(exp)(-y->error_log / 17));

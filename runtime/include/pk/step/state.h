@@ -28,32 +28,32 @@ struct pk_integrator_private {
     pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
     pk_real *atol;         /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
     unsigned long rounded; /* rejections when rounding was last looked at */
-    pk_real *singularities;       /* NULL: the system has none; see src/core/singularity.c */
-    size_t n_singularities;       /* their values: of families one a member */
-    int slopes;            /* of the singularities: what is known of them at this state */
-    pk_real *lane;         /* one state and its acceleration, of a system without lane kernels */
-    pk_real passed;        /* the lengths of all steps since init; when steps were last judged */
-    pk_real judged_passed; /* by their progress: that, their number with those rejected, and t */
+    pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
+    size_t n_singularities; /* their values: of families one a member */
+    int slopes;             /* of the singularities: what is known of them at this state */
+    pk_real *lane;          /* one state and its acceleration, of a system without lane kernels */
+    pk_real passed;         /* the lengths of all steps since init; when steps were last judged */
+    pk_real judged_passed;  /* by their progress: that, their number with those rejected, and t */
     pk_real judged_t;
     unsigned long judged;
-    pk_real next_t;           /* end of the step being made */
-    pk_real h;                /* signed step, made or to be made */
-    pk_real anchor, grid;     /* fixed steps: t = anchor + grid * h, never a running sum */
-    pk_real error;            /* adaptive: of the last accepted step, in units of the tolerance */
-    int off_grid;             /* fixed steps: the one being made is shorter, and ends the grid */
-    int ready;                /* a start was accepted; without it nothing steps */
-    int direction;            /* +1, -1, 0 before the first step */
-    int flags;                /* the method's own */
-    pk_real condition;        /* of a singular M: the least pivot beside its diagonal entry */
-    pk_real *project;         /* rotations and constraints: src/constraints/project.c; NULL: none */
-    pk_real *marks;           /* values at the begin, ...: src/core/marks.c; NULL: there are none */
-    int marked, unlooked;     /* whether those at the begin are known; steps not looked at */
-    pk_real reach, rise;      /* how long the next step may be for them, 0: any; the one behind */
-    pk_real calm;             /* so long a step was made in which they hardly vary */
-    pk_real range, varied;    /* by how much they vary in the trial step, and where they matter */
-    enum pk_status trouble;   /* what the last trial step that broke down met, when, and its */
-    pk_real trouble_t;        /* where and condition: the cause to name if steps then shrink to */
-    size_t trouble_where;     /* nothing just before it */
+    pk_real next_t;         /* end of the step being made */
+    pk_real h;              /* signed step, made or to be made */
+    pk_real anchor, grid;   /* fixed steps: t = anchor + grid * h, never a running sum */
+    pk_real error;          /* adaptive: of the last accepted step, in units of the tolerance */
+    int off_grid;           /* fixed steps: the one being made is shorter, and ends the grid */
+    int ready;              /* a start was accepted; without it nothing steps */
+    int direction;          /* +1, -1, 0 before the first step */
+    int flags;              /* the method's own */
+    pk_real condition;      /* of a singular M: the least pivot beside its diagonal entry */
+    pk_real *project;       /* rotations and constraints: src/constraints/project.c; NULL: none */
+    pk_real *marks;         /* values at the begin, ...: src/core/marks.c; NULL: there are none */
+    int marked, unlooked;   /* whether those at the begin are known; steps not looked at */
+    pk_real reach, rise;    /* how long the next step may be for them, 0: any; the one behind */
+    pk_real calm;           /* so long a step was made in which they hardly vary */
+    pk_real range, varied;  /* by how much they vary in the trial step, and where they matter */
+    enum pk_status trouble; /* what the last trial step that broke down met, when, and its */
+    pk_real trouble_t;      /* where and condition: the cause to name if steps then shrink to */
+    size_t trouble_where;   /* nothing just before it */
     pk_real trouble_condition;
     void *extra; /* of a foreign library */
 };

@@ -40,9 +40,9 @@ struct pk_splitting {
  * zeros vanish; compilers do that of themselves only where little is in the loop. PK_UNROLL_FEW:
  * four turns at a time, where each has an acceleration in it and most methods have many. */
 #if defined PK_ANY_TABLE
-#define PK_EACH_STAGE(X)        \
+#define PK_EACH_STAGE(X)         \
     for (int i = 1; i < 16; i++) \
-        X(i)
+    X(i)
 #define PK_UNROLL
 #define PK_UNROLL_FEW
 #else
