@@ -39,7 +39,7 @@
 
 /* fma() in hardware; elsewhere it is a library call. (clang does not define FP_FAST_FMA.) */
 #if (defined __FP_FAST_FMA || defined FP_FAST_FMA || defined __FMA__ || \
-     defined __ARM_FEATURE_FMA) && \
+     defined __ARM_FEATURE_FMA) &&                                      \
     !defined PK_PORTABLE
 #define PK_SINCOS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #define PK_SINCOS_HAS_FMA
@@ -130,8 +130,8 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     const pk_real r1 = x - k * PK_SINCOS_P1;
     const pk_real r2 = r1 - k * PK_SINCOS_P2;
     const pk_real r = r2 - k * PK_SINCOS_P3;
-    const pk_real lost = -(((r2 - r1) + k * PK_SINCOS_P2) + ((r - r2) + k * PK_SINCOS_P3)
-                           + k * PK_SINCOS_P4);
+    const pk_real lost =
+        -(((r2 - r1) + k * PK_SINCOS_P2) + ((r - r2) + k * PK_SINCOS_P3) + k * PK_SINCOS_P4);
     pk_real half, high;
     z = r * r;
     s = r + ((r * z + 0) * pk_sincos_s(z) + lost);
@@ -156,7 +156,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
 /* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
-    return (pk_bits)!(PK_F(fabs)(x) <= PK_SINCOS_MAX);
+    return (pk_bits) !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
 }
 
 #endif

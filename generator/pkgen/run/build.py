@@ -36,40 +36,41 @@ from ..system.toolchain import (
 from .library import load
 
 SHARED = ("-fPIC", "-fno-semantic-interposition")
+HIDDEN = "-fvisibility=hidden"  # what no header declares
+GSL = "libpk_gsl.a"
+ARCHIVES = {"librun.a": ("run", "omp"), GSL: ("gsl",), "libpk.a": ("src",)}  # of folders
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
 
 
 def runtime_library(tools: Toolchain) -> Path:
-    """The directory with libpk.a and librun.a for this compiler, made if missing."""
+    """The directory with librun.a, libpk_gsl.a where there is GSL, and libpk.a for this compiler,
+    made if missing."""
     return cached("runtime", _runtime_name(tools), lambda new: _build_runtime(tools, new))
 
 
 def _runtime_name(tools: Toolchain) -> str:
-    digest = hashlib.sha256(repr((tools, STANDARD)).encode())
+    digest = hashlib.sha256(repr((tools, STANDARD, HIDDEN, ARCHIVES)).encode())
     for path in sorted(RUNTIME.rglob("*.[ch]")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 
 
 def _build_runtime(tools: Toolchain, directory: Path) -> None:
-    libraries = {
-        "libpk.a": ["src"] + (["gsl"] if tools.has_gsl else []),
-        "librun.a": ["run", "omp"],
-    }
     ar = shutil.which("ar")
     if ar is None:
         raise BuildError("'ar' is missing; install binutils")
     say("compiling the runtime (once, 10 s)")
     threads = _threads(tools, directory)
     (directory / LINK_WITH).write_text(shlex.join(threads), encoding="utf-8")
-    for library, parts in libraries.items():
+    for library, parts in ARCHIVES.items():
+        if library == GSL and not tools.has_gsl:
+            continue
         sources = [path for part in parts for path in sorted((RUNTIME / part).rglob("*.c"))]
         objects = {f"{path.parent.name}_{path.stem}.o": path for path in sources}
 
         def one(name: str, path: Path) -> None:
             more = [*_gsl(tools), *(threads if path.parent.name == "omp" else [])]
-            hidden = "-fvisibility=hidden"  # what no header declares
-            compile_c(tools, ["-c", *SHARED, hidden, *more, str(path), "-o", name], directory)
+            compile_c(tools, ["-c", *SHARED, HIDDEN, *more, str(path), "-o", name], directory)
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(one, objects, objects.values()))
@@ -89,6 +90,13 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
     except BuildError:
         return []
     return ["-fopenmp"]
+
+
+def _runtime_links(tools: Toolchain, library: Path) -> list[str]:
+    """What librun.a is linked with: GSL's methods beside the core, which is without them."""
+    gsl = [str(library / GSL), *tools.gsl_libs] if tools.has_gsl else []
+    threads = shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
+    return [*gsl, str(library / "libpk.a"), "-lm", *threads]
 
 
 def _gsl(tools: Toolchain) -> list[str]:
@@ -151,9 +159,7 @@ def build_library(
         for file_name, text in {**files, CHOICE_FILE: choice, EXPORTS_FILE: exports}.items():
             (new / file_name).write_text(text, encoding="utf-8")
         libraries = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
-        libraries += [str(library / "libpk.a")]
-        libraries += [*tools.gsl_libs, "-lm"]
-        libraries += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
+        libraries += _runtime_links(tools, library)
         sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
         if parts:
             compile_c(tools, [*SHARED, "-DPK_RUNTIME", "-c", f"{name}.c"], new)
@@ -203,9 +209,8 @@ def build_program(
             compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], folder)
             linked.append(f"{name}.o")
         linked += [str(path) for path in sorted((RUNTIME / "program").glob("*.c"))]
-        linked += ["-o", "program", str(library / "librun.a"), str(library / "libpk.a")]
-        linked += [*tools.gsl_libs, "-lm", *(["-static"] if static else [])]
-        linked += shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
+        linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
+        linked += _runtime_links(tools, library)
         compile_c(tools, ["-DPK_RUNTIME", *inline_flags(methods), *linked], folder)
         output.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "program", output)
