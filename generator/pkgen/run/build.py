@@ -94,9 +94,9 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
 
 def _runtime_links(tools: Toolchain, library: Path) -> list[str]:
     """What librun.a is linked with: GSL's methods beside the core, which is without them."""
-    gsl = [str(library / GSL), *tools.gsl_libs] if tools.has_gsl else []
+    gsl = [str(library / GSL)] if tools.has_gsl else []
     threads = shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
-    return [*gsl, str(library / "libpk.a"), "-lm", *threads]
+    return [*gsl, str(library / "libpk.a"), *tools.gsl_libs, "-lm", *threads]
 
 
 def _gsl(tools: Toolchain) -> list[str]:
