@@ -49,8 +49,8 @@ def runtime_library(tools: Toolchain) -> Path:
 
 
 def _runtime_name(tools: Toolchain) -> str:
-    digest = hashlib.sha256(repr((tools, STANDARD, HIDDEN, ARCHIVES)).encode())
-    for path in sorted(RUNTIME.rglob("*.[ch]")):
+    digest = hashlib.sha256(repr((tools, STANDARD)).encode())
+    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # what is linked, and how
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 
