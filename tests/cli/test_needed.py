@@ -11,7 +11,6 @@ import gzip
 import json
 import pickle
 import re
-import shlex
 import subprocess
 import sys
 from dataclasses import replace
@@ -23,7 +22,7 @@ from pkgen import __main__ as command
 from pkgen.back.c.kernels import KERNELS
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.run.build import _choice, runtime_library
+from pkgen.run.build import _choice, runtime_library, runtime_links
 from pkgen.scenes import asked as parsing
 from pkgen.scenes import lengths, scene
 from pkgen.scenes import run as scene_run
@@ -79,8 +78,7 @@ def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], b
     (folder / "choice.c").write_text(_choice(made.model.name, parts))
     sources = [file for file in made.files if file.endswith(".c")]
     linked = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
-    linked += [str(library / "libpk.a"), *tools.gsl_libs, "-lm"]
-    linked += shlex.split((library / "link").read_text())
+    linked += runtime_links(tools, library)
     flags = ["-std=c11", "-O0", "--coverage", "-DPK_RUNTIME", f"-I{RUNTIME}/include", "-I."]
     build = ["gcc", *flags, "-fPIC", "-shared", *sources, "choice.c", "-o", "p", *linked]
     subprocess.run(build, cwd=folder, check=True)

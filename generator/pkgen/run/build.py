@@ -92,7 +92,7 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
     return ["-fopenmp"]
 
 
-def _runtime_links(tools: Toolchain, library: Path) -> list[str]:
+def runtime_links(tools: Toolchain, library: Path) -> list[str]:
     """What librun.a is linked with: GSL's methods beside the core, which is without them."""
     gsl = [str(library / GSL)] if tools.has_gsl else []
     threads = shlex.split((library / LINK_WITH).read_text(encoding="utf-8"))
@@ -159,7 +159,7 @@ def build_library(
         for file_name, text in {**files, CHOICE_FILE: choice, EXPORTS_FILE: exports}.items():
             (new / file_name).write_text(text, encoding="utf-8")
         libraries = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
-        libraries += _runtime_links(tools, library)
+        libraries += runtime_links(tools, library)
         sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
         if parts:
             compile_c(tools, [*SHARED, "-DPK_RUNTIME", "-c", f"{name}.c"], new)
@@ -210,7 +210,7 @@ def build_program(
             linked.append(f"{name}.o")
         linked += [str(path) for path in sorted((RUNTIME / "program").glob("*.c"))]
         linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
-        linked += _runtime_links(tools, library)
+        linked += runtime_links(tools, library)
         compile_c(tools, ["-DPK_RUNTIME", *inline_flags(methods), *linked], folder)
         output.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "program", output)

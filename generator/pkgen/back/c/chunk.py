@@ -5,10 +5,10 @@ A block's values that a later block needs go through a work array `w`.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 
-from .program import CHECK, LOAD, STORE, Block, Statement
+from .expressions import base, variable
+from .program import LOAD, STORE, Block, Statement
 
 # A kernel longer than the first is cut into blocks of the second, in statements. Measured on M, f
 # of pendulums of 50 and 100 links: blocks of 100 compile in .6 of the time of 400 and .35 of one
@@ -16,7 +16,6 @@ from .program import CHECK, LOAD, STORE, Block, Statement
 _LONGEST = 800
 _BLOCK = 100
 ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")
-_WORD = re.compile(r">?\w+")  # a member keeps its >, so that it is nobody's name
 
 
 def blocks(
@@ -27,23 +26,19 @@ def blocks(
         parts = [statements]
     else:
         parts = [statements[i : i + _BLOCK] for i in range(0, len(statements), _BLOCK)]
-    words = [set(_WORD.findall(" ".join(map(_read_and_written, part)))) for part in parts]
+    words = [{name for s in part for name in s.names} for part in parts]
     home: dict[str, int] = {}
     slots: dict[str, int] = {}
     if len(parts) > 1:
         home = {name: k for k, part in enumerate(parts) for s in part for name in s.defines}
         for k, part in enumerate(parts):
-            for name in (w for s in part for w in _WORD.findall(s.text)):
+            for name in (read for s in part for read in s.reads):
                 if home.get(name, k) < k:
                     slots.setdefault(name, len(slots))
     arguments = frozenset((*ARGUMENTS, *outputs))
     return tuple(
         _block(k, part, words[k], loads, home, slots, arguments) for k, part in enumerate(parts)
     ), len(slots)
-
-
-def _read_and_written(statement: Statement) -> str:
-    return statement.text if statement.kind == CHECK else f"{statement.text} {statement.target}"
 
 
 def _block(
@@ -57,16 +52,16 @@ def _block(
 ) -> Block:
     lines = [load for name, load in loads.items() if name in words]
     lines += [
-        Statement(LOAD, name, f"w[{slot}]")
+        Statement.of(LOAD, name, variable(f"w[{slot}]"))
         for name, slot in slots.items()
         if name in words and home[name] < k
     ]
-    loaded = set(_WORD.findall(" ".join(s.text for s in lines)))
+    loaded = {base(read) for line in lines for read in line.reads}
     if not slots:  # nothing is handed on
         return Block((*lines, *part), arguments & (words | loaded))
     for statement in part:
         lines.append(statement)
         handed_on = [name for name in statement.defines if name in slots]
-        lines += [Statement(STORE, f"w[{slots[name]}]", name) for name in handed_on]
+        lines += [Statement.of(STORE, f"w[{slots[name]}]", variable(name)) for name in handed_on]
         loaded |= {"w"} if handed_on else set()
     return Block(tuple(lines), arguments & (words | loaded))

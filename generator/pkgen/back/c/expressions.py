@@ -1,4 +1,4 @@
-"""Expressions as C text with the fewest brackets, and the count of their operations.
+"""Expressions as C text with the fewest brackets, which know what they read and compute.
 
 A `Form` is text that has not been closed yet: the terms of a sum, or the factors above and below
 a fraction bar. Sums and products are joined flat; a minus wanders to where a reader expects it.
@@ -6,22 +6,55 @@ a fraction bar. Sums and products are joined flat; a minus wanders to where a re
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 PLUS, MINUS = 1, -1
+
+
+class Code(str):
+    """C text of an expression. `reads` are the names, members and array elements in it, in order;
+    `operations` the signs and functions, those of constants such as 1/3 aside."""
+
+    reads: tuple[str, ...]
+    operations: tuple[str, ...]
+
+    def __new__(cls, text: str, reads: Iterable[str] = (), operations: Iterable[str] = ()) -> Code:
+        code = super().__new__(cls, text)
+        code.reads = tuple(reads)
+        code.operations = tuple(operations)
+        return code
+
+    @property
+    def names(self) -> set[str]:
+        """What is read: of p->m the p, of q[0] the q."""
+        return {base(read) for read in self.reads}
+
+
+def base(place: str) -> str:
+    """The variable of a place: p of p->m, out of out[3]."""
+    return place.partition("->")[0].partition("[")[0]
+
+
+def variable(text: str) -> Code:
+    """A name, a member of a struct or an element of an array."""
+    return Code(text, (text,))
+
+
+def joined(parts: Sequence[Code]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What several expressions read and compute."""
+    reads = dict.fromkeys(name for part in parts for name in part.reads)
+    return tuple(reads), tuple(operation for part in parts for operation in part.operations)
 
 
 class Form(NamedTuple):
     """A sum of (sign, text) terms if there is not exactly one term of `terms`; otherwise a
     product sign * above / below. An atom is a product of one factor."""
 
-    terms: tuple[tuple[int, str], ...] = ()
+    terms: tuple[tuple[int, Code], ...] = ()
     sign: int = PLUS
-    above: tuple[str, ...] = ()
-    below: tuple[str, ...] = ()
+    above: tuple[Code, ...] = ()
+    below: tuple[Code, ...] = ()
     length: int = 0  # of the text, roughly
 
     @property
@@ -29,8 +62,14 @@ class Form(NamedTuple):
         return bool(self.terms)
 
 
-def atom(text: str) -> Form:
-    return Form(above=(text,), length=len(text))
+def atom(code: Code) -> Form:
+    return Form(above=(code,), length=len(code))
+
+
+def constant(text: str) -> Form:
+    """A number with its sign."""
+    form = atom(Code(text.removeprefix("-")))
+    return negated(form) if text[0] == "-" else form
 
 
 def negated(form: Form) -> Form:
@@ -48,8 +87,8 @@ def multiplied(a: Form, b: Form) -> Form:
     sign_a, above_a, below_a = _as_factors(a) if a.terms else a[1:4]
     sign_b, above_b, below_b = _as_factors(b) if b.terms else b[1:4]
     above = above_a + above_b
-    if "1" in above and len(above) > 1:  # 1/x * y
-        above = tuple(x for x in above if x != "1") or ("1",)
+    if ONE in above and len(above) > 1:  # 1/x * y
+        above = tuple(x for x in above if x != ONE) or (ONE,)
     length = a.length + b.length + 3
     return Form((), sign_a * sign_b, above, below_a + below_b, length)
 
@@ -57,62 +96,63 @@ def multiplied(a: Form, b: Form) -> Form:
 def inverted(form: Form) -> Form:
     sign, above, below = _as_factors(form)
     if below:  # 1/(a/b): kept as it is, so that a/b may be shared
-        return Form((), sign, ("1",), (f"({_fraction(above, below)})",), form.length + 6)
-    return Form((), sign, ("1",), above, form.length + 4)
+        return Form((), sign, (ONE,), (_bracketed(_fraction(above, below)),), form.length + 6)
+    return Form((), sign, (ONE,), above, form.length + 4)
 
 
-def called(function: str, arguments: list[Form]) -> Form:
-    return atom(f"{function}({', '.join(text(a) for a in arguments)})")
+def called(function: str, arguments: Sequence[Form], operation: str) -> Form:
+    """`operation` is what the function is counted as."""
+    codes = [code(a) for a in arguments]
+    reads, operations = joined(codes)
+    return atom(Code(f"{function}({', '.join(codes)})", reads, (*operations, operation)))
 
 
-def text(form: Form) -> str:
+ONE = Code("1")
+
+
+def code(form: Form) -> Code:
     """The whole expression. A sum starts with a positive term if it has one."""
     if not form.is_sum:
         fraction = _fraction(form.above, form.below)
-        if form.sign > 0 and fraction[0] == "(" and _RATIO.fullmatch(fraction):
-            return fraction[1:-1]
-        return ("-" if form.sign < 0 else "") + fraction
+        if form.sign > 0:
+            plain = fraction[0] == "(" and not (fraction.reads or fraction.operations)
+            return Code(fraction[1:-1]) if plain and len(form.above) == 1 else fraction
+        return Code("-" + fraction, fraction.reads, (*fraction.operations, "neg"))
     terms = list(form.terms)
     first = next((i for i, (sign, _) in enumerate(terms) if sign > 0), 0)
     terms.insert(0, terms.pop(first))
-    parts = ["-" + terms[0][1] if terms[0][0] < 0 else terms[0][1]]
+    text = "-" + terms[0][1] if terms[0][0] < 0 else terms[0][1]
+    signs = ["neg"] if terms[0][0] < 0 else []
     for sign, term in terms[1:]:
-        parts.append(f" {'-' if sign < 0 else '+'} {term}")
-    return "".join(parts)
+        signs.append("-" if sign < 0 else "+")
+        text += f" {signs[-1]} {term}"
+    reads, operations = joined([term for _, term in terms])
+    return Code(text, reads, (*operations, *signs))
 
 
-def count_operations(expressions: Iterable[str], prefix: str) -> Counter[str]:
-    """Operations in expressions' text, constants such as 1/3 aside: what is shown is what is
-    counted. `prefix` starts the names of the model's own helper functions."""
-    text = "\n".join(x for x in expressions if not _RATIO.fullmatch(f"({x})"))
-    text = _RATIO.sub("1", text)
-    operations = Counter({sign: text.count(f" {sign} ") for sign in "+-*/"})
-    operations["neg"] = len(_MINUS.findall(text))
-    operations.update(_FUNCTION.findall(text))
-    operations.update(re.findall(rf"\b{prefix}(?:side_)?(\w+)\(", text) if prefix in text else ())
-    return +operations  # those that there are
+def _bracketed(x: Code) -> Code:
+    return Code(f"({x})", x.reads, x.operations)
 
 
-_RATIO = re.compile(r"\(PK_C\([^()]*\) / PK_C\([^()]*\)\)")
-_MINUS = re.compile(r"-(?=\S)(?<![^( \n]-)")  # at the start, after a bracket or an operator
-_FUNCTION = re.compile(r"PK_F\((\w+)\)")
+def _fraction(above: tuple[Code, ...], below: tuple[Code, ...]) -> Code:
+    if len(above) == 1 and not below:
+        return above[0]
+    reads, operations = joined(above + below)
+    signs = ["*"] * (len(above) - 1 + max(len(below) - 1, 0)) + ["/"] * bool(below)
+    text = " * ".join(above)
+    if below:
+        bottom = " * ".join(below)
+        text += f" / ({bottom})" if len(below) > 1 else f" / {bottom}"
+    return Code(text, reads, (*operations, *signs))
 
 
-def _fraction(above: tuple[str, ...], below: tuple[str, ...]) -> str:
-    top = " * ".join(above)
-    if not below:
-        return top
-    bottom = " * ".join(below)
-    return f"{top} / ({bottom})" if len(below) > 1 else f"{top} / {bottom}"
-
-
-def _as_terms(form: Form) -> tuple[tuple[int, str], ...]:
+def _as_terms(form: Form) -> tuple[tuple[int, Code], ...]:
     return form.terms or ((form.sign, _fraction(form.above, form.below)),)
 
 
-def _as_factors(form: Form) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
+def _as_factors(form: Form) -> tuple[int, tuple[Code, ...], tuple[Code, ...]]:
     if form.is_sum:
         if all(sign < 0 for sign, _ in form.terms):
-            return MINUS, (f"({text(negated(form))})",), ()
-        return PLUS, (f"({text(form)})",), ()
+            return MINUS, (_bracketed(code(negated(form))),), ()
+        return PLUS, (_bracketed(code(form)),), ()
     return form.sign, form.above, form.below

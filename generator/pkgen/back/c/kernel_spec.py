@@ -65,7 +65,13 @@ def _pivot_checks(
         checked.add((pivot, diagonal))
         nodes = (pivot,) if pivot == diagonal else (pivot, diagonal)
         text = "{0} > 0" if pivot == diagonal else "{0} > PK_PIVOT_MIN * {1}"
-        yield Target(CHECK, f"PK_FAILED(PK_FAILURE_{failure}, {number})", nodes, text)
+        yield Target(
+            CHECK,
+            f"PK_FAILED(PK_FAILURE_{failure}, {number})",
+            nodes,
+            text,
+            operations=("*",) if len(nodes) > 1 else (),
+        )
 
 
 def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:

@@ -8,7 +8,6 @@ in all lanes: they stand after the loops.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -17,8 +16,6 @@ from . import tables
 from .program import CHECK, LOAD, LOCAL, TRIG, Kernel, Program, Statement
 
 _LANES = "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"
-_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
-_MEMBER = re.compile(r"p->(\w+(?:\[\d+\])?)")
 
 
 @record
@@ -33,9 +30,9 @@ class LanePart:
     def of(statements: Iterable[Statement]) -> LanePart:
         """With those loads alone that the others read."""
         body = list(statements)
-        words = _words(s.text for s in body if s.kind != LOAD)
+        words = _read(s for s in body if s.kind != LOAD)
         body = [s for s in body if s.kind != LOAD or s.target in words]
-        words = _words(s.text for s in body)
+        words = _read(body)
         arguments = ("p", "t", "q", "v", "u")
         return LanePart(
             tuple(body),
@@ -62,14 +59,13 @@ def context(program: Program) -> dict[str, Any]:
 
 def is_uniform(statement: Statement) -> bool:
     """A check of parameters alone."""
-    words = (w for w in _words([statement.text]) if w != "p" and not w.startswith("PK_"))
-    return statement.kind == CHECK and not any(words)
+    return statement.kind == CHECK and _read([statement]) <= {"p"}
 
 
 def _parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
     """Leading angles; the rest; the names of the former's sines and cosines."""
     made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
-    leading = [s for s in kernel.statements if s.kind == TRIG and not made & _words([s.text])]
+    leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
     loads = [s for s in kernel.statements if s.kind == LOAD]
     rest = [s for s in kernel.statements if s not in leading]
     pairs = tuple(name for s in leading for name in s.defines)
@@ -87,9 +83,8 @@ def _seen(program: Program, part: LanePart) -> dict[str, Any]:
     }
 
 
-def _words(texts: Iterable[str]) -> set[str]:
-    """Names, but not those of members of struct NAME_params."""
-    return {word for text in texts for word in _WORD.findall(_MEMBER.sub("p", text))}
+def _read(statements: Iterable[Statement]) -> set[str]:
+    return {name for s in statements for value in s.values for name in value.names}
 
 
 def _places(array: str, count: int) -> str:
@@ -104,6 +99,5 @@ def _used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
     n, end = len(program.equations.coordinates), len(program.parameter_names)
     end += max(program.hoisted, 1) + (n * n + n if program.factored else 0)
     places |= {f"side_[{k}]": end + k for k in range(len(program.equations.switches))}
-    texts = " ".join(s.text for s in part.statements)
-    used = set(_MEMBER.findall(texts))
-    return [(name, k) for name, k in places.items() if name in used]
+    used = {read for s in part.statements for read in s.reads}
+    return [(name, k) for name, k in places.items() if f"p->{name}" in used]

@@ -10,13 +10,14 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Op, Symbol
 from ...middle.loops.expand import unlike_loops
 from ...middle.loops.loops import LoopEquations, Slot
 from ...middle.quantities import input_quantities
+from .expressions import Code, variable
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import LOAD, STORE, TRIG, Statement, operations_in
@@ -28,7 +29,6 @@ _OURS = (
     *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
     *("flux", "total", "own"),
 )
-_WORD = re.compile(r"(?<![\w>.])[A-Za-z_]\w*")
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 
 
@@ -52,8 +52,8 @@ class Block:
 
     @property
     def words(self) -> set[str]:
-        """Every C name in the block."""
-        return {w for s in self.statements for w in _WORD.findall(f"{s.target} {s.text}")}
+        """Variables and functions of the model in the block."""
+        return {name for s in self.statements for name in s.names}
 
 
 class Lowering:
@@ -98,25 +98,31 @@ class Lowering:
         group = next(g for g in self.equations.parameters if g.name == name)
         return f"p->{self.fields[name]}[{self.index(at - group.lo)}]"
 
-    def _access(self, slot: Slot, where: str) -> str:
+    def _access(self, slot: Slot, where: str) -> Code:
+        """Where a slot's value is read from, and the variables in that."""
+        index = () if slot.at is None else self._names_in(slot.at)
         if slot.kind == "param":
-            return self.member(slot.name, slot.at)
+            return Code(self.member(slot.name, slot.at), ("p", *index))
         if slot.kind == "index":
-            return f"(pk_real){ROW if slot.name == ROW else OTHER}"
-        if slot.kind == "input":
-            return f"u[{slot.name}]"
-        if slot.kind == "sum":
-            return f"sum[{slot.name}]"
+            name = ROW if slot.name == ROW else OTHER
+            return Code(f"(pk_real){name}", (name,))
+        if slot.kind in ("input", "sum"):
+            return variable(f"{'u' if slot.kind == 'input' else 'sum'}[{slot.name}]")
         if slot.kind == "flux":
-            return flux_place(int(slot.name), -slot.at.constant)
+            return variable(flux_place(int(slot.name), -slot.at.constant))
         near = (
             slot.at is None or where in (INNER, PAIR) or not any(slot.at.factor(v) for v in LOOPS)
         )
         array = {"q": "q", "v": "v", "w": "v", "d": "v"}[slot.kind]
         if near:
-            return self.cell(array, slot.name, slot.at)
+            first = self._names_in(self.first[slot.name])
+            return Code(self.cell(array, slot.name, slot.at), (array, *first, *index))
         reader = f"{self.prefix}{slot.kind}_{slot.name}"
-        return f"{reader}(p, t, {array}, u, {self.index(slot.at)})"
+        text = f"{reader}(p, t, {array}, u, {self.index(slot.at)})"
+        return Code(text, (reader, "p", "t", array, "u", *index))
+
+    def _names_in(self, at: Affine) -> tuple[str, ...]:
+        return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
 
     def _local(self, slot: Slot) -> str:
         if slot not in self._names:
@@ -145,13 +151,12 @@ class Lowering:
             roots = [n for t in block.targets for n in t.nodes]
             new = rewrite(self.work, roots, gather=block.where != FIXED)
             block.rewritten = [
-                Target(t.kind, t.where, tuple(new[n] for n in t.nodes), t.template)
-                for t in block.targets
+                replace(t, nodes=tuple(new[n] for n in t.nodes)) for t in block.targets
             ]
         self._hoist([b for b in self.blocks if b.where != FIXED])
         for block in self.blocks:
             block.statements = self._written(block)
-            block.operations = operations_in(block.statements, self.prefix)
+            block.operations = operations_in(block.statements)
 
     def _hoist(self, blocks: list[Block]) -> None:
         found: set[Node] = set()
@@ -171,7 +176,7 @@ class Lowering:
         new = rewrite(self.work, order, gather=False)
         distinct = sorted({new[node] for node in order})
         places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
-        schedule = self._schedule(FIXED, {place: place for place in places.values()})
+        schedule = self._schedule(FIXED, frozenset(places.values()))
         schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
         self.helpers |= schedule.helpers
         self.prepare = [
@@ -183,21 +188,21 @@ class Lowering:
     def hoisted_count(self) -> int:
         return len(set(self.hoisted.values()))
 
-    def _schedule(self, where: str, known: dict[str, str] | None = None) -> Schedule:
+    def _schedule(self, where: str, known: frozenset[str] = frozenset()) -> Schedule:
         names = Names(LOCAL_RESERVED, (*_OURS, *self._names.values()), self.prefix)
         return Schedule(
             self.work,
             names,
             self.prefix,
             self._leaf(where),
-            known_after=known or {},
+            known_after=known,
             inline_sincos=not self.libm and where != FIXED,
         )
 
-    def _leaf(self, where: str) -> Callable[[Node], str | None]:
-        def leaf(node: Node) -> str | None:
+    def _leaf(self, where: str) -> Callable[[Node], Code | None]:
+        def leaf(node: Node) -> Code | None:
             if where != FIXED and node in self.hoisted:
-                return f"p->c_[{self.hoisted[node]}]"
+                return variable(f"p->c_[{self.hoisted[node]}]")
             if self.work.op[node] is Op.NUMBER:
                 return number_text(self.work.data[node])
             if self.work.op[node] is not Op.SYMBOL:
@@ -205,15 +210,17 @@ class Lowering:
             symbol = self.work.data[node]
             assert isinstance(symbol, Symbol)
             if symbol.kind is Kind.PI:
-                return PI
+                return Code(PI)
             if symbol.kind is Kind.TIME:
-                return "t"
+                return variable("t")
             slot = self.equations.slots[symbol.index]
             if slot.kind == "size":
-                return f"(pk_real){self.size_texts[slot.name]}"
+                size = self.size_texts[slot.name]
+                return Code(f"(pk_real){size}", (size,))
             if symbol.kind is Kind.PARAMETER:
-                return self.member(slot.name, slot.at)
-            return self._local(slot)
+                index = () if slot.at is None else self._names_in(slot.at)
+                return Code(self.member(slot.name, slot.at), ("p", *index))
+            return variable(self._local(slot))
 
         return leaf
 
@@ -229,10 +236,9 @@ class Lowering:
         schedule = self._schedule(block.where)
         schedule.run(block.rewritten)
         self.helpers |= schedule.helpers
-        text = " ".join(s.text for s in schedule.statements)
-        used = set(_WORD.findall(text))
+        used = {name for s in schedule.statements for value in s.values for name in value.names}
         loads = [
-            Statement(LOAD, self._local(slot), self._access(slot, block.where))
+            Statement.of(LOAD, self._local(slot), self._access(slot, block.where))
             for slot in slots
             if self._local(slot) in used and slot.kind != "size"
         ]

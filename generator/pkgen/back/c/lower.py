@@ -16,6 +16,7 @@ from ...graph.graph import BIT, Graph, Kind, Node, Op, Symbol
 from ...middle.derive.switches import sides
 from ...record import record
 from .chunk import blocks
+from .expressions import Code, variable
 from .kernels import KERNELS, STARTS, KernelSpec, needed_kernels
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
@@ -118,7 +119,7 @@ class _Lowering:
         self.fields, self.parameter_names = _fields(equations)
         self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
         self.symbols = _local_names(equations)
-        self.leaves: dict[Node, str] = {}
+        self.leaves: dict[Node, Code] = {}
         self.hoisted: dict[Node, int] = {}
         self.helpers: set[str] = set()
 
@@ -159,7 +160,9 @@ class _Lowering:
         new = rewrite(self.work, roots + kept)
         hints = {node: name for node, name in spec.hints(self.equations) if node in new}
         targets = [
-            Target(t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also)
+            Target(
+                t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also, t.operations
+            )
             for t in targets
         ]
         return _Draft(
@@ -184,7 +187,7 @@ class _Lowering:
         schedule.run(draft.targets)
         self.helpers |= schedule.helpers
         loads = {
-            name: Statement(LOAD, name, f"{_ARGUMENT[symbol.kind]}[{symbol.index}]")
+            name: Statement.of(LOAD, name, variable(f"{_ARGUMENT[symbol.kind]}[{symbol.index}]"))
             for symbol, name in self.symbols.items()
         }
         solves = spec.name == "acceleration" and self.equations.acceleration is None and n > 0
@@ -200,34 +203,34 @@ class _Lowering:
         solves: bool = False,
     ) -> Kernel:
         parts, work = blocks(schedule.statements, loads, [o.name for o in outputs])
-        operations = operations_in(schedule.statements, self.prefix)
+        operations = operations_in(schedule.statements)
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
-    def _leaf(self, node: Node) -> str | None:
+    def _leaf(self, node: Node) -> Code | None:
         """The text of what needs no computing in a kernel of the motion."""
         if node in self.hoisted:
-            return f"p->c_[{self.hoisted[node]}]"
+            return variable(f"p->c_[{self.hoisted[node]}]")
         return self._symbol(node)
 
-    def _symbol(self, node: Node) -> str | None:
+    def _symbol(self, node: Node) -> Code | None:
         if not self.work.is_leaf(node):
             return None
         if node not in self.leaves:
             self.leaves[node] = self._leaf_text(node)
         return self.leaves[node]
 
-    def _leaf_text(self, node: Node) -> str:
+    def _leaf_text(self, node: Node) -> Code:
         if self.work.op[node] is Op.NUMBER:
             return number_text(self.work.data[node])
         symbol = self.work.data[node]
         assert isinstance(symbol, Symbol)
         if symbol.kind is Kind.PARAMETER:
-            return "p->" + self.parameters[symbol.index]
+            return variable("p->" + self.parameters[symbol.index])
         if symbol.kind is SIDE:
-            return f"p->side_[{symbol.index}]"
+            return variable(f"p->side_[{symbol.index}]")
         if symbol.kind in _ARGUMENT:
-            return self.symbols[symbol]
-        return PI if symbol.kind is Kind.PI else "t"
+            return variable(self.symbols[symbol])
+        return Code(PI) if symbol.kind is Kind.PI else variable("t")
 
     # What depends on parameters alone
 
@@ -242,7 +245,7 @@ class _Lowering:
             self._names(),
             self.prefix,
             self._symbol,
-            known_after={place: place for place in places.values()},
+            known_after=frozenset(places.values()),
         )
         schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
         self.helpers |= schedule.helpers

@@ -13,14 +13,13 @@ from typing import NamedTuple
 
 from ...equations import Equations, Structure
 from ...record import record
-from .expressions import count_operations
+from .expressions import Code, base
 
 LANES = ("lanes", "members")  # many states side by side, with one set of parameters or many
 
 # The kinds of a statement, and how each is shown in a dump.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
-TRIG = "trig"  # sine and cosine into the names in TARGET; NULL: not needed. TEXT: one angle, or
-# two with a semicolon between
+TRIG = "trig"  # sine and cosine of one value or two into the targets; NULL: not needed
 LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
 STORE = "store"  # TARGET = TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
@@ -39,15 +38,36 @@ _SHOWN = {
 
 class Statement(NamedTuple):
     kind: str
-    target: str
-    text: str
+    targets: tuple[str, ...]
+    values: tuple[Code, ...]
+
+    @staticmethod
+    def of(kind: str, target: str, value: Code) -> Statement:
+        return Statement(kind, (target,), (value,))
+
+    @property
+    def target(self) -> str:
+        return " ".join(self.targets)
+
+    @property
+    def text(self) -> str:
+        return "; ".join(self.values)
+
+    @property
+    def reads(self) -> list[str]:
+        return [read for value in self.values for read in value.reads]
+
+    @property
+    def names(self) -> set[str]:
+        """Variables that it reads or writes."""
+        written = () if self.kind == CHECK else self.targets
+        return {base(place) for place in (*self.reads, *written)}
 
     @property
     def defines(self) -> tuple[str, ...]:
         """The local constants that it makes."""
-        if self.kind == TRIG:
-            return tuple(name for name in self.target.split() if name != "NULL")
-        return (self.target,) if self.kind in (LOCAL, LOAD) else ()
+        made = self.targets if self.kind in (LOCAL, LOAD, TRIG) else ()
+        return tuple(name for name in made if name != "NULL")
 
     def __str__(self) -> str:
         return _SHOWN[self.kind].format(target=self.target, text=self.text)
@@ -173,13 +193,14 @@ class Program:
         return "\n".join(lines)
 
 
-def operations_in(statements: Iterable[Statement], prefix: str) -> Counter[str]:
-    """Operations of statements; `prefix` starts the names of the model's own helper functions."""
-    statements = [s for s in statements if s.kind != LOAD]
-    operations = count_operations((s.text for s in statements), prefix)
+def operations_in(statements: Iterable[Statement]) -> Counter[str]:
+    """What statements compute: what is shown is what is counted."""
+    operations: Counter[str] = Counter()
     for statement in statements:
+        if statement.kind != LOAD:
+            operations.update(x for value in statement.values for x in value.operations)
         if statement.kind == TRIG:
-            named = enumerate(statement.target.split())
+            named = enumerate(statement.targets)
             operations.update(("sin", "cos")[i % 2] for i, name in named if name != "NULL")
     return operations
 

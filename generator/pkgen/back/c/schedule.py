@@ -7,7 +7,6 @@ cosine of the same angle (one call of the inline pair gives both), an output as 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -17,8 +16,22 @@ from ...functions import FUNCTIONS, SIDE
 from ...graph.graph import Node, Op
 from ...graph.nodes import SQUARES
 from ...record import record
-from .expressions import Form, added, atom, called, inverted, multiplied, negated, text
-from .literals import literal
+from .expressions import (
+    ONE,
+    Code,
+    Form,
+    added,
+    atom,
+    called,
+    code,
+    constant,
+    inverted,
+    joined,
+    multiplied,
+    negated,
+    variable,
+)
+from .literals import PI, literal
 from .names import Names
 from .program import LOCAL, TRIG, Statement
 from .rewrite import Workspace
@@ -27,14 +40,13 @@ from .rewrite import Workspace
 _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
-_AT_HAND = re.compile(r"\w+|p->\w+(\[\d+\])?")
 
 
 @record
 class Target:
     """A node whose value goes somewhere; `also` are further places that get a copy.
 
-    In a CHECK, `text` is completed by the values of `nodes`.
+    The template is completed by the values of `nodes`; `operations` are its own.
     """
 
     kind: str
@@ -42,6 +54,7 @@ class Target:
     nodes: tuple[Node, ...]
     template: str = "{0}"
     also: tuple[str, ...] = ()
+    operations: tuple[str, ...] = ()
 
 
 @dataclass
@@ -52,10 +65,10 @@ class Schedule:
     work: Workspace
     names: Names
     prefix: str
-    leaf: Callable[[Node], str | None]
+    leaf: Callable[[Node], Code | None]
     hints: Mapping[Node, str] = field(default_factory=dict)
     kept: frozenset[Node] = frozenset()  # must become locals
-    known_after: Mapping[str, str] = field(default_factory=dict)  # read back an output: its text
+    known_after: frozenset[str] = frozenset()  # outputs that are read back
     inline_sincos: bool = False  # sine and cosine by the inline pair, not by libm
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
@@ -79,14 +92,16 @@ class Schedule:
             for node in target.nodes:
                 if target.template != "{0}":
                     self._promote(node, 0)
-                values.append(text(self._forms[node]))
-            value = target.template.format(*values)
-            self.statements.append(Statement(target.kind, target.where, value))
+                values.append(code(self._forms[node]))
+            reads, operations = joined(values)
+            text = target.template.format(*values)
+            value = Code(text, reads, (*operations, *target.operations))
+            self.statements.append(Statement.of(target.kind, target.where, value))
             for place in target.also:
-                copied = value if value == "0" else target.where
-                self.statements.append(Statement(target.kind, place, copied))
+                copied = value if value == "0" else variable(target.where)
+                self.statements.append(Statement.of(target.kind, place, copied))
             if target.where in self.known_after and self.leaf(target.nodes[0]) is None:
-                self._forms[target.nodes[0]] = atom(self.known_after[target.where])
+                self._forms[target.nodes[0]] = atom(variable(target.where))
 
     def _locals(self, targets: list[Target]) -> set[Node]:
         """Nodes used more than once; a sign on the way does not count as a value of its own."""
@@ -133,8 +148,9 @@ class Schedule:
                 stack.pop()
                 continue
             if (leaf := self.leaf(node)) is not None:
-                forms[node] = negated(atom(leaf[1:])) if leaf[0] == "-" else atom(leaf)
+                forms[node] = atom(leaf)
                 if work.op[node] is Op.NUMBER:
+                    forms[node] = constant(leaf)
                     work.constants.see(node)
                 continue
             missing = [a for a in work.args[node] if a not in forms]
@@ -170,15 +186,16 @@ class Schedule:
             del self._angles[angles[1]]
         values, places = [], []
         for x in angles:
-            values.append(text(self._forms[x]))
+            angle_form = self._forms[x]
+            values.append(code(angle_form))
             for function in SQUARES:
                 node = self.work.find(Op.CALL, (x,), function)
                 if node is None or node not in self._local:
                     places.append("NULL")
                     continue
-                places.append(self._name(node, f"PK_F({function})({values[-1]})"))
-                self._forms[node] = atom(places[-1])
-        self.statements.append(Statement(TRIG, " ".join(places), "; ".join(values)))
+                places.append(self._name(node, angle_form, function))
+                self._forms[node] = atom(variable(places[-1]))
+        self.statements.append(Statement(TRIG, tuple(places), tuple(values)))
 
     def _finish(self, node: Node) -> None:
         self._forms[node] = self._form(node)
@@ -212,10 +229,11 @@ class Schedule:
         row = FUNCTIONS[function.removeprefix(SIDE)]
         if row.body or function.startswith(SIDE):
             self.helpers.add(function)
-            function = self.prefix + function
+            name, counted = self.prefix + function, function.removeprefix(SIDE)
         else:
-            function = f"PK_F({row.c or function})"
-        return called(function, [forms[a] for a in args])
+            counted = row.c or function
+            name = f"PK_F({counted})"
+        return called(name, [forms[a] for a in args], counted)
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
@@ -230,41 +248,58 @@ class Schedule:
             return
         # A minus moves to where the value is used: -a - b is kept as a + b.
         sign = form.sign if not form.is_sum else max(sign for sign, _ in form.terms)
-        value = text(negated(form) if sign < 0 else form)
-        if _AT_HAND.fullmatch(value):
+        form = negated(form) if sign < 0 else form
+        value = code(form)
+        if _at_hand(value):
             return
-        name = self._name(node, value)
-        self.statements.append(Statement(LOCAL, name, value))
-        self._forms[node] = negated(atom(name)) if sign < 0 else atom(name)
+        op, args = self.work.op[node], self.work.args[node]
+        library = op is Op.CALL and len(args) == 1 and value.startswith("PK_F(")
+        name = self._name(
+            node, self._forms[args[0]] if library else form, value.operations[-1] if library else ""
+        )
+        self.statements.append(Statement.of(LOCAL, name, value))
+        local = atom(variable(name))
+        self._forms[node] = negated(local) if sign < 0 else local
 
-    def _name(self, node: Node, value: str) -> str:
-        wish = self.hints.get(node) or _described(value)
+    def _name(self, node: Node, form: Form, function: str = "") -> str:
+        """A name for the value of a node: of `form`, or of the function of it."""
+        wish = self.hints.get(node) or _described(form, function)
         if wish and len(wish) <= _LONGEST_NAME and self.names.is_free(wish):
             return self.names.take(wish)
         return self.names.number("t")
 
 
-_NAMED = r"(?!t\d)[a-z]\w*"
-_PATTERNS = [
-    (re.compile(r"PK_F\((\w+)\)\((\w+)\)"), "{}_{}"),
-    (re.compile(rf"({_NAMED}) - ({_NAMED})"), "{}_minus_{}"),
-    (re.compile(rf"({_NAMED}) \+ ({_NAMED})"), "{}_plus_{}"),
-    (re.compile(rf"({_NAMED}) \* \1"), "{}_sq"),
-    (re.compile(rf"1 / ({_NAMED})"), "inv_{}"),
-]
+def _at_hand(value: Code) -> bool:
+    """A number, a name, or a member of a struct."""
+    if value.operations:
+        return False
+    is_name = value in value.reads and ("[" not in value or value.startswith("p->"))
+    return is_name or value.isalnum() or value == PI
 
 
-def _described(value: str) -> str | None:
+def _is_named(part: Code) -> bool:
+    """A local constant whose name says what it is, unlike t7."""
+    numbered = part[0] == "t" and part[1:].isdigit()
+    return part.reads == (part,) and part.isidentifier() and part[0].islower() and not numbered
+
+
+def _described(form: Form, function: str) -> str | None:
     """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
-    if len(value) > 2 * _LONGEST_NAME or value.count(" ") > 2:
-        return None
-    for pattern, name in _PATTERNS:
-        if match := pattern.fullmatch(value):
-            return name.format(*match.groups())
+    if function:
+        argument = code(form)
+        return f"{function}_{argument}" if argument.isidentifier() else None
+    if len(form.terms) == 2:
+        (sign, a), (other, b) = sorted(form.terms, key=lambda term: -term[0])
+        if sign > 0 and _is_named(a) and _is_named(b):
+            return f"{a}_{'plus' if other > 0 else 'minus'}_{b}"
+    elif len(form.above) == 2 and not form.below and form.above[0] == form.above[1]:
+        return f"{form.above[0]}_sq" if _is_named(form.above[0]) else None
+    elif form.above == (ONE,) and len(form.below) == 1 and _is_named(form.below[0]):
+        return f"inv_{form.below[0]}"
     return None
 
 
-def number_text(value: object) -> str:
+def number_text(value: object) -> Code:
     """A constant of the graph, with its sign."""
     assert isinstance(value, Fraction)
-    return ("-" if value < 0 else "") + literal(abs(value))
+    return Code(("-" if value < 0 else "") + literal(abs(value)))
