@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from fractions import Fraction
 
 import pytest
 from c_harness import MODELS, read_model, read_text
 from hand_made import World, make, pendulum_chain, structure
 from pkgen.back.c.ctext import comment, fold, fold_call, string
-from pkgen.back.c.expressions import count_operations
+from pkgen.back.c.expressions import (
+    Code,
+    added,
+    atom,
+    called,
+    code,
+    constant,
+    inverted,
+    multiplied,
+    negated,
+    variable,
+)
 from pkgen.back.c.literals import literal
 from pkgen.back.c.lower import lower
 from pkgen.back.c.names import LOCAL_RESERVED, Names, local_wish
@@ -200,14 +212,21 @@ def test_a_literal_that_is_no_short_fraction_has_sixty_digits():
     assert len(re.sub(r"\D", "", text)) == 60
 
 
-def test_counting():
-    counted = count_operations(
-        ["-a * PK_F(sin)(b) + m_step(c - 2) / (PK_C(1.0) / PK_C(3.0))", "PK_C(1.0) / PK_C(3.0)"],
-        "m_",
-    )
-    assert dict(counted) == {"neg": 1, "*": 1, "sin": 1, "+": 1, "step": 1, "-": 1, "/": 1}
-    assert operations_text(counted).startswith("7 operations: 1 +, 1 -, 1 *, 1 /, 1 neg, 1 sin")
-    assert not count_operations(["PK_C(1.0) / PK_C(3.0)"], "m_")
+def test_an_expression_knows_what_it_reads_and_computes():
+    a, b, c = (atom(variable(name)) for name in ("a", "b", "p->c"))
+    third = atom(Code("(PK_C(1.0) / PK_C(3.0))"))
+    step = called("m_step", [added(c, constant("-2"))], "step")
+    sine = called("PK_F(sin)", [b], "sin")
+    found = code(added(negated(multiplied(a, sine)), multiplied(step, inverted(third))))
+    assert found == "m_step(p->c - 2) / (PK_C(1.0) / PK_C(3.0)) - a * PK_F(sin)(b)"
+    assert found.reads == ("p->c", "a", "b") and found.names == {"p", "a", "b"}
+    counted = Counter(found.operations)
+    assert counted == {"*": 1, "sin": 1, "-": 2, "step": 1, "/": 1}
+    assert operations_text(counted) == "6 operations: 2 -, 1 *, 1 /, 1 sin, 1 step"
+    minus = code(negated(a))
+    assert minus == "-a" and minus.operations == ("neg",)
+    assert code(third) == "PK_C(1.0) / PK_C(3.0)" and not code(third).operations
+    assert code(inverted(multiplied(a, inverted(b)))) == "1 / (a / b)"
 
 
 def test_names():

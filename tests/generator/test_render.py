@@ -85,7 +85,7 @@ def _members(header: str, struct: str) -> set[str]:
     """Names of the functions in a struct of pk/system.h."""
     body = header.split(f"\nstruct {struct} {{")[1].split("\n};")[0]
     found = re.findall(r"\(\*(\w+)\)\(", body)
-    for kernels in re.findall(r"pk_kernel\w* ([^;]+);", body):
+    for kernels in re.findall(r"pk_kernel\w*\s+([^;]+);", body):
         found += re.findall(r"\*(\w+)", kernels)
     return set(found)
 

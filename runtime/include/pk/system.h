@@ -202,11 +202,12 @@ struct pk_part_constraints {
     size_t n, n_holonomic;
     const struct pk_quantity *names; /* "lambda_rod": unit and description of the multipliers */
     pk_kernel *values;               /* the n_holonomic phi; NULL where they are none */
-    pk_kernel_2
-        *jacobian;      /* J (n by the degrees of freedom, row-major; the columns of quaternions and
-                              first-order variables are 0) and J v + j0 */
-    pk_kernel_2 *scale; /* the sizes of the terms that phi and J v + j0 are sums of, in whose
-                              units of rounding a residual is judged */
+    /* J (n by the degrees of freedom, row-major; the columns of quaternions and first-order
+     * variables are 0) and J v + j0. */
+    pk_kernel_2 *jacobian;
+    /* The sizes of the terms that phi and J v + j0 are sums of, in whose units of rounding a residual
+     * is judged. */
+    pk_kernel_2 *scale;
     pk_kernel *multipliers; /* lambda */
 };
 
