@@ -122,7 +122,7 @@ int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p,
     return coupled_oscillators_acceleration_inline(p, t, q, v, u, a);
 }
 
-/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which fail. */
 static unsigned long long coupled_oscillators_lanes_apart(size_t W, const pk_bits *bad,
     const struct coupled_oscillators_params *p, const pk_real *t, const pk_real *q,
     const pk_real *v, const pk_real *u, pk_real *a)
@@ -172,10 +172,10 @@ static unsigned long long coupled_oscillators_members_apart(size_t W, const pk_b
     return failed;
 }
 
-/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
- * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
- * and cosines have a loop of their own, and checks of parameters come after both: before them
- * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there.
+ * Sines and cosines have a loop of their own, and checks of parameters come after both: before
+ * them they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long coupled_oscillators_lanes_inline(size_t W,
     const struct coupled_oscillators_params *p, const pk_real *t, const pk_real *q,

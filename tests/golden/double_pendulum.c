@@ -304,7 +304,8 @@ void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, p
     v[1] = PK_C(0.4);
 }
 
-/* Sine and cosine of angles that need no others: sin_theta1, cos_theta1, sin_theta2, cos_theta2. */
+/* Sine and cosine of angles that need no others: sin_theta1, cos_theta1, sin_theta2,
+ * cos_theta2. */
 PK_INLINE
 static pk_bits double_pendulum_acceleration_angles(enum pk_pass pass,
     const struct double_pendulum_params *p, pk_real t, const pk_real *q, const pk_real *v,
@@ -403,7 +404,7 @@ int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real
     return double_pendulum_acceleration_inline(p, t, q, v, u, a);
 }
 
-/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which fail. */
 static unsigned long long double_pendulum_lanes_apart(size_t W, const pk_bits *bad,
     const struct double_pendulum_params *p, const pk_real *t, const pk_real *q, const pk_real *v,
     const pk_real *u, pk_real *a)
@@ -453,10 +454,10 @@ static unsigned long long double_pendulum_members_apart(size_t W, const pk_bits 
     return failed;
 }
 
-/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
- * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
- * and cosines have a loop of their own, and checks of parameters come after both: before them
- * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there.
+ * Sines and cosines have a loop of their own, and checks of parameters come after both: before
+ * them they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long double_pendulum_lanes_inline(size_t W,
     const struct double_pendulum_params *p, const pk_real *t, const pk_real *q, const pk_real *v,

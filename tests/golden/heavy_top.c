@@ -397,7 +397,7 @@ int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk
     return heavy_top_acceleration_inline(p, t, q, v, u, a);
 }
 
-/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which fail. */
 static unsigned long long heavy_top_lanes_apart(size_t W, const pk_bits *bad,
                                                 const struct heavy_top_params *p,
                                                 const pk_real *t, const pk_real *q,
@@ -447,10 +447,10 @@ static unsigned long long heavy_top_members_apart(size_t W, const pk_bits *bad, 
     return failed;
 }
 
-/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
- * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
- * and cosines have a loop of their own, and checks of parameters come after both: before them
- * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there.
+ * Sines and cosines have a loop of their own, and checks of parameters come after both: before
+ * them they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long heavy_top_lanes_inline(size_t W, const struct heavy_top_params *p,
                                                  const pk_real *t, const pk_real *q,

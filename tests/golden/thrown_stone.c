@@ -119,7 +119,7 @@ int thrown_stone_acceleration(const struct thrown_stone_params *p, pk_real t, co
     return thrown_stone_acceleration_inline(p, t, q, v, u, a);
 }
 
-/* Lanes one by one: those that are bad, or all if that is NULL. Returns which of them fail. */
+/* Lanes one by one: those that are bad, or all if that is NULL. Returns which fail. */
 static unsigned long long thrown_stone_lanes_apart(size_t W, const pk_bits *bad,
     const struct thrown_stone_params *p, const pk_real *t, const pk_real *q, const pk_real *v,
     const pk_real *u, pk_real *a)
@@ -169,10 +169,10 @@ static unsigned long long thrown_stone_members_apart(size_t W, const pk_bits *ba
     return failed;
 }
 
-/* W <= 64 states side by side in loops without branches, which a compiler makes vector code of.
- * What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. Sines
- * and cosines have a loop of their own, and checks of parameters come after both: before them
- * they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
+/* W <= 64 states side by side in loops without branches, which a compiler makes vector code
+ * of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there.
+ * Sines and cosines have a loop of their own, and checks of parameters come after both: before
+ * them they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long thrown_stone_lanes_inline(size_t W, const struct thrown_stone_params *p,
     const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)

@@ -17,14 +17,16 @@ from ...middle.report import Report
 from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
-from . import lanes, tables
-from .chunk import ARGUMENTS
+from . import parameter_code, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
 from .facts import facts, invariants
 from .helpers import helpers
-from .kernels import KERNELS, STARTS
-from .program import Block, Kernel, Program, operations_text
+from .kernel_code import KernelCode
+from .kernels import KERNELS
+from .lane_code import LaneCode
+from .lanes import LANE_ARGUMENTS
+from .program import Kernel, Program, operations_text
 
 if TYPE_CHECKING:
     import jinja2
@@ -214,9 +216,6 @@ def _context(program: Program) -> dict[str, Any]:
         "parameters": tables.parameters(program),
         "any_follows": any(p.follows for p in equations.parameters),
         "tables": tables.tables(program),
-        "start": _kernel(program, program.start),
-        "quadrature_start": _kernel(program, program.quadrature_start),
-        "prepare": _kernel(program, program.prepare),
         "kernels": kernels,
         "operations": operations_rows(program),
         "proved": labelled(facts(equations, program.structure)),
@@ -245,41 +244,37 @@ def _context(program: Program) -> dict[str, Any]:
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
-    } | lanes.context(program)
-
-
-def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
-    spec = KERNELS.get(kernel.name)
-    given = spec.given if spec else ()
-    second = spec.second if spec else "v"
-    arguments = ["p", "t", "q", second, "u", *given]
-    if kernel.name in STARTS:
-        arguments = ["p"]
-    elif kernel.name == "prepare":
-        arguments = []
-    unused = [a for a in arguments if a not in kernel.uses] if not kernel.solves else []
-    unused += [output.name for output in kernel.outputs if not output.rows]
-    return {
-        "name": kernel.name,
-        "result": kernel.result,
-        "given": list(given),
-        "second": second,
-        "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
-        "says": spec.says if spec else "",
-        "entries": entries(program, kernel),
-        "operations": operations_text(kernel.operations),
-        "blocks": [_block(block, kernel) for block in kernel.blocks],
-        "unused": unused,
-        "work": kernel.work,
-        "solves": kernel.solves,
+        "functions": _functions(program),
+        "forms": list(program.lanes),
+        "lane_arguments": f"const struct {model.name}_params *p, {LANE_ARGUMENTS}",
+        "member_arguments": f"const pk_real *P, {LANE_ARGUMENTS}",
     }
 
 
-def _block(block: Block, kernel: Kernel) -> dict[str, Any]:
-    outputs = [o.name for o in kernel.outputs if o.name in block.uses]
+def _functions(program: Program) -> str:
+    """All functions of the C file, with a blank line between."""
+    names = {"name": program.equations.model.name, "n": len(program.equations.coordinates)}
+    dense = environment().get_template("dense.j2").make_module(names)
+    solve = str(dense.substitute() if program.factored else dense.solve())
+    found = list(parameter_code.functions(program, str(dense.factor())))
+    for kernel in program.kernels:
+        code = KernelCode(program.equations.model.name, kernel)
+        if kernel.name == "acceleration":
+            found += LaneCode(program, code).functions(solve)
+        else:
+            found += [*code.parts(), code.definition(solve)]
+    return "\n".join(x if isinstance(x, str) else x.text for x in found)
+
+
+def _kernel(program: Program, kernel: Kernel) -> dict[str, Any]:
+    spec, code = KERNELS[kernel.name], KernelCode(program.equations.model.name, kernel)
     return {
-        "groups": tables.groups(block.statements),
-        "checks": int(block.checks),
-        "arguments": [a for a in ARGUMENTS if a in block.uses and a not in outputs],
-        "outputs": outputs,
+        "name": kernel.name,
+        "result": kernel.result,
+        "given": list(spec.given),
+        "declaration": code.declaration(),
+        "outputs": [{"name": o.name, "n": o.rows, "columns": o.columns} for o in kernel.outputs],
+        "says": spec.says,
+        "entries": entries(program, kernel),
+        "operations": operations_text(kernel.operations),
     }

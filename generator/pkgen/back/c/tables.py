@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from ...equations import Quantity
 from .describe import families, field_says
 from .names import family_of
-from .program import Program, Statement
+from .program import Program
 
 
 def _quantity(quantity: Quantity) -> dict[str, str]:
@@ -88,7 +88,7 @@ def parameters(program: Program) -> list[dict[str, Any]]:
     rows = []
     for index, slot in enumerate(program.equations.parameters):
         c_name = program.parameter_names[index]
-        bounds, default = program.bounds[index], program.defaults[index]
+        bounds = program.bounds[index]
         rows.append(
             _quantity(slot.quantity)
             | {
@@ -99,34 +99,12 @@ def parameters(program: Program) -> list[dict[str, Any]]:
                 "follows": int(slot.follows),
                 "lo_open": int(slot.lo_open or bounds.lo is None),
                 "hi_open": int(slot.hi_open or bounds.hi is None),
-                "lo": bounds.lo or "-PK_INFINITY",
-                "hi": bounds.hi or "PK_INFINITY",
-                "bounds_need": _locals(bounds.statements),
-                "default": default.text,
-                "default_needs": _locals(default.statements),
             }
         )
     return rows
-
-
-def _locals(statements: Sequence[Statement]) -> list[dict[str, str]]:
-    return [{"kind": s.kind, "target": s.target, "text": s.text} for s in statements]
 
 
 def input_rates(inputs: Sequence[Quantity]) -> list[int]:
     """For each input the index of its time derivative, or -1 where that is not an input."""
     places = {quantity.name: i for i, quantity in enumerate(inputs)}
     return [places.get(quantity.name + "'", -1) for quantity in inputs]
-
-
-def groups(statements: Iterable[Statement]) -> list[list[dict[str, str]]]:
-    """Statements grouped by what they do, so that a blank line can stand between."""
-    found: list[list[dict[str, str]]] = []
-    last = None
-    for s in statements:
-        part = {"load": 0, "local": 1, "check": 2}.get(s.kind, 1)
-        if part != last:
-            found.append([])
-        last = part
-        found[-1].append({"kind": s.kind, "target": s.target, "text": s.text})
-    return found

@@ -1,0 +1,177 @@
+"""Kernels as functions of C: their statements, their parts, what they call."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from .chunk import ARGUMENTS
+from .kernels import KERNELS, STARTS
+from .program import (
+    CHECK,
+    FILL,
+    LOAD,
+    LOCAL,
+    STORE,
+    TRIG,
+    Block,
+    Kernel,
+    Statement,
+    operations_text,
+)
+from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
+
+if TYPE_CHECKING:
+    from .kernel_spec import KernelSpec
+
+TYPES = {
+    "t": "pk_real t",
+    **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
+    "w": "pk_real *w",
+}
+_GROUP = {LOAD: 0, CHECK: 2}  # a blank line stands between groups; others are of group 1
+
+
+def statements(
+    found: Iterable[Statement], in_pass: bool = False, uniform: Collection[str] = ()
+) -> Iterator[Node]:
+    """Of one kernel. In a pass over lanes a failure is a bit of `bad`, and a check of parameters
+    alone, which is `uniform`, is left to what goes over all lanes."""
+    for s in found:
+        if s.kind in (LOAD, LOCAL):
+            yield Declare("const pk_real", s.target, s.text)
+        elif s.kind == STORE:
+            yield Assign(s.target, s.text)
+        elif s.kind == TRIG:
+            yield Declare("pk_real", ", ".join(s.defines))
+            yield sincos(s, "pass" if in_pass else "")
+        elif s.kind == FILL:
+            yield Loop(f"size_t k = 0; k < {s.text}; k++", [Assign(f"{s.target}[k]", "0")])
+        elif s.kind == CHECK and in_pass:
+            noted = Assign("bad", f"(pk_bits)!({s.text})", "|=")
+            yield If("pass != PK_IN_LANE", [noted]) if s.text in uniform else noted
+            yield If("pass >= PK_ONCE && bad", [Return(s.target)])
+        elif s.kind == CHECK:
+            yield If(f"!({s.text})", [Return(s.target)])
+        else:
+            yield Return(s.text)
+
+
+def sincos(s: Statement, lane: str = "", flag: str = "bad") -> Node:
+    """Sine and cosine of one angle or two; `lane`: which pass, noted in `flag` if it fails."""
+    places = ["NULL" if name == "NULL" else f"&{name}" for name in s.targets]
+    function = ("pk_sincos_pass" if lane else "pk_sincos") + "_2" * (len(s.values) > 1)
+    call = f"{function}({', '.join([*([lane] if lane else []), *s.values, *places])})"
+    return Assign(flag, call, "|=") if lane else Call(call)
+
+
+def grouped(
+    found: Sequence[Statement], in_pass: bool = False, uniform: Collection[str] = ()
+) -> Iterator[Node]:
+    """Statements, with a blank line between loads, work and checks."""
+    last = None
+    for s in found:
+        group = _GROUP.get(s.kind, 1)
+        if last is not None and group != last:
+            yield Blank()
+        last = group
+        yield from statements([s], in_pass, uniform)
+
+
+def unused(names: Iterable[str]) -> list[Node]:
+    return [Call(f"(void){name}") for name in names]
+
+
+class KernelCode:
+    """One kernel of a model: its declaration and its functions."""
+
+    def __init__(self, model: str, kernel: Kernel):
+        self.model, self.kernel = model, kernel
+        self.spec: KernelSpec | None = KERNELS.get(kernel.name)
+        self.name = f"{model}_{kernel.name}"
+
+    @property
+    def vectors(self) -> list[str]:
+        """What is taken besides p, t and u."""
+        return ["q", self.spec.second if self.spec else "v"]
+
+    @property
+    def unused(self) -> list[str]:
+        given = self.spec.given if self.spec else ()
+        arguments = ["p", "t", *self.vectors, "u", *given]
+        if self.kernel.name in STARTS:
+            arguments = ["p"]
+        elif self.kernel.name == "prepare":
+            arguments = []
+        names = [] if self.kernel.solves else [a for a in arguments if a not in self.kernel.uses]
+        return names + [output.name for output in self.kernel.outputs if not output.rows]
+
+    def arguments(self, restrict: str = "") -> str:
+        q, second = self.vectors
+        parts = [f"const struct {self.model}_params *p", "pk_real t", f"const pk_real *{q}"]
+        parts += [f"const pk_real *{second}", "const pk_real *u"]
+        parts += [f"const pk_real *{vector}" for vector in (self.spec.given if self.spec else ())]
+        parts += [f"pk_real *{restrict}{output.name}" for output in self.kernel.outputs]
+        return ", ".join(parts)
+
+    def declaration(self, restrict: str = "") -> str:
+        return f"{self.kernel.result} {self.name}({self.arguments(restrict)})"
+
+    @property
+    def says(self) -> str:
+        operations = operations_text(self.kernel.operations)
+        says = self.spec.says if self.spec else ""
+        return f"{says}. {operations[0].upper()}{operations[1:]}."
+
+    def parts(self) -> Iterator[Function]:
+        """Those of a long kernel, as functions of their own."""
+        of = self.kernel
+        work = "; w hands values on" if of.work else ""
+        for number, block in enumerate(of.blocks[:-1], 1):
+            result, end = ("int", [Return("0")]) if block.checks else ("void", [])
+            yield Function(
+                f"{self.model}_APART static {result} {self.name}_{number}({self._typed(block)})",
+                [*grouped(block.statements), *end],
+                f"Part {number} of {self.name}{work}.",
+            )
+
+    def _inputs(self, block: Block) -> tuple[list[str], list[str]]:
+        outputs = [o.name for o in self.kernel.outputs if o.name in block.uses]
+        return [a for a in ARGUMENTS if a in block.uses and a not in outputs], outputs
+
+    def _typed(self, block: Block) -> str:
+        arguments, outputs = self._inputs(block)
+        const = "" if self.kernel.name == "prepare" else "const "
+        types = {"p": f"{const}struct {self.model}_params *p", **TYPES}
+        typed = [types[a] for a in arguments]
+        return ", ".join(typed + [f"pk_real *restrict {output}" for output in outputs])
+
+    def body(self) -> Iterator[Node]:
+        """The work array, the calls of the parts, the last part."""
+        of, parts = self.kernel, self.kernel.blocks[:-1]
+        if of.work and of.name != "prepare":
+            yield Declare("pk_real", f"w[{of.work}]")
+        if any(block.checks for block in parts):
+            yield Declare("int", "status")
+        if parts:
+            yield Blank()
+        for number, block in enumerate(parts, 1):
+            arguments, outputs = self._inputs(block)
+            call = f"{self.name}_{number}({', '.join(arguments + outputs)})"
+            if block.checks:
+                yield If(f"(status = {call}) != 0", [Return("status")])
+            else:
+                yield Call(call)
+        if parts:
+            yield Blank()
+        yield from unused(self.unused)
+        if self.unused:
+            yield Blank()
+        yield from grouped(of.blocks[-1].statements)
+
+    def definition(self, dense: str) -> Function:
+        """`dense` is the loop over M and f, where the kernel solves so."""
+        body: list[Node] = [Text(dense)] if self.kernel.solves else [*self.body()]
+        if self.kernel.result == "int" and not self.kernel.solves:
+            body.append(Return("0"))
+        return Function(self.declaration("restrict "), body, self.says)

@@ -1,0 +1,232 @@
+"""The acceleration of one state, of W states side by side, and of W members of an ensemble."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .kernel_code import KernelCode, grouped, unused
+from .lanes import LANE_ARGUMENTS, LanePart, is_uniform, lane_parts, used_fields
+from .program import CHECK, TRIG, Program
+from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
+
+SIDE_BY_SIDE = (
+    "W <= 64 states side by side in loops without branches, which a compiler makes vector code "
+    "of. What a lane cannot do, be it a failure or an angle of unusual size, is only noted there. "
+    "Sines and cosines have a loop of their own, and checks of parameters come after both: before "
+    "them they would make gcc 12 keep what it loaded, in a way that it has no vector code for."
+)
+EACH_LANE = "size_t l = 0; l < W; l++"
+
+
+class LaneCode:
+    """Of a model with an acceleration."""
+
+    def __init__(self, program: Program, code: KernelCode):
+        self.program, self.code = program, code
+        self.model, self.stem = code.model, code.name
+        self.n = len(program.equations.coordinates)
+        self.n_inputs = len(program.equations.inputs)
+        self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
+        self.uniform = [s.text for s in self.algebra.statements if is_uniform(s)]
+        # Straight-line code in one function, fit to be inlined into a loop over lanes.
+        self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
+        self.sc = ", sc" if self.pairs else ""
+        self.arguments = {
+            "lanes": f"const struct {self.model}_params *p, {LANE_ARGUMENTS}",
+            "members": f"const pk_real *P, {LANE_ARGUMENTS}",
+        }
+
+    def functions(self, dense: str) -> Iterator[Function]:
+        if self.plain:
+            yield from self._one()
+        else:
+            yield from self.code.parts()
+            yield self.code.definition(dense)
+            body = [Return(f"{self.stem}(p, t, q, v, u, a)")]
+            yield self._inline(body)
+        if self.program.lanes:
+            yield self._apart()
+        if "members" in self.program.lanes:
+            yield self._members_apart()
+        for form in self.program.lanes:
+            yield from self._side_by_side(form)
+
+    def _inline(self, body: list[Node]) -> Function:
+        signature = f"static int {self.stem}_inline({self.code.arguments('restrict ')})"
+        return Function(signature, body, before="PK_INLINE")
+
+    # -- one state ----------------------------------------------------------------------------
+
+    def _one(self) -> Iterator[Function]:
+        model, pairs = self.model, self.pairs
+        inputs = f"const struct {model}_params *p, pk_real t, const pk_real *q, const pk_real *v"
+        inputs += ", const pk_real *u"
+        if pairs:
+            body = [Declare("pk_bits", "bad", "0"), *unused(self.angles.unused), Blank()]
+            body += grouped(self.angles.statements, True, self.uniform)
+            body += [Assign(f"sc[{i}]", name) for i, name in enumerate(pairs)]
+            yield Function(
+                f"static pk_bits {self.stem}_angles(enum pk_pass pass, {inputs}, "
+                "pk_real *restrict sc)",
+                [*body, Return("bad")],
+                f"Sine and cosine of angles that need no others: {', '.join(pairs)}.",
+                "PK_INLINE",
+            )
+        yield self._pass(inputs)
+        call = f"{self.stem}_pass(PK_CAREFULLY, p, t, q, v, u{self.sc}, a)"
+        carefully = [*self._with_angles("PK_CAREFULLY", "(void)"), Return(f"(int){call}")]
+        signature = f"static int {self.stem}_carefully({self.code.arguments()})"
+        yield Function(signature, carefully, before="PK_RARELY")
+        once = f"{self.stem}_pass(PK_ONCE, p, t, q, v, u{self.sc}, a)" + " | far" * bool(pairs)
+        again = Return(f"{self.stem}_carefully(p, t, q, v, u, a)")
+        body = self._with_angles("PK_ONCE", "const pk_bits far = ")
+        yield self._inline([*body, If(once, [again]), Return("0")])
+        body = [Return(f"{self.stem}_inline(p, t, q, v, u, a)")]
+        yield Function(self.code.declaration("restrict "), body)
+
+    def _pass(self, inputs: str) -> Function:
+        algebra, pairs = self.algebra, self.pairs
+        body: list[Node] = [Declare("pk_bits", "bad", "0"), *unused(algebra.unused)]
+        if not any(s.kind in (CHECK, TRIG) for s in algebra.statements):
+            body += unused(["pass"])
+        body += [Blank()] if pairs else []
+        body += [Declare("const pk_real", name, f"sc[{i}]") for i, name in enumerate(pairs)]
+        body += [Blank(), *grouped(algebra.statements, True, self.uniform), Return("bad")]
+        sc = ", const pk_real *sc" if pairs else ""
+        signature = f"{self.stem}_pass(enum pk_pass pass, {inputs}{sc}, pk_real *restrict a)"
+        return Function(f"static pk_bits {signature}", body, self.code.says, "PK_INLINE")
+
+    def _with_angles(self, how: str, before: str) -> list[Node]:
+        if not self.pairs:
+            return []
+        call = f"{before}{self.stem}_angles({how}, p, t, q, v, u, sc)"
+        gap = [Blank()] if before == "(void)" else []
+        rest = [] if gap else [Blank()]
+        return [Declare("pk_real", f"sc[{len(self.pairs)}]"), *gap, Call(call), *rest]
+
+    # -- lane by lane -------------------------------------------------------------------------
+
+    def _apart(self) -> Function:
+        n, n_inputs = self.n, self.n_inputs
+        inputs: list[Node] = [Assign("u_[0]", "0")]
+        if n_inputs:
+            inputs = [Loop(f"i = 0; i < {n_inputs}; i++", [Assign("u_[i]", "u[i * W + l]")])]
+        state = [Assign("q_[i]", "q[i * W + l]"), Assign("v_[i]", "v[i * W + l]")]
+        failed = [Assign("failed", "1ull << l", "|="), Call("continue")]
+        lane = [
+            Declare("pk_real", f"q_[{n}], v_[{n}], u_[{n_inputs or 1}], a_[{n}]"),
+            Blank(),
+            If("bad && !bad[l]", [Call("continue")]),
+            Loop(f"i = 0; i < {n}; i++", state),
+            *inputs,
+            If(f"{self.stem}(p, t[l], q_, v_, u_, a_) != 0", failed),
+            Loop(f"i = 0; i < {n}; i++", [Assign("a[i * W + l]", "a_[i]")]),
+        ]
+        body = [
+            Declare("unsigned long long", "failed", "0"),
+            Declare("size_t", "i, l"),
+            Blank(),
+            *([] if n_inputs else unused(["u"])),
+            Loop("l = 0; l < W; l++", lane),
+            Return("failed"),
+        ]
+        return Function(
+            f"static unsigned long long {self.model}_lanes_apart(size_t W, const pk_bits *bad, "
+            f"{self.arguments['lanes']})",
+            body,
+            "Lanes one by one: those that are bad, or all if that is NULL. Returns which fail.",
+        )
+
+    def _members_apart(self) -> Function:
+        call = f"{self.model}_lanes_apart(W, only, &p, t, q, v, u, a)"
+        copy = Assign("((pk_real *)&p)[k]", "P[k * W + l]")
+        member = [
+            If("bad && !bad[l]", [Call("continue")]),
+            Loop("k = 0; k < sizeof p / sizeof(pk_real); k++", [copy]),
+            Assign("only[l]", "1"),
+            Assign("failed", call, "|="),
+            Assign("only[l]", "0"),
+        ]
+        body = [
+            Declare("unsigned long long", "failed", "0"),
+            Declare("pk_bits", "only[64]", "{0}"),
+            Declare(f"struct {self.model}_params", "p"),
+            Declare("size_t", "k, l"),
+            Blank(),
+            Loop("l = 0; l < W; l++", member),
+            Return("failed"),
+        ]
+        signature = f"{self.model}_members_apart(size_t W, const pk_bits *bad"
+        return Function(
+            f"static unsigned long long {signature}, {self.arguments['members']})", body
+        )
+
+    # -- side by side -------------------------------------------------------------------------
+
+    def _side_by_side(self, form: str) -> Iterator[Function]:
+        of = "p" if form == "lanes" else "P"
+        name = f"{self.model}_{form}"
+        restrict = self.arguments[form].replace("pk_real *a", "pk_real *restrict a")
+        apart = f"{name}_apart(W, NULL, {of}, t, q, v, u, a)"
+        body = [*self._loops(form, of)] if self.plain else [Return(apart)]
+        yield Function(
+            f"static unsigned long long {name}_inline(size_t W, {restrict})",
+            body,
+            SIDE_BY_SIDE if form == self.program.lanes[0] else "",
+            "PK_INLINE",
+        )
+        signature = f"unsigned long long {name}({self.arguments[form]})"
+        yield Function(signature, [Return(f"{name}_inline(PK_LANES, {of}, t, q, v, u, a)")])
+
+    def _loops(self, form: str, of: str) -> Iterator[Node]:
+        count, n = len(self.pairs), self.n
+        yield Declare("pk_bits", "bad[64], any = 0")
+        if self.pairs:
+            yield Declare("pk_real", f"sc[{count} * 64]")
+        yield Blank()
+        if self.pairs:
+            call = f"{self.stem}_angles({self._lane(self.angles, form)}, sc_)"
+            lane = [*self._own_state(self.angles, form), Declare("pk_real", f"sc_[{count}]")]
+            lane.append(Assign("bad[l]", call))
+            lane += [Assign(f"sc[{i} * W + l]", f"sc_[{i}]") for i in range(count)]
+            yield from (Text("    PK_LANE_LOOP"), Loop(EACH_LANE, lane))
+        lane = self._own_state(self.algebra, form)
+        if self.pairs:
+            lane.append(Declare("const pk_real", f"sc_[{count}]", _places("sc", count)))
+        sc = ", sc_" if self.pairs else ""
+        call = f"{self.stem}_pass({self._lane(self.algebra, form)}{sc}, a_)"
+        lane.append(Declare("pk_real", f"a_[{n}]"))
+        lane.append(Assign("bad[l]", call, "|=" if self.pairs else "="))
+        lane.append(Assign("any", "bad[l]", "|="))
+        lane += [Assign(f"a[{i} * W + l]", f"a_[{i}]") for i in range(n)]
+        yield from (Text("    PK_LANE_LOOP"), Loop(EACH_LANE, lane))
+        if form == "lanes" and self.uniform:
+            all_apart = Return(f"{self.model}_lanes_apart(W, NULL, p, t, q, v, u, a)")
+            yield If(f"!({' && '.join(self.uniform)})", [all_apart])
+        yield Return(f"any ? {self.model}_{form}_apart(W, bad, {of}, t, q, v, u, a) : 0")
+
+    def _own_state(self, part: LanePart, form: str) -> list[Node]:
+        """What one lane reads of its state and parameters."""
+        sizes = {"q": self.n, "v": self.n, "u": self.n_inputs}
+        found: list[Node] = [
+            Declare("const pk_real", f"{x}_[{size}]", _places(x, size))
+            for x, size in sizes.items()
+            if x in part.uses
+        ]
+        fields = used_fields(self.program, part)
+        if form == "members" and fields:
+            found.append(Declare(f"struct {self.model}_params", "p"))
+            found += [Assign(f"p.{field}", f"P[{k} * W + l]") for field, k in fields]
+        return found
+
+    def _lane(self, part: LanePart, form: str) -> str:
+        """The arguments that hand that on."""
+        state = ", ".join(x + "_" * (x in part.uses) for x in ("q", "v", "u"))
+        if form == "lanes":
+            return f"PK_IN_LANE, p, t[l], {state}"
+        return f"PK_IN_MEMBER, {'&p' if used_fields(self.program, part) else 'NULL'}, t[l], {state}"
+
+
+def _places(array: str, count: int) -> str:
+    """{q[0 * W + l], q[1 * W + l], ...}"""
+    return "{" + ", ".join(f"{array}[{i} * W + l]" for i in range(count)) + "}"

@@ -1,0 +1,135 @@
+"""A small tree of C: statements and functions, and their text, folded and indented.
+
+What a kernel, a loop or a check becomes is built of these; Jinja2 keeps the frames of files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from ...record import record
+from .ctext import fold, fold_call, paragraph
+
+
+@record
+class Declare:
+    type: str
+    name: str
+    value: str = ""
+
+
+@record
+class Assign:
+    target: str
+    value: str
+    sign: str = "="
+
+
+@record
+class Call:
+    """A call for its effect."""
+
+    text: str
+
+
+@record
+class Return:
+    value: str = ""
+
+
+@record
+class Comment:
+    text: str
+
+
+@record
+class If:
+    condition: str
+    body: Sequence[Node]
+
+
+@record
+class Loop:
+    """`head` is what stands in the brackets of `for`."""
+
+    head: str
+    body: Sequence[Node]
+
+
+@record
+class Scope:
+    """Statements in braces of their own."""
+
+    body: Sequence[Node]
+
+
+@record
+class Blank:
+    pass
+
+
+@record
+class Text:
+    """C as it stands, at the margin."""
+
+    text: str
+
+
+Node = Declare | Assign | Call | Return | Comment | If | Loop | Scope | Blank | Text
+
+
+@record
+class Function:
+    """`before` is what precedes its type: PK_INLINE."""
+
+    signature: str
+    body: Sequence[Node]
+    says: str = ""
+    before: str = ""
+
+    @property
+    def text(self) -> str:
+        lines = [f"{paragraph(self.says, '/* ')} */"] if self.says else []
+        lines += [self.before] if self.before else []
+        return "\n".join([*lines, fold_call(self.signature), "{", *rendered(self.body), "}", ""])
+
+
+def rendered(nodes: Iterable[Node], indent: int = 4) -> list[str]:
+    """Lines; some hold several, folded."""
+    return [line for node in nodes for line in _lines(node, indent)]
+
+
+def _lines(node: Node, indent: int) -> list[str]:
+    margin = " " * indent
+    match node:
+        case Declare(type, name, value):
+            text = f"{type} {name}" if type[-1] != "*" else f"{type}{name}"
+            return [fold(f"{text} = {value};" if value else f"{text};", indent)]
+        case Assign(target, value, sign):
+            return [fold(f"{target} {sign} {value};", indent)]
+        case Call(text):
+            return [fold(f"{text};", indent)]
+        case Return(value):
+            return [fold(f"return {value};" if value else "return;", indent)]
+        case Comment(text):
+            return [f"{margin}/* {text} */"]
+        case If(condition, body):
+            return _headed(f"if ({condition})", body, indent)
+        case Loop(head, body):
+            return _headed(f"for ({head})", body, indent)
+        case Scope(body):
+            return [margin + "{", *rendered(body, indent + 4), margin + "}"]
+        case Blank():
+            return [""]
+        case Text(text):
+            return [text.rstrip("\n")]
+
+
+def _headed(head: str, body: Sequence[Node], indent: int) -> list[str]:
+    """Braces where there are several statements."""
+    if len(body) == 1 and isinstance(body[0], Scope):
+        body = body[0].body
+    lines = rendered(body, indent + 4)
+    if len(body) == 1:
+        return [fold(head, indent), *lines]
+    return [fold(head, indent) + " {", *lines, " " * indent + "}"]
