@@ -298,9 +298,8 @@ static void fput_mass_q_part(const struct fput_params *p, pk_real t, const pk_re
     (void)p, (void)t, (void)q, (void)v, (void)u;
     r[0] = 0;
     (void)m;
-    if (m >= 1 && m <= p->N) {
+    if (m >= 1 && m <= p->N)
         r[0] += 1;
-    }
 }
 
 PK_INLINE static pk_bits fput_acceleration_q_bond(const struct fput_params *p, pk_real t,
@@ -347,9 +346,8 @@ static void fput_acceleration_q_part(const struct fput_params *p, pk_real t, con
         const pk_real q__minus_q_m1 = q_ - q_m1;
         r[0] += -p->alpha * q__minus_q_m1 * q__minus_q_m1 - q__minus_q_m1;
     }
-    if (m >= 1 && m <= p->N) {
+    if (m >= 1 && m <= p->N)
         r[1] += 1;
-    }
 }
 
 /* f = pdot - (dp/dq) v - dp/dt. */
@@ -368,21 +366,17 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
             f[m - 1] = r[0];
         }
         for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            {
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_force_q_inner(p, t, q, v, u,
-                        m, r);
-                    f[m - 1] = r[0];
-                }
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[1];
+                (void)fput_force_q_inner(p, t, q, v, u, m, r);
+                f[m - 1] = r[0];
             }
         if (base <= hi) {
             const ptrdiff_t count = hi + 1 - base;
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_force_q_inner(p, t, q, v, u,
-                        m, r);
+                    (void)fput_force_q_inner(p, t, q, v, u, m, r);
                     f[m - 1] = r[0];
                 }
             }
@@ -413,22 +407,18 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
             pdot[m - 1] = r[1];
         }
         for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            {
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[2];
-                    (void)fput_canonical_q_inner(p, t, q, v, u,
-                        m, r);
-                    momenta[m - 1] = r[0];
-                    pdot[m - 1] = r[1];
-                }
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[2];
+                (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
+                momenta[m - 1] = r[0];
+                pdot[m - 1] = r[1];
             }
         if (base <= hi) {
             const ptrdiff_t count = hi + 1 - base;
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
-                    (void)fput_canonical_q_inner(p, t, q, v, u,
-                        m, r);
+                    (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
                     momenta[m - 1] = r[0];
                     pdot[m - 1] = r[1];
                 }
@@ -460,21 +450,17 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
             momenta[m - 1] = r[0];
         }
         for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            {
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_momenta_q_inner(p, t, q, v, u,
-                        m, r);
-                    momenta[m - 1] = r[0];
-                }
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[1];
+                (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
+                momenta[m - 1] = r[0];
             }
         if (base <= hi) {
             const ptrdiff_t count = hi + 1 - base;
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_momenta_q_inner(p, t, q, v, u,
-                        m, r);
+                    (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
                     momenta[m - 1] = r[0];
                 }
             }
@@ -504,21 +490,17 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
             dLdq[m - 1] = r[0];
         }
         for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            {
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_gradient_q_inner(p, t, q, v, u,
-                        m, r);
-                    dLdq[m - 1] = r[0];
-                }
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[1];
+                (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
+                dLdq[m - 1] = r[0];
             }
         if (base <= hi) {
             const ptrdiff_t count = hi + 1 - base;
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_gradient_q_inner(p, t, q, v, u,
-                        m, r);
+                    (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
                     dLdq[m - 1] = r[0];
                 }
             }
@@ -548,21 +530,17 @@ void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const p
             M[m - 1] = r[0];
         }
         for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            {
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[1];
-                    (void)fput_mass_q_inner(p, t, q, v, u,
-                        m, r);
-                    M[m - 1] = r[0];
-                }
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[1];
+                (void)fput_mass_q_inner(p, t, q, v, u, m, r);
+                M[m - 1] = r[0];
             }
         if (base <= hi) {
             const ptrdiff_t count = hi + 1 - base;
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[1];
-                    (void)fput_mass_q_inner(p, t, q, v, u,
-                        m, r);
+                    (void)fput_mass_q_inner(p, t, q, v, u, m, r);
                     M[m - 1] = r[0];
                 }
             }
@@ -610,36 +588,33 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
             bad |= !(r[1] > 0);
             a[m - 1] = r[0] / r[1];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            {
-                pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-                for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base + fput_BOND));
-                for (m = base; m < base + fput_CHUNK; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base + fput_BOND));
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, v, u,
-                        flux + (m - base + fput_BOND), m, r);
-                    a[m - 1] = r[0];
-                }
+        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK) {
+            pk_real flux[1 * (fput_CHUNK + fput_BOND)];
+            for (m = base - 1; m < base; m++)
+                (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base + fput_BOND));
+            for (m = base; m < base + fput_CHUNK; m++)
+                (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base + fput_BOND));
+            for (m = base; m < base + fput_CHUNK; m++) {
+                pk_real r[2];
+                (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND), m,
+                    r);
+                a[m - 1] = r[0];
             }
+        }
         if (base <= hi) {
             const ptrdiff_t count = hi + 1 - base;
             {
                 pk_real flux[1 * (fput_CHUNK + fput_BOND)];
                 for (m = base - 1; m < base; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base + fput_BOND));
+                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux
+                        + (m - base + fput_BOND));
                 for (m = base; m < base + count; m++)
-                    (void)fput_acceleration_q_bond(p, t, q, v, u, m,
-                        flux + (m - base + fput_BOND));
+                    (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux
+                        + (m - base + fput_BOND));
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, v, u,
-                        flux + (m - base + fput_BOND), m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND),
+                        m, r);
                     a[m - 1] = r[0];
                 }
             }
@@ -914,7 +889,6 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
     return total;
 }
 
-
 /* Kicks and drifts of splitting methods, v += kappa h a(q, t) and q += delta h v, fused: a chunk of
  * each family is kicked when the next 2 have drifted, so that a row finds its neighbours drifted
  * as well, and all is read and written once. Several stages follow each other 3 chunks
@@ -969,13 +943,12 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
         for (; base + fput_CHUNK <= stop; base += fput_CHUNK) {
             pk_real flux[1 * (fput_CHUNK + fput_BOND)];
             for (m = base - 1; m < base + fput_CHUNK; m++)
-                (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                    flux + (m - base + fput_BOND));
+                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
             {
                 for (m = base; m < base + fput_CHUNK; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, q, u,
-                        flux + (m - base + fput_BOND), m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND),
+                        m, r);
                     v[m - 1] += h * r[0];
                 }
             }
@@ -984,13 +957,12 @@ static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
             const ptrdiff_t count = stop - base;
             pk_real flux[1 * (fput_CHUNK + fput_BOND)];
             for (m = base - 1; m < base + count; m++)
-                (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                    flux + (m - base + fput_BOND));
+                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
             {
                 for (m = base; m < base + count; m++) {
                     pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, q, u,
-                        flux + (m - base + fput_BOND), m, r);
+                    (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND),
+                        m, r);
                     v[m - 1] += h * r[0];
                 }
             }
@@ -1011,19 +983,17 @@ static void fput_interior(const struct fput_params *p, pk_real t, pk_real delta,
 
     (void)u;
     for (m = base - 1; m < base; m++)
-        (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-            flux_q + (m - base + fput_BOND));
+        (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux_q + (m - base + fput_BOND));
     for (; from < to; from += fput_CHUNK, base += fput_CHUNK) {
         for (m = base; m < base + fput_CHUNK; m++)
-            (void)fput_acceleration_q_bond(p, t, q, q, u, m,
-                flux_q + (m - base + fput_BOND));
+            (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux_q + (m - base + fput_BOND));
         for (m = from; m < from + fput_CHUNK; m++)
             q[m - 1] += delta * v[m - 1];
         {
             for (m = base; m < base + fput_CHUNK; m++) {
                 pk_real r[2];
-                (void)fput_acceleration_q_inner(p, t, q, q, u,
-                    flux_q + (m - base + fput_BOND), m, r);
+                (void)fput_acceleration_q_inner(p, t, q, q, u, flux_q + (m - base + fput_BOND), m,
+                    r);
                 v[m - 1] += h * r[0];
             }
         }

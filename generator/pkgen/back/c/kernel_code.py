@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from .chunk import ARGUMENTS
 from .kernels import KERNELS, STARTS
 from .program import (
+    ADD,
     CHECK,
     FILL,
     LOAD,
@@ -33,10 +34,10 @@ _GROUP = {LOAD: 0, CHECK: 2}  # a blank line stands between groups; others are o
 
 
 def statements(
-    found: Iterable[Statement], in_pass: bool = False, uniform: Collection[str] = ()
+    found: Iterable[Statement], lane: str = "", flag: str = "bad", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
-    """Of one kernel. In a pass over lanes a failure is a bit of `bad`, and a check of parameters
-    alone, which is `uniform`, is left to what goes over all lanes."""
+    """Of one kernel. In a `lane` a failure is a bit of `flag`; where the lane is a pass, a check of
+    parameters alone, which is `uniform`, is left to what goes over all lanes."""
     for s in found:
         if s.kind in (LOAD, LOCAL):
             yield Declare("const pk_real", s.target, s.text)
@@ -44,10 +45,12 @@ def statements(
             yield Assign(s.target, s.text)
         elif s.kind == TRIG:
             yield Declare("pk_real", ", ".join(s.defines))
-            yield sincos(s, "pass" if in_pass else "")
+            yield sincos(s, lane, flag)
         elif s.kind == FILL:
             yield Loop(f"size_t k = 0; k < {s.text}; k++", [Assign(f"{s.target}[k]", "0")])
-        elif s.kind == CHECK and in_pass:
+        elif s.kind == ADD:
+            yield Assign(s.target, s.text, "+=")
+        elif s.kind == CHECK and lane:
             noted = Assign("bad", f"(pk_bits)!({s.text})", "|=")
             yield If("pass != PK_IN_LANE", [noted]) if s.text in uniform else noted
             yield If("pass >= PK_ONCE && bad", [Return(s.target)])
@@ -57,7 +60,7 @@ def statements(
             yield Return(s.text)
 
 
-def sincos(s: Statement, lane: str = "", flag: str = "bad") -> Node:
+def sincos(s: Statement, lane: str, flag: str) -> Node:
     """Sine and cosine of one angle or two; `lane`: which pass, noted in `flag` if it fails."""
     places = ["NULL" if name == "NULL" else f"&{name}" for name in s.targets]
     function = ("pk_sincos_pass" if lane else "pk_sincos") + "_2" * (len(s.values) > 1)
@@ -66,7 +69,7 @@ def sincos(s: Statement, lane: str = "", flag: str = "bad") -> Node:
 
 
 def grouped(
-    found: Sequence[Statement], in_pass: bool = False, uniform: Collection[str] = ()
+    found: Sequence[Statement], lane: str = "", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
     """Statements, with a blank line between loads, work and checks."""
     last = None
@@ -75,7 +78,7 @@ def grouped(
         if last is not None and group != last:
             yield Blank()
         last = group
-        yield from statements([s], in_pass, uniform)
+        yield from statements([s], lane, "bad", uniform)
 
 
 def unused(names: Iterable[str]) -> list[Node]:

@@ -63,7 +63,7 @@ class LaneCode:
         inputs += ", const pk_real *u"
         if pairs:
             body = [Declare("pk_bits", "bad", "0"), *unused(self.angles.unused), Blank()]
-            body += grouped(self.angles.statements, True, self.uniform)
+            body += grouped(self.angles.statements, "pass", self.uniform)
             body += [Assign(f"sc[{i}]", name) for i, name in enumerate(pairs)]
             yield Function(
                 f"static pk_bits {self.stem}_angles(enum pk_pass pass, {inputs}, "
@@ -91,7 +91,7 @@ class LaneCode:
             body += unused(["pass"])
         body += [Blank()] if pairs else []
         body += [Declare("const pk_real", name, f"sc[{i}]") for i, name in enumerate(pairs)]
-        body += [Blank(), *grouped(algebra.statements, True, self.uniform), Return("bad")]
+        body += [Blank(), *grouped(algebra.statements, "pass", self.uniform), Return("bad")]
         sc = ", const pk_real *sc" if pairs else ""
         signature = f"{self.stem}_pass(enum pk_pass pass, {inputs}{sc}, pk_real *restrict a)"
         return Function(f"static pk_bits {signature}", body, self.code.says, "PK_INLINE")

@@ -43,10 +43,6 @@ class Block:
     operations: Counter[str] = field(default_factory=Counter)
 
     @property
-    def lines(self) -> list[dict[str, str]]:
-        return [{"kind": s.kind, "target": s.target, "text": s.text} for s in self.statements]
-
-    @property
     def trig(self) -> bool:
         return any(s.kind == TRIG for s in self.statements)
 
@@ -67,7 +63,7 @@ class Lowering:
         self.blocks: list[Block] = []
         self.hoisted: dict[Node, int] = {}
         self.helpers: set[str] = set()
-        self.prepare: list[dict[str, str]] = []
+        self.prepare: list[Statement] = []
         fields = Names(FIELD_RESERVED, (), self.prefix)
         self.sizes = {s.name: fields.take(s.name) for s in equations.model.sizes}
         self.fields = {g.name: fields.take(g.name) for g in equations.parameters}
@@ -179,9 +175,7 @@ class Lowering:
         schedule = self._schedule(FIXED, frozenset(places.values()))
         schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
         self.helpers |= schedule.helpers
-        self.prepare = [
-            {"kind": s.kind, "target": s.target, "text": s.text} for s in schedule.statements
-        ]
+        self.prepare = schedule.statements
         self.hoisted = {node: distinct.index(new[node]) for node in order}
 
     @property

@@ -9,7 +9,7 @@ from ...graph.graph import ONE, ZERO, Node
 from ...middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Row, Total
 from .loops import EDGE, INNER, PAIR, Block, Lowering, flux_place
 from .loops_interior import Interior
-from .program import RETURN, STORE
+from .program import ADD, RETURN, STORE
 from .schedule import Target
 
 
@@ -196,7 +196,7 @@ class Builder:
         for k, row in enumerate(rows):
             for part in row.parts:
                 targets = conditions.setdefault((part.lo, part.hi), [])
-                targets.append(Target("add", f"r[{k}]", (part.node,)))
+                targets.append(Target(ADD, f"r[{k}]", (part.node,)))
         return [
             Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in conditions.items()
         ]

@@ -70,7 +70,7 @@ class Text:
             "greatest": ends.get("hi", "PK_INFINITY"),
             "from": w.index(group.lo) if group.is_family else "",
             "to": w.index(group.hi) if group.is_family else "",
-            "needs": [x for x in block.lines if x["kind"] != STORE],
+            "needs": [s for s in block.statements if s.kind != STORE],
             "uses_index": "m" in block.words,
         }
 
@@ -100,7 +100,7 @@ class Text:
                             w.first[g.name] + (g.lo if at == g.lo - 1 else g.hi) - g.lo
                         )
                     elif kind != "d":
-                        item["lines"] = pieces["given"][g.name, at][order].lines
+                        item["lines"] = pieces["given"][g.name, at][order].statements
                     ends.append(item)
                 found.append(
                     self.group(g)
@@ -109,7 +109,7 @@ class Text:
         return found
 
     def lines(self, item: dict[str, Any]) -> dict[str, Any]:
-        return {k: v for k, v in item.items() if k != "block"} | {"lines": item["block"].lines}
+        return {k: v for k, v in item.items() if k != "block"} | {"lines": item["block"].statements}
 
     def rows(self, s: RowSet) -> dict[str, Any]:
         w = self.lowering
@@ -118,17 +118,17 @@ class Text:
             "name": s.name,
             "group": group,
             "outputs": s.outputs,
-            "inner": s.inner.lines,
+            "inner": s.inner.statements,
             "trig": s.inner.trig or bool(s.flux and s.flux.trig),
             "inner_trig": s.inner.trig,
-            "flux": s.flux.lines if s.flux else None,
+            "flux": s.flux.statements if s.flux else None,
             "flux_trig": bool(s.flux and s.flux.trig),
             "n_flux": s.n_flux,
             "span": s.span,
             "plain": s.plain,
             "scale": _value(s.scale) if s.scale else "",
             "guarded": [
-                {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.lines}
+                {"lo": w.index(g.lo), "hi": w.index(g.hi), "lines": g.block.statements}
                 for g in s.guarded
             ],
             "lows": [w.index(x) for x in s.lows],
@@ -155,7 +155,7 @@ class Text:
         w = self.lowering
         return {
             "name": t.name,
-            "constant": t.constant.lines,
+            "constant": t.constant.statements,
             "rows": self.rows(t.rows) if t.rows else None,
             "pairs": [
                 {
@@ -163,7 +163,7 @@ class Text:
                     "hi": w.index(p.hi),
                     "first": w.index(p.first),
                     "last": w.index(p.last),
-                    "lines": b.lines,
+                    "lines": b.statements,
                 }
                 for p, b in t.pairs
             ],
@@ -203,7 +203,7 @@ class Text:
             "hi": w.index(f.hi),
             "first": w.index(f.first),
             "last": w.index(f.last),
-            "lines": s.block.lines,
+            "lines": s.block.statements,
             "outputs": count + len(f.by_other) + len(f.by_scalar),
             "by_row": [{"k": k, "at": groups[n]["cell"]} for k, (n, _) in enumerate(f.by_row)],
             "by_other": [

@@ -22,6 +22,7 @@ LOCAL = "local"  # const pk_real TARGET = TEXT;
 TRIG = "trig"  # sine and cosine of one value or two into the targets; NULL: not needed
 LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
 STORE = "store"  # TARGET = TEXT;
+ADD = "add"  # TARGET += TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
 CHECK = "check"  # if (!(TEXT)) return TARGET;
 RETURN = "return"  # return TEXT;
@@ -30,6 +31,7 @@ _SHOWN = {
     TRIG: "{target} = sincos {text}",
     LOAD: "{target} = {text}",
     STORE: "{target} := {text}",
+    ADD: "{target} += {text}",
     FILL: "{target}[0..{text} - 1] := 0",
     CHECK: "unless {text}: return {target}",
     RETURN: "return {text}",
