@@ -28,6 +28,7 @@ middle/expand middle/analyze
 middle/particles
 middle/derive
 middle/reduce middle/loops
+back
 back/c loop_proofs
 compiler
 run

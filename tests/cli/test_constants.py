@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 import sympy
 from conftest import ROOT
-from pkgen.back.c.facts import facts, found_by_symmetry, invariants
+from pkgen.back.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
 from pkgen.explain import mathml

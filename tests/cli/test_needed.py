@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, long_but, written
 from pkgen import __main__ as command
-from pkgen.back.c.kernels import KERNELS
+from pkgen.back.kernels import KERNELS
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.run.build import _choice, runtime_library, runtime_links

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from conftest import STRICT
 from pkgen.back.c import lower, render
-from pkgen.back.c.kernels import KERNELS
 from pkgen.back.c.program import Program
+from pkgen.back.kernels import KERNELS
 from pkgen.equations import Equations
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze

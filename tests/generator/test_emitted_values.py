@@ -23,9 +23,9 @@ from c_harness import (
     write,
 )
 from hand_made import World, make, pendulum_chain, structure
-from pkgen.back.c.kernels import KERNELS
 from pkgen.back.c.lower import lower
-from pkgen.back.c.program import CHECK, FILL, RETURN
+from pkgen.back.kernels import KERNELS
+from pkgen.back.targets import CHECK, FILL, RETURN
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 

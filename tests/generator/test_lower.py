@@ -25,7 +25,8 @@ from pkgen.back.c.expressions import (
 from pkgen.back.c.literals import literal
 from pkgen.back.c.lower import lower
 from pkgen.back.c.names import LOCAL_RESERVED, Names, local_wish
-from pkgen.back.c.program import CHECK, LOCAL, RETURN, STORE, operations_text
+from pkgen.back.c.program import operations_text
+from pkgen.back.targets import CHECK, LOCAL, RETURN, STORE
 from pkgen.graph.graph import ZERO, Graph, Node
 
 

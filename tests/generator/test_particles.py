@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pkgen.back.c.kernels import KERNELS
+from pkgen.back.kernels import KERNELS
 from pkgen.compiler import check_model, compile_model
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import ZERO

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 
-from ..back.c.kernels import KERNELS
-from ..back.c.kernels_canonical import CANONICAL
+from ..back.kernels import KERNELS
+from ..back.kernels_canonical import CANONICAL
 from ..compiler import STAGES
 from ..front.read import read
 from ..scenes import asked as parsing

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..back.c.facts import facts, found, invariants, shortened
 from ..back.c.program import operations_text
+from ..back.facts import facts, found, invariants, shortened
 from ..compiler import Compilation
 from ..equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
 from ..graph.graph import BIT, Kind, Node, Op

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from ..back.c.facts import facts, found, loop_facts
 from ..back.c.program import operations_text
+from ..back.facts import facts, found, loop_facts
 from ..compiler import Compilation
 from ..equations import Equations, Invariant, Quantity, Structure, Symmetries
 from ..graph.graph import ZERO, Kind, Node

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..back.c.facts import loop_facts, loop_invariants
+from ..back.facts import loop_facts, loop_invariants
 from ..compiler import Compilation
 from ..graph.affine import Affine
 from ..middle.loops.loops import Facts, Group, LoopEquations, PairForce, PairPart, Total

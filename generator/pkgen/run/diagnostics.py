@@ -60,8 +60,8 @@ def refuse_several(names: tuple[str, ...], what: str) -> None:
 def kernels(names: tuple[str, ...]) -> frozenset[str] | None:
     """All of them where `linear` is needed, which a large model leaves out unless it is named; and
     particles, which every model leaves out, where these are asked for."""
-    from ..back.c.kernels import KERNELS
-    from ..back.c.kernels_canonical import CANONICAL
+    from ..back.kernels import KERNELS
+    from ..back.kernels_canonical import CANONICAL
 
     wanted = frozenset(KERNELS) - CANONICAL
     if not OF_PARTICLES.intersection(names):

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from ..targets import LOAD, STORE
 from .expressions import base, variable
-from .program import LOAD, STORE, Block, Statement
+from .program import Block, Statement
 
 # A kernel longer than the first is cut into blocks of the second, in statements. Measured on M, f
 # of pendulums of 50 and 100 links: blocks of 100 compile in .6 of the time of 400 and .35 of one

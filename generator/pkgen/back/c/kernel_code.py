@@ -5,25 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from ..kernels import KERNELS, STARTS
+from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, STORE, TRIG
 from .chunk import ARGUMENTS
-from .kernels import KERNELS, STARTS
-from .program import (
-    ADD,
-    CHECK,
-    FILL,
-    LOAD,
-    LOCAL,
-    STORE,
-    TRIG,
-    Block,
-    Kernel,
-    Statement,
-    operations_text,
-)
+from .program import Block, Kernel, Statement, operations_text
 from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
 
 if TYPE_CHECKING:
-    from .kernel_spec import KernelSpec
+    from ..kernel_spec import KernelSpec
 
 TYPES = {
     "t": "pk_real t",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..targets import CHECK, TRIG
 from .kernel_code import KernelCode, grouped, unused
 from .lanes import LANE_ARGUMENTS, LanePart, is_uniform, lane_parts, used_fields
-from .program import CHECK, TRIG, Program
+from .program import Program
 from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
 
 SIDE_BY_SIDE = (

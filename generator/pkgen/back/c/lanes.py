@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ...record import record
-from .program import CHECK, LOAD, LOCAL, TRIG, Kernel, Program, Statement
+from ..targets import CHECK, LOAD, LOCAL, TRIG
+from .program import Kernel, Program, Statement
 
 LANE_ARGUMENTS = (
     "const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a"

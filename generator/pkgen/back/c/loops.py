@@ -17,12 +17,13 @@ from ...graph.graph import Kind, Node, Op, Symbol
 from ...middle.loops.expand import unlike_loops
 from ...middle.loops.loops import LoopEquations, Slot
 from ...middle.quantities import input_quantities
+from ..targets import LOAD, STORE, TRIG, Target
 from .expressions import Code, variable
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import LOAD, STORE, TRIG, Statement, operations_in
+from .program import Statement, operations_in
 from .rewrite import Workspace, rewrite
-from .schedule import Schedule, Target, number_text
+from .schedule import Schedule, number_text
 
 # Names of the templates where the model's own are written beside them.
 _OURS = (

@@ -10,17 +10,17 @@ from ...middle.loops.loops import Assigned, Facts, LoopEquations
 from ...middle.quantities import input_quantities
 from ...record import record
 from ...version import __version__
+from ..facts import loop_facts, loop_invariants
+from ..targets import RETURN, STORE, Target
 from .describe import labelled
-from .facts import loop_facts, loop_invariants
 from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
 from .loops_plan import TOTALS, VECTORS, emitted, entries, planned
 from .loops_sets import Builder
 from .loops_tables import named, quantity, row, system_kernels
 from .loops_text import Text
-from .program import RETURN, STORE, operations_text
+from .program import operations_text
 from .render import FACTS, SYSTEM_KERNELS, pasted
-from .schedule import Target
 
 M = variable(ROW)
 BLOCK = 16  # chunks of one stage before the next follows

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 from ...graph.affine import Affine
 from ...graph.graph import ONE, ZERO, Node
 from ...middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Row, Total
+from ..targets import ADD, RETURN, STORE, Target
 from .loops import EDGE, INNER, PAIR, Block, Lowering, flux_place
 from .loops_interior import Interior
-from .program import ADD, RETURN, STORE
-from .schedule import Target
 
 
 @dataclass

@@ -7,9 +7,9 @@ from typing import Any
 
 from ...graph.affine import ROW, Affine, variable
 from ...middle.loops.loops import Group, LoopEquations
+from ..targets import STORE
 from .loops import Block, Lowering
 from .loops_sets import PairSet, RowSet, TotalSet
-from .program import STORE
 
 M = variable(ROW)
 

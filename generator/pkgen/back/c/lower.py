@@ -15,26 +15,15 @@ from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Graph, Kind, Node, Op, Symbol
 from ...middle.derive.switches import sides
 from ...record import record
+from ..kernels import KERNELS, STARTS, KernelSpec, needed_kernels
+from ..targets import LOAD, STORE, Output, Target
 from .chunk import blocks
 from .expressions import Code, variable
-from .kernels import KERNELS, STARTS, KernelSpec, needed_kernels
 from .literals import PI
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
-from .program import (
-    LANES,
-    LOAD,
-    STORE,
-    Assignment,
-    Field,
-    Interval,
-    Kernel,
-    Output,
-    Program,
-    Statement,
-    operations_in,
-)
+from .program import LANES, Assignment, Field, Interval, Kernel, Program, Statement, operations_in
 from .rewrite import SIDE, Workspace, rewrite
-from .schedule import Schedule, Target, number_text
+from .schedule import Schedule, number_text
 
 __all__ = ["Program", "lower"]
 

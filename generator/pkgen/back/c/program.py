@@ -13,19 +13,11 @@ from typing import NamedTuple
 
 from ...equations import Equations, Structure
 from ...record import record
+from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, RETURN, STORE, TRIG, Output
 from .expressions import Code, base
 
 LANES = ("lanes", "members")  # many states side by side, with one set of parameters or many
 
-# The kinds of a statement, and how each is shown in a dump.
-LOCAL = "local"  # const pk_real TARGET = TEXT;
-TRIG = "trig"  # sine and cosine of one value or two into the targets; NULL: not needed
-LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
-STORE = "store"  # TARGET = TEXT;
-ADD = "add"  # TARGET += TEXT;
-FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
-CHECK = "check"  # if (!(TEXT)) return TARGET;
-RETURN = "return"  # return TEXT;
 _SHOWN = {
     LOCAL: "{target} = {text}",
     TRIG: "{target} = sincos {text}",
@@ -86,19 +78,6 @@ class Block:
     @property
     def checks(self) -> bool:
         return any(s.kind == CHECK for s in self.statements)
-
-
-@record
-class Output:
-    """An array that a kernel writes; `shape` is its dimensions, each with its C constant."""
-
-    name: str
-    rows: int
-    columns: int  # 1 for a vector
-
-    @property
-    def length(self) -> int:
-        return self.rows * self.columns
 
 
 @record

@@ -17,13 +17,13 @@ from ...middle.report import Report
 from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
+from ..facts import facts, invariants
+from ..kernels import KERNELS
 from . import parameter_code, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
-from .facts import facts, invariants
 from .helpers import helpers
 from .kernel_code import KernelCode
-from .kernels import KERNELS
 from .lane_code import LaneCode
 from .lanes import LANE_ARGUMENTS
 from .program import Kernel, Program, operations_text

@@ -15,7 +15,7 @@ from functools import cache
 from ...functions import FUNCTIONS, SIDE
 from ...graph.graph import Node, Op
 from ...graph.nodes import SQUARES
-from ...record import record
+from ..targets import LOCAL, TRIG, Target
 from .expressions import (
     ONE,
     Code,
@@ -33,28 +33,13 @@ from .expressions import (
 )
 from .literals import PI, literal
 from .names import Names
-from .program import LOCAL, TRIG, Statement
+from .program import Statement
 from .rewrite import Workspace
 
 # Longest text, in characters, of an expression, and of a part of one in brackets.
 _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
-
-
-@record
-class Target:
-    """A node whose value goes somewhere; `also` are further places that get a copy.
-
-    The template is completed by the values of `nodes`; `operations` are its own.
-    """
-
-    kind: str
-    where: str
-    nodes: tuple[Node, ...]
-    template: str = "{0}"
-    also: tuple[str, ...] = ()
-    operations: tuple[str, ...] = ()
 
 
 @dataclass

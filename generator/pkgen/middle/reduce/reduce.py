@@ -2,7 +2,7 @@
 
 A reduction is a function that finds what can go; it stands in REDUCTIONS under the name by which
 it is switched off. What a scene fixes or holds is not there when the equations are derived
-(specialise.py); what nobody calls is left out when they are written (back/c/kernels.py).
+(specialise.py); what nobody calls is left out when they are written (back/kernels.py).
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ...equations import Equations, Indices, Invariant, Structure, Symmetries
-from ...graph.graph import BIT, ZERO, Kind
-from ...middle.loops.loops import Facts, LoopEquations
+from ..equations import Equations, Indices, Invariant, Structure, Symmetries
+from ..graph.graph import BIT, ZERO, Kind
+from ..middle.loops.loops import Facts, LoopEquations
 
 SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
 

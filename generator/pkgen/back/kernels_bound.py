@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...equations import Equations
+from ..equations import Equations
 from .kernel_spec import KernelSpec, matrix_stores, square, stores, vector
-from .program import Output
-from .schedule import Target
+from .targets import Output, Target
 
 BOUND = frozenset(
     {

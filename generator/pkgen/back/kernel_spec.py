@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from ...equations import Equations, Matrix, Row
-from ...graph.graph import ZERO, Graph, Node, Op
-from ...record import record
-from .program import CHECK, FILL, STORE, Output
-from .schedule import Target
+from ..equations import Equations, Matrix, Row
+from ..graph.graph import ZERO, Graph, Node, Op
+from ..record import record
+from .targets import CHECK, FILL, STORE, Output, Target
 
 Hint = tuple[Node, str]
 _FEW_ZEROS = 8  # of a matrix, each written out

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ...equations import Equations, Hamiltonian, Row
-from ...graph.graph import ZERO
+from ..equations import Equations, Hamiltonian, Row
+from ..graph.graph import ZERO
 from .kernel_spec import KernelSpec, pivot_checks, stores
-from .program import Output
-from .schedule import Target
+from .targets import Output, Target
 
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ...equations import Equations, Particles, Row
-from ...graph.graph import ZERO, Node
-from ...middle.motion import LINEAR_OF_FEW
+from ..equations import Equations, Particles, Row
+from ..graph.graph import ZERO, Node
+from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import (
     KernelSpec,
     matrix_stores,
@@ -21,8 +21,7 @@ from .kernel_spec import (
 )
 from .kernels_bound import ALWAYS, bound_specs
 from .kernels_canonical import CANONICAL, canonical_specs
-from .program import FILL, RETURN, STORE, Output
-from .schedule import Target
+from .targets import FILL, RETURN, STORE, Output, Target
 
 STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
 
