@@ -59,7 +59,7 @@ def test_commands_in_the_docs_run(text: str, tmp_path: Path) -> None:
 
 
 def test_the_ensemble_in_the_docs_runs(tmp_path: Path) -> None:
-    (table,) = blocks(ROOT / "docs/language.md", "csv")
+    (table,) = blocks(ROOT / "docs/commands.md", "csv")
     (tmp_path / "members.csv").write_text(table)
     model = ROOT / "models/double_pendulum.lag"
     done = run_pkgen("run", model, "--ensemble", tmp_path / "members.csv", "--until", "0.5")

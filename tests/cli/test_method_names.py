@@ -1,4 +1,4 @@
-"""The digit in a method's name is what docs/language.md says it is."""
+"""The digit in a method's name is what docs/commands.md says it is."""
 
 from __future__ import annotations
 
