@@ -214,24 +214,24 @@ struct coupled_oscillators_params {
     pk_real c_[8]; /* computed by coupled_oscillators_prepare(); do not set */
 };
 
-/* Sets every parameter to its default and calls coupled_oscillators_prepare(). */
+/** Sets every parameter to its default and calls coupled_oscillators_prepare(). */
 void coupled_oscillators_defaults(struct coupled_oscillators_params *p);
 
-/* Computes again the defaults that follow other parameters, but not those of index i with
+/** Computes again the defaults that follow other parameters, but not those of index i with
  * given[i] != 0. `given` may be NULL: none is given. */
 void coupled_oscillators_derive(struct coupled_oscillators_params *p, const unsigned char *given);
 
-/* Computes what depends on parameters alone; must follow any change of them. Returns 0, or 1 +
- * the index of a parameter that is outside its bounds or not finite, or 1 +
- * coupled_oscillators_PARAMETERS if each is allowed but what is computed from them is not
+/** Computes what depends on parameters alone; must follow any change of them. @return 0,
+ * PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not finite, or
+ * PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from them is not
  * finite. */
 int coupled_oscillators_prepare(struct coupled_oscillators_params *p);
 
-/* The bounds of the parameters, infinite where there is none: lo[3], hi[3]. */
+/** The bounds of the parameters, infinite where there is none: lo[3], hi[3]. */
 void coupled_oscillators_bounds(const struct coupled_oscillators_params *p, pk_real *lo,
                                 pk_real *hi);
 
-/* The initial values q[3], v[3]. */
+/** The initial values q[3], v[3]. */
 void coupled_oscillators_start(const struct coupled_oscillators_params *p, pk_real *q,
                                pk_real *v);
 
@@ -239,11 +239,11 @@ void coupled_oscillators_start(const struct coupled_oscillators_params *p, pk_re
  * u is not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/* a = q'' with M a = f, by M = L D L^T
- *   a[3]: q[1]'' [m/s^2], q[2]'' [m/s^2], q[3]'' [m/s^2]
- * Returns 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
+/** a = q'' with M a = f, by M = L D L^T
+ * @param[out] a [3]: q[1]'' [m/s^2], q[2]'' [m/s^2], q[3]'' [m/s^2]
+ * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
  * indefinite there, or something is not a number. Then a is not written.
- * 9 operations: 1 +, 3 -, 5 *. */
+ * @note 9 operations: 1 +, 3 -, 5 *. */
 int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p, pk_real t,
                                      const pk_real *q, const pk_real *v, const pk_real *u,
                                      pk_real *a);
@@ -261,79 +261,81 @@ unsigned long long coupled_oscillators_members(const pk_real *P, const pk_real *
                                                const pk_real *q, const pk_real *v,
                                                const pk_real *u, pk_real *a);
 
-/* M = dp/dv
- *   M[3*3]: M[i*3 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j
- * No operations. */
+/** M = dp/dv
+ * @param[out] M [3*3]: M[i*3 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that
+ *   of v_j
+ * @note no operations. */
 void coupled_oscillators_mass(const struct coupled_oscillators_params *p, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u, pk_real *M);
 
-/* f = pdot - (dp/dq) v - dp/dt
- *   f[3]: of q[1] [kg*m/s^2], of q[2] [kg*m/s^2], of q[3] [kg*m/s^2]
- * 9 operations: 1 +, 4 -, 4 *. */
+/** f = pdot - (dp/dq) v - dp/dt
+ * @param[out] f [3]: of q[1] [kg*m/s^2], of q[2] [kg*m/s^2], of q[3] [kg*m/s^2]
+ * @note 9 operations: 1 +, 4 -, 4 *. */
 void coupled_oscillators_force(const struct coupled_oscillators_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u, pk_real *f);
 
-/* p = dL/dv and pdot = dL/dq + Q - dD/dv
- *   momenta[3]: p_q[1] [kg*m/s], p_q[2] [kg*m/s], p_q[3] [kg*m/s]
- *   pdot[3]: of q[1] [kg*m/s^2], of q[2] [kg*m/s^2], of q[3] [kg*m/s^2]
- * 12 operations: 1 +, 4 -, 7 *. */
+/** p = dL/dv and pdot = dL/dq + Q - dD/dv
+ * @param[out] momenta [3]: p_q[1] [kg*m/s], p_q[2] [kg*m/s], p_q[3] [kg*m/s]
+ * @param[out] pdot [3]: of q[1] [kg*m/s^2], of q[2] [kg*m/s^2], of q[3] [kg*m/s^2]
+ * @note 12 operations: 1 +, 4 -, 7 *. */
 void coupled_oscillators_canonical(const struct coupled_oscillators_params *p, pk_real t,
                                    const pk_real *q, const pk_real *v, const pk_real *u,
                                    pk_real *momenta, pk_real *pdot);
 
-/* p = dL/dv
- *   momenta[3]: p_q[1] [kg*m/s], p_q[2] [kg*m/s], p_q[3] [kg*m/s]
- * 3 operations: 3 *. */
+/** p = dL/dv
+ * @param[out] momenta [3]: p_q[1] [kg*m/s], p_q[2] [kg*m/s], p_q[3] [kg*m/s]
+ * @note 3 operations: 3 *. */
 void coupled_oscillators_momenta(const struct coupled_oscillators_params *p, pk_real t,
                                  const pk_real *q, const pk_real *v, const pk_real *u,
                                  pk_real *momenta);
 
-/* dL/dq
- *   dLdq[3]: of q[1] [kg*m/s^2], of q[2] [kg*m/s^2], of q[3] [kg*m/s^2]
- * 9 operations: 1 +, 4 -, 4 *. */
+/** dL/dq
+ * @param[out] dLdq [3]: of q[1] [kg*m/s^2], of q[2] [kg*m/s^2], of q[3] [kg*m/s^2]
+ * @note 9 operations: 1 +, 4 -, 4 *. */
 void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
                                   pk_real *dLdq);
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv
- *   p_q[3*3]: p_q[i*3 + j] = dp_i/dq_j
- *   pdot_q[3*3]: pdot_q[i*3 + j] = d(pdot_i)/dq_j
- *   pdot_v[3*3]: pdot_v[i*3 + j] = d(pdot_i)/dv_j
- * 2 operations: 2 neg. */
+/** dp/dq, d(pdot)/dq, d(pdot)/dv
+ * @param[out] p_q [3*3]: p_q[i*3 + j] = dp_i/dq_j
+ * @param[out] pdot_q [3*3]: pdot_q[i*3 + j] = d(pdot_i)/dq_j
+ * @param[out] pdot_v [3*3]: pdot_v[i*3 + j] = d(pdot_i)/dv_j
+ * @note 2 operations: 2 neg. */
 void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
                                   pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v);
 
-/* derivatives of r = f - M a by q, v and t, with a and the inputs held
- *   r_q[3*3]: r_q[i*3 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
- *   r_v[3*3]: r_v[i*3 + j] = dr_i/dv_j
- *   r_t[3]
- * 2 operations: 2 neg. */
+/** derivatives of r = f - M a by q, v and t, with a and the inputs held
+ * @param[out] r_q [3*3]: r_q[i*3 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the
+ *   acceleration
+ * @param[out] r_v [3*3]: r_v[i*3 + j] = dr_i/dv_j
+ * @param[out] r_t [3]
+ * @note 2 operations: 2 neg. */
 void coupled_oscillators_linear(const struct coupled_oscillators_params *p, pk_real t,
                                 const pk_real *q, const pk_real *v, const pk_real *u,
                                 const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
 
-/* h = v.p - L
- *   returned in J
- * 18 operations: 6 +, 2 -, 10 *. */
+/** h = v.p - L
+ * @return the value [J]
+ * @note 18 operations: 6 +, 2 -, 10 *. */
 pk_real coupled_oscillators_energy(const struct coupled_oscillators_params *p, pk_real t,
                                    const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* L
- *   returned in J
- * 18 operations: 5 +, 3 -, 10 *. */
+/** L
+ * @return the value [J]
+ * @note 18 operations: 5 +, 3 -, 10 *. */
 pk_real coupled_oscillators_lagrangian(const struct coupled_oscillators_params *p, pk_real t,
                                        const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* T
- *   returned in J
- * 6 operations: 2 +, 4 *. */
+/** T
+ * @return the value [J]
+ * @note 6 operations: 2 +, 4 *. */
 pk_real coupled_oscillators_kinetic(const struct coupled_oscillators_params *p, pk_real t,
                                     const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* V
- *   returned in J
- * 11 operations: 3 +, 2 -, 6 *. */
+/** V
+ * @return the value [J]
+ * @note 11 operations: 3 +, 2 -, 6 *. */
 pk_real coupled_oscillators_potential(const struct coupled_oscillators_params *p, pk_real t,
                                       const pk_real *q, const pk_real *v, const pk_real *u);
 

@@ -218,33 +218,34 @@ struct double_pendulum_params {
     pk_real c_[13]; /* computed by double_pendulum_prepare(); do not set */
 };
 
-/* Sets every parameter to its default and calls double_pendulum_prepare(). */
+/** Sets every parameter to its default and calls double_pendulum_prepare(). */
 void double_pendulum_defaults(struct double_pendulum_params *p);
 
-/* Computes again the defaults that follow other parameters, but not those of index i with
+/** Computes again the defaults that follow other parameters, but not those of index i with
  * given[i] != 0. `given` may be NULL: none is given. */
 void double_pendulum_derive(struct double_pendulum_params *p, const unsigned char *given);
 
-/* Computes what depends on parameters alone; must follow any change of them. Returns 0, or 1 +
- * the index of a parameter that is outside its bounds or not finite, or 1 +
- * double_pendulum_PARAMETERS if each is allowed but what is computed from them is not finite. */
+/** Computes what depends on parameters alone; must follow any change of them. @return 0,
+ * PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not finite, or
+ * PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from them is not
+ * finite. */
 int double_pendulum_prepare(struct double_pendulum_params *p);
 
-/* The bounds of the parameters, infinite where there is none: lo[5], hi[5]. */
+/** The bounds of the parameters, infinite where there is none: lo[5], hi[5]. */
 void double_pendulum_bounds(const struct double_pendulum_params *p, pk_real *lo, pk_real *hi);
 
-/* The initial values q[2], v[2]. */
+/** The initial values q[2], v[2]. */
 void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, pk_real *v);
 
 /* The kernels. p must be prepared; t is the time, q[2] are the coordinates, v[2] their rates;
  * u is not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/* a = q'' with M a = f, by M = L D L^T
- *   a[2]: theta1'' [rad/s^2], theta2'' [rad/s^2]
- * Returns 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
+/** a = q'' with M a = f, by M = L D L^T
+ * @param[out] a [2]: theta1'' [rad/s^2], theta2'' [rad/s^2]
+ * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
  * indefinite there, or something is not a number. Then a is not written.
- * 32 operations: 3 +, 4 -, 19 *, 1 /, 1 neg, 2 cos, 2 sin. */
+ * @note 32 operations: 3 +, 4 -, 19 *, 1 /, 1 neg, 2 cos, 2 sin. */
 int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real t,
                                  const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a);
 
@@ -260,77 +261,79 @@ unsigned long long double_pendulum_lanes(const struct double_pendulum_params *p,
 unsigned long long double_pendulum_members(const pk_real *P, const pk_real *t, const pk_real *q,
                                            const pk_real *v, const pk_real *u, pk_real *a);
 
-/* M = dp/dv
- *   M[2*2]: M[i*2 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j
- * 8 operations: 1 +, 3 *, 2 cos, 2 sin. */
+/** M = dp/dv
+ * @param[out] M [2*2]: M[i*2 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that
+ *   of v_j
+ * @note 8 operations: 1 +, 3 *, 2 cos, 2 sin. */
 void double_pendulum_mass(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                           const pk_real *v, const pk_real *u, pk_real *M);
 
-/* f = pdot - (dp/dq) v - dp/dt
- *   f[2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
- * 18 operations: 3 -, 10 *, 1 neg, 2 cos, 2 sin. */
+/** f = pdot - (dp/dq) v - dp/dt
+ * @param[out] f [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
+ * @note 18 operations: 3 -, 10 *, 1 neg, 2 cos, 2 sin. */
 void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *f);
 
-/* p = dL/dv and pdot = dL/dq + Q - dD/dv
- *   momenta[2]: p_theta1 [kg*m^2/s], p_theta2 [kg*m^2/s]
- *   pdot[2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
- * 26 operations: 3 +, 3 -, 15 *, 1 neg, 2 cos, 2 sin. */
+/** p = dL/dv and pdot = dL/dq + Q - dD/dv
+ * @param[out] momenta [2]: p_theta1 [kg*m^2/s], p_theta2 [kg*m^2/s]
+ * @param[out] pdot [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
+ * @note 26 operations: 3 +, 3 -, 15 *, 1 neg, 2 cos, 2 sin. */
 void double_pendulum_canonical(const struct double_pendulum_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u,
                                pk_real *momenta, pk_real *pdot);
 
-/* p = dL/dv
- *   momenta[2]: p_theta1 [kg*m^2/s], p_theta2 [kg*m^2/s]
- * 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
+/** p = dL/dv
+ * @param[out] momenta [2]: p_theta1 [kg*m^2/s], p_theta2 [kg*m^2/s]
+ * @note 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
 void double_pendulum_momenta(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                              const pk_real *v, const pk_real *u, pk_real *momenta);
 
-/* dL/dq
- *   dLdq[2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
- * 15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin. */
+/** dL/dq
+ * @param[out] dLdq [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
+ * @note 15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin. */
 void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *dLdq);
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv
- *   p_q[2*2]: p_q[i*2 + j] = dp_i/dq_j
- *   pdot_q[2*2]: pdot_q[i*2 + j] = d(pdot_i)/dq_j
- *   pdot_v[2*2]: pdot_v[i*2 + j] = d(pdot_i)/dv_j
- * 25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin. */
+/** dp/dq, d(pdot)/dq, d(pdot)/dv
+ * @param[out] p_q [2*2]: p_q[i*2 + j] = dp_i/dq_j
+ * @param[out] pdot_q [2*2]: pdot_q[i*2 + j] = d(pdot_i)/dq_j
+ * @param[out] pdot_v [2*2]: pdot_v[i*2 + j] = d(pdot_i)/dv_j
+ * @note 25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin. */
 void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                               pk_real *pdot_v);
 
-/* derivatives of r = f - M a by q, v and t, with a and the inputs held
- *   r_q[2*2]: r_q[i*2 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
- *   r_v[2*2]: r_v[i*2 + j] = dr_i/dv_j
- *   r_t[2]
- * 32 operations: 3 +, 4 -, 18 *, 3 neg, 2 cos, 2 sin. */
+/** derivatives of r = f - M a by q, v and t, with a and the inputs held
+ * @param[out] r_q [2*2]: r_q[i*2 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the
+ *   acceleration
+ * @param[out] r_v [2*2]: r_v[i*2 + j] = dr_i/dv_j
+ * @param[out] r_t [2]
+ * @note 32 operations: 3 +, 4 -, 18 *, 3 neg, 2 cos, 2 sin. */
 void double_pendulum_linear(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
                             pk_real *r_v, pk_real *r_t);
 
-/* h = v.p - L
- *   returned in J
- * 19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin. */
+/** h = v.p - L
+ * @return the value [J]
+ * @note 19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin. */
 pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* L
- *   returned in J
- * 19 operations: 5 +, 10 *, 2 cos, 2 sin. */
+/** L
+ * @return the value [J]
+ * @note 19 operations: 5 +, 10 *, 2 cos, 2 sin. */
 pk_real double_pendulum_lagrangian(const struct double_pendulum_params *p, pk_real t,
                                    const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* T
- *   returned in J
- * 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
+/** T
+ * @return the value [J]
+ * @note 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
 pk_real double_pendulum_kinetic(const struct double_pendulum_params *p, pk_real t,
                                 const pk_real *q, const pk_real *v, const pk_real *u);
 
-/* V
- *   returned in J
- * 6 operations: 1 -, 2 *, 1 neg, 2 cos. */
+/** V
+ * @return the value [J]
+ * @note 6 operations: 1 -, 2 *, 1 neg, 2 cos. */
 pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u);
 

@@ -210,32 +210,33 @@ size_t fput_count(const struct fput_params *p);
 size_t fput_block_size(const struct fput_params *p);
 void fput_attach(struct fput_params *p, void *block);
 
-/* Sets every parameter to its default and calls fput_prepare(). */
+/** Sets every parameter to its default and calls fput_prepare(). */
 void fput_defaults(struct fput_params *p);
 
-/* Computes again the defaults that follow other parameters, but not those of index i with
+/** Computes again the defaults that follow other parameters, but not those of index i with
  * given[i] != 0. `given` may be NULL: none is given. */
 void fput_derive(struct fput_params *p, const unsigned char *given);
 
-/* Computes what depends on sizes and parameters alone; must follow any change of them. Returns
- * 0, or 1 + the index of a parameter that is outside its bounds or not finite, or 1 +
- * fput_PARAMETERS if each is allowed but what is computed from them is not finite, or 2 +
- * fput_PARAMETERS if a size is too small or there is no block. */
+/** Computes what depends on sizes and parameters alone; must follow any change of them.
+ * @return 0, PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not
+ * finite, PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from
+ * them is not finite, or PK_FAILED(PK_FAILURE_SIZE, 0) where a size is too small or there is
+ * no block. */
 int fput_prepare(struct fput_params *p);
 
-/* The bounds of the parameters, infinite where there is none; of a family, those of its first. */
+/** The bounds of the parameters, infinite where there is none; of a family, those of its first. */
 void fput_bounds(const struct fput_params *p, pk_real *lo, pk_real *hi);
 
-/* The initial values. */
+/** The initial values. */
 void fput_start(const struct fput_params *p, pk_real *q, pk_real *v);
 
 /* The kernels. p must be prepared; t is the time, q are the coordinates, v their rates; u is
  * not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/* a = q'' with M a = f. Returns 0, or PK_FAILED(PK_FAILURE_MASS, i) where the pivot of coordinate i
- * of M = L D L^T is not positive: M is singular or indefinite there, or something is not a
- * number. */
+/** a = q'' with M a = f.
+ * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where the pivot of coordinate i of M = L D L^T is not
+ * positive: M is singular or indefinite there, or something is not a number. */
 int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *a);
 
@@ -244,35 +245,35 @@ size_t fput_mass_size(const struct fput_params *p);
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                const pk_real *u, pk_real *M);
 
-/* f = pdot - (dp/dq) v - dp/dt */
+/** f = pdot - (dp/dq) v - dp/dt */
 void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                 const pk_real *u, pk_real *f);
 
-/* p = dL/dv and pdot = dL/dq + Q - dD/dv */
+/** p = dL/dv and pdot = dL/dq + Q - dD/dv */
 void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u, pk_real *momenta, pk_real *pdot);
 
-/* p = dL/dv */
+/** p = dL/dv */
 void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, pk_real *momenta);
 
-/* dL/dq */
+/** dL/dq */
 void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, pk_real *dLdq);
 
-/* h = v.p - L */
+/** h = v.p - L */
 pk_real fput_energy(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                     const pk_real *u);
 
-/* L */
+/** L */
 pk_real fput_lagrangian(const struct fput_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u);
 
-/* T */
+/** T */
 pk_real fput_kinetic(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                      const pk_real *u);
 
-/* V */
+/** V */
 pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u);
 

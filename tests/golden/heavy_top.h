@@ -229,33 +229,34 @@ struct heavy_top_params {
     pk_real c_[12]; /* computed by heavy_top_prepare(); do not set */
 };
 
-/* Sets every parameter to its default and calls heavy_top_prepare(). */
+/** Sets every parameter to its default and calls heavy_top_prepare(). */
 void heavy_top_defaults(struct heavy_top_params *p);
 
-/* Computes again the defaults that follow other parameters, but not those of index i with
+/** Computes again the defaults that follow other parameters, but not those of index i with
  * given[i] != 0. `given` may be NULL: none is given. */
 void heavy_top_derive(struct heavy_top_params *p, const unsigned char *given);
 
-/* Computes what depends on parameters alone; must follow any change of them. Returns 0, or 1 +
- * the index of a parameter that is outside its bounds or not finite, or 1 +
- * heavy_top_PARAMETERS if each is allowed but what is computed from them is not finite. */
+/** Computes what depends on parameters alone; must follow any change of them. @return 0,
+ * PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not finite, or
+ * PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from them is not
+ * finite. */
 int heavy_top_prepare(struct heavy_top_params *p);
 
-/* The bounds of the parameters, infinite where there is none: lo[5], hi[5]. */
+/** The bounds of the parameters, infinite where there is none: lo[5], hi[5]. */
 void heavy_top_bounds(const struct heavy_top_params *p, pk_real *lo, pk_real *hi);
 
-/* The initial values q[3], v[3]. */
+/** The initial values q[3], v[3]. */
 void heavy_top_start(const struct heavy_top_params *p, pk_real *q, pk_real *v);
 
 /* The kernels. p must be prepared; t is the time, q[3] are the coordinates, v[3] their rates;
  * u is not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/* a = q'' with M a = f, by M = L D L^T
- *   a[3]: phi'' [rad/s^2], theta'' [rad/s^2], psi'' [rad/s^2]
- * Returns 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
+/** a = q'' with M a = f, by M = L D L^T
+ * @param[out] a [3]: phi'' [rad/s^2], theta'' [rad/s^2], psi'' [rad/s^2]
+ * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
  * indefinite there, or something is not a number. Then a is not written.
- * 27 operations: 4 +, 2 -, 18 *, 1 /, 1 cos, 1 sin. */
+ * @note 27 operations: 4 +, 2 -, 18 *, 1 /, 1 cos, 1 sin. */
 int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *a);
 
@@ -271,88 +272,90 @@ unsigned long long heavy_top_lanes(const struct heavy_top_params *p, const pk_re
 unsigned long long heavy_top_members(const pk_real *P, const pk_real *t, const pk_real *q,
                                      const pk_real *v, const pk_real *u, pk_real *a);
 
-/* M = dp/dv
- *   M[3*3]: M[i*3 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j
- * 8 operations: 1 +, 5 *, 1 cos, 1 sin. */
+/** M = dp/dv
+ * @param[out] M [3*3]: M[i*3 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that
+ *   of v_j
+ * @note 8 operations: 1 +, 5 *, 1 cos, 1 sin. */
 void heavy_top_mass(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                     const pk_real *v, const pk_real *u, pk_real *M);
 
-/* f = pdot - (dp/dq) v - dp/dt
- *   f[3]: of phi [kg*m^2/s^2], of theta [kg*m^2/s^2], of psi [kg*m^2/s^2]
- * 16 operations: 2 +, 1 -, 11 *, 1 cos, 1 sin. */
+/** f = pdot - (dp/dq) v - dp/dt
+ * @param[out] f [3]: of phi [kg*m^2/s^2], of theta [kg*m^2/s^2], of psi [kg*m^2/s^2]
+ * @note 16 operations: 2 +, 1 -, 11 *, 1 cos, 1 sin. */
 void heavy_top_force(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                      const pk_real *v, const pk_real *u, pk_real *f);
 
-/* p = dL/dv and pdot = dL/dq + Q - dD/dv
- *   momenta[3]: p_phi [kg*m^2/s], p_theta [kg*m^2/s], p_psi [kg*m^2/s]
- *   pdot[3]: of phi [kg*m^2/s^2], of theta [kg*m^2/s^2], of psi [kg*m^2/s^2]
- * 18 operations: 3 +, 1 -, 12 *, 1 cos, 1 sin. */
+/** p = dL/dv and pdot = dL/dq + Q - dD/dv
+ * @param[out] momenta [3]: p_phi [kg*m^2/s], p_theta [kg*m^2/s], p_psi [kg*m^2/s]
+ * @param[out] pdot [3]: of phi [kg*m^2/s^2], of theta [kg*m^2/s^2], of psi [kg*m^2/s^2]
+ * @note 18 operations: 3 +, 1 -, 12 *, 1 cos, 1 sin. */
 void heavy_top_canonical(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                          const pk_real *v, const pk_real *u, pk_real *momenta, pk_real *pdot);
 
-/* p = dL/dv
- *   momenta[3]: p_phi [kg*m^2/s], p_theta [kg*m^2/s], p_psi [kg*m^2/s]
- * 12 operations: 2 +, 8 *, 1 cos, 1 sin. */
+/** p = dL/dv
+ * @param[out] momenta [3]: p_phi [kg*m^2/s], p_theta [kg*m^2/s], p_psi [kg*m^2/s]
+ * @note 12 operations: 2 +, 8 *, 1 cos, 1 sin. */
 void heavy_top_momenta(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                        const pk_real *v, const pk_real *u, pk_real *momenta);
 
-/* dL/dq
- *   dLdq[3]: of phi [kg*m^2/s^2], of theta [kg*m^2/s^2], of psi [kg*m^2/s^2]
- * 9 operations: 1 +, 1 -, 5 *, 1 cos, 1 sin. */
+/** dL/dq
+ * @param[out] dLdq [3]: of phi [kg*m^2/s^2], of theta [kg*m^2/s^2], of psi [kg*m^2/s^2]
+ * @note 9 operations: 1 +, 1 -, 5 *, 1 cos, 1 sin. */
 void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *dLdq);
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv
- *   p_q[3*3]: p_q[i*3 + j] = dp_i/dq_j
- *   pdot_q[3*3]: pdot_q[i*3 + j] = d(pdot_i)/dq_j
- *   pdot_v[3*3]: pdot_v[i*3 + j] = d(pdot_i)/dv_j
- * 21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin. */
+/** dp/dq, d(pdot)/dq, d(pdot)/dv
+ * @param[out] p_q [3*3]: p_q[i*3 + j] = dp_i/dq_j
+ * @param[out] pdot_q [3*3]: pdot_q[i*3 + j] = d(pdot_i)/dq_j
+ * @param[out] pdot_v [3*3]: pdot_v[i*3 + j] = d(pdot_i)/dv_j
+ * @note 21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                         pk_real *pdot_v);
 
-/* derivatives of r = f - M a by q, v and t, with a and the inputs held
- *   r_q[3*3]: r_q[i*3 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
- *   r_v[3*3]: r_v[i*3 + j] = dr_i/dv_j
- *   r_t[3]
- * 45 operations: 4 +, 5 -, 33 *, 1 neg, 1 cos, 1 sin. */
+/** derivatives of r = f - M a by q, v and t, with a and the inputs held
+ * @param[out] r_q [3*3]: r_q[i*3 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the
+ *   acceleration
+ * @param[out] r_v [3*3]: r_v[i*3 + j] = dr_i/dv_j
+ * @param[out] r_t [3]
+ * @note 45 operations: 4 +, 5 -, 33 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_linear(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                       const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
                       pk_real *r_v, pk_real *r_t);
 
-/* h = v.p - L
- *   returned in J
- * 15 operations: 4 +, 9 *, 1 cos, 1 sin. */
+/** h = v.p - L
+ * @return the value [J]
+ * @note 15 operations: 4 +, 9 *, 1 cos, 1 sin. */
 pk_real heavy_top_energy(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                          const pk_real *v, const pk_real *u);
 
-/* L
- *   returned in J
- * 15 operations: 3 +, 1 -, 9 *, 1 cos, 1 sin. */
+/** L
+ * @return the value [J]
+ * @note 15 operations: 3 +, 1 -, 9 *, 1 cos, 1 sin. */
 pk_real heavy_top_lagrangian(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                              const pk_real *v, const pk_real *u);
 
-/* T
- *   returned in J
- * 13 operations: 3 +, 8 *, 1 cos, 1 sin. */
+/** T
+ * @return the value [J]
+ * @note 13 operations: 3 +, 8 *, 1 cos, 1 sin. */
 pk_real heavy_top_kinetic(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                           const pk_real *v, const pk_real *u);
 
-/* V
- *   returned in J
- * 2 operations: 1 *, 1 cos. */
+/** V
+ * @return the value [J]
+ * @note 2 operations: 1 *, 1 cos. */
 pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u);
 
-/* what the equations divide by, or take a root or a logarithm of: they end where it is 0
- *   out[1]: sin(theta)
- * 1 operation: 1 sin. */
+/** what the equations divide by, or take a root or a logarithm of: they end where it is 0
+ * @param[out] out [1]: sin(theta)
+ * @note 1 operation: 1 sin. */
 void heavy_top_singularity(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *out);
 
-/* quantities claimed to be constant
- *   out[1]: p_axis [kg*m^2/s]
- * 4 operations: 1 +, 2 *, 1 cos. */
+/** quantities claimed to be constant
+ * @param[out] out [1]: p_axis [kg*m^2/s]
+ * @note 4 operations: 1 +, 2 *, 1 cos. */
 void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *out);
 

@@ -222,33 +222,34 @@ struct thrown_stone_params {
     pk_real side_[1];
 };
 
-/* Sets every parameter to its default and calls thrown_stone_prepare(). */
+/** Sets every parameter to its default and calls thrown_stone_prepare(). */
 void thrown_stone_defaults(struct thrown_stone_params *p);
 
-/* Computes again the defaults that follow other parameters, but not those of index i with
+/** Computes again the defaults that follow other parameters, but not those of index i with
  * given[i] != 0. `given` may be NULL: none is given. */
 void thrown_stone_derive(struct thrown_stone_params *p, const unsigned char *given);
 
-/* Computes what depends on parameters alone; must follow any change of them. Returns 0, or 1 +
- * the index of a parameter that is outside its bounds or not finite, or 1 +
- * thrown_stone_PARAMETERS if each is allowed but what is computed from them is not finite. */
+/** Computes what depends on parameters alone; must follow any change of them. @return 0,
+ * PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not finite, or
+ * PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from them is not
+ * finite. */
 int thrown_stone_prepare(struct thrown_stone_params *p);
 
-/* The bounds of the parameters, infinite where there is none: lo[3], hi[3]. */
+/** The bounds of the parameters, infinite where there is none: lo[3], hi[3]. */
 void thrown_stone_bounds(const struct thrown_stone_params *p, pk_real *lo, pk_real *hi);
 
-/* The initial values q[1], v[1]. */
+/** The initial values q[1], v[1]. */
 void thrown_stone_start(const struct thrown_stone_params *p, pk_real *q, pk_real *v);
 
 /* The kernels. p must be prepared; t is the time, q[1] are the coordinates, v[1] their rates;
  * u is not used and may be NULL. No output may overlap another argument. Q are the generalized
  * forces, D is the Rayleigh function. */
 
-/* a = q'' with M a = f, by M = L D L^T
- *   a[1]: y'' [m/s^2]
- * Returns 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
+/** a = q'' with M a = f, by M = L D L^T
+ * @param[out] a [1]: y'' [m/s^2]
+ * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
  * indefinite there, or something is not a number. Then a is not written.
- * 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
+ * @note 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 int thrown_stone_acceleration(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *a);
 
@@ -264,88 +265,90 @@ unsigned long long thrown_stone_lanes(const struct thrown_stone_params *p, const
 unsigned long long thrown_stone_members(const pk_real *P, const pk_real *t, const pk_real *q,
                                         const pk_real *v, const pk_real *u, pk_real *a);
 
-/* M = dp/dv
- *   M[1*1]: M[i*1 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that of v_j
- * No operations. */
+/** M = dp/dv
+ * @param[out] M [1*1]: M[i*1 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that
+ *   of v_j
+ * @note no operations. */
 void thrown_stone_mass(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                        const pk_real *v, const pk_real *u, pk_real *M);
 
-/* f = pdot - (dp/dq) v - dp/dt
- *   f[1]: of y [kg*m/s^2]
- * 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
+/** f = pdot - (dp/dq) v - dp/dt
+ * @param[out] f [1]: of y [kg*m/s^2]
+ * @note 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 void thrown_stone_force(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *f);
 
-/* p = dL/dv and pdot = dL/dq + Q - dD/dv
- *   momenta[1]: p_y [kg*m/s]
- *   pdot[1]: of y [kg*m/s^2]
- * 6 operations: 1 -, 3 *, 1 neg, 1 abs. */
+/** p = dL/dv and pdot = dL/dq + Q - dD/dv
+ * @param[out] momenta [1]: p_y [kg*m/s]
+ * @param[out] pdot [1]: of y [kg*m/s^2]
+ * @note 6 operations: 1 -, 3 *, 1 neg, 1 abs. */
 void thrown_stone_canonical(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u, pk_real *momenta, pk_real *pdot);
 
-/* p = dL/dv
- *   momenta[1]: p_y [kg*m/s]
- * 1 operation: 1 *. */
+/** p = dL/dv
+ * @param[out] momenta [1]: p_y [kg*m/s]
+ * @note 1 operation: 1 *. */
 void thrown_stone_momenta(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                           const pk_real *v, const pk_real *u, pk_real *momenta);
 
-/* dL/dq
- *   dLdq[1]: of y [kg*m/s^2]
- * 1 operation: 1 neg. */
+/** dL/dq
+ * @param[out] dLdq [1]: of y [kg*m/s^2]
+ * @note 1 operation: 1 neg. */
 void thrown_stone_gradient(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *dLdq);
 
-/* dp/dq, d(pdot)/dq, d(pdot)/dv
- *   p_q[1*1]: p_q[i*1 + j] = dp_i/dq_j
- *   pdot_q[1*1]: pdot_q[i*1 + j] = d(pdot_i)/dq_j
- *   pdot_v[1*1]: pdot_v[i*1 + j] = d(pdot_i)/dv_j
- * 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
+/** dp/dq, d(pdot)/dq, d(pdot)/dv
+ * @param[out] p_q [1*1]: p_q[i*1 + j] = dp_i/dq_j
+ * @param[out] pdot_q [1*1]: pdot_q[i*1 + j] = d(pdot_i)/dq_j
+ * @param[out] pdot_v [1*1]: pdot_v[i*1 + j] = d(pdot_i)/dv_j
+ * @note 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                            pk_real *pdot_v);
 
-/* derivatives of r = f - M a by q, v and t, with a and the inputs held
- *   r_q[1*1]: r_q[i*1 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration
- *   r_v[1*1]: r_v[i*1 + j] = dr_i/dv_j
- *   r_t[1]
- * 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
+/** derivatives of r = f - M a by q, v and t, with a and the inputs held
+ * @param[out] r_q [1*1]: r_q[i*1 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the
+ *   acceleration
+ * @param[out] r_v [1*1]: r_v[i*1 + j] = dr_i/dv_j
+ * @param[out] r_t [1]
+ * @note 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_linear(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                          const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
                          pk_real *r_v, pk_real *r_t);
 
-/* h = v.p - L
- *   returned in J
- * 4 operations: 1 +, 3 *. */
+/** h = v.p - L
+ * @return the value [J]
+ * @note 4 operations: 1 +, 3 *. */
 pk_real thrown_stone_energy(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u);
 
-/* L
- *   returned in J
- * 4 operations: 1 -, 3 *. */
+/** L
+ * @return the value [J]
+ * @note 4 operations: 1 -, 3 *. */
 pk_real thrown_stone_lagrangian(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                                 const pk_real *v, const pk_real *u);
 
-/* T
- *   returned in J
- * 2 operations: 2 *. */
+/** T
+ * @return the value [J]
+ * @note 2 operations: 2 *. */
 pk_real thrown_stone_kinetic(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                              const pk_real *v, const pk_real *u);
 
-/* V
- *   returned in J
- * 1 operation: 1 *. */
+/** V
+ * @return the value [J]
+ * @note 1 operation: 1 *. */
 pk_real thrown_stone_potential(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                                const pk_real *v, const pk_real *u);
 
-/* functions whose zeros are the events
- *   out[2]: apex [m/s], ground [m]
- * No operations. */
+/** functions whose zeros are the events
+ * @param[out] out [2]: apex [m/s], ground [m]
+ * @note no operations. */
 void thrown_stone_event(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                         const pk_real *v, const pk_real *u, pk_real *out);
 
-/* the arguments of step, abs, min and max at whose zeros the equations change
- *   out[1]: y'
- * No operations. */
+/** the arguments of step, abs, min and max at whose zeros the equations change
+ * @param[out] out [1]: y'
+ * @note no operations. */
 void thrown_stone_switching(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u, pk_real *out);
 

@@ -23,20 +23,21 @@ def per_second(unit: str, dimensionless: bool) -> str:
 
 
 def entries(program: Program, kernel: Kernel) -> list[str]:
-    """A line for each output of a kernel: its shape, entries and units."""
+    """Doxygen's lines for each output of a kernel: its shape, entries and units."""
     lines = []
     for output in kernel.outputs:
         name, n = output.name, output.rows
         if output.columns > 1 or name in _MATRICES:
             columns = output.columns
-            lines.append(f"{name}[{n}*{columns}]: {_MATRICES[name].format(n=columns)}")
+            says = _MATRICES[name].format(n=columns)
+            lines.append(f"@param[out] {name} [{n}*{columns}]: {says}")
         elif name in _VECTORS:
             listed = _VECTORS[name](program, kernel) if n <= _LISTED else []
             shown = ", ".join(_with_unit(q.name, q.unit) for q in listed)
-            lines.append(f"{name}[{n}]: {shown}" if shown else f"{name}[{n}]")
+            lines.append(f"@param[out] {name} [{n}]" + (f": {shown}" if shown else ""))
     if kernel.result == "pk_real":
-        unit = "" if program.equations.model.dimensionless else " in J"
-        lines.append(f"returned{unit}")
+        unit = "" if program.equations.model.dimensionless else " [J]"
+        lines.append(f"@return the value{unit}")
     return lines
 
 
