@@ -170,7 +170,7 @@ static enum pk_run_code finish(struct run *run, const struct batch *b, const str
     if (tally->astray)
         run_say(run,
                 "warning: energy off by more than %g of its scale at the end in %zu of %zu "
-                "members, first member %ld: make the step shorter",
+                "members, first member %ld: make the step shorter (--step)",
                 (double)TRUST_WRONG, tally->astray, run->settings.members,
                 ensemble_number(&run->settings, tally->first_astray));
     if (run->not_finite) {

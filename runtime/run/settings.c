@@ -50,6 +50,15 @@ struct pk_run_settings pk_run_defaults(void)
 }
 
 /* Sizes and memory that depends on them, and all defaults. */
+const struct pk_words run_options = {
+    .step = " (--step)",
+    .rtol = " (--rtol)",
+    .step_or_rtol = " (--step, --rtol)",
+    .max_step = " (--max-step)",
+    .max_steps = " (--max-steps)",
+    .newton = " (--iteration newton)",
+};
+
 static int sizes(struct settings *s, const struct pk_run_settings *given)
 {
     const struct pk_system *system = s->system;
@@ -299,6 +308,7 @@ enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model
     s->diagnose = given->diagnose;
     s->header = given->header;
     s->options = pk_options_default();
+    s->options.words = &run_options;
     s->params = memory_take(s->memory, 1, system->params_size);
     s->given = (unsigned char *)memory_take(s->memory, system->n_parameters, 1);
     s->u = (pk_real *)memory_take(s->memory, system->n_inputs, sizeof *s->u);

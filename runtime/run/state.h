@@ -182,6 +182,8 @@ double run_now(void);          /* seconds on the wall's clock */
 double run_processor(void);    /* of this thread */
 /* Settings that depend on one another; memory, integrators and events; all rows; and all is given
  * back but the settings. */
+/* How the options of `pkgen run`, and of a program that it builds, call settings. */
+extern const struct pk_words run_options;
 enum pk_run_code run_settle(struct run *run);
 enum pk_run_code run_begin(struct run *run);
 void run_steps(struct run *run);

@@ -51,6 +51,7 @@ static void judge(struct run *run, pk_real t, FILE *file)
     struct pk_options options = pk_options_default();
     struct pk_integrator it;
     void *block = memory_take(&run->memory, size, 1);
+    options.words = &run_options;
     options.rtol = JUDGE_TOL;
     options.max_steps = MOST_VALUES / (12 * s->n) + 1;
     enum pk_status status =
@@ -63,7 +64,8 @@ static void judge(struct run *run, pk_real t, FILE *file)
                 "; by %s at %.0e the motion goes on to t = %.9g at least: only these steps end",
                 JUDGE, (double)JUDGE_TOL, (double)t);
         if (run->it.status != PK_STEP_TOO_LONG) /* whose reason has the advice */
-            fprintf(file, ": make the step%s shorter", fixed_step(run) ? "" : "s");
+            fprintf(file, ": make the step%s",
+                    fixed_step(run) ? " shorter (--step)" : "s shorter (--step, --rtol)");
     }
     if (status <= PK_SINGULAR_MASS && status != PK_TOO_MANY_STEPS && status != PK_NO_MEMORY) {
         const int singular = status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES;
@@ -100,8 +102,8 @@ int trust_warning(const struct run *run, char *text, size_t size)
     text[0] = '\0';
     if (!run->distrusted || run->it.status < 0 || run->beyond)
         return 0;
-    return snprintf(text, size, OFF ": make the steps shorter", (double)TRUST_WRONG,
-                    (double)run->trusted) > 0;
+    return snprintf(text, size, OFF ": make the steps shorter (--step, --rtol)",
+                    (double)TRUST_WRONG, (double)run->trusted) > 0;
 }
 
 pk_real trust_last_valid(const struct run *run)
@@ -133,6 +135,6 @@ void trust_reason(const struct run *run, char *text, size_t size)
         pk_integrator_reason(it, arrived, sizeof arrived);
     snprintf(text, size,
              "%s, but the motion ends at t = %.9g (by %s at %.0e): rows after that are of the "
-             "steps alone: make the step shorter; last valid time %.17g",
+             "steps alone: make the step shorter (--step); last valid time %.17g",
              arrived, (double)run->ends, JUDGE, (double)JUDGE_TOL, (double)trust_last_valid(run));
 }

@@ -18,9 +18,13 @@ static const char *const bad_argument[] = {
     "the time is outside the last step, or the method has no dense output",
     "an iteration is Newton's or fixed-point, its tolerance in [0, 1), its bound not negative",
     "a parameter was changed without prepare() after it",
-    "da/dq vanishes at the start, so it gives no step: give a largest step, and a tolerance "
-    "instead of a first step",
 };
+
+static const struct pk_words *words(const struct pk_integrator *it)
+{
+    static const struct pk_words none = {"", "", "", "", "", ""};
+    return it->options.words ? it->options.words : &none;
+}
 
 static const struct {
     unsigned fact;
@@ -44,8 +48,8 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
     if (it->where == PK_BY_NEWTON)
         return snprintf(text, size,
                         "%s: by Newton's method there is a solution up to a step of %.6g, not to "
-                        "%.6g: make the step shorter; last valid time %.17g",
-                        what, detail, h, t);
+                        "%.6g: make the step shorter%s; last valid time %.17g",
+                        what, detail, h, words(it)->step, t);
     if (it->where == PK_OF_RATES)
         return snprintf(text, size,
                         "%s: that of the rates from the momenta, after a correction of %.3g; "
@@ -53,9 +57,9 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
                         what, detail, t);
     return snprintf(text, size,
                     "%s: the fixed-point one, after a correction of %.3g of the rates; it "
-                    "converges for short steps alone: use Newton's or a step shorter than %.6g; "
+                    "converges for short steps alone: use Newton's%s or a step shorter than %.6g; "
                     "last valid time %.17g",
-                    what, detail, h, t);
+                    what, detail, words(it)->newton, h, t);
 }
 
 static const char *const singularity_use[] = {
@@ -100,6 +104,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
 
     switch (it->status) {
     case PK_BAD_ARGUMENT:
+        if (it->where == BAD_SCALE)
+            return snprintf(text, size,
+                            "%s: da/dq vanishes at the start, so it gives no step: give a largest "
+                            "step%s, and a tolerance instead of a first step%s",
+                            what, words(it)->max_step, words(it)->step);
         return snprintf(
             text, size, "%s: %s", what,
             it->where < sizeof bad_argument / sizeof *bad_argument ? bad_argument[it->where] : "");
@@ -183,9 +192,9 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             pk_system_singularity_name(system, it->problem.params, it->where, name, sizeof name);
         return snprintf(text, size,
                         "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
-                        "from there the motion does not: make the steps shorter; last valid time "
+                        "from there the motion does not: make the steps shorter%s; last valid time "
                         "%.17g",
-                        what, t, (double)it->detail, name, t);
+                        what, t, (double)it->detail, name, words(it)->step_or_rtol, t);
     case PK_SLIDING:
         return snprintf(
             text, size,
@@ -203,22 +212,23 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_AMBIGUOUS_STEP:
         return snprintf(text, size,
                         "%s: the one that belongs to short steps is followed up to a step of %.6g, "
-                        "not to %.6g: make the step shorter; last valid time %.17g",
-                        what, (double)it->detail, (double)pk_abs(it->own->h), t);
+                        "not to %.6g: make the step shorter%s; last valid time %.17g",
+                        what, (double)it->detail, (double)pk_abs(it->own->h), words(it)->step, t);
     case PK_STEP_UNDERFLOW:
         if (it->detail < 0) /* adaptive_verlet's */
             return snprintf(
                 text, size,
                 "%s cannot follow: the time scale changes too much within a step; give "
-                "a smaller tolerance, a largest step or a shorter first one; last valid "
+                "a smaller tolerance%s, a largest step%s or a shorter first one; last valid "
                 "time %.17g",
-                it->method->name, t);
+                it->method->name, words(it)->rtol, words(it)->max_step, t);
         return snprintf(text, size,
                         "%s: step %.3g: the motion may end there, at infinity or in a singularity; "
                         "last valid time %.17g",
                         what, (double)it->detail, t);
     case PK_TOO_MANY_STEPS:
-        return snprintf(text, size, "%s: %lu; last valid time %.17g", what, it->count.steps, t);
+        return snprintf(text, size, "%s%s: %lu; last valid time %.17g", what, words(it)->max_steps,
+                        it->count.steps, t);
     case PK_NO_PROGRESS:
         return snprintf(text, size,
                         "%s: the last %lu lead from t = %.17g to here, and at this rate %.3g more "

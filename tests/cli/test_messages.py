@@ -12,7 +12,6 @@ from pkgen.analysis.chart import text
 from pkgen.analysis.chart.spectrum import Spectrum
 from pkgen.front.parse import parse_all
 from pkgen.run.diagnostics_text import lines
-from pkgen.run.reasons import with_options
 from pkgen.source import Source
 
 # x runs away, y goes uniformly, z stays; `kept` is a constant of the motion, zero but for errors.
@@ -72,15 +71,6 @@ def test_a_run_says_what_its_numbers_are(model: Path, capsys) -> None:
     # Rows at the event alone are at no equal times, and this is said with what to do.
     assert main(["run", str(model), *options[:4], "--json"]) == 2
     assert "rows are at event half alone: give --every too" in capsys.readouterr().err
-
-
-def test_reasons_name_options() -> None:
-    said = with_options("give a largest step, and a tolerance instead of a first step")
-    assert said == (
-        "give a largest step (--max-step), and a tolerance instead of a first step (--step)"
-    )
-    assert with_options("too many steps: 7") == "too many steps (--max-steps): 7"
-    assert with_options("pivot of coordinate h_max") == "pivot of coordinate h_max"
 
 
 def test_no_field_of_c_is_in_a_reason() -> None:

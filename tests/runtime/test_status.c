@@ -247,11 +247,34 @@ static void inputs(void)
     }
 }
 
+/* What is advised is called as the caller's options are. */
+static void words(void)
+{
+    static struct fixture f;
+    static const struct pk_words options = {.step = "",
+                                            .rtol = "",
+                                            .step_or_rtol = "",
+                                            .max_step = "",
+                                            .max_steps = " (e)",
+                                            .newton = ""};
+    for (int named = 0; named < 2; named++) {
+        fixture_set(&f, &pendulum_system);
+        f.options.words = named ? &options : NULL;
+        f.options.max_steps = 3;
+        f.options.rtol = 1e-9;
+        CU_ASSERT(fixture_init(&f, "dop853") == PK_DONE);
+        CU_ASSERT(pk_integrator_to(&f.it, 100) == PK_TOO_MANY_STEPS);
+        CU_ASSERT(strstr(reason(&f), named ? "too many steps (e): 3;" : "too many steps: 3;") !=
+                  NULL);
+    }
+}
+
 void add_status(void)
 {
     CU_pSuite suite = CU_add_suite("never silent", NULL, NULL);
     CU_add_test(suite, "refused where it does not apply", refused);
     CU_add_test(suite, "bad arguments", bad_arguments);
+    CU_add_test(suite, "words for options", words);
     CU_add_test(suite, "not finite", not_finite);
     CU_add_test(suite, "singular mass", singular_mass);
     CU_add_test(suite, "no convergence", no_convergence);

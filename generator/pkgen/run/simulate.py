@@ -22,7 +22,6 @@ from . import named, not_finite
 from .build import build_library
 from .ensemble import Ensemble
 from .library import Run, load
-from .reasons import with_options
 from .settings import Settings, Shown
 
 LISTED = 10_000  # members of a family that are described one by one
@@ -125,7 +124,7 @@ def outcome(
     compilation: Compilation, settings: Settings, done: Run, ensemble: Ensemble | None = None
 ) -> Outcome:
     """Of a run that is over, with what its messages name as the user knows it."""
-    messages = with_options("".join(f"run: {line}\n" for line in done.messages.splitlines()))
+    messages = "".join(f"run: {line}\n" for line in done.messages.splitlines())
     messages = not_finite.named(messages, compilation, settings.parameters)
     return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
 

@@ -42,6 +42,12 @@ struct pk_problem {
 
 enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
 
+/* What reasons say behind the settings that they advise to change, for who knows them by another
+ * name: " (--step)". NULL: nothing. */
+struct pk_words {
+    const char *step, *rtol, *step_or_rtol, *max_step, *max_steps, *newton;
+};
+
 struct pk_options {
     pk_real h;    /* fixed step, or an adaptive method's first one (0: it chooses). Positive,
                      finite, whatever the direction. */
@@ -65,6 +71,7 @@ struct pk_options {
      * NULL: nobody is. */
     int (*stop)(void *context);
     void *context;
+    const struct pk_words *words; /* NULL: reasons say nothing of that kind */
 };
 
 struct pk_counters {
