@@ -319,6 +319,11 @@ const char *pk_run_messages(const struct pk_run *of)
     return run->said ? run->said : "";
 }
 
+int pk_run_refused(const struct pk_run *of)
+{
+    return ((const struct run *)of)->refused;
+}
+
 size_t pk_run_size(int which)
 {
     static const size_t sizes[] = {sizeof(struct pk_run_settings), sizeof(struct pk_run_expected),

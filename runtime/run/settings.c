@@ -327,7 +327,7 @@ enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model
         return refused(run, "there is no such size");
     if (!parameters(s, given))
         return refused(run, "there is no such parameter");
-    const int outside = system->prepare(s->params);
+    const int outside = run->refused = system->prepare(s->params);
     if (outside) {
         char *text = NULL;
         FILE *file = run_text(run, &text);

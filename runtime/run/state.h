@@ -115,6 +115,7 @@ struct run {
     char *said;
     char *report, *told; /* JSON; of malloc() */
     enum pk_run_code code;
+    int refused; /* what prepare() made of the parameters */
     struct pk_system bare; /* the system without quadratures and, of a bare run, events */
     struct pk_problem problem;
     struct pk_integrator it;

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .ensemble import Ensemble
 
 DONE, USAGE, FAILED, INTERRUPTED = 0, 2, 4, 130  # enum pk_run_code
+DERIVED = 4  # PK_FAILURE_DERIVED
 POLL = CFUNCTYPE(c_int, c_void_p, c_double)
 Poll = Callable[[float], bool]  # of the part that is done; True: stop
 
@@ -134,6 +135,7 @@ _FUNCTIONS = {
     ),
     "pk_run_report": (c_char_p, c_void_p),
     "pk_run_messages": (c_char_p, c_void_p),
+    "pk_run_refused": (c_int, c_void_p),
     "pk_run_laps": (c_double, c_void_p, c_double),
     "pk_run_given": (c_char_p, c_void_p),
     "pk_run_evaluate": (c_size_t, c_void_p, c_char_p, c_size_t, *[POINTER(c_double)] * 4),
@@ -230,7 +232,7 @@ class Library:
 
 
 class Run:
-    """A run that is over: `code`, `report`, `messages`."""
+    """A run that is over: `code`, `report`, `messages`; `not_finite` if a constant is not."""
 
     def __init__(self, library: Library, settings: _Settings, poll: Poll | None, idle: bool):
         self._c = library.c
@@ -253,6 +255,7 @@ class Run:
             if isinstance(error, BaseException):
                 raise error
         self.messages = self._c.pk_run_messages(self._run).decode()
+        self.not_finite = self._c.pk_run_refused(self._run) % 8 == DERIVED
         self.report = json.loads(self._c.pk_run_report(self._run))
 
     def rows(self, low: bool = False) -> numpy.ndarray:

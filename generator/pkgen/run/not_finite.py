@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable
 
 from ..compiler import Compilation
 from ..graph.evaluate import evaluate, value_of
 from ..graph.graph import VARIABLE, Kind, Op, Symbol
 from ..graph.wording import wording
 
-_SAID = re.compile(r"(run: )what is computed from the parameters is not finite.*")
 
-
-def named(messages: str, compilation: Compilation, given: Iterable[tuple[int, float]]) -> str:
-    """The driver's message, with the constant and the parameters in it."""
-    if not _SAID.search(messages) or compilation.looped:
-        return messages
-    found = _computed(compilation, dict(given))
-    return _SAID.sub(lambda said: said[1] + found, messages) if found else messages
-
-
-def _computed(compilation: Compilation, given: dict[int, float]) -> str:
+def constant(compilation: Compilation, given: dict[int, float]) -> str:
+    """The first such constant with the parameters it is made of, in words; "" if there is none."""
     e = compilation.equations
     g, slots, values = e.graph, e.parameters, {}
 

@@ -125,7 +125,9 @@ def outcome(
 ) -> Outcome:
     """Of a run that is over, with what its messages name as the user knows it."""
     messages = "".join(f"run: {line}\n" for line in done.messages.splitlines())
-    messages = not_finite.named(messages, compilation, settings.parameters)
+    if done.not_finite and not compilation.looped:
+        constant = not_finite.constant(compilation, dict(settings.parameters))
+        messages = f"run: {constant}\n" if constant else messages
     return Outcome(done.code, done.report, ensemble.placed(messages) if ensemble else messages)
 
 

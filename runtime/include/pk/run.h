@@ -128,6 +128,8 @@ int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t si
 const char *pk_run_report(struct pk_run *run);
 /* What there is to say to a person, a line each. */
 const char *pk_run_messages(const struct pk_run *run);
+/* The failure of the run's parameters, by PK_FAILURE() and PK_FAILURE_AT() of real.h; 0: none. */
+int pk_run_refused(const struct pk_run *run);
 /* The processor's seconds for one bare run from the start, the fastest of laps over `seconds` or more;
  * 0 if it fails. After pk_run_go(). */
 double pk_run_laps(struct pk_run *run, double seconds);
