@@ -6,11 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose.h"
 #include "ensemble.h"
 #include "expect.h"
-#include "trust.h"
-#include "watch.h"
+#include "observe.h"
 
 /* What was given of part k, and the rest as for the whole. */
 static struct pk_choice choice_of(const struct settings *s, size_t k)
@@ -99,12 +97,8 @@ enum pk_run_code apart_begin(struct run *run)
     run->problem = run_problem(run);
     const size_t size =
         pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
-    const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = memory_take(&run->memory, size, 1);
-    run->monitor_block = memory_take(&run->memory, monitor_size, 1);
-    rows_begin(run);
-    pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
-    run->monitor.has_energy |= expect_uses_h(run);
+    drift_begin(run, &run->problem);
     enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
                                           run->choices, run->settings.n_parts, 0, s->q, s->v,
                                           run->block, size);
@@ -158,9 +152,10 @@ void apart_integrate(struct run *run)
 {
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
+    struct moment now = run_moment(run);
     watch_parts(run);
-    rows_write(run, 0, a->q, a->v, a->z);
-    run_sample(run);
+    observe_row(run, &now);
+    observe_step(run, &now);
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
         const pk_real t = run_row_time(run, k, run->count);
         while (a->t < t) {
@@ -168,14 +163,15 @@ void apart_integrate(struct run *run)
             look(run);
             if (a->status != PK_DONE)
                 return;
-            run_sample(run);
             scale(run);
-            trust_step(run);
+            now = run_moment(run);
+            observe_step(run, &now);
         }
-        rows_write(run, t, a->q, a->v, a->z);
+        now.t = t;
+        observe_row(run, &now);
         run->interrupted = run_stopped(run, (double)(t / s->until));
     }
-    expect_member(run, &run->monitor.energy);
+    observe_end(run);
 }
 
 void apart_report(const struct run *run, FILE *file)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "diagnose_parts.h"
+#include "observe.h"
 
 /* Diagnostics that are made of rows. */
 #define FLAG_OF_MOTION(name)
@@ -15,7 +16,8 @@
 #define FLAG(name, of, kernels) FLAG_OF_##of(name)
 static const unsigned OF_ROWS = 0 DIAGNOSTICS(FLAG);
 
-void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+/* Spectra are of rows, and steps, actions and modes are looked at there. */
+static void keep_row(struct run *run, const struct moment *at)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
     if (!(run->settings.diagnose & OF_ROWS))
@@ -32,9 +34,9 @@ void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v
             (pk_real *)memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
     }
     pk_real *row = d->rows + d->n_rows++ * width;
-    row[0] = t;
-    memcpy(row + 1, q, n * sizeof *q);
-    memcpy(row + 1 + n, v, n * sizeof *v);
+    row[0] = at->t;
+    memcpy(row + 1, at->q, n * sizeof *row);
+    memcpy(row + 1 + n, at->v, n * sizeof *row);
 }
 
 void diagnose_real(struct diagnostics *d, const char *key, pk_real x)
@@ -126,6 +128,8 @@ void diagnose_report(const struct run *run, FILE *file)
     if (run->diagnostics && run->diagnostics->json)
         fprintf(file, ",\n  \"diagnostics\": {%s\n  }", run->diagnostics->json);
 }
+
+const struct observer diagnose_observer = {.row = keep_row, .report = diagnose_report};
 
 void diagnose_free(struct run *run)
 {

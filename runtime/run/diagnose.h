@@ -14,8 +14,6 @@ enum {
     DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* of an ensemble, which has no other */
 };
 
-/* Keeps a row of the run: spectra are of rows, and steps, actions and modes are looked at there. */
-void diagnose_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
 /* Makes what the settings ask for and keeps it as JSON for the report; messages too.
  * The code, `code` unless a diagnostic failed. */
 enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "diagnose.h"
+#include "observe.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
@@ -83,14 +84,6 @@ void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
     }
     l->came[member]++;
 }
-
-void area_free(struct run *run)
-{
-    struct loop *l = run->loop;
-    if (!l)
-        return;
-    run->loop = NULL;
-}
 #else
 enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
 {
@@ -104,5 +97,12 @@ void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
 {
     (void)run, (void)t, (void)q, (void)v;
 }
-void area_free(struct run *run) { (void)run; }
 #endif
+
+static void row(struct run *run, const struct moment *at)
+{
+    if (!run->at_event)
+        area_note(run, at->t, at->q, at->v);
+}
+
+const struct observer area_observer = {.row = row};

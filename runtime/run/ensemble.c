@@ -9,6 +9,7 @@
 #include "ensemble.h"
 #include "expect.h"
 #include "members.h"
+#include "observe.h"
 #include "trust.h"
 
 long ensemble_number(const struct settings *s, size_t member)
@@ -31,15 +32,11 @@ static int stop(void *context)
 }
 
 /* A member's state at a time: its row, what is expected of it. */
-static void show(struct run *run, int has_row, pk_real t, const pk_real *q, const pk_real *v,
-                 const pk_real *z)
+static void show(struct run *run, int has_row, const struct moment *at)
 {
     if (has_row)
-        rows_write(run, t, q, v, z);
-    if (run->monitor_block)
-        pk_monitor_update(&run->monitor, t, q, v);
-    expect_sample(run, t, q, v);
-    expect_landed(run, t, q, v, z);
+        observe_row(run, at);
+    observe_step(run, at);
 }
 
 /* All rows of a member, as far as it came; the driver's own columns take its parameters and inputs.
@@ -57,17 +54,18 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
     s->u = b->u + i * b->system->n_inputs;
     run->member = member;
     const struct pk_problem problem = {.system = b->system, .params = s->params};
-    if (run->monitor_block) {
-        pk_monitor_init(&run->monitor, &problem, run->monitor_block, pk_monitor_size(&problem));
-        run->monitor.has_energy |= expect_uses_h(run);
-    }
-    show(run, s->has_every, 0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL);
-    area_note(run, 0, b->q0 + i * b->n, b->v0 + i * b->n);
+    const struct moment start = {0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL};
+    if (run->monitor_block)
+        drift_begin(run, &problem);
+    show(run, s->has_every, &start);
+    area_note(run, start.t, start.q, start.v);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
-        show(run, 1, b->t[row], e->q + at, e->v + at, m ? e->z + (i * e->rows + row) * m : NULL);
+        const struct moment then = {b->t[row], e->q + at, e->v + at,
+                                    m ? e->z + (i * e->rows + row) * m : NULL};
+        show(run, 1, &then);
     }
-    expect_member(run, &run->monitor.energy);
+    observe_end(run);
     s->params = params;
     s->u = u;
 }
@@ -217,7 +215,7 @@ enum pk_run_code ensemble_run(struct run *run)
     enum pk_run_code code = members_check(&b, run);
     if (watched)
         watched_begin(&tally, run);
-    expect_begin(run);
+    observe_begin(run);
     code = code ? code : area_begin(run, b.t, rows);
     if (code)
         return code;

@@ -1,6 +1,8 @@
 /* Expectations of a scene; see expect.h. */
 #include "expect.h"
 
+#include "observe.h"
+
 #include <math.h>
 
 #include "ensemble.h"
@@ -25,11 +27,11 @@ static void compare(struct run *run, struct expected *x, pk_real t, pk_real a, p
     x->member = run->member;
 }
 
-static const pk_real *outputs(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+static const pk_real *outputs(struct run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     if (run->settings.system->n_observed)
-        run->settings.system->observe(s->params, t, q, v, s->u, run->expected);
+        run->settings.system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
     return run->expected;
 }
 
@@ -52,39 +54,32 @@ pk_real expect_limit(const struct run *run, pk_real t, pk_real limit)
 }
 
 /* Those of a kind, and of that time or event. */
-static void compare_all(struct run *run, char when, size_t event, pk_real t, const pk_real *q,
-                        const pk_real *v, const pk_real *z)
+static void compare_all(struct run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;
     for (size_t i = 0; i < run->settings.n_expected; i++) {
         struct expected *x = &run->settings.expected[i];
         if (x->of.when != when || (when == 'e' && x->of.event != event) ||
-            (when == 't' && !is_at(run, t, (pk_real)x->of.at)))
+            (when == 't' && !is_at(run, at->t, (pk_real)x->of.at)))
             continue;
         if (!out)
-            out = outputs(run, t, q, v);
-        compare(run, x, t, rows_value(run, &x->of.a, t, q, v, z, out),
-                rows_value(run, &x->of.b, t, q, v, z, out),
-                x->of.within.kind ? rows_value(run, &x->of.within, t, q, v, z, out) : 0);
+            out = outputs(run, at);
+        compare(run, x, at->t, rows_value(run, &x->of.a, at, out),
+                rows_value(run, &x->of.b, at, out),
+                x->of.within.kind ? rows_value(run, &x->of.within, at, out) : 0);
     }
 }
 
-void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z)
+void expect_landed(struct run *run, const struct moment *at) { compare_all(run, 't', 0, at); }
+
+static void row(struct run *run, const struct moment *at) { compare_all(run, 'r', 0, at); }
+
+static void event(struct run *run, size_t which, const struct moment *at)
 {
-    compare_all(run, 't', 0, t, q, v, z);
+    compare_all(run, 'e', which, at);
 }
 
-void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z)
-{
-    compare_all(run, 'r', 0, t, q, v, z);
-}
-
-void expect_landed_at(struct run *run, const struct pk_events *at)
-{
-    compare_all(run, 'e', at->which, at->t, at->q, at->v, at->z);
-}
-
-void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+static void step(struct run *run, const struct moment *at)
 {
     const pk_real *out = NULL;
     for (size_t i = 0; i < run->settings.n_drifting; i++) {
@@ -92,9 +87,10 @@ void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *
         if (d->energy)
             continue;
         if (!out)
-            out = outputs(run, t, q, v);
-        pk_drift_update(&d->drift, t, out[d->output]);
+            out = outputs(run, at);
+        pk_drift_update(&d->drift, at->t, out[d->output]);
     }
+    expect_landed(run, at);
 }
 
 int expect_uses_h(const struct run *run)
@@ -105,11 +101,12 @@ int expect_uses_h(const struct run *run)
     return 0;
 }
 
-void expect_member(struct run *run, const struct pk_drift *energy)
+/* What has drifted so far is of one member, and the next one begins. */
+static void end(struct run *run)
 {
     for (size_t i = 0; i < run->settings.n_drifting; i++) {
         struct drifting *d = &run->settings.drifting[i];
-        const struct pk_drift *drift = d->energy ? energy : &d->drift;
+        const struct pk_drift *drift = d->energy ? &run->monitor.energy : &d->drift;
         const pk_real max = drift->samples ? pk_drift_max(drift) : (pk_real)NAN;
         const int worse = !d->members || !(max <= d->max);
         if (worse && d->max - d->max == PK_C(0.0)) {
@@ -152,7 +149,7 @@ void expect_merge(struct settings *all, const struct settings *one)
     }
 }
 
-void expect_begin(struct run *run)
+static void begin(struct run *run)
 {
     if (run->settings.n_expected || run->settings.n_drifting)
         run->expected = (pk_real *)memory_take(&run->memory, run->settings.system->n_observed + 1,
@@ -188,3 +185,6 @@ void expect_report(const struct run *run, FILE *file)
     }
     fputs("],\n", file);
 }
+
+const struct observer expect_observer = {
+    .begin = begin, .step = step, .event = event, .row = row, .end = end, .report = expect_report};

@@ -6,21 +6,13 @@
 
 #include "state.h"
 
-/* Memory for the outputs. */
-void expect_begin(struct run *run);
 /* The next time behind `from`, up to `limit`, at which something is expected. */
 pk_real expect_limit(const struct run *run, pk_real from, pk_real limit);
-/* A state at a time t: what is expected then; in rows; at an event. z: as of rows_write(). */
-void expect_landed(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
-                   const pk_real *z);
-void expect_row(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
-void expect_landed_at(struct run *run, const struct pk_events *at);
+/* At such a time within a step. */
+void expect_landed(struct run *run, const struct moment *at);
 /* Whether the drift of the energy is asked for. It is then watched where the equations do not show
  * it to be constant as well: a parameter that makes it so may be left to the run (--no-reduce). */
 int expect_uses_h(const struct run *run);
-/* A sample for the drifts; what has drifted so far is of one member, and the next one begins. */
-void expect_sample(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
-void expect_member(struct run *run, const struct pk_drift *energy);
 /* Nothing is known yet; and what is known of one member goes to that of all, in their order. */
 void expect_clear(struct settings *s);
 void expect_merge(struct settings *all, const struct settings *one);

@@ -9,7 +9,7 @@
 #include "state.h"
 
 #include "expect.h"
-#include "trust.h"
+#include "observe.h"
 #include "watch.h"
 
 enum { OFTEN = 16 }; /* steps between looks at the clock */
@@ -30,31 +30,25 @@ pk_real run_step(pk_real interval, pk_real h)
     return PK_F(fabs)(interval / count - h) <= PK_C(1e-12) * h ? interval / count : h;
 }
 
-void run_sample(struct run *run)
+struct moment run_moment(const struct run *run)
 {
-    const struct pk_integrator *it = &run->it;
-    pk_monitor_update(&run->monitor, it->t, it->q, it->v);
-    expect_sample(run, it->t, it->q, it->v);
-    expect_landed(run, it->t, it->q, it->v, it->z);
+    const struct moment now = {run->it.t, run->it.q, run->it.v, run->it.z};
+    return now;
 }
 
 static int is_fixed(const struct run *run) { return !(run->settings.method->traits & PK_ADAPTIVE); }
 
-/* The motion at t within the last step: q, v and quadratures there, or none where that fails. */
-struct inside {
-    const pk_real *q, *v, *z;
-};
-
-static struct inside at(struct run *run, pk_real t)
+/* The motion at t within the last step; q is NULL where that fails. */
+static struct moment at(struct run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
-    const struct inside none = {NULL, NULL, NULL}, now = {it->q, it->v, it->z};
+    const struct moment none = {t, NULL, NULL, NULL}, now = {t, it->q, it->v, it->z};
     const size_t size = pk_integrator_size(&it->problem, it->method);
     pk_real *q = run->row, *v = q + it->n, *z = v + it->n + run->problem.system->n_observed;
     if (pk_integrator_is_at(it, t))
         return now;
     if (!is_fixed(run)) {
-        const struct inside dense = {q, v, it->z ? z : NULL};
+        const struct moment dense = {t, q, v, it->z ? z : NULL};
         return pk_integrator_dense(it, t, q, v) < 0 ||
                        (it->z && pk_integrator_dense_quadratures(it, t, z) < 0)
                    ? none
@@ -74,7 +68,7 @@ static struct inside at(struct run *run, pk_real t)
     if (pk_integrator_aside(it, &run->aside, t) < 0)
         return none;
     it->status = status;
-    const struct inside found = {run->aside.q, run->aside.v, run->aside.z};
+    const struct moment found = {t, run->aside.q, run->aside.v, run->aside.z};
     return found;
 }
 
@@ -104,19 +98,19 @@ int run_due(struct run *run, pk_real end)
         t = run_row_time(run, run->next, run->count);
         if (!(t <= end) && !(now && pk_integrator_is_at(&run->it, t)))
             break;
-        const struct inside state = at(run, t);
+        const struct moment state = at(run, t);
         if (!state.q)
             return 0;
-        rows_write(run, t, state.q, state.v, state.z);
+        observe_row(run, &state);
     }
     if (run->expecting < from)
         run->expecting = from;
     while (is_fixed(run) && (t = expect_limit(run, run->expecting, end)) < end &&
            !pk_integrator_is_at(&run->it, t)) {
-        const struct inside state = at(run, t);
+        const struct moment state = at(run, t);
         if (!state.q)
             return 0;
-        expect_landed(run, t, state.q, state.v, state.z);
+        expect_landed(run, &state);
         run->expecting = t;
     }
     return 1;
@@ -135,6 +129,18 @@ static enum pk_status many(struct run *run, pk_real end)
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
+static void step_ended(struct run *run)
+{
+    const struct moment now = run_moment(run);
+    observe_step(run, &now);
+}
+
+static void row_now(struct run *run)
+{
+    const struct moment now = run_moment(run);
+    observe_row(run, &now);
+}
+
 static int step(struct run *run)
 {
     struct pk_integrator *it = &run->it;
@@ -149,7 +155,7 @@ static int step(struct run *run)
     if (h > run->h_max)
         run->h_max = h;
     if (!fused || !(it->t < end))
-        run_sample(run), trust_step(run);
+        step_ended(run);
     if (fused || it->count.steps % OFTEN == 0 || run->settings.control->stop)
         run->interrupted = run_stopped(run, (double)(it->t / run->settings.until));
     return status == PK_DONE && !run->interrupted && !run->write_failed;
@@ -166,12 +172,12 @@ void run_integrate(struct run *run)
     const struct pk_integrator *it = &run->it;
     const int by_time = s->has_every || (!s->bare && !s->at), each = by_time && !(s->every > 0);
     if (by_time && (s->has_every || !s->members)) /* of a member the final state alone */
-        rows_write(run, 0, it->q, it->v, it->z);
-    run_sample(run);
+        row_now(run);
+    step_ended(run);
     while (it->t < s->until && step(run) && run_due(run, it->t))
         if (each)
-            rows_write(run, it->t, it->q, it->v, it->z);
+            row_now(run);
     if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
-        rows_write(run, it->t, it->q, it->v, it->z);
-    expect_member(run, &run->monitor.energy);
+        row_now(run);
+    observe_end(run);
 }

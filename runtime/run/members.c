@@ -128,5 +128,4 @@ void members_allocate(struct batch *b, struct run *run, size_t rows)
         b->threads = s->threads;
     b->block_size = b->threads * pk_ensemble_size(e);
     b->block = memory_take(m, b->block_size, 1);
-    rows_begin(run);
 }

@@ -5,14 +5,10 @@
 #include <string.h>
 
 #include "apart.h"
-#include "diagnose.h"
 #include "ensemble.h"
-#include "expect.h"
 #include "numbers.h"
+#include "observe.h"
 #include "trust.h"
-#include "watch.h"
-
-#define LARGE PK_C(0.1) /* a drift, of its scale */
 
 enum { MOST_LISTED = 10000 };
 
@@ -47,61 +43,6 @@ void report_numbers(FILE *file, const char *key, const pk_real *x, size_t count)
         report_real(file, x[i]);
     }
     fputs("]", file);
-}
-
-void report_drift(FILE *file, const char *name, const struct pk_drift *drift)
-{
-    fputs("{\"name\": ", file);
-    report_text(file, name);
-    fputs(", \"max\": ", file);
-    report_real(file, pk_drift_max(drift));
-    fputs(", \"final\": ", file);
-    report_real(file, pk_drift_final(drift));
-    fputs(", \"slope\": ", file);
-    report_real(file, pk_drift_slope(drift));
-    /* What the three are relative to: where it is round-off, so is the drift. */
-    fputs(", \"scale\": ", file);
-    report_real(file, drift->scale);
-    pk_real exponent, spread;
-    const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
-    fputs(", \"first\": ", file);
-    report_real(file, drift->first);
-    fputs(", \"exponent\": ", file);
-    report_real(file, exponent);
-    fputs(", \"spread\": ", file);
-    report_real(file, spread);
-    fputs(", \"growth\": ", file);
-    /* That a drift grows no more does not make it small. */
-    const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
-    report_text(file, far ? "off by more than a tenth" : pk_growth_text(growth));
-    fputs("}", file);
-}
-
-static void json_drifts(struct run *run, FILE *file)
-{
-    const struct pk_system *system = run->problem.system;
-    const struct pk_monitor *m = &run->monitor;
-    int first = 1;
-    /* Of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
-    fputs("  \"drifts\": [", file);
-    if (m->has_energy) {
-        report_drift(file, "energy", &m->energy);
-        first = 0;
-    }
-    for (size_t i = 0; m->momenta && i < run->settings.n; i++)
-        if (system->cyclic && system->cyclic[i]) {
-            fputs(first ? "" : ", ", file);
-            first = 0;
-            report_drift(file, system->momenta[i].name, &m->momenta[i]);
-        }
-    for (size_t i = 0; m->conserved && i < system->n_conserved; i++) {
-        fputs(first ? "" : ", ", file);
-        first = 0;
-        report_drift(file, system->conserved[i].name, &m->conserved[i]);
-    }
-    fputs("]", file);
-    diagnose_report(run, file);
-    fputs("\n}\n", file);
 }
 
 void report_run(struct run *run, FILE *file)
@@ -173,10 +114,9 @@ void report_run(struct run *run, FILE *file)
             run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
             c->iterations, c->held, run->seconds, run->processor, run->begun ? "true" : "false",
             run->control.slow ? "true" : "false");
-    watch_report(run, file);
-    expect_report(run, file);
     apart_report(run, file);
-    json_drifts(run, file);
+    observe_report(run, file);
+    fputs("\n}\n", file);
 }
 
 int report_whole(const struct run *run) { return !run->interrupted && !run->write_failed; }

@@ -1,20 +1,17 @@
 /* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma, a
  * quote or a blank (RFC 4180).
  */
-#include "state.h"
+#include "observe.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose.h"
-#include "diagnose_area.h"
 #include "ensemble.h"
-#include "expect.h"
 #include "numbers.h"
 
-void rows_begin(struct run *run)
+static void begin(struct run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
@@ -85,38 +82,38 @@ void rows_header(struct run *run)
     fputc('\n', run->out);
 }
 
-pk_real rows_value(const struct run *run, const struct pk_run_column *column, pk_real t,
-                   const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out)
+pk_real rows_value(const struct run *run, const struct pk_run_column *column,
+                   const struct moment *at, const pk_real *out)
 {
     const size_t i = column->index;
     switch (column->kind) {
     case 'q':
-        return q[i];
+        return at->q[i];
     case 'v':
-        return v[i];
+        return at->v[i];
     case 'o':
         return out[i];
     case 'z':
-        return z[i];
+        return at->z[i];
     default:
-        return run->settings.system->energy(run->settings.params, t, q, v, run->settings.u);
+        return run->settings.system->energy(run->settings.params, at->t, at->q, at->v,
+                                            run->settings.u);
     }
 }
 
 /* The cells of a row; the name of the first that is not finite, or NULL. */
-static const char *fill(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
-                        const pk_real *z)
+static const char *fill(struct run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
     const char *bad = NULL;
     pk_real *out = run->row + 2 * s->n;
     if (system->n_observed)
-        system->observe(s->params, t, q, v, s->u, out);
-    run->cells[0] = t;
+        system->observe(s->params, at->t, at->q, at->v, s->u, out);
+    run->cells[0] = at->t;
     for (size_t i = 0; i < s->n_show; i++) {
         const struct pk_run_column *show = &s->show[i];
-        const pk_real x = run->cells[1 + i] = rows_value(run, show, t, q, v, z, out);
+        const pk_real x = run->cells[1 + i] = rows_value(run, show, at, out);
         if (!(x - x == PK_C(0.0)) && !bad)
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
@@ -182,21 +179,19 @@ void rows_take(struct run *run, const struct run *from)
 }
 
 /* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
-void rows_write(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z)
+static void write_row(struct run *run, const struct moment *at)
 {
-    const char *bad = fill(run, t, q, v, z);
+    const char *bad = fill(run, at);
     (run->out ? write_csv : keep)(run);
     run->rows++;
-    run->last_row = t;
+    run->last_row = at->t;
     if (bad && run->bad_rows++ == 0) {
         run->not_finite = bad;
-        run->bad_t = (double)t;
+        run->bad_t = (double)at->t;
     }
-    diagnose_row(run, t, q, v);
-    if (!run->at_event)
-        area_note(run, t, q, v);
-    expect_row(run, t, q, v, z);
 }
+
+const struct observer rows_observer = {.begin = begin, .row = write_row};
 
 enum pk_run_code rows_end(struct run *run, enum pk_run_code code)
 {

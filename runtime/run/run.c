@@ -14,7 +14,7 @@
 #include "apart.h"
 #include "diagnose.h"
 #include "ensemble.h"
-#include "expect.h"
+#include "observe.h"
 #include "trust.h"
 #include "watch.h"
 
@@ -107,12 +107,8 @@ static enum pk_run_code start(struct run *run)
     if (!run->problem.system) /* that of a member is known */
         run->problem = run_problem(run);
     const size_t size = pk_integrator_size(&run->problem, s->method);
-    const size_t monitor_size = pk_monitor_size(&run->problem);
     run->block = memory_take(&run->memory, size, 1);
-    run->monitor_block = memory_take(&run->memory, monitor_size, 1);
-    rows_begin(run);
-    pk_monitor_init(&run->monitor, &run->problem, run->monitor_block, monitor_size);
-    run->monitor.has_energy |= expect_uses_h(run);
+    drift_begin(run, &run->problem);
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0 ||
         run_quadratures(run, &run->it) < 0)
@@ -133,7 +129,7 @@ enum pk_run_code run_settle(struct run *run)
 
 enum pk_run_code run_begin(struct run *run)
 {
-    expect_begin(run);
+    observe_begin(run);
     if (run->settings.n_parts)
         return apart_begin(run);
     const enum pk_run_code code = start(run);
@@ -203,14 +199,15 @@ static void ends(struct run *run)
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
     pk_real *z = run->row + 2 * s->n + s->system->n_observed;
+    const struct moment start = {0, s->q, s->v, z}, now = run_moment(run);
     if (s->compared && s->at && run->begun && it->status >= 0 && !run->n_kept) {
         settings_z(s, s->params, z);
-        rows_write(run, 0, s->q, s->v, z);
-        rows_write(run, it->t, it->q, it->v, it->z);
+        observe_row(run, &start);
+        observe_row(run, &now);
         run->rows = 0;
     }
     if (s->bare && !s->has_every && run->begun)
-        rows_write(run, it->t, it->q, it->v, it->z);
+        observe_row(run, &now);
 }
 
 static enum pk_run_code one(struct run *run)
@@ -319,10 +316,7 @@ const char *pk_run_messages(const struct pk_run *of)
     return run->said ? run->said : "";
 }
 
-int pk_run_refused(const struct pk_run *of)
-{
-    return ((const struct run *)of)->refused;
-}
+int pk_run_refused(const struct pk_run *of) { return ((const struct run *)of)->refused; }
 
 size_t pk_run_size(int which)
 {

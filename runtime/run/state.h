@@ -97,6 +97,12 @@ struct settings {
 };
 
 /* The crossings of one event; the first of them by their times. */
+/* The motion at a time: q, v and, where the system has any, quadratures. */
+struct moment {
+    pk_real t;
+    const pk_real *q, *v, *z;
+};
+
 struct crossed {
     unsigned long count;
     pk_real *t;
@@ -115,7 +121,7 @@ struct run {
     char *said;
     char *report, *told; /* JSON; of malloc() */
     enum pk_run_code code;
-    int refused; /* what prepare() made of the parameters */
+    int refused;           /* what prepare() made of the parameters */
     struct pk_system bare; /* the system without quadratures and, of a bare run, events */
     struct pk_problem problem;
     struct pk_integrator it;
@@ -194,23 +200,22 @@ void run_end(struct run *run);
  * expected at times, up to t in the last step: 0 where the motion there cannot be had. */
 void run_integrate(struct run *run);
 int run_due(struct run *run, pk_real t);
-/* A state that a step has made, or the start: for drifts and for what is expected. */
-void run_sample(struct run *run);
+/* Where the run has come to. */
+struct moment run_moment(const struct run *run);
+/* Of drifts.c. Memory and reference values of the drifts; those of a member of an ensemble each time anew. */
+void drift_begin(struct run *run, const struct pk_problem *problem);
 pk_real run_intervals(pk_real whole, pk_real part);
 /* A step that was asked for, made a whole part of the interval where it is one but for rounding. */
 pk_real run_step(pk_real interval, pk_real h);
 /* Of row k of `count`: a double in every precision, as it is written. */
 pk_real run_row_time(const struct run *run, pk_real k, pk_real count);
 
-/* Of rows.c. z: the quadratures, where the system has any. Columns' values; `out` are the outputs
- * there, where the system has any. */
-void rows_begin(struct run *run);
+/* Of rows.c. Columns' values; `out` are the outputs there, where the system has any. */
 void rows_header(struct run *run);
-void rows_write(struct run *run, pk_real t, const pk_real *q, const pk_real *v, const pk_real *z);
 /* The rows that a member has kept, behind those of the run. */
 void rows_take(struct run *run, const struct run *from);
-pk_real rows_value(const struct run *run, const struct pk_run_column *column, pk_real t,
-                   const pk_real *q, const pk_real *v, const pk_real *z, const pk_real *out);
+pk_real rows_value(const struct run *run, const struct pk_run_column *column,
+                   const struct moment *at, const pk_real *out);
 /* All are written; the code with what there is to say. */
 enum pk_run_code rows_end(struct run *run, enum pk_run_code code);
 

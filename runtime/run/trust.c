@@ -3,6 +3,8 @@
 
 #include "trust.h"
 
+#include "observe.h"
+
 #include <stdio.h>
 
 #define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
@@ -12,14 +14,16 @@
 
 enum { MOST_VALUES = 5000000 }; /* of accelerations by the judge: a second or so */
 
-void trust_step(struct run *run)
+static void step(struct run *run, const struct moment *at)
 {
     if (!run->monitor.has_energy || run->distrusted)
         return;
     run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* true of a NaN */
     if (!run->distrusted)
-        run->trusted = run->it.t;
+        run->trusted = at->t;
 }
+
+const struct observer trust_observer = {.step = step};
 
 /* Whether the status is one that the path may have come to by its steps alone. */
 static int doubtful(const struct run *run)

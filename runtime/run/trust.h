@@ -13,8 +13,6 @@
 #define TRUST_BEYOND_TEXT "the motion ends before these steps do"
 enum { TRUST_BEYOND_CODE = -100 };
 
-/* After each step. */
-void trust_step(struct run *run);
 /* Sets run->besides to what there is to say behind the reason of a failure: since when the energy of
  * a conservative system is wrong, and what dop853 at 1e-9 makes of the same motion where the
  * method's own steps are no judge of it (fixed, or of a loose tolerance). Likewise asks it of fixed

@@ -1,7 +1,7 @@
 /* Events of a run; see watch.h. */
 #include "watch.h"
 
-#include "expect.h"
+#include "observe.h"
 
 #include <string.h>
 
@@ -24,16 +24,21 @@ static void switched(void *context, const struct pk_events *events)
     run_due(run, events->t);
 }
 
+static void note(struct run *run, size_t event, const struct moment *at)
+{
+    note_time(&run->crossed[event], at->t);
+}
+
 static int found(void *context, const struct pk_events *events)
 {
     struct run *run = (struct run *)context;
-    note_time(&run->crossed[events->which], events->t);
-    expect_landed_at(run, events);
+    const struct moment at = {events->t, events->q, events->v, events->z};
+    observe_event(run, events->which, &at);
     if (!run_due(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {
         run->at_event = 1;
-        rows_write(run, events->t, events->q, events->v, events->z);
+        observe_row(run, &at);
         run->at_event = 0;
     }
     return run->write_failed;
@@ -168,7 +173,7 @@ static void report_times(FILE *file, const struct crossed *crossed)
     fputs("]}", file);
 }
 
-void watch_report(const struct run *run, FILE *file)
+static void report(const struct run *run, FILE *file)
 {
     const struct pk_system *system = run->problem.system;
     fputs("  \"events\": [", file);
@@ -198,3 +203,5 @@ void watch_report(const struct run *run, FILE *file)
     }
     fputs("],\n", file);
 }
+
+const struct observer watch_observer = {.event = note, .report = report};

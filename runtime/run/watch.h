@@ -15,7 +15,5 @@ const char *watch_name(const struct pk_system *system, size_t k);
     "steps (--step, --max-step)"
 /* Says which events are crossings of errors alone, and which may be missing. */
 void watch_warn(struct run *run);
-/* The member "events" of the report. */
-void watch_report(const struct run *run, FILE *file);
 
 #endif

@@ -1,0 +1,29 @@
+/* See observe.h. Events come first, whose times stand above all rows of the report; drifts come
+ * before trust, which judges by them; diagnostics close the report.
+ */
+#include "observe.h"
+
+static const struct observer *const observers[] = {
+    &watch_observer, &rows_observer,     &expect_observer, &drift_observer,
+    &trust_observer, &diagnose_observer, &area_observer,
+};
+
+#define EACH(call)                                                    \
+    for (size_t i = 0; i < sizeof observers / sizeof *observers; i++) \
+        if (observers[i]->call)                                       \
+    observers[i]->call
+
+void observe_begin(struct run *run) { EACH(begin)(run); }
+
+void observe_step(struct run *run, const struct moment *at) { EACH(step)(run, at); }
+
+void observe_event(struct run *run, size_t event, const struct moment *at)
+{
+    EACH(event)(run, event, at);
+}
+
+void observe_row(struct run *run, const struct moment *at) { EACH(row)(run, at); }
+
+void observe_end(struct run *run) { EACH(end)(run); }
+
+void observe_report(const struct run *run, FILE *file) { EACH(report)(run, file); }
