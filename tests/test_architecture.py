@@ -189,3 +189,35 @@ def test_files_that_comments_and_docs_name_are_there() -> None:
         if name not in ends
     }
     assert len(told) > 300 and sorted(gone) == []
+
+
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+ROOTS = [
+    ROOT / folder
+    for folder in (
+        *(".", "generator/pkgen", "generator/pkgen/front", "generator/pkgen/back/c"),
+        *("runtime", "runtime/src", "runtime/include"),
+    )
+]
+PATH = re.compile(r"`([\w.*-]+(?:/[\w.*-]+)+)`")
+# A path and the function that is named behind it.
+PLACE = re.compile(PATH.pattern + r" `(\w+)`")
+
+
+def _found(path: str) -> list[Path]:
+    return [place for root in ROOTS for place in root.glob(path)]
+
+
+def test_what_the_page_names_is_there() -> None:
+    paths = set(PATH.findall(PAGE))
+    assert len(paths) > 80 and [path for path in paths if not _found(path)] == []
+
+
+def test_functions_are_where_the_page_says() -> None:
+    places = PLACE.findall(PAGE)
+    astray = [
+        (path, name)
+        for path, name in places
+        if not any(re.search(rf"\b{name}\b", place.read_text()) for place in _found(path))
+    ]
+    assert len(places) > 10 and astray == []

@@ -12,8 +12,6 @@
 #include "observe.h"
 #include "watch.h"
 
-enum { OFTEN = 16 }; /* steps between looks at the clock */
-
 /* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
  * as whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
 pk_real run_intervals(pk_real whole, pk_real part)
@@ -156,7 +154,8 @@ static int step(struct run *run)
         run->h_max = h;
     if (!fused || !(it->t < end))
         step_ended(run);
-    if (fused || it->count.steps % OFTEN == 0 || run->settings.control->stop)
+    const struct control *control = run->settings.control;
+    if (fused || control->often < 2 || it->count.steps % control->often == 0 || control->stop)
         run->interrupted = run_stopped(run, (double)(it->t / run->settings.until));
     return status == PK_DONE && !run->interrupted && !run->write_failed;
 }

@@ -18,7 +18,8 @@
 #include "trust.h"
 #include "watch.h"
 
-#define SELDOM 16u       /* steps from one look at the clock to the next */
+#define SELDOM 16u       /* steps from one look at the clock to the next, where steps are short: */
+#define SHORT 1e-3       /* seconds for all of them */
 #define BETWEEN 0.1      /* seconds from one question to the next */
 #define LAP_SECONDS 1e-3 /* so many runs that the clock's own cost is nothing */
 
@@ -50,9 +51,11 @@ int run_stopped(struct run *run, double part)
         return c->stop;
     if (c->cap > 0 && run_processor() - c->began > c->cap)
         return c->slow = c->stop = 1;
-    if (!c->poll || ++c->asked % SELDOM)
+    if (!c->poll)
         return 0;
     const double t = run_now();
+    c->often = t - c->looked < SHORT ? SELDOM : 1;
+    c->looked = t;
     if (t - c->last < BETWEEN)
         return 0;
     c->last = t;

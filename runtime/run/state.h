@@ -59,7 +59,8 @@ struct control {
     volatile sig_atomic_t stop;
     double last, began, cap; /* cap: seconds of the processor, 0 without */
     int slow;                /* given up at the cap */
-    unsigned asked;
+    double looked;           /* at the clock, last, */
+    unsigned often;          /* and the steps from one look to the next */
 };
 
 /* Settings as the run uses them. */

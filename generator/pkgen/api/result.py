@@ -20,7 +20,7 @@ class Result:
     """The rows of a run.
 
     `t` are their times, `r["theta1"]` a column of them, `units` the unit of each column, `report`
-    how the run went (docs/running.md), `events` the times of each event, `expects` what came of
+    how the run went (docs/commands.md), `events` the times of each event, `expects` what came of
     the scene's expectations, `messages` what there was to say. Of an ensemble `member` says of
     which one a row is, and `by_member("theta1")` has a row for each.
     """

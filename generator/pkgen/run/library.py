@@ -237,26 +237,42 @@ class Run:
     def __init__(self, library: Library, settings: _Settings, poll: Poll | None, idle: bool):
         self._c = library.c
         self._run = None
-        stopped = []
+        ended: list[BaseException | bool] = []
 
         def ask(_context: object, part: float) -> int:
             try:
-                stopped.append(bool(poll and poll(part)))
+                if poll and poll(part):
+                    ended.append(True)
             except BaseException as error:  # nothing may go through C
-                stopped.append(error)
-            return int(bool(stopped[-1]))
+                ended.append(error)
+            return int(bool(ended))
 
         settings.poll = POLL(ask)
         self._run = c_void_p(self._c.pk_run_new(library.model, settings))
         if not self._run:
             raise NumericsFailed("out of memory")
-        self.code = DONE if idle else self._c.pk_run_go(self._run)
-        for error in stopped:
+        self.code = DONE if idle else self._go(ended)
+        for error in ended:
             if isinstance(error, BaseException):
                 raise error
         self.messages = self._c.pk_run_messages(self._run).decode()
         self.not_finite = self._c.pk_run_refused(self._run) % 8 == DERIVED
         self.report = json.loads(self._c.pk_run_report(self._run))
+
+    def _go(self, ended: list[BaseException | bool]) -> int:
+        """To the end; the code. Python's handlers of signals run between Python's statements in the
+        main thread alone: that one waits, so that Ctrl-C is noted in the midst of a long step."""
+        codes: list[int] = []
+        if threading.current_thread() is not threading.main_thread():
+            return self._c.pk_run_go(self._run)
+        worker = threading.Thread(target=lambda: codes.append(self._c.pk_run_go(self._run)))
+        worker.start()
+        while worker.is_alive():
+            try:
+                worker.join()
+            except BaseException as error:  # the memory of the run is in use until it has ended
+                ended.append(error)
+        return codes[0]
 
     def rows(self, low: bool = False) -> numpy.ndarray:
         """Kept rows, t first (the member before it): a row each. `low`: what they lack of more

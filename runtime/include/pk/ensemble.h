@@ -4,9 +4,9 @@
  *     size_t size = pk_ensemble_size(&e);                 (bytes, for one thread)
  *     pk_ensemble_run(&e, first, count, block, size);     (each thread its own members and block)
  *
- * Explicit methods with a fixed step advance many members side by side, in vector lanes: euler,
- * rk4, symplectic_euler, verlet, yoshida4, and dopri5 and dop853 where options.h is given, which
- * is then kept; the singularities of a system that has some are watched lane by lane. Any other method
+ * Explicit methods with a fixed step advance many members side by side, in vector lanes: the
+ * Runge-Kutta and the splitting methods of pk/methods.h, and dopri5 and dop853 where options.h is
+ * given, which is then kept; the singularities of a system that has some are watched lane by lane. Any other method
  * integrates one member after the other by pk_integrator, adaptive ones with steps of their own. A
  * member's result is the same in any company and any thread; with
  * -ffp-contract=off it is what pk_integrator gives for it alone, to the bit.

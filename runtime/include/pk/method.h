@@ -1,6 +1,6 @@
 /* An integration method as one const struct: what it is called, what it promises, what it needs
  * of a system, and how it makes a step. Most methods are a table and a family's loop, so a new
- * tableau is one table entry; see the registry in src/method.c.
+ * tableau is one table entry and one row of pk/methods.h.
  */
 #ifndef PK_METHOD_H
 #define PK_METHOD_H

@@ -8,7 +8,8 @@
  *     s.every = 0.01;
  *     struct pk_run *run = pk_run_new(&model, &s);
  *     int code = pk_run_go(run);
- *     ... pk_run_rows(run, &rows), pk_run_report(run), pk_run_messages(run)
+ *     size_t columns, count = pk_run_rows(run, &rows, &low, &columns);
+ *     puts(pk_run_report(run)), puts(pk_run_messages(run));
  *     pk_run_free(run);
  *
  * One run is for one thread at a time; several runs may go on at once.
@@ -124,7 +125,7 @@ size_t pk_run_rows(const struct pk_run *run, const double **rows, const double *
 /* The name of column i of the rows, its unit in *unit; 0 behind the last. */
 int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t size,
                        const char **unit);
-/* How it went, in JSON (docs/running.md), after pk_run_go(). */
+/* How it went, in JSON (docs/commands.md), after pk_run_go(). */
 const char *pk_run_report(struct pk_run *run);
 /* What there is to say to a person, a line each. */
 const char *pk_run_messages(const struct pk_run *run);

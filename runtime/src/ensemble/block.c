@@ -68,13 +68,10 @@ PK_SPLITTING_METHODS(SPLITTING)
 const struct pk_block_stepper pk_block_steppers[] = {
     PK_ERK_METHODS(ENTRY) PK_EMBEDDED_METHODS(ENTRY) PK_SPLITTING_METHODS(ENTRY){NULL, 0, NULL}};
 
-/* The stages of the largest table that a block may be asked to step. */
-enum { MOST_STAGES = 12 };
-
 static size_t block_reals(const struct pk_ensemble *e, size_t n, size_t W)
 {
     return (3 * PK_PARTS * n + pk_params_reals(e->system) + e->system->n_inputs + 1) * W +
-           pk_block_reals(MOST_STAGES, n, W) + 3 * n + e->system->n_inputs;
+           pk_block_reals(PK_MOST_STAGES, n, W) + 3 * n + e->system->n_inputs;
 }
 
 size_t pk_block_size(const struct pk_ensemble *e, size_t n, size_t W)
@@ -262,7 +259,7 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
     b.u = b.P + pk_params_reals(e->system) * W;
     b.t = b.u + e->system->n_inputs * W;
     b.work = b.t + W;
-    b.lane = b.work + pk_block_reals(MOST_STAGES, n, W);
+    b.lane = b.work + pk_block_reals(PK_MOST_STAGES, n, W);
 
     for (size_t l = 0; l < count; l++) {
         struct pk_member *member = member_at(e, memory, e->system->singularities.n ? l : 0);

@@ -35,13 +35,15 @@ struct pk_splitting {
     const pk_real *drift; /* s */
 };
 
+/* Stages of the largest tableau of an explicit method. */
+#define PK_MOST_STAGES 16
 /* PK_EACH_STAGE(X): X(i) for every stage that a table may have but the first. A text that is
  * compiled for one table is to be unrolled whole, so that rows become straight-line code and
  * zeros vanish; compilers do that of themselves only where little is in the loop. PK_UNROLL_FEW:
  * four turns at a time, where each has an acceleration in it and most methods have many. */
 #if defined PK_ANY_TABLE
-#define PK_EACH_STAGE(X)         \
-    for (int i = 1; i < 16; i++) \
+#define PK_EACH_STAGE(X)                     \
+    for (int i = 1; i < PK_MOST_STAGES; i++) \
     X(i)
 #define PK_UNROLL
 #define PK_UNROLL_FEW
