@@ -31,7 +31,6 @@ int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *t
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_erk_table(const struct pk_method *method);
 
-enum { PK_MOST_STAGES = 16 };
 /* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
