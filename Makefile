@@ -45,7 +45,7 @@ test-licence: runtime
 	@sh tools/check_licence.sh
 
 test-python: $(STAMP)
-	$(PYTHON) -m pytest -q -n 2 -m 'not long' tests
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long' tests
 
 test-long: $(STAMP)
 	@$(MAKE) -s check-runtime-quad-inlined
@@ -80,6 +80,7 @@ bench: $(STAMP)
 
 golden: $(STAMP)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py
+	$(PYTHON) tools/errors_page.py
 	@git --no-pager diff --stat -- tests
 
 # These are not among Debian's packages: where pkgen was installed from those, lint needs a registry.

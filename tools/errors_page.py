@@ -1,6 +1,6 @@
 """Write docs/errors.md: each wrong model of the tests with what pkgen says of it.
 
-.venv/bin/python tools/errors_page.py
+`make golden` runs it, behind the tests whose messages it shows.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ PAGE = ROOT / "docs" / "errors.md"
 INTRODUCTION = """# What wrong models are told
 
 Every message has its place, the line with a caret, and where one is known a way to mend it; all
-that can be found is reported in one run. This page is made from the wrong models of the tests
+that can be found is reported in one run. This page is a reference, not for reading through: `make golden`
+makes it from the wrong models of the tests
 (`tests/generator/wrong`), which compare each message to the letter. Larger ones (10 MB, brackets
 10,000 deep, a sum of 200,000 terms) are in the tests of the parser; what they meet stands in
 [limits.md](limits.md).

@@ -122,8 +122,8 @@ def _main(words: list[str] | None) -> int:
 
 
 def _open_streams() -> None:
-    """Where a standard stream is closed, no other file gets its number; what is written to standard
-    output then fails, as it is to."""
+    """Occupies the numbers of closed standard streams, so that no other file gets them; writing to
+    closed output then fails, as it should."""
     for fd, how in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
         try:
             os.fstat(fd)

@@ -94,8 +94,8 @@ class Hamiltonian:
 @record
 class Particles:
     """Masses and places with T = sum of m/2 |r'|^2, z 0 in a plane; in r'' the accelerations of the
-    coordinates are given. What L has `beyond` that, in words: of the second degree in the rates
-    there is nothing. None, and `why` and where, if T was not seen to be such a sum."""
+    coordinates are given. `beyond` names the other terms of L in words; none is quadratic in the
+    rates. Empty, with `why` and `span`, if T was not seen to be such a sum."""
 
     masses: Row
     places: Matrix
@@ -194,7 +194,7 @@ class Equations:
     states: tuple[Quantity, ...] = ()
     state_rates: Row = ()
     state_start: Row = ()
-    # Of the coordinates the last so many are nobody's: their rates are the states.
+    # The last n_first_order coordinates are dummies: their rates are the states.
     n_first_order: int = 0
     attitudes: tuple[Attitude, ...] = ()  # rotations: their rates stand behind all coordinates
     constraints: Constraints | None = None

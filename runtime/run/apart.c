@@ -1,5 +1,5 @@
-/* See apart.h. Adaptive parts land on rows, of others the motion there is made aside. The whole is seen as an integrator that makes no steps: run->it has the time and the state
- * where all parts are, and the sums of their counts.
+/* See apart.h. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
+ * run->it makes no steps: it has time, state and summed counts.
  */
 #include "apart.h"
 

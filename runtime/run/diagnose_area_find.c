@@ -2,9 +2,9 @@
  * p dq, which any flow of L preserves (Poincare). Members shear apart along the loop, which then
  * has more structure than they resolve: what the area is worth is told by the last harmonics.
  *
- * A series that matters less in the sum than another one may be resolved the worse: its tail counts
- * by the size of what it and its conjugate enclose, an ellipse as wide and high, beside that of
- * all. Tails that fall off are of a loop finer than its members are apart, and once it is that the area
+ * A series that contributes less to the sum may be resolved less well: its tail is weighted by the
+ * area of an ellipse as wide as it is and as high as its conjugate, relative to the area of
+ * all. A decaying tail means that the loop is finer than the spacing of its members; then the area
  * is worth nothing. A tail that is flat, and small, is an error of each member's own, by the last
  * rounding or by steps of its own length; what it does to the area is known (`noise`).
  * Reference: V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
@@ -134,8 +134,8 @@ static struct ends ends_of(const double *x, size_t count, double winding)
     return (struct ends){x[0] + winding - x[count - 1], x[count - 1] - x[count - 2]};
 }
 
-/* Why the starts are no loop, or 0. Coordinates weigh what they do then and a row later, for q or p
- * may be 0 all round at the start; one that is is not looked at, nor is its round-off. */
+/* Why the starts are no loop, or 0. Weights are the larger of those now and a row later, for q or p
+ * may be 0 for all members at the start; a series that is 0, or round-off, is not checked. */
 static int no_loop(const struct run *run, const struct finding *f, const struct ends *ends,
                    char *reason, size_t size)
 {

@@ -47,8 +47,8 @@ static const char *unfit(const struct pk_system *system, size_t n)
     return NULL;
 }
 
-/* Whether what pulls at q is below `share` of what would if it grew towards the start as it does at
- * q: 1 or so where forces only fall off, far away. */
+/* Whether the force at q is below `share` of what its change at q, extrapolated to the start,
+ * would give; that ratio is about 1 far away, where forces decay. */
 static int rests(const struct modes *m, const double *q, double share)
 {
     const struct pk_problem *problem = &m->run->problem;
@@ -151,7 +151,7 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
     return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
 }
 
-/* Of angles the nearest turn of it; into m->q where it is fitter than what is there, or nearer. */
+/* Shifts angles by whole turns towards the start; copies q to m->q if it is fitter, or nearer. */
 static enum fitness consider(struct modes *m, double *q, enum fitness best)
 {
     for (size_t i = 0; i < m->n; i++)

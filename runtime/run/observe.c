@@ -17,7 +17,7 @@ void observe_begin(struct run *run) { EACH(begin)(run); }
 
 void observe_step(struct run *run, const struct moment *at) { EACH(step)(run, at); }
 
-void observe_event(struct run *run, size_t event, const struct moment *at)
+void observe_crossing(struct run *run, size_t event, const struct moment *at)
 {
     EACH(event)(run, event, at);
 }

@@ -22,7 +22,7 @@ extern const struct observer watch_observer, rows_observer, expect_observer, dri
 
 void observe_begin(struct run *run);
 void observe_step(struct run *run, const struct moment *at);
-void observe_event(struct run *run, size_t event, const struct moment *at);
+void observe_crossing(struct run *run, size_t event, const struct moment *at);
 void observe_row(struct run *run, const struct moment *at);
 void observe_end(struct run *run);
 void observe_report(const struct run *run, FILE *file);

@@ -83,8 +83,8 @@ static int sizes(struct settings *s, const struct pk_run_settings *given)
     return 1;
 }
 
-/* One parameter, and whether it is a member of a family: members are set again once defaults have
- * followed. 0: there is none. */
+/* Sets one parameter; a member of a family only if `members`, after the dependent defaults are
+ * computed. 0: there is none. */
 static int parameter(struct settings *s, const struct pk_run_value *x, int members)
 {
     const struct pk_system *system = s->system;

@@ -151,9 +151,9 @@ struct run {
     pk_real h_min, h_max; /* steps made */
     pk_real trusted;      /* until when the energy was what it is to be; see trust.h */
     int distrusted;
-    pk_real ends;  /* where dop853 says that the motion does, */
-    int beyond;    /* and the steps have gone on behind it */
-    int goes_on;   /* by dop853 the motion does, where the steps ended */
+    pk_real ends;  /* end of the motion according to dop853 */
+    int beyond;    /* the steps have gone on past that end */
+    int goes_on;   /* dop853 finds that the motion goes on past the failure */
     char *besides; /* behind the reason of a failure, or NULL; of malloc() */
     int interrupted;
     int write_failed;

@@ -33,7 +33,7 @@ static int found(void *context, const struct pk_events *events)
 {
     struct run *run = (struct run *)context;
     const struct moment at = {events->t, events->q, events->v, events->z};
-    observe_event(run, events->which, &at);
+    observe_crossing(run, events->which, &at);
     if (!run_due(run, events->t))
         return 1;
     if (run->settings.at == events->which + 1) {

@@ -62,6 +62,7 @@ def extended(tmp_path_factory: pytest.TempPathFactory):
     (runtime / "run/diagnose_extent.c").write_text(FILE)
     (folder / "swing.lag").write_text(MODEL)
     env = {**os.environ, "PYTHONPATH": str(folder), "PKGEN_CACHE": str(folder / "cache")}
+    env["CFLAGS"] = "-O0"
 
     def run(*words: object) -> dict:
         command = [sys.executable, "-m", "pkgen", *map(str, words), "--json"]

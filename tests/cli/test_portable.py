@@ -35,7 +35,7 @@ def has_fma() -> bool:
 def test_the_same_bits_with_and_without(method: str, tmp_path: Path) -> None:
     def rows(portable: list[str], flags: str, tunables: str) -> str:
         words = ["run", DOUBLE, "--method", method, *METHODS[method], "--until", "30"]
-        more = {"CFLAGS": flags, "GLIBC_TUNABLES": tunables}
+        more = {"CFLAGS": f"-O1 {flags}", "GLIBC_TUNABLES": tunables}
         done = run_pkgen(*words, "--every", "0.5", *portable, env={**os.environ, **more})
         assert done.returncode == 0, done.stderr
         return done.stdout

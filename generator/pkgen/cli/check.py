@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     sizes = lengths.given(options.size)
     with within_limits(options):
         model, warnings = check_model(source, sizes=sizes)
-        # What other sizes than the file's make wrong of a scene, who chooses it hears.
+        # Errors of a scene that only --size causes are left to commands that choose it.
         scenes = [item for item in model.scenes if not item.misfits]
         wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]
     if wrong:

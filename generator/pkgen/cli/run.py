@@ -75,7 +75,7 @@ def _to_file(
                 outcome = _simulate(asked, file)
             print(json.dumps(_result(asked, outcome, folder / "rows.csv"), indent=1))
         return outcome, None
-    unfinished = Outcome(INTERRUPTED, {}, "")  # should nobody be there to say more
+    unfinished = Outcome(INTERRUPTED, {}, "")  # what the file says if pkgen is killed
     with Result(output, _text(_describe(asked, unfinished, output.name))) as result:
         if output.suffix == ".csv":
             outcome = _simulate(asked, result.file)

@@ -5,8 +5,8 @@ is written in sin(x), cos(x), sin(y) and cos(y), tan as sin/cos, sinh and the li
 pow(x, n - 1) as pow(x, n)/x, abs, min, max and step in sign; and several expressions are brought
 over one denominator. What is left are polynomials in generators with the relations
 sin^2 = 1 - cos^2, sign^2 = 1 and root^n = what is under it, so an expression is zero wherever it is
-defined if its numerator is. A reciprocal counts as a division, and a sign as one by what it is of:
-what is said here is said of places where nothing is divided by zero, beside kinks and jumps.
+defined if its numerator is. Both reciprocal(x) and sign(x) count as divisions by x: all results
+hold only where nothing is divided by zero, away from kinks and jumps.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def group() -> dict[str, object]:
 
 
 def on_end(stop: Callable[[int], None]) -> None:
-    """What else is to end with them: called with 1, and with 0 where work begins anew."""
+    """Registers a stop function: called with 1 when all end, with 0 when work begins anew."""
     _stops.append(stop)
 
 

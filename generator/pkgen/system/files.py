@@ -58,7 +58,7 @@ def place(path: Path) -> Path | None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """No signal that ends pkgen comes between; it comes behind."""
+    """Delays signals that end pkgen until the block is done."""
     ends = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ends)
     try:
@@ -164,7 +164,7 @@ class Result:
             return self.path
         kept = self._rows()
         if kept:
-            with suppress(OSError):  # a full disk has told of itself, and the first one stands
+            with suppress(OSError):  # a full disk is reported already; the first description stays
                 replace({beside(self.growing): description})
         with suppress(OSError):
             self.file.close()

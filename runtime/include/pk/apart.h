@@ -71,8 +71,8 @@ enum pk_status pk_apart_init(struct pk_apart *apart, const struct pk_problem *wh
                              void *block, size_t block_size);
 /* Other values of the quadratures, in the order of the whole. */
 enum pk_status pk_apart_set_quadratures(struct pk_apart *apart, const pk_real *z);
-/* Each part to t, one after the other, fixed steps beyond it up to `limit`, which alone shortens them.
- * Where one fails the state stays that of the last t where all were, parts before it are at t already,
+/* Integrates each part to t in turn. Fixed steps may pass t; only `limit` shortens them.
+ * Where one fails the state stays at the last t that all reached; parts before it are at t already,
  * and no later call makes a step. */
 enum pk_status pk_apart_to(struct pk_apart *apart, pk_real t, pk_real limit);
 /* The last status in words, with the part's coordinates and its last valid time. Returns its length

@@ -14,8 +14,8 @@
 
 PK_BEGIN
 
-/* The residual that is largest beside the sizes of its terms, which rounding is to be measured by:
- * in its own unit, and so. 0 where there is no such row. */
+/* The residual that is largest relative to the sizes of its terms, which are the scale of rounding:
+ * in its own unit, and relative to them. 0 where there is no such row. */
 struct pk_residuals {
     pk_real norm;    /* | |Q| - 1 | */
     size_t rotation; /* which of n_rotations */

@@ -18,10 +18,10 @@
  * such states decide; so a crossing is as accurate as the method's own step, and the trajectory is what
  * it is without events.
  *
- * What is found: an odd number of crossings in a step always, at least one of them; two of them where
- * the interpolant shows their dip. Where the 4096th part of a step is still too long for g, crossings may
- * be missed, and doubtful() is called; what is narrower than the points are apart, and looks constant
- * in all of them, is not seen. A touch without a crossing is none,
+ * Of an odd number of crossings in a step at least one is always found; two are found where
+ * the interpolant shows the dip. Where 1/4096 of a step is still too long for g, crossings may
+ * be missed, and doubtful() is called. What is narrower than the sample spacing, and constant
+ * at all of them, is not seen. A touch without a crossing is no event,
  * unless g is exactly zero at the end of a step. The time is that of a state just behind the
  * crossing, where g has its new sign or is zero, within some four units in the last place of t.
  *
@@ -98,13 +98,13 @@ struct pk_events {
     size_t listed;
     void *params; /* with sides: */
     pk_real *sides;
-    pk_real *fresh; /* flags: zero where the step begins, so that the side is a guess, */
-    int again;      /* and was a wrong one */
+    pk_real *fresh; /* flags: zero at the start of the step, so that its side is a guess */
+    int again;      /* a guess was wrong; step again */
     int brief;      /* switchings one upon another */
     int at_switch;  /* the step begins at one */
-    int kept;       /* the step goes on from where the last one ended, at */
-    pk_real left;   /* this time: switches with an impulse keep their sides, */
-    pk_real *held;  /* and events that end a step theirs, within rounding, which stands there */
+    int kept;       /* the step starts where the last one ended, at `left` */
+    pk_real left;   /* end of the last step; impulse switches keep sides */
+    pk_real *held;  /* signed rounding; an event within it keeps the side of `held` */
     pk_real *room;  /* for impulses */
 };
 

@@ -39,10 +39,10 @@ enum { PK_LOOP_LEAST = 32 };
  * `winding`: by how much q is more after once round (of an angle a multiple of 2 pi). Both arrays
  * are overwritten.
  *
- * Of the series of q and of p: `rms` of what varies, `tail`, how much of it is in the last eighth of
- * the harmonics (four at least), root mean square, and `rounding`, what roundings of the samples would put there.
- * Of a loop that is resolved the tail is near that. What is too fine for the samples leaves
- * harmonics that fall off towards the last one; errors of each sample's own leave a plateau: `flat`
+ * Of the series of q and of p: `rms` of what varies, `tail`, the rms of the last eighth of
+ * the harmonics (four at least), and `rounding`, the tail that rounding of the samples would make.
+ * If the loop is resolved, `tail` is near `rounding`. Structure too fine for the samples leaves
+ * harmonics that decay towards the last one; independent errors leave a plateau: `flat`
  * says that the last ones are no less than PK_LOOP_FLAT of as many before.
  * `size` is the area of an ellipse of the same rms in q and p, and `noise` the standard deviation of
  * the area if the last ones are noise, as much in every harmonic.

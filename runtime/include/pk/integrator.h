@@ -139,9 +139,9 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 /* One step towards `limit`, never past it; a step that would end within round-off of it ends
  * exactly there. PK_DONE without a step if t is there already. */
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
-/* For a result at t by fixed steps that it does not disturb: the limit of the next one, t where it is
- * on their grid but for rounding, else `limit`, beyond it; and behind that step pk_integrator_aside()
- * has it. Whether t is where `it` is, but for rounding. */
+/* The limit of the next fixed step if a result is wanted at t: t itself if it is
+ * on the grid to rounding, else `limit`. After the step pk_integrator_aside() gives the result,
+ * if needed. pk_integrator_is_at(): whether it->t is t to rounding. */
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Up to `steps` steps (0: as many as it takes) towards `limit`. Where the system can advance() by a

@@ -9,8 +9,8 @@
  * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps
  * from its last step are left: they err by as much as the step did, and count h times that.
  *
- * A way back that is no longer short says that the step missed something, a steep ramp of phi(t) say,
- * and is refused: of MOST_OFF tolerances, where the step can be made again, else one as long as the step.
+ * A long first correction means that the step missed something, a steep ramp of phi(t) say. It is
+ * refused above MOST_OFF tolerances if the step can be retried, else above the length of h v.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
@@ -24,7 +24,7 @@
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
 #define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
 #define MOST_OFF PK_C(100.0)            /* the models shipped: 47, and 470 in one run at 1e-3 */
-#define DEPENDENT PK_C(1e-12)           /* at 1e-6 rad from another row no step is left */
+#define DEPENDENT PK_C(1e-12)           /* sine squared; steps underflow before rows this close */
 enum { MOST = 20 };                     /* corrections */
 
 int pk_project_dependent(struct pk_integrator *it)

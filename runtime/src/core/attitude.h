@@ -1,5 +1,5 @@
 /* Unit quaternions Q = (w, x, y, z), body to space: products, turns of vectors, and how a step turns
- * an attitude. What is written may be where an argument is: all is read before. By half a step's x = h omega/2 the Cayley map turns by the quaternion
+ * an attitude. Outputs may alias inputs. For half a step, x = h omega/2, the Cayley quaternion is
  *
  *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    twice:  c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *

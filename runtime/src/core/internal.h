@@ -57,8 +57,8 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch);
  * more where it is a size. */
 size_t pk_refused_parameter(const struct pk_system *system, int outside);
 enum pk_status pk_check_options(struct pk_integrator *it);
-/* Facts that a method needs and the system lacks; and where it lacks no more than smoothness across
- * its switches, or rates jump there, whether their sides are not given. */
+/* Facts that a method needs and the system lacks. pk_sides_missing(): if only smoothness across the
+ * switches is lacking, or rates jump there: whether a side is not set. */
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method);
 int pk_sides_missing(const struct pk_integrator *it);
 /* A kernel that a method calls and the system was compiled without; NULL: there is none. */
@@ -80,9 +80,9 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 size_t pk_scale_size(const struct pk_method *method, size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
-/* After an underflow: what has never moved, and is pushed within h, has what h makes of that for its
- * scale. 1: there is such a coordinate. Else a push that sets in with a jump is never followed, for
- * errors are all of the motion there. */
+/* After an underflow: coordinates that never moved but accelerate at t + h get that motion as their
+ * scale; 1 if there are any. Without this, a force that jumps on is never integrated from rest, for
+ * the error is as large as the motion. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
 /* Where the equations end: what system->singularities.table says, watched from step to step. Numbers needed; at
@@ -113,7 +113,7 @@ enum pk_status pk_quadrature_step(struct pk_integrator *it);
 /* Whether the step is to be made again, shorter, for the quadratures' sake; it->own->h follows them. */
 int pk_quadrature_rejects(struct pk_integrator *it);
 void pk_quadrature_accept(struct pk_integrator *it);
-/* Those at the begin of the last step of `it` for `side`. */
+/* Gives `side` the quadratures at the start of the last step of `it`. */
 void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side);
 
 #endif

@@ -1,9 +1,9 @@
-/* Forces shorter than a step: system->marks.names, arguments u of exp(u), tanh(u) and the like, which change
- * where u is within +-ALIVE alone. No stage of a step may lie there; but u itself is smooth along the
+/* Forces shorter than a step. Marks are arguments u of exp(u), tanh(u) and so on that change only
+ * where u is within +-ALIVE. Perhaps no stage of a step lies there, but u is smooth along the
  * step, a polynomial often, and is followed down to where it gets there. A step in which u, cut off at
  * +-ALIVE, varies by more than MOST passes over what its stages may not see: it is made again up to
  * where it does not, and the next ones are kept that short until their errors keep them so. What
- * is fixed is not made shorter, but counted. In between the motion is taken to be the cubic through the ends; where
+ * is fixed is not made shorter, but counted. Within the step the motion is taken as a cubic; where
  * that is off, the shorter step shows it.
  */
 #include <string.h>

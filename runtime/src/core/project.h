@@ -45,8 +45,8 @@ pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t r
 /* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. The
  * multipliers mu are overwritten. */
 size_t pk_project_factor(struct pk_projection *w, size_t rows);
-/* w->depends: what combination x of the rows before it a row is, (J M^-1 J^T) x = J M^-1 row^T by the
- * factors of the leading block, of rows c apart; each beside the sizes of both, which mu has squared. */
+/* w->depends: the row as a combination x of earlier rows, (J M^-1 J^T) x = J M^-1 row^T by the
+ * factors of the leading block (row stride c); x_i is scaled by the rows' norms, squared in mu. */
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether

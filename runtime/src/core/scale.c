@@ -107,8 +107,8 @@ static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, p
            pk_all_finite(a, it->n);
 }
 
-/* A method in momenta finds a rate as p_i less the other terms, over M_ii: their rounding is in it. What
- * constraints hold has no motion of its own, and steps err in it as in the terms. */
+/* Methods in p solve M_ii v_i = p_i - (other terms), so v_i has the rounding of these. What
+ * constraints hold does not move by itself; its error there is rtol of the terms. */
 static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -138,8 +138,8 @@ static void shake(const struct pk_integrator *it, pk_real share, unsigned long r
     }
 }
 
-/* Here and a little beside, the smaller: where a force sets in as a root does, rounding makes much of
- * it for a moment that is none of a step. */
+/* Takes the smaller noise of two nearby states: where a force sets in like sqrt(x), rounding is
+ * amplified, but only for much less than a step. */
 static void look_at_rounding(struct pk_integrator *it)
 {
     const size_t n = it->n;
@@ -158,7 +158,7 @@ static void look_at_rounding(struct pk_integrator *it)
     look_at_momenta(it);
 }
 
-/* How long the shortest of what moves takes for its own scale; 0: unknown. */
+/* The shortest time in which a coordinate moves by its own scale; 0: unknown. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
@@ -172,8 +172,8 @@ static pk_real while_it_falls(const struct pk_integrator *it)
     return h;
 }
 
-/* A first step from zero has to move time: what it passes meanwhile is the scale. From rest the rates
- * have none: there it is that of a fall through the coordinate's. */
+/* A coordinate at zero gets as its scale the way it goes in the least first step. A rate at rest
+ * gets the speed of a fall through the coordinate's scale. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n = it->n;
@@ -209,7 +209,7 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
 }
 
-/* The length of a push from rest that hardly changes what pushes: a fraction of an oscillation. */
+/* A time from rest in which accelerations change by at most the largest: part of an oscillation. */
 static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {
     const size_t n = it->n;

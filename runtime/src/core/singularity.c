@@ -1,8 +1,8 @@
 /* Singularities: where the equations end, watched from step to step; see struct pk_singularity.
  *
  * A singularity that changes its sign in a step has vanished in it. One that never does, such as the
- * distance in a collision, has not for all that two ends of a step tell; nor has one that changes
- * it twice, and a step may step over a singularity without a sign of it. So where the tangent at
+ * distance in a collision, or that changes it twice has the same sign at both ends of the step:
+ * the step may pass over it unnoticed. So where the tangent at
  * either end says that a singularity may vanish within the step, or cannot account for its change, the
  * step is gone through again by short ones (singularity_search.c). Adaptive steps are no exception:
  * at a tight tolerance they shrink before a singularity until they underflow, and then the same
@@ -74,8 +74,8 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
                : PK_SINGULAR_TIME;
 }
 
-/* A singularity has changed its sign in the step: what the motion itself does from where it began. A step
- * that is in error may meet the singularity early, so two steps are looked at. */
+/* A singularity changed its sign: searches the motion itself from the start of the step over
+ * two steps, since an inaccurate step may meet the singularity too early. */
 static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
 {
     const pk_real h = it->own->next_t - it->t;

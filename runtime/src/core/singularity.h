@@ -30,7 +30,7 @@ void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real 
 /* The singularities at d along the tangent. */
 void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                           pk_real d, pk_real *out);
-/* A time from a tangent that is no more than round-off may be anything: then the first of two. */
+/* t if it lies between first and last, else first: a tangent of mere round-off gives any time. */
 pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last);
 /* Whether a singularity falls to `depth` of its value at the state on the way to t_end, and which. Leaves
  * counters and the reason of a failure as they were. */

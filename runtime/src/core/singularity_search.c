@@ -82,8 +82,8 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
     return 1;
 }
 
-/* The first singularity that has fallen to `depth` of its value at the state, or where steps get nowhere
- * any more (`halted`) to what is round-off beside its values before; else their number. */
+/* The first singularity that fell to `depth` of its value at the state or, if steps have stalled
+ * (`halted`), to the round-off of its largest value so far; else the number of them. */
 static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real depth, int halted)
 {
     const pk_real *first = pk_singularity_part(it, PK_SINGULARITY_NOW);
@@ -96,9 +96,9 @@ static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real d
     return k;
 }
 
-/* The acceleration, of some state near to the last one, as the singularity falls to zero. Divided by a
- * power of the singularity it grows a hundredfold to that power from one depth to the next; where the
- * quotient has a limit it does not grow. */
+/* The largest acceleration when the singularity g is down to 1e-2 and 1e-4. One like g^-k grows
+ * by a factor 100^k from one depth to the next; one whose quotient has a finite limit, such as
+ * sin(g)/g, does not grow. */
 struct growth {
     int levels;
     pk_real a[2];

@@ -67,8 +67,8 @@ static enum pk_status slope_at(void *context, pk_real distance, pk_real *slope)
     return PK_DONE;
 }
 
-/* How far on f has become 0, which has not there and has, or has passed it, at `far`; to the last
- * digit, be `far` a million times as far: where the force nearly vanishes panels begin so long. */
+/* The distance of the zero of f, which has the other sign, or is 0, at `far`: to the last
+ * digit, even if `far` is a million times as far, as first panels are where the force is tiny. */
 static pk_real root_of(struct place *p, pk_function f, pk_real far)
 {
     for (pk_real before = PK_INFINITY; far < before / 2;) {

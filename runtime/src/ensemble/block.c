@@ -198,7 +198,7 @@ static unsigned long long aside(const struct pk_block *of, const struct pk_block
     return s->step(&b) | normalise(&b);
 }
 
-/* All live lanes to t, or by the step that is to be made beyond it. */
+/* Advances all live lanes to t, or past it by the fixed step that contains t. */
 static unsigned long long advance(struct pk_block *b, const struct pk_block_stepper *s,
                                   const struct pk_ensemble *e, struct pk_integrator *clock,
                                   size_t first, char *memory, pk_real t, unsigned long long live)

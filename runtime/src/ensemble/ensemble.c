@@ -50,7 +50,7 @@ static void keep(const struct pk_ensemble *e, size_t member, size_t row,
     e->done[member]++;
 }
 
-/* To the time of a row, and for a fixed step beyond it: the integrator that is there then. */
+/* Steps to the row at t, or past it by a fixed step. *there: the integrator that is at t. */
 static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct pk_member *m,
                              pk_real t, const struct pk_integrator **there)
 {

@@ -25,14 +25,14 @@ struct pk_member {
     struct pk_constant_input input;
 };
 size_t pk_member_size(const struct pk_ensemble *e);
-/* How many of them a block has, for steps of W lanes; of 1, another makes steps aside. */
+/* Members in a block for steps of W lanes; for W = 1 a second one reaches rows within steps. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
 /* Its integrator alone, and with what is known of the member before the first step. */
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
                                     struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
-/* The step that its lane has just made by the clock, to next[i * W] and so on, or failed with
- * `status`: the reason by the singularities, if they know one, or PK_DONE, and the member follows. */
+/* Gives the member the step that its lane has made, to next[i * W] and so on, or that failed with
+ * `status`. Returns PK_DONE, or the failure: a singularity where that is its cause. */
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 

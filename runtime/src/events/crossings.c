@@ -96,8 +96,8 @@ static pk_real vertex(const pk_real *x, const pk_real *g)
     return (x[0] + x[1]) / 2 - below / (2 * bend);
 }
 
-/* Whether a convex function through three points, the least in the middle, may be zero: not where the
- * chords, drawn on, stay away from it. */
+/* Whether a convex function through three points, with its least in the middle, may reach zero: not
+ * if the extended chords stay clear of zero. */
 static int may_cross(const pk_real *x, const pk_real *g)
 {
     const pk_real l = x[1] - x[0], r = x[2] - x[1], sign = g[1] > 0 ? PK_C(1.0) : PK_C(-1.0);
@@ -105,8 +105,8 @@ static int may_cross(const pk_real *x, const pk_real *g)
            sign * g[1] <= sign * (g[0] - g[1]) * (r / l);
 }
 
-/* True values down a dip that has its least value near `at`, until one has crossed: by parabolas, and
- * since it may be a kink by sections of the longer side too. */
+/* Evaluates g down a dip whose minimum is near `at` until a value has crossed: by parabolas and, as
+ * the dip may be a kink, by golden sections of the longer side. */
 static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
 {
     pk_real x[3] = {left, at, right}, g[3];

@@ -28,8 +28,8 @@ static void hermite(const struct pk_events *e, const struct pk_integrator *it, p
     }
 }
 
-/* How much else the motion bends at the ends than the cubic does, h^2 of the second derivative; whether
- * by so much that half-way it may be off by 1/32 of the rise. */
+/* The difference of h^2 q'' between motion and cubic at both ends; whether it is so large that
+ * the cubic may be off by 1/32 of the rise half-way. */
 static int is_worthless(struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;

@@ -60,8 +60,8 @@ static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *en
     return wanted || it->problem.system->events.table[k].stop;
 }
 
-/* The next step begins on that side of each event on which this one ends: what puts the state onto its
- * constraints again moves it by rounding, to where the same zero would be crossed twice. */
+/* Each event keeps its side from the end of this step to the start of the next: projection onto the
+ * constraints moves the state by rounding, and the same zero could be crossed twice. */
 static void hold(struct pk_events *e)
 {
     const pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);

@@ -30,9 +30,9 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
     it->problem.params = e->params;
 }
 
-/* Whether the step goes on from where the last one has ended, not from a state of the caller's. Then
- * switches with an impulse keep their sides: on the zero the impulse is to come, and a little behind
- * it is what a barrier has turned back. */
+/* Whether the step starts where the last one ended, not at a state set by the caller. If so,
+ * switches with an impulse keep their sides: at the zero the impulse is still to come, and a motion
+ * turned back by a barrier is just past the zero. */
 static int goes_on(const struct pk_events *e, const struct pk_integrator *it)
 {
     return e->kept && !(it->t < e->left) && !(it->t > e->left) &&

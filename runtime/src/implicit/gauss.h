@@ -34,9 +34,9 @@ struct pk_gauss_kept {
     /* newton.c: iterations with a new matrix; steps for which it is still to be made anew, and how
      * many these were; whether the iteration ended in the round-off of the forces. */
     int best, wait, patience, noisy;
-    /* branch.c: the contraction where lu was made, and in the last step; the rate of an iteration at
-     * its start, and the worst; what part of the quick bound the better one was, and for how many
-     * more matrices that is taken; whether lu was found to be on the branch, or is of this step. */
+    /* branch.c: contraction when lu was made and in the last step; first and worst iteration rate;
+     * `loose`, the sharp bound over the quick one where both were computed, and for how many
+     * more matrices it is reused; whether lu is known to be on the branch, or is of this step. */
     pk_real contraction, last_contraction, first_rate, worst_rate, loose;
     int loose_for, sure, fresh;
 };

@@ -201,8 +201,8 @@ static enum pk_status try_step(struct pk_integrator *it, pk_real limit)
     return status;
 }
 
-/* That, back on the constraints; a step that is too far off is made shorter where the method can, and
- * where it then shrinks to nothing, that is why. */
+/* A step with its projection. Where the method can, a failed projection is retried at a quarter of
+ * the length; an underflow after that is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 {
     enum { CUTS = 12 };

@@ -21,7 +21,7 @@ static pk_real *part(const struct pk_integrator *it, int k)
     return it->own->quadratures + (size_t)k * it->problem.system->quadratures.n;
 }
 
-/* Where what is now is; the other half is what was before the step, or comes after it. */
+/* The half with the current values; the other has those before or after the step. */
 static int half(const struct pk_integrator *it) { return it->z == part(it, NOW) ? NOW : NEXT; }
 
 size_t pk_quadrature_size(const struct pk_system *system, size_t n)

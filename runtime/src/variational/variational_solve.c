@@ -14,9 +14,9 @@
 
 enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 
-/* Rates of corrections beyond FAR, relative, at which the solution is that next to the guess: of the
- * iteration by M, and of Newton's; and by how much of the rates what r holds beside M V may change
- * within the step. Parts of a step that are followed: the first, and the shortest. */
+/* FAST, SURE: rates of corrections above FAR that show that the solution is next to the guess,
+ * by M and by Newton's method. GENTLE: how much r - M V may change within the step, relative to the
+ * rates. FIRST, SHORTEST: parts of the step by which the solution is followed. */
 #define FAR PK_C(0.1)
 #define FAST PK_C(0.7)
 #define SURE PK_C(0.5)

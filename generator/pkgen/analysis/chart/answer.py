@@ -34,7 +34,7 @@ def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track
         search.refine(accuracy)
     for accuracy in told:
         search.time_again(accuracy)
-    # A judgement may measure a point that changes another: until none does.
+    # Judging may measure new points, which change other answers: repeat until none.
     count = -1
     while count != search.measured:
         count = search.measured

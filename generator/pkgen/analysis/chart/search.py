@@ -23,7 +23,7 @@ AIM = 0.8  # of the accuracy
 INNER = (0.25, 0.75)  # of the way between two points, where the next one lies
 COARSER, FALLING = 1.2, 0.7  # errors fall if one is so much smaller than that of such a step
 FOREMOST = 3  # so many methods are taken further
-ROUNDS, TIMED = 3, 1.5  # so often is timed again what may be so many times the fastest
+ROUNDS, TIMED = 3, 1.5  # rounds of timing; for points within TIMED times the fastest
 ROUNDING = 1e-12  # of a quotient that is meant to be whole
 
 
@@ -88,7 +88,7 @@ class Search:
                 break
 
     def time_again(self, accuracy: float) -> None:
-        """In turns, where that may be the fastest: each method's loosest and soonest."""
+        """Times again, in turns, the loosest and fastest points of methods near the fastest."""
         least = _cost(self.cheapest(accuracy, "seconds"), "seconds")
         able = []
         for points in self.points.values():
@@ -184,7 +184,7 @@ class Search:
         return self.bench.until / math.ceil(self.bench.until / step * (1 - ROUNDING))
 
     def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
-        """What tells of them, from loose to tight: low <= setting < high."""
+        """Usable points with low <= setting < high, from loose to tight."""
         return [
             p
             for p in self.points[method.name]

@@ -29,6 +29,6 @@ class Task:
 
     @property
     def max_step(self) -> float | None:
-        """Of what is to be exact: steps leap over what is shorter than they are, and where nothing
-        foretells it no control of errors sees that. None: any."""
+        """The longest step of the exact run: error control does not see what lies within a step if
+        nothing announces it. None: no bound."""
         return self.until / STEPS if self.timed else None

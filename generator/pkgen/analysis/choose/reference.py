@@ -19,11 +19,11 @@ USUAL = (1e-15, 1e-14)
 NOISE = 0.1  # a column is nothing but errors where two references differ by that much of it,
 TINY = 1e-10  # and it is that small beside others
 FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it, and two runs that differ
-# by less keep it both; by how much they differ says of each one's error only its order
+# by less both keep it; their difference gives only the order of magnitude of each error
 ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
-OTHER = 0.7  # of the longest step, that of a run beside
-WRONG = 1e3  # times that two runs of one method differ, another method must not differ by,
-# nor by so many times its own tolerance
+OTHER = 0.7  # longest step of a comparison run over the exact run's
+WRONG = 1e3  # times the difference of two runs of one method: another method may differ by that,
+# or by so many times its own tolerance
 
 
 @record
@@ -56,7 +56,7 @@ def loose(method: str, every: float) -> float:
 
 
 def other_steps(asked: Task) -> float | None:
-    """Of a run beside: two whose steps end at the same times leap over the same."""
+    """Longest step of a comparison run: equal steps would step over the same features."""
     return asked.max_step and OTHER * asked.max_step
 
 
@@ -177,7 +177,7 @@ def part(t: float, every: float) -> tuple[float, float]:
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:
     def differ(i: int) -> float:
-        """Of runs that are the same in all digits no one can tell."""
+        """Identical runs are left out: they say nothing of errors."""
         return min((t.columns[i] for t in agree if t.arrived and t.columns[i] > 0), default=0.0)
 
     tiny = TINY * max(scales, default=0.0)

@@ -24,7 +24,7 @@ LOOSEST, TIGHTEST = 0.5, 2.0**-51
 # What is tried where a method's first setting was slower than others: a looser tolerance, since
 # errors may be far below it; a shorter step, since the equations of long ones take long to solve.
 LOOSENED, SHORTENED = 100.0, 0.25
-ITERATIONS = 40  # their number falls so slowly: as the tolerance to one over this
+ITERATIONS = 40  # the number of iterations is taken as rtol^(-1/ITERATIONS)
 FURTHEST = 1e5  # that a tolerance is moved at once
 
 

@@ -42,8 +42,8 @@ class Whole:
 
     def verified(self, best: Found | None, found: list[Found]) -> Kept:
         """`best` is None where no candidate keeps the accuracy of the part."""
-        # Two tight runs of one method over the whole scene would agree by more than what the
-        # reference's own error grows to, for they share what their steps do to the energy.
+        # Two tight runs of one method share their energy errors, so over the whole scene they agree
+        # better than the reference's own error, as it grows to the end, would allow.
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest()

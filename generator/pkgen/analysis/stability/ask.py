@@ -180,7 +180,7 @@ def rest(answer: dict) -> Rest:
     )
 
     def cleared(mode: dict) -> dict:
-        """What is found close to a root at which the linear terms vanish moves a little."""
+        """Sets modes near 0 to 0: inexact roots make vanishing linear terms small numbers."""
         slow = math.hypot(mode["growth"], mode["frequency"]) <= ZERO * fastest
         return {**mode, "growth": 0, "frequency": 0} if slow else mode
 

@@ -77,8 +77,8 @@ class LoopCode:
     # -- functions of a row -------------------------------------------------------------------
 
     def row_functions(self, s: Set) -> str:
-        """What a set of rows says of one cell: inside (not 0: an angle was too large for the inline
-        sine, the part is to be used), anywhere, and with the ghosts that stand for it."""
+        """The C functions of one cell: _inner (not 0: an angle was too large for the inline
+        sine, so call _part), _part for any cell, and _edge, which adds its ghosts."""
         stem = f"{self.name}_{s['name']}"
         inline = "PK_INLINE static pk_bits"
         found = []

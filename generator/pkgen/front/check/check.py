@@ -138,8 +138,8 @@ class _Checker:
         return replace(model, scenes=tuple(scenes))
 
     def _misfits(self) -> dict[str, list[Diagnostic]]:
-        """With other sizes than the file's a scene may name members that are not there: that is
-        its own error, of which only who chooses it hears."""
+        """With sizes from the command line a scene may name missing members. Such errors stay with
+        the scene, and are reported only when it is chosen."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
         for scene in scenes if self.given else ():

@@ -151,7 +151,7 @@ class Given:
         return index, index
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
-        """One member may differ from what its family is given, but nothing is given in vain."""
+        """A member's value may override its family's, but no value may be wholly overridden."""
         given, (lo, hi) = self.given.setdefault(name, set()), members
         if members in given or (lo < hi and any(lo <= a and b <= hi for a, b in given)):
             shown = f"a member of '{name}'" if lo < hi else f"'{name}'"

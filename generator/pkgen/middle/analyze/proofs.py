@@ -32,7 +32,7 @@ from .along import Along
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
 SHOWN = 12  # values of a counterexample
 VISIBLE = 1e-300
-OFF = 1e-6  # of its terms: no rounding of doubles, nor of a start that is on constraints but for it
+OFF = 1e-6  # of its terms: more than rounding, also that of a start put on constraints
 NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
 
 
@@ -170,7 +170,7 @@ class _Tried:
             if rate is None or None in parts:
                 continue
             self.count += 1
-            # Rounding tells how large the parts of a term are of which nothing is left.
+            # If a term cancels to 0, its rounding error shows the size of its parts.
             size = sum(part.most for part in parts)
             most = max(size, rate.rad / balls.tiny)
             self.relative = max(self.relative, rate.most / most if most else 0)

@@ -28,7 +28,7 @@ STATES = BIT[Kind.STATE]
 
 
 class Circular(Exception):
-    """The rates of these states, each in that of the one before, the first in that of the last."""
+    """A cycle of states: each one's rate uses that of the next, the last one's the first's."""
 
     def __init__(self, cycle: Sequence[int]):
         super().__init__(cycle)

@@ -70,9 +70,9 @@ def switches_of(
 
 
 def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
-    """The calls that stand in what has no value everywhere and may come to its end where they bend,
+    """The calls in a function of limited domain that may reach the end of it where they bend,
     max(0, x) of max(0, x)^(3/2) say: a step that is held on one side goes a little beyond the zero,
-    where that is no number. They stay as they are, and steps end at their zeros all the same."""
+    where that is no number. They are not held, and steps end at their zeros all the same."""
     g, found = g.copy(), set()
     for n in reachable(g, nodes, VARIABLE):
         ends = _ends(g, n)

@@ -95,7 +95,7 @@ class LoopExpander:
             ) from None
 
     def statement(self, span: Span) -> AbstractContextManager:
-        """What the unrolled model reports at a place has a reason of its own here."""
+        """Adds no place: what goes wrong here raises Unrolled with its own reason."""
         return nullcontext()
 
     # -- slots --------------------------------------------------------------------------------

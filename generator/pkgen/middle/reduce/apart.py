@@ -64,7 +64,7 @@ def _part(
     block: tuple[int, ...],
     quadratures: list[int],
 ) -> Subsystem:
-    """The others rest at their starts: L without them, but for what cannot move these."""
+    """The block as its own system: in L all other coordinates rest at their starts."""
     g, n = e.graph, len(e.coordinates)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     others = [i for i in range(n) if i not in block]
