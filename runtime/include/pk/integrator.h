@@ -37,13 +37,12 @@ struct pk_problem {
     void *context;
 };
 
-/* The default: no number of one unit or another. */
+/* The default of atol: a size for each component, from the motion (see pk_options.atol). */
 #define PK_ATOL_OF_MOTION PK_C(-1.0)
 
 enum pk_iteration { PK_NEWTON, PK_FIXED_POINT };
 
-/* What reasons say behind the settings that they advise to change, for who knows them by another
- * name: " (--step)". NULL: nothing. */
+/* The caller's names of settings, which reasons append to their advice: " (--step)". NULL: none. */
 struct pk_words {
     const char *step, *rtol, *step_or_rtol, *max_step, *max_steps, *newton;
 };
@@ -58,10 +57,10 @@ struct pk_options {
                      had, at least 1e-6 of the largest of one of the same unit */
     pk_real h_min;           /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
     pk_real h_max;           /* adaptive; 0: none. A last step may be 1% longer. */
-    unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run before it where time all
-                                but stands still: where at the rate of the last half of the steps
-                                it would take more than max_steps (where that is 0, 1e9) to arrive
-                                or to double the time passed so far. */
+    unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run early if, at the mean
+                                length of the last half of the steps, more than max_steps (of 0:
+                                1e9) would be needed to arrive or to double the time passed so
+                                far, whichever is nearer. */
     enum pk_iteration iteration;
     pk_real newton_tol; /* relative correction that ends an iteration, < 1; 0: the next one is
                            foreseen to be far below round-off, the choice for long runs,

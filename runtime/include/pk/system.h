@@ -71,9 +71,9 @@ struct pk_parameter {
     int lo_open, hi_open;
 };
 
-/* What the acceleration divides by, or takes a root or a logarithm of: it is singular where the
- * singularity vanishes. There the chart alone may end, M being singular (the pole of a sphere), or the
- * motion itself (a collision), or no more than the expression, where a quotient has a limit. */
+/* An expression that the acceleration divides by, or takes a root or a logarithm of. At its zeros
+ * the coordinates may end, where M is singular (the pole of a sphere), or the motion itself (a
+ * collision), or only the expression, where a quotient has a limit. */
 enum pk_singularity_kind {
     PK_SINGULARITY_COORDINATES,
     PK_SINGULARITY_DIVISOR,
@@ -168,10 +168,10 @@ struct pk_part_quadratures {
 };
 
 /* Switches: arguments s of step(s), abs(s), and a - b of min(a, b), at whose zeros the equations
- * change from one smooth form to another. On which side each is held, whatever s: 1 above, -1 below;
- * 0, as defaults() leaves it: where s is. With all sides given the equations are smooth
- * (PK_SWITCHED), but for those within a root or a power that is no integer, which are not held:
- * beyond the zero that is no number. The sides are n pk_real from the byte `sides` of the params on;
+ * change from one smooth form to another. Side 1 fixes the form of s > 0, -1 that of s < 0, whatever
+ * s is; 0, the default, takes the side of s. With all sides given the equations are smooth
+ * (PK_SWITCHED). Switches within a root or a power that is no integer are not held, since beyond
+ * their zeros these have no value. The sides are n pk_real from the byte `sides` of the params on;
  * see pk/events.h, which sets them in a copy.
  *
  * Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
