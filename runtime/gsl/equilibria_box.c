@@ -1,5 +1,5 @@
-/* Where equilibria are sought, and what is large or small there: nothing is compared with 1, lengths
- * are those of the motion, each equation has its own size.
+/* Where equilibria are sought, and what is large or small there: nothing is compared with 1,
+ * lengths are those of the motion, each equation has its own size.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,8 @@
 static const double RUNAWAY = 100;
 enum { MOTION = 48, SETTLING = 100 };
 
-/* The start itself for k = 0; then half of the points in the box, a quarter each in one four and one
- * 32 times as wide, except for angles. Not in base 2, whose digits go with those of k. */
+/* The start itself for k = 0; then half of the points in the box, a quarter each in one four and
+ * one 32 times as wide, except for angles. Not in base 2, whose digits go with those of k. */
 void pk_equilibria_place(struct search *s, size_t k)
 {
     static const double widths[] = {32, 1, 4, 1};
@@ -22,8 +22,8 @@ void pk_equilibria_place(struct search *s, size_t k)
     }
 }
 
-/* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force beside
- * its own size, for one may be of a far smaller one than the others. */
+/* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force
+ * beside its own size, for one may be of a far smaller one than the others. */
 static int is_turn(struct search *s, size_t i)
 {
     double *size = s->p_q, *change = s->F_q; /* of each p and pdot */

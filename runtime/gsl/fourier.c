@@ -1,7 +1,7 @@
 /* The lines of a spectrum, found one after the other; see pk/spectrum.h. GSL's transform of radix 2
  * works in place, over the samples that are left, windowed and with zeros behind them to at least
- * twice their number, so that the grid is finer than a line is wide. (Windowed, since the fit has the
- * window as its weight: it leaves more at the ends.)
+ * twice their number, so that the grid is finer than a line is wide. (Windowed, since the fit has
+ * the window as its weight: it leaves more at the ends.)
  */
 #include <math.h>
 #include <string.h>

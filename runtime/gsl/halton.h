@@ -1,5 +1,6 @@
-/* Points that fill a box evenly and are the same each time: coordinate i of point k is digit by digit
- * k mirrored at the point, in a base of its own, a prime. Reference: J. H. Halton, Numer. Math. 2 (1960) 84.
+/* Points that fill a box evenly and are the same each time: coordinate i of point k is digit by
+ * digit k mirrored at the point, in a base of its own, a prime. Reference: J. H. Halton, Numer.
+ * Math. 2 (1960) 84.
  */
 #ifndef PK_GSL_HALTON_H
 #define PK_GSL_HALTON_H

@@ -1,5 +1,5 @@
-/* The program that `pkgen build` makes of a model: options in, rows and a report out, by the layer of
- * pk/run.h. It needs nothing but the C library.
+/* The program that `pkgen build` makes of a model: options in, rows and a report out, by the layer
+ * of pk/run.h. It needs nothing but the C library.
  *
  * Exit codes: those of enum pk_run_code.
  */

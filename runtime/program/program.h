@@ -28,13 +28,14 @@ void options_free(struct program *p);
 
 /* Of tables.c: an ensemble's CSV; 0, or the exit code after a message. */
 int table_read(struct program *p, const char *path);
-/* Of files.c: rows as an array with named columns; settings, columns and report in JSON; one line. */
+/* Of files.c: rows as an array with named columns; settings, columns and report in JSON; one line.
+ */
 int write_npy(const struct program *p, const struct pk_run *run, const char *path);
 void write_description(const struct program *p, struct pk_run *run, FILE *file);
 void write_summary(struct pk_run *run, FILE *file);
 
-/* A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e of an event, z, s of
- * a size; its index and unit. 0: there is none. */
+/* A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e of an event,
+ * z, s of a size; its index and unit. 0: there is none. */
 int find_name(const char *name, size_t length, char kind, size_t *index, size_t *member,
               const char **unit);
 /* A number, in SI or with the unit that it is to have. 0: it is none. */

@@ -1,9 +1,9 @@
 /* The largest Lyapunov exponent of a run, and what it can mean.
  *
- * Displacements that grow exponentially are chaos only where the motion stays in bounds. One that is
- * still leaving its start at the end, or does not move at all, has met an instability of a simple
- * motion (an equilibrium, a steady rotation) and no more is known. A single coordinate, or two
- * states, without explicit time cannot be chaotic: orbits are curves in a plane (Poincare and
+ * Displacements that grow exponentially are chaos only where the motion stays in bounds. One that
+ * is still leaving its start at the end, or does not move at all, has met an instability of a
+ * simple motion (an equilibrium, a steady rotation) and no more is known. A single coordinate, or
+ * two states, without explicit time cannot be chaotic: orbits are curves in a plane (Poincare and
  * Bendixson).
  */
 #include <stdlib.h>

@@ -26,8 +26,9 @@ void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
 const char *diagnose_not_free(const struct pk_system *system);
 /* Why there are no variational equations, or NULL. */
 const char *diagnose_no_variation(const struct pk_system *system);
-/* Whether the equations have a kink on the straight way from one place to another, at rest: a switch
- * that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1. */
+/* Whether the equations have a kink on the straight way from one place to another, at rest: a
+ * switch that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1.
+ */
 int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to);
 /* Each writes its member. */
 #define DIAGNOSE_DECLARE(name, of, kernels) \

@@ -2,10 +2,10 @@
  *
  *     X(name, made of, kernels)
  *
- * One of a MOTION is made after the run by diagnose_NAME() in diagnose_NAME.c, in this order; OF_ROWS
- * of the rows kept on the way too. A REDUCED one, asked for alone, uses a scene's reduced system.
- * MEMBERS of an ensemble have their own file. Kernels beside those of a run: LINEAR the equations
- * linearised, PARTICLES the particles' places, EVERY all; NONE.
+ * One of a MOTION is made after the run by diagnose_NAME() in diagnose_NAME.c, in this order;
+ * OF_ROWS of the rows kept on the way too. A REDUCED one, asked for alone, uses a scene's reduced
+ * system. MEMBERS of an ensemble have their own file. Kernels beside those of a run: LINEAR the
+ * equations linearised, PARTICLES the particles' places, EVERY all; NONE.
  */
 #ifndef RUN_DIAGNOSTICS_H
 #define RUN_DIAGNOSTICS_H

@@ -1,4 +1,5 @@
-/* An ensemble in place of one trajectory: rows with the member in front, a report of who arrived. */
+/* An ensemble in place of one trajectory: rows with the member in front, a report of who arrived.
+ */
 #ifndef RUN_ENSEMBLE_H
 #define RUN_ENSEMBLE_H
 

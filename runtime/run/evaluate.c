@@ -1,5 +1,5 @@
-/* Kernels at many states in one call: the acceleration in lanes, da/dq and da/dv by the kernel `linear`
- * or, where the system has none, by central differences, good to some PK_EPSILON^(2/3).
+/* Kernels at many states in one call: the acceleration in lanes, da/dq and da/dv by the kernel
+ * `linear` or, where the system has none, by central differences, good to some PK_EPSILON^(2/3).
  */
 #define _POSIX_C_SOURCE 200809L
 

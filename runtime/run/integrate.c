@@ -1,10 +1,10 @@
 /* One trajectory from the start to the end, row by row.
  *
- * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. Fixed steps are not disturbed by them: the last
- * before `until` or at a switch alone is shorter, and a row within a step is at the end of a shorter one
- * from where it began. An adaptive method lands on rows, or answers by its dense output where that is as
- * accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at tight tolerances
- * (measured in tests/runtime), so they land.
+ * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. Fixed steps are not disturbed by them: the
+ * last before `until` or at a switch alone is shorter, and a row within a step is at the end of a
+ * shorter one from where it began. An adaptive method lands on rows, or answers by its dense output
+ * where that is as accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at
+ * tight tolerances (measured in tests/runtime), so they land.
  */
 #include "state.h"
 
@@ -78,7 +78,8 @@ static pk_real wanted(const struct run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
-/* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is expected. */
+/* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is
+ * expected. */
 static pk_real limit(const struct run *run)
 {
     const struct settings *s = &run->settings;

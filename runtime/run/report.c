@@ -1,4 +1,5 @@
-/* The report, and pieces of JSON, where a number that is not finite is null: it has no other word. */
+/* The report, and pieces of JSON, where a number that is not finite is null: it has no other word.
+ */
 #include "state.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma, a
- * quote or a blank (RFC 4180).
+/* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma,
+ * a quote or a blank (RFC 4180).
  */
 #include "observe.h"
 

@@ -1,6 +1,6 @@
-/* What was asked for, as the run uses it: sizes first, since they say how many numbers there are, then
- * parameters by default, those given, and those that follow; then the start, computed from them, and
- * what is given of it.
+/* What was asked for, as the run uses it: sizes first, since they say how many numbers there are,
+ * then parameters by default, those given, and those that follow; then the start, computed from
+ * them, and what is given of it.
  */
 #define _POSIX_C_SOURCE 200809L
 

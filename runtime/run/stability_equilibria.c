@@ -16,8 +16,8 @@ struct modes {
     size_t count;
 };
 
-/* Where the linear terms vanish, what is left of them grows with the distance from the root, which is
- * about as large as Newton's last correction. A mode that is no longer there that far beside is
+/* Where the linear terms vanish, what is left of them grows with the distance from the root, which
+ * is about as large as Newton's last correction. A mode that is no longer there that far beside is
  * none: its lambda becomes 0. */
 static void clear_doubtful(struct stability *s, const double *q, const double *v,
                            const double *doubt, struct modes *modes, struct modes *beside)

@@ -1,11 +1,11 @@
-/* The motion itself, by dop853 at 1e-10: what a method's motion is compared with. It is followed for as
- * long as a point of the map is, which at long steps is beyond `until`.
+/* The motion itself, by dop853 at 1e-10: what a method's motion is compared with. It is followed
+ * for as long as a point of the map is, which at long steps is beyond `until`.
  *
  * It leaves, and no method's is judged by it, where a coordinate that is not cyclic is still going
- * away at `until`, by a fifth more in each of the last two quarters, and nothing comes back: v.p, twice
- * the kinetic energy, turns no more in the last half, or, where energy is constant, its range
- * still grows by half in each of these quarters. x'' = x, a fall, a free flight do; a resonance that
- * is driven and a chain that drifts while it vibrates do not.
+ * away at `until`, by a fifth more in each of the last two quarters, and nothing comes back: v.p,
+ * twice the kinetic energy, turns no more in the last half, or, where energy is constant, its range
+ * still grows by half in each of these quarters. x'' = x, a fall, a free flight do; a resonance
+ * that is driven and a chain that drifts while it vibrates do not.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -126,8 +126,8 @@ static void turn(const struct stability *s, struct turning *x, const struct pk_i
     x->steps++;
 }
 
-/* The mean angle a step. The orbit is no circle in that plane, and the phase wobbles about what grows
- * evenly: between the means of both halves that is nearly gone. */
+/* The mean angle a step. The orbit is no circle in that plane, and the phase wobbles about what
+ * grows evenly: between the means of both halves that is nearly gone. */
 static double mean_turn(const struct turning *x)
 {
     const double half = (double)x->half;

@@ -16,8 +16,8 @@
  * long it is away by a fifth more. Where energy is not constant by itself, in place of E0 stand the
  * energies of the motion: in its last quarter, and the largest. A run has LEAST_STEPS at least; the
  * motion is followed for as long. Where it leaves or ends, steps that are made are `not judged`.
- * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All other
- * classes are statuses of the runtime.
+ * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All
+ * other classes are statuses of the runtime.
  */
 #include <math.h>
 

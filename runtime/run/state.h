@@ -169,12 +169,15 @@ struct run {
 /* Of settings.c: what was asked for, with parameters and starts computed; a code. */
 enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model,
                                const struct pk_run_settings *given);
-/* Of the model with these parameters, its inputs constant; without quadratures that nothing shows. */
+/* Of the model with these parameters, its inputs constant; without quadratures that nothing shows.
+ */
 struct pk_problem run_problem(struct run *run);
-/* Quadratures at the start: those given, the others as the parameters say; and into an integrator. */
+/* Quadratures at the start: those given, the others as the parameters say; and into an integrator.
+ */
 void settings_z(const struct settings *s, const void *params, pk_real *z);
 enum pk_status run_quadratures(struct run *run, struct pk_integrator *it);
-/* Which parameter prepare() refused, its value and bounds; of what follows from all, their values. */
+/* Which parameter prepare() refused, its value and bounds; of what follows from all, their values.
+ */
 void parameters_refused(FILE *file, const struct pk_system *system, const void *params,
                         int outside);
 /* Parameters and start as they are in memory, one JSON object. */
@@ -197,13 +200,14 @@ enum pk_run_code run_begin(struct run *run);
 void run_steps(struct run *run);
 void run_end(struct run *run);
 
-/* Of integrate.c. Rows from the start to the end, which may be at an event; rows by time, and what is
- * expected at times, up to t in the last step: 0 where the motion there cannot be had. */
+/* Of integrate.c. Rows from the start to the end, which may be at an event; rows by time, and what
+ * is expected at times, up to t in the last step: 0 where the motion there cannot be had. */
 void run_integrate(struct run *run);
 int run_due(struct run *run, pk_real t);
 /* Where the run has come to. */
 struct moment run_moment(const struct run *run);
-/* Of drifts.c. Memory and reference values of the drifts; those of a member of an ensemble each time anew. */
+/* Of drifts.c. Memory and reference values of the drifts; those of a member of an ensemble each
+ * time anew. */
 void drift_begin(struct run *run, const struct pk_problem *problem);
 pk_real run_intervals(pk_real whole, pk_real part);
 /* A step that was asked for, made a whole part of the interval where it is one but for rounding. */

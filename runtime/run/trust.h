@@ -1,5 +1,5 @@
-/* How far a run that failed can be trusted. A status is about the path that the steps made, and that
- * may have left the motion long before: then it says nothing about the motion.
+/* How far a run that failed can be trusted. A status is about the path that the steps made, and
+ * that may have left the motion long before: then it says nothing about the motion.
  */
 #ifndef RUN_TRUST_H
 #define RUN_TRUST_H
@@ -13,8 +13,8 @@
 #define TRUST_BEYOND_TEXT "the motion ends before these steps do"
 enum { TRUST_BEYOND_CODE = -100 };
 
-/* Sets run->besides to what there is to say behind the reason of a failure: since when the energy of
- * a conservative system is wrong, and what dop853 at 1e-9 makes of the same motion where the
+/* Sets run->besides to what there is to say behind the reason of a failure: since when the energy
+ * of a conservative system is wrong, and what dop853 at 1e-9 makes of the same motion where the
  * method's own steps are no judge of it (fixed, or of a loose tolerance). Likewise asks it of fixed
  * steps that arrive, or stop at an event, with a wrong energy: run->beyond where the motion ends
  * before they do, at run->ends. */

@@ -77,8 +77,9 @@ enum pk_run_code watch_begin(struct run *run)
     return PK_RUN_DONE;
 }
 
-/* A function that is zero but for errors, as that of a constant of the motion, crosses zero by these
- * errors alone. It is seen by what each coordinate and rate contributes to it: |dg/dx| |x|. */
+/* A function that is zero but for errors, as that of a constant of the motion, crosses zero by
+ * these errors alone. It is seen by what each coordinate and rate contributes to it: |dg/dx| |x|.
+ */
 static void note_leaving(struct run *run)
 {
     const struct pk_system *system = run->problem.system;

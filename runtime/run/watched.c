@@ -1,6 +1,6 @@
 /* Members of an ensemble whose events are watched, or whose equations have switches: each is a run
- * of its own, with the rows and the verdicts of one, several at a time; what they wrote comes out in
- * their order.
+ * of its own, with the rows and the verdicts of one, several at a time; what they wrote comes out
+ * in their order.
  */
 #define _POSIX_C_SOURCE 200809L
 

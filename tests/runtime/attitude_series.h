@@ -1,6 +1,6 @@
 /* The formulas of attitude.h against their series, in any scalar type: the largest error of exp and
- * of the inverse of d(exp), in units of PK_EPS, for angles from 7 * 2^(-k/2), k >= first, down to the
- * smallest. Seven Bernoulli numbers |B_2k|/(2k)! of the second are enough to an angle of 1/8 in
+ * of the inverse of d(exp), in units of PK_EPS, for angles from 7 * 2^(-k/2), k >= first, down to
+ * the smallest. Seven Bernoulli numbers |B_2k|/(2k)! of the second are enough to an angle of 1/8 in
  * double, of 1/64 in __float128.
  */
 #ifndef TEST_ATTITUDE_SERIES_H

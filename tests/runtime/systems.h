@@ -61,9 +61,9 @@ extern const struct pk_system pushed_system;
 extern const struct pk_system free_body_system, top_system, bodies_system, carriage_system;
 /* Of systems_swift.c: a relativistic charge on a rod. */
 extern const struct pk_system swift_system;
-/* Of systems_constraint.c: a mass on a rod, on a circle through 0, with the rod twice over; two on rods; a bead on a
- * wire that is turned; the top as a free body held at a point; Chaplygin's sleigh; a ball that rolls
- * on a turntable. */
+/* Of systems_constraint.c: a mass on a rod, on a circle through 0, with the rod twice over; two on
+ * rods; a bead on a wire that is turned; the top as a free body held at a point; Chaplygin's
+ * sleigh; a ball that rolls on a turntable. */
 extern const struct pk_system rod_system, circle_system, twice_system, rods_system, wire_system,
     jointed_system;
 extern const struct pk_system sleigh_system, ball_system;

@@ -1,7 +1,8 @@
 /* What systems with rotations and constraints have in common: their kernels by linear algebra from
  * what each says of itself,
  *
- *     p, pdot of L alone;  M;  f of M a = f + J^T lambda;  phi, J, J v + j0;  d(J v + j0)/dt at a = 0
+ *     p, pdot of L alone;  M;  f of M a = f + J^T lambda;  phi, J, J v + j0;  d(J v + j0)/dt at a =
+ * 0
  *
  * Derivatives that only Newton's method takes are differences. As in generated C, M a = f is solved
  * first, so that canonical() and mass() have the rates for momenta and the unit matrix.
@@ -192,9 +193,9 @@ static inline void bound_bounds(const void *params, pk_real *lo, pk_real *hi)
      PK_CONSERVATIVE | PK_VARIATIONAL)
 #define BOUND_OUTSIDE (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SMOOTH)
 
-/* A system of these names: NAME_inertia, _drift, _unconstrained, _energy, and with constraints _rows,
- * _bias. n counts quaternions. The rest: further members of struct pk_system, of which `terms` is
- * NAME_terms or its own. */
+/* A system of these names: NAME_inertia, _drift, _unconstrained, _energy, and with constraints
+ * _rows, _bias. n counts quaternions. The rest: further members of struct pk_system, of which
+ * `terms` is NAME_terms or its own. */
 #define BOUND(NAME, N, COORDINATES, ROTATIONS, C, FACTS, GRAVITY, LIMIT0, START_Q, START_V, ...) \
     static const struct bound NAME##_bound = {                                                   \
         N, COORDINATES, ROTATIONS, C, NAME##_inertia, NAME##_drift, NAME##_bias, NAME##_rows};   \

@@ -3,8 +3,8 @@
 
 #define NAMED(x) {x, "", ""}
 
-/* Chaplygin's sleigh: a knife's edge at (x, y), the centre of its unit mass `limit` ahead of it, the
- * moment about that g. */
+/* Chaplygin's sleigh: a knife's edge at (x, y), the centre of its unit mass `limit` ahead of it,
+ * the moment about that g. */
 static const struct pk_quantity sleigh_names[] = {NAMED("x"), NAMED("y"), NAMED("theta")};
 static const struct pk_quantity sleigh_constraints[] = {NAMED("lambda_edge")};
 #define SIN PK_F(sin)(q[2])

@@ -1,5 +1,6 @@
-/* A system of systems.h that is not of second degree in the rates, with a constraint: a relativistic
- * charge on a unit rod in a magnetic field, L = -sqrt(1 - v^2) + limit/2 (x y' - y x') - g y.
+/* A system of systems.h that is not of second degree in the rates, with a constraint: a
+ * relativistic charge on a unit rod in a magnetic field, L = -sqrt(1 - v^2) + limit/2 (x y' - y x')
+ * - g y.
  */
 #include "systems_bound.h"
 

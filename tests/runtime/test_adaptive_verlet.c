@@ -1,6 +1,6 @@
 /* The reversible variable step of adaptive_verlet: bounded energy errors where a naive choice of
- * the step drifts, the way back up to rounding, ends and rows that leave the sequence of steps as it
- * is, and what it cannot follow.
+ * the step drifts, the way back up to rounding, ends and rows that leave the sequence of steps as
+ * it is, and what it cannot follow.
  */
 #include "fixture.h"
 

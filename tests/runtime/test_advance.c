@@ -53,7 +53,8 @@ static void as_single_steps(void)
             CU_ASSERT(run(&all, &driven_system, methods[k], 1, 0, t_end) == PK_DONE);
             CU_ASSERT(fused_steps > 2900 && all.it.t == t_end);
             CU_ASSERT(one.it.count.steps == all.it.count.steps);
-            /* The acceleration at the end of a step is not kept over a call: once before, once after. */
+            /* The acceleration at the end of a step is not kept over a call: once before, once
+             * after. */
             const unsigned long again = methods[k][0] == 's' ? 0 : 2;
             CU_ASSERT(all.it.count.evaluations == one.it.count.evaluations + again);
             CU_ASSERT(fixture_distance(&all, one.it.q, one.it.v) < 1e-12);

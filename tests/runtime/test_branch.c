@@ -1,6 +1,6 @@
-/* Which solution of an implicit step's equations is taken (runtime/src/implicit/branch.c), and what is said
- * where it is not the one of short steps. Prediction L14: the midpoint rule on a pendulum at rest
- * upright has one solution iff h omega <= 2, three at 2.01, seven at 6.
+/* Which solution of an implicit step's equations is taken (runtime/src/implicit/branch.c), and what
+ * is said where it is not the one of short steps. Prediction L14: the midpoint rule on a pendulum
+ * at rest upright has one solution iff h omega <= 2, three at 2.01, seven at 6.
  */
 #include "fixture.h"
 

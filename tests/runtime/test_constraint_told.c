@@ -1,5 +1,5 @@
-/* Constraints: the forces that keep them, what bad ones and starts off good ones are told, and states
- * between steps.
+/* Constraints: the forces that keep them, what bad ones and starts off good ones are told, and
+ * states between steps.
  */
 #include "bound.h"
 
@@ -21,7 +21,8 @@ static void multipliers(void)
     CU_ASSERT(strcmp(name, "rod") == 0);
 }
 
-/* Both numbers are of the row that is off most beside its terms; what a kernel is missing is told. */
+/* Both numbers are of the row that is off most beside its terms; what a kernel is missing is told.
+ */
 static void residuals(void)
 {
     static struct bound_run f;

@@ -92,7 +92,8 @@ static void cut_short(void)
     }
 }
 
-/* HNW II.4: h0 = .01 |y|/|y'|, then h1 with h1^k max(|y'|, |y''|) = .01, in the tolerance's norm. */
+/* HNW II.4: h0 = .01 |y|/|y'|, then h1 with h1^k max(|y'|, |y''|) = .01, in the tolerance's norm.
+ */
 static void first_step(void)
 {
     static struct fixture f;

@@ -142,9 +142,9 @@ static void long_chain(void)
     }
 }
 
-/* Each method that has it: the end of a step is the step's, and inside it errs as its end does, or as
- * the tolerance, of an interpolant of lower order a hundred times; a straight line between both ends
- * does not. */
+/* Each method that has it: the end of a step is the step's, and inside it errs as its end does, or
+ * as the tolerance, of an interpolant of lower order a hundred times; a straight line between both
+ * ends does not. */
 static void every_method(void)
 {
     static const struct pk_system *const systems[] = {&pendulum_system,   &double_pendulum_system,

@@ -69,8 +69,8 @@ static void growth(void)
     CU_ASSERT(growth_of(1, 4e-15, 100000, &e) == PK_GROWTH_ROUND_OFF && fabs(e) < 0.2);
     CU_ASSERT(growth_of(2, 9e-16, 100000, &e) == PK_GROWTH_ROUND_OFF && fabs(e - 0.5) < 0.3);
     CU_ASSERT(growth_of(3, 9e-16, 100000, &e) == PK_GROWTH_LINEAR && fabs(e - 1) < 0.1);
-    /* From a unit in the last place to what 1000 roundings come to is round-off, however it got there;
-     * what leaves round-off late is too short to tell; a true law above it is told. */
+    /* From a unit in the last place to what 1000 roundings come to is round-off, however it got
+     * there; what leaves round-off late is too short to tell; a true law above it is told. */
     for (int law = 0; law < 3; law++) {
         const double to[] = {1e-14, 1e-9, 1e-5};
         pk_drift_init(&d);

@@ -5,7 +5,8 @@
 
 #include "fixture.h"
 
-/* Of GSL, with which the tests are linked; its headers are runtime/gsl's alone. Mode 0 is double. */
+/* Of GSL, with which the tests are linked; its headers are runtime/gsl's alone. Mode 0 is double.
+ */
 double gsl_sf_ellint_Kcomp(double k, unsigned mode);
 double gsl_sf_ellint_Ecomp(double k, unsigned mode);
 

@@ -125,8 +125,8 @@ static const struct {
              {&double_pendulum_system, "dop853", 0},
              {&kepler_system, "dopri5", 0}};
 
-/* Rows that are no whole number of steps: by lanes and one by one, with and without momenta, each is what
- * a step aside of one integrator is, and the steps are what they are without rows. */
+/* Rows that are no whole number of steps: by lanes and one by one, with and without momenta, each
+ * is what a step aside of one integrator is, and the steps are what they are without rows. */
 static void rows_between(void)
 {
     static const struct {
@@ -293,7 +293,8 @@ static void distance(const void *p, double t, const double *q, const double *v, 
     out[0] = sqrt(q[0] * q[0] + q[1] * q[1]);
 }
 
-/* Members that fall into the centre, seen lane by lane: without singularities all of them arrive. */
+/* Members that fall into the centre, seen lane by lane: without singularities all of them arrive.
+ */
 static void singularities(void)
 {
     static const struct pk_singularity centre = {{"r", "", ""}, PK_SINGULARITY_DIVISOR};

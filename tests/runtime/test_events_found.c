@@ -1,6 +1,6 @@
-/* Events of functions that turn many times within a step, or hardly cross: the number of crossings and
- * their times against closed forms, by methods of all kinds, forwards and backwards, in tiny and huge
- * units. The motion is q = cos t.
+/* Events of functions that turn many times within a step, or hardly cross: the number of crossings
+ * and their times against closed forms, by methods of all kinds, forwards and backwards, in tiny
+ * and huge units. The motion is q = cos t.
  */
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
-/* Each kernel of a system fails, or writes what is no number, at its k-th call, once or from there on,
- * for each method: there is a status with a reason that names what is there, the state stays finite,
- * and who goes on after a failure that has passed gets to where it leads without.
+/* Each kernel of a system fails, or writes what is no number, at its k-th call, once or from there
+ * on, for each method: there is a status with a reason that names what is there, the state stays
+ * finite, and who goes on after a failure that has passed gets to where it leads without.
  */
 #include "fixture.h"
 

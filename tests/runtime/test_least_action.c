@@ -99,7 +99,8 @@ static void circular_orbit(void)
     pk_least_action_free(&found);
 }
 
-/* To second order in the neighbour: what is left falls by 8 as it is halved. M depends on q here. */
+/* To second order in the neighbour: what is left falls by 8 as it is halved. M depends on q here.
+ */
 static void second_order(void)
 {
     enum { MODES = 6, M = 2 * MODES };

@@ -1,5 +1,5 @@
-/* Forces shorter than a step: adaptive methods see a hill of a thousandth, fixed ones say that they do
- * not. The closed form: the bead turns back about where the hill begins, with its speed. */
+/* Forces shorter than a step: adaptive methods see a hill of a thousandth, fixed ones say that they
+ * do not. The closed form: the bead turns back about where the hill begins, with its speed. */
 #include "fixture.h"
 
 static const double widths[] = {1e-1, 1e-3, 1e-6};

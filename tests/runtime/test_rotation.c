@@ -106,8 +106,8 @@ static void two_bodies(void)
     CU_ASSERT(rk4.norm < 1e-15 && rk4.vector > 1e-6);
 }
 
-/* I = (1, 2, 3): its periods in closed form by elliptic integrals, 4 K(m)/rate (REGIMES T4); and the
- * growth of what is off the middle axis, Omega/sqrt(3). */
+/* I = (1, 2, 3): its periods in closed form by elliptic integrals, 4 K(m)/rate (REGIMES T4); and
+ * the growth of what is off the middle axis, Omega/sqrt(3). */
 static void closed_form(void)
 {
     static const struct {
@@ -256,7 +256,8 @@ static void small_angles(void)
     CU_ASSERT(exp_off > 0 && exp_off < 4 && dexp_off > 0 && dexp_off < 3);
 }
 
-/* What a sum of quaternions has rounded away goes on to the next one: a turn about an axis, exact. */
+/* What a sum of quaternions has rounded away goes on to the next one: a turn about an axis, exact.
+ */
 static void compensated(void)
 {
     static struct bound_run f;

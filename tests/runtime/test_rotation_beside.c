@@ -103,7 +103,8 @@ static void ensemble(void)
     }
 }
 
-/* A step so long that the square of a quaternion's norm overflows is no motion, alone or in lanes. */
+/* A step so long that the square of a quaternion's norm overflows is no motion, alone or in lanes.
+ */
 static void lost(void)
 {
     static struct bound_run f;

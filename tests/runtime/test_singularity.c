@@ -174,7 +174,8 @@ static void pole(void)
     CU_ASSERT(pk_integrator_step(&f.it, 1) == PK_SINGULAR_COORDINATES && f.it.t == 0);
 }
 
-/* A force that ends at t = 1, whatever the motion: its singularity is zero at the last trial step. */
+/* A force that ends at t = 1, whatever the motion: its singularity is zero at the last trial step.
+ */
 static int closing_acceleration(const void *p, double t, const double *q, const double *v,
                                 const double *u, double *a)
 {

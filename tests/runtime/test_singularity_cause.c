@@ -1,4 +1,5 @@
-/* What is said where a singularity vanishes: of the motion, of its expression alone, or of the step. */
+/* What is said where a singularity vanishes: of the motion, of its expression alone, or of the
+ * step. */
 #include "fixture.h"
 
 /* The force of V = -sin(x)/x, written with its divisions. */

@@ -1,5 +1,6 @@
-/* Singularities of a family kept as loops, a number for each member: masses on a line, each neighbours'
- * distance a singularity. A member is not hidden by another one, nor are two that meet at once.
+/* Singularities of a family kept as loops, a number for each member: masses on a line, each
+ * neighbours' distance a singularity. A member is not hidden by another one, nor are two that meet
+ * at once.
  */
 #include "fixture.h"
 
@@ -180,7 +181,8 @@ static void advance(const void *p, int stages, const double *kick, const double 
         q[i] += h * (double)steps * v[i];
 }
 
-/* Fused steps would not see a singularity: they are made where there is none, as of a single mass. */
+/* Fused steps would not see a singularity: they are made where there is none, as of a single mass.
+ */
 static void not_fused(void)
 {
     static struct line l;

@@ -144,7 +144,8 @@ static void reversed(void)
     CU_ASSERT(memcmp(r[0].at, r[1].at, r[0].count * sizeof *r[0].at) == 0);
 }
 
-/* x' = -x beside faster decays: no displacement of an integral stays and looks like a neutral one. */
+/* x' = -x beside faster decays: no displacement of an integral stays and looks like a neutral one.
+ */
 static void exponents(void)
 {
     static struct fixture f;

@@ -1,5 +1,5 @@
-/* Variational steps where textbook methods are known to be them: the implicit midpoint rule, Verlet;
- * and what they do of steps that are too long for one solution, or for an iteration by M.
+/* Variational steps where textbook methods are known to be them: the implicit midpoint rule,
+ * Verlet; and what they do of steps that are too long for one solution, or for an iteration by M.
  */
 #include "bound.h"
 
@@ -38,8 +38,8 @@ static void textbook(void)
         }
 }
 
-/* Steps that have several solutions: Kepler's from the pericentre, a rod turned by more than a right
- * angle. It is said, never guessed, and from where on: a step of nearly that is made. */
+/* Steps that have several solutions: Kepler's from the pericentre, a rod turned by more than a
+ * right angle. It is said, never guessed, and from where on: a step of nearly that is made. */
 static void ambiguous(void)
 {
     static struct bound_run f;
@@ -71,7 +71,8 @@ static void ambiguous(void)
     }
 }
 
-/* h omega = 100: by Newton's method, in the midpoint rule's closed form; by M alone it is refused. */
+/* h omega = 100: by Newton's method, in the midpoint rule's closed form; by M alone it is refused.
+ */
 static void stiff(void)
 {
     static struct bound_run f;
@@ -95,8 +96,8 @@ static void stiff(void)
     CU_ASSERT(f.it.count.jacobians == 0);
 }
 
-/* Kepler, e = .6: angular momentum, exact for both but for round-off, whose random walk of 1e5 plain
- * sums reaches 2e-15 and more. */
+/* Kepler, e = .6: angular momentum, exact for both but for round-off, whose random walk of 1e5
+ * plain sums reaches 2e-15 and more. */
 static void compensated(void)
 {
     static struct bound_run f;
@@ -244,7 +245,8 @@ static void loose(void)
     }
 }
 
-/* From rest at 0 on circles of radius 5 limit, whose numbers round phi by far more than x and y do. */
+/* From rest at 0 on circles of radius 5 limit, whose numbers round phi by far more than x and y do.
+ */
 static void numbers_of_phi(void)
 {
     static struct bound_run f;

@@ -1,5 +1,5 @@
-/* Rates from momenta at the end of a variational step, and the return to J v + j0 = 0: what they are
- * judged by, and what they fail of.
+/* Rates from momenta at the end of a variational step, and the return to J v + j0 = 0: what they
+ * are judged by, and what they fail of.
  */
 #include "bound.h"
 

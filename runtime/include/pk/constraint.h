@@ -25,11 +25,12 @@ struct pk_residuals {
     size_t rate_row;             /* of n_constraints */
 };
 
-/* Bytes of the block that the two functions below want, aligned for pk_real; 0 for a problem without
- * a system, or one of another PK_ABI. */
+/* Bytes of the block that the two functions below want, aligned for pk_real; 0 for a problem
+ * without a system, or one of another PK_ABI. */
 size_t pk_constraint_size(const struct pk_problem *problem);
-/* q and v have pk_system_count() numbers each, quaternions and states among them; an input is called
- * at t. PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL; PK_NOT_FINITE, and then what was found besides. */
+/* q and v have pk_system_count() numbers each, quaternions and states among them; an input is
+ * called at t. PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL; PK_NOT_FINITE, and then what was found besides.
+ */
 enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real t,
                                        const pk_real *q, const pk_real *v,
                                        struct pk_residuals *found, void *block, size_t size);

@@ -6,10 +6,10 @@
  *
  * Explicit methods with a fixed step advance many members side by side, in vector lanes: the
  * Runge-Kutta and the splitting methods of pk/methods.h, and dopri5 and dop853 where options.h is
- * given, which is then kept; the singularities of a system that has some are watched lane by lane. Any other method
- * integrates one member after the other by pk_integrator, adaptive ones with steps of their own. A
- * member's result is the same in any company and any thread; with
- * -ffp-contract=off it is what pk_integrator gives for it alone, to the bit.
+ * given, which is then kept; the singularities of a system that has some are watched lane by lane.
+ * Any other method integrates one member after the other by pk_integrator, adaptive ones with steps
+ * of their own. A member's result is the same in any company and any thread; with -ffp-contract=off
+ * it is what pk_integrator gives for it alone, to the bit.
  *
  * A member that fails stops alone: its status says why, its results up to then are valid. Nothing
  * is allocated.
@@ -36,8 +36,8 @@ struct pk_ensemble {
     const pk_real *z0; /* quadratures at the start, or NULL: as init has them */
 
     /* Rows: the times at which results are wanted, one after the other away from t0. Adaptive steps
-     * end there; fixed ones at the last alone, and within one a shorter step from where it began has
-     * the result. */
+     * end there; fixed ones at the last alone, and within one a shorter step from where it began
+     * has the result. */
     pk_real t0;
     size_t rows;
     const pk_real *t;
@@ -64,9 +64,10 @@ int pk_ensemble_fixed(const struct pk_ensemble *e);
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count, void *block,
                                size_t size);
 
-/* Why a member of a run failed, in words, with its last valid time, as pk_integrator_reason() has it:
- * the member goes its way once more, alone. The block is as for pk_ensemble_run(), and what is wrong
- * with the arguments is the text; results stay as they are. Returns its length as snprintf() does. */
+/* Why a member of a run failed, in words, with its last valid time, as pk_integrator_reason() has
+ * it: the member goes its way once more, alone. The block is as for pk_ensemble_run(), and what is
+ * wrong with the arguments is the text; results stay as they are. Returns its length as snprintf()
+ * does. */
 int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, size_t block_size,
                        char *text, size_t size);
 

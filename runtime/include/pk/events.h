@@ -9,14 +9,14 @@
  *     status = pk_events_to(&events, &it, 10);     PK_STOPPED_EVENT: it.t, it.q, it.v are there
  *
  * How a crossing is located. After each step g is looked at at its ends and in between, at 9 or 17
- * points of an interpolant: the method's own dense output, else the quintic of Hermite through q, v and
- * accelerations, or, where that of q and v alone bends otherwise than the motion, states by shorter
- * steps. The polynomial through these points either shows that g is far from zero, or has to be g, by
- * its last coefficients; where it is not, the step is looked at in halves, and these in halves. Where
- * the polynomial crosses zero, or dips to 1/32 of what it varies by, g is computed anew at a state that
- * a second integrator reaches by the same method in one shorter step from where the step began. Only
- * such states decide; so a crossing is as accurate as the method's own step, and the trajectory is what
- * it is without events.
+ * points of an interpolant: the method's own dense output, else the quintic of Hermite through q, v
+ * and accelerations, or, where that of q and v alone bends otherwise than the motion, states by
+ * shorter steps. The polynomial through these points either shows that g is far from zero, or has
+ * to be g, by its last coefficients; where it is not, the step is looked at in halves, and these in
+ * halves. Where the polynomial crosses zero, or dips to 1/32 of what it varies by, g is computed
+ * anew at a state that a second integrator reaches by the same method in one shorter step from
+ * where the step began. Only such states decide; so a crossing is as accurate as the method's own
+ * step, and the trajectory is what it is without events.
  *
  * Of an odd number of crossings in a step at least one is always found; two are found where
  * the interpolant shows the dip. Where 1/4096 of a step is still too long for g, crossings may
@@ -29,8 +29,8 @@
  * ones lead up to it, each half of what is left, and what they cross is found.
  *
  * Where g is exactly zero at the start, or stays so, nothing has crossed: an event fires when g
- * reaches zero from somewhere else. Each step begins anew with the state that `it` has: after a jump
- * (pk_integrator_reset()) g may be on the other side, and that is no crossing.
+ * reaches zero from somewhere else. Each step begins anew with the state that `it` has: after a
+ * jump (pk_integrator_reset()) g may be on the other side, and that is no crossing.
  *
  * Switches of the system (struct pk_system) are located as events are. Each is held on the side on
  * which the motion is, so that within a step the equations are smooth, every method has its order
@@ -40,10 +40,10 @@
  * integrator's during a step; those of the caller keep 0 and are read anew for each step. Where the
  * motion does not leave a zero, as under dry friction at rest, the status is PK_SLIDING.
  *
- * Where L or a constraint jumps across a switch (system->switches.impulses) the rates get the impulse that
- * the jump gives, before the next step begins; of a barrier that is too high the motion is turned
- * back, and stays on its side. Where the impulse is not determined, or a position would have to
- * jump, the status is PK_NO_IMPULSE.
+ * Where L or a constraint jumps across a switch (system->switches.impulses) the rates get the
+ * impulse that the jump gives, before the next step begins; of a barrier that is too high the
+ * motion is turned back, and stays on its side. Where the impulse is not determined, or a position
+ * would have to jump, the status is PK_NO_IMPULSE.
  */
 #ifndef PK_EVENTS_H
 #define PK_EVENTS_H
@@ -75,8 +75,8 @@ struct pk_events {
      * The integrator is to be left alone, as in found(). */
     void (*switched)(void *context, const struct pk_events *events);
 
-    /* Called where a function turns so often, from t on, that crossings may be missed: `which` is of
-     * events, and behind these of switches. */
+    /* Called where a function turns so often, from t on, that crossings may be missed: `which` is
+     * of events, and behind these of switches. */
     void (*doubtful)(void *context, const struct pk_events *events);
 
     unsigned long doubts;     /* parts of steps in which that was so */

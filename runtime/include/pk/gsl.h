@@ -26,8 +26,8 @@ size_t pk_gsl_spectrum_size(size_t count);
 enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, size_t count,
                                double dt, size_t lines, void *block, size_t block_size);
 
-/* The eigenvalues of C a = lambda B a, the least first, with the first `modes` of found->modes modes
- * of each coordinate: n * modes numbers; and of the least one a itself (NULL: not wanted), as
+/* The eigenvalues of C a = lambda B a, the least first, with the first `modes` of found->modes
+ * modes of each coordinate: n * modes numbers; and of the least one a itself (NULL: not wanted), as
  * a.B a = 1. PK_SINGULAR_MASS, PK_NO_MEMORY: GSL allocates, and gives it back. */
 enum pk_status pk_gsl_least_action(const struct pk_least_action *found, size_t modes,
                                    double *lambda, double *lowest);
@@ -44,9 +44,9 @@ enum { PK_LOOP_LEAST = 32 };
  * If the loop is resolved, `tail` is near `rounding`. Structure too fine for the samples leaves
  * harmonics that decay towards the last one; independent errors leave a plateau: `flat`
  * says that the last ones are no less than PK_LOOP_FLAT of as many before.
- * `size` is the area of an ellipse of the same rms in q and p, and `noise` the standard deviation of
- * the area if the last ones are noise, as much in every harmonic.
- * PK_BAD_ARGUMENT: not pk_gsl_loop_takes(count); PK_NOT_FINITE; PK_NO_MEMORY. */
+ * `size` is the area of an ellipse of the same rms in q and p, and `noise` the standard deviation
+ * of the area if the last ones are noise, as much in every harmonic. PK_BAD_ARGUMENT: not
+ * pk_gsl_loop_takes(count); PK_NOT_FINITE; PK_NO_MEMORY. */
 #define PK_LOOP_FLAT 0.25
 struct pk_loop_series {
     double rms, tail, rounding;
@@ -58,8 +58,8 @@ struct pk_loop_area {
 };
 enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double winding,
                                 struct pk_loop_area *found);
-/* Whether there are PK_LOOP_LEAST, and no prime factor above 1000, with which a transform would take
- * long. */
+/* Whether there are PK_LOOP_LEAST, and no prime factor above 1000, with which a transform would
+ * take long. */
 int pk_gsl_loop_takes(size_t count);
 
 PK_END

@@ -38,9 +38,9 @@ struct pk_equilibria {
 
 /* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half
  * a turn wide for angles, else some times what the motion covers, or |q0|; no length is absolute.
- * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. PK_REFUSED where the equations depend on
- * time or on inputs, or have states.
- * That all are found cannot be promised. */
+ * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. PK_REFUSED where
+ * the equations depend on time or on inputs, or have states. That all are found cannot be promised.
+ */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
@@ -51,7 +51,8 @@ struct pk_mode {
 };
 
 /* The modes at an equilibrium, fastest first: up to 2 n of them, and n real and n imaginary parts
- * of each one's shape, 1 the largest component of those that are not cyclic. PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
+ * of each one's shape, 1 the largest component of those that are not cyclic. PK_SINGULAR_MASS;
+ * PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
                             struct pk_mode *modes, double *shapes, size_t *count);
 
@@ -62,8 +63,8 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
  *     h = h* + sum of (P^2 + omega^2 Q^2)/2 + what is not quadratic.
  *
  * squares: omega^2 of each mode, the smallest first, 0 below 1e-12 of the largest, negative where
- * it leaves; M: n by n; shapes: n by n, a row of U^T for each. PK_REFUSED of other systems, and of one
- * compiled without the kernels mass and jacobian; PK_SINGULAR_MASS. */
+ * it leaves; M: n by n; shapes: n by n, a row of U^T for each. PK_REFUSED of other systems, and of
+ * one compiled without the kernels mass and jacobian; PK_SINGULAR_MASS. */
 enum pk_status pk_gsl_normal(const struct pk_problem *problem, const double *q, double *M,
                              double *squares, double *shapes);
 /* (P^2 + omega^2 Q^2)/2 of each, at q - q* and p - p*. */

@@ -4,12 +4,13 @@
  * of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
  * _SPLITTING, _GAUSS ask for a family, and -DPK_INLINE_ENSEMBLE for that family's steps of whole
  * blocks of members too; without any of them nothing is compiled, and the library's steps are used.
- * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and so for _ERK_ and _EMBEDDED_, compiles fewer of a family.
+ * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and so for _ERK_ and _EMBEDDED_, compiles fewer of a
+ * family.
  *
  * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
  * number of coordinates is not the constant PK_MODEL(N); PK_MODEL_FIRST_ORDER if it has states; and
- * PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's steps are used. Steps
- * are written over
+ * PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's steps are used.
+ * Steps are written over
  *
  *     PK_STEPPER(x)                   x with a name of its own in this file
  *     PK_STEPPER_N(it)                degrees of freedom

@@ -80,8 +80,8 @@ struct pk_counters {
     unsigned long held; /* steps of `gauss` that its iteration, not its error, kept short */
 };
 
-/* Steps so long that a short force may be missed in them: fixed ones, or adaptive ones where t has no
- * digits for shorter ones. How many, the first one's mark (of system->marks.names) and when. */
+/* Steps so long that a short force may be missed in them: fixed ones, or adaptive ones where t has
+ * no digits for shorter ones. How many, the first one's mark (of system->marks.names) and when. */
 struct pk_passed_over {
     unsigned long count;
     size_t which;
@@ -144,19 +144,19 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit);
 pk_real pk_integrator_limit(const struct pk_integrator *it, pk_real t, pk_real limit);
 int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 /* Up to `steps` steps (0: as many as it takes) towards `limit`. Where the system can advance() by a
- * splitting method and has no singularities, all that lie on the grid at once, uncompensated and in one
- * pass over memory; if they end in what is not finite fewer are made, so that the failing one is found. Else the same
- * as so many calls of pk_integrator_step(). */
+ * splitting method and has no singularities, all that lie on the grid at once, uncompensated and in
+ * one pass over memory; if they end in what is not finite fewer are made, so that the failing one
+ * is found. Else the same as so many calls of pk_integrator_step(). */
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Steps until t == t_end exactly, forward or backward. */
 enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
 /* The motion at t inside the last step, by the method's own interpolant, into n numbers each.
  * PK_BAD_ARGUMENT for another t or method; a failure leaves the state as it is. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-/* The motion at t inside the last step, as exactly as the method steps: `side`, an integrator of the
- * same problem and method in memory of its own, makes that step again, only shorter, and is at t
- * behind it. Nothing of `it` changes but, where that fails, its status and reason. Not after a reset
- * or many steps at once. */
+/* The motion at t inside the last step, as exactly as the method steps: `side`, an integrator of
+ * the same problem and method in memory of its own, makes that step again, only shorter, and is at
+ * t behind it. Nothing of `it` changes but, where that fails, its status and reason. Not after a
+ * reset or many steps at once. */
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
 /* The quadratures there: the motion between is the interpolant's, and the polynomial through what
  * they sum at 16 nodes of it, made once a step, is integrated. */

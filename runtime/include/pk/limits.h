@@ -7,10 +7,10 @@
  * The limit on the imaginary axis is the end of the first interval 0 < y < limit where the powers
  * of the map stay bounded: |R(iy)| <= 1 for Runge-Kutta methods, |trace| <= 2 for compositions of
  * shears, whose determinant is 1. A double eigenvalue at an isolated point does not end it if both
- * eigenvalues stay on the unit circle. The limit on the real axis is that of |R(-z)| <= 1. It is 0 where any step grows,
- * infinite where none does, and no number (x != x) where the question has no answer: a splitting
- * method takes no damping, a method of variable order has no one map, and GSL keeps its tables.
- * An adaptive method's is its formula's, at a fixed step.
+ * eigenvalues stay on the unit circle. The limit on the real axis is that of |R(-z)| <= 1. It is 0
+ * where any step grows, infinite where none does, and no number (x != x) where the question has no
+ * answer: a splitting method takes no damping, a method of variable order has no one map, and GSL
+ * keeps its tables. An adaptive method's is its formula's, at a fixed step.
  *
  * Of methods that are tables, explicit Runge-Kutta and splitting, limits are roots of polynomials
  * made from the table, good to some 100 PK_EPSILON. Of all others the step itself is run on the

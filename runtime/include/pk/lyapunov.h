@@ -23,8 +23,9 @@ PK_BEGIN
 
 enum { PK_LYAPUNOV_MARKS = 64 };
 
-/* By megno: 3 at most, 6 at least, between them. PK_CHAOTIC is exponential growth, and chaos only where
- * the motion stays in bounds; where it leaves an unstable equilibrium it is no more than that. */
+/* By megno: 3 at most, 6 at least, between them. PK_CHAOTIC is exponential growth, and chaos only
+ * where the motion stays in bounds; where it leaves an unstable equilibrium it is no more than
+ * that. */
 enum pk_motion { PK_REGULAR, PK_CHAOTIC, PK_UNDECIDED };
 
 struct pk_lyapunov {

@@ -11,8 +11,8 @@
 #include <pk/status.h>
 #include <pk/system.h>
 
-/* By what a step's length is made from pow, exp and log of the C library, whose last bits differ from
- * one processor to another: with PK_PORTABLE to 24 digits, which do not. */
+/* By what a step's length is made from pow, exp and log of the C library, whose last bits differ
+ * from one processor to another: with PK_PORTABLE to 24 digits, which do not. */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else
@@ -63,15 +63,16 @@ struct pk_method {
     /* Number of pk_real of work for n degrees of freedom. */
     size_t (*size)(const struct pk_method *method, size_t n);
     enum pk_status (*init)(struct pk_integrator *it);
-    /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state alone. */
+    /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state
+     * alone. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
     /* Between the ends of the last step; NULL without PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* Stage k = 0, 1, ... of the step in it->own->next, with room for 2 n numbers; 0 behind the last.
-     * Called before it becomes the state. NULL without PK_QUADRATURE. */
+    /* Stage k = 0, 1, ... of the step in it->own->next, with room for 2 n numbers; 0 behind the
+     * last. Called before it becomes the state. NULL without PK_QUADRATURE. */
     int (*stage)(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
-    /* The error of z in that step from its two sums and from that of |weight g|, to be compared with
-     * the tolerance. NULL unless adaptive, with PK_QUADRATURE. */
+    /* The error of z in that step from its two sums and from that of |weight g|, to be compared
+     * with the tolerance. NULL unless adaptive, with PK_QUADRATURE. */
     pk_real (*stage_error)(const struct pk_integrator *it, pk_real size, const pk_real sums[2]);
     /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
     pk_real (*resolved)(const struct pk_integrator *it);

@@ -2,9 +2,9 @@
  *
  *     X(A, name, order, stages, dense order, traits, table, text)
  *
- * Order 0 and stages 0: they vary; dense order 0: no interpolant. A method of a table of coefficients
- * names it, as in pk/step/tables.h: `rk4` is pk_rk4_table. A method of a family of its own has
- * its file. What a family requires of a system is PK_NEEDS_ of it.
+ * Order 0 and stages 0: they vary; dense order 0: no interpolant. A method of a table of
+ * coefficients names it, as in pk/step/tables.h: `rk4` is pk_rk4_table. A method of a family of its
+ * own has its file. What a family requires of a system is PK_NEEDS_ of it.
  */
 #ifndef PK_METHODS_H
 #define PK_METHODS_H

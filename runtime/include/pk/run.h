@@ -1,6 +1,6 @@
 /* A run of a model as one call: settings in, rows and a report out. `pkgen run`, pkgen's Python and
- * the programs of `pkgen build` are made of this layer. It allocates memory of its own, writes where
- * it is told to, and never ends the process. Numbers of settings are in SI.
+ * the programs of `pkgen build` are made of this layer. It allocates memory of its own, writes
+ * where it is told to, and never ends the process. Numbers of settings are in SI.
  *
  *     struct pk_run_settings s = pk_run_defaults();
  *     s.method = "gauss";
@@ -37,7 +37,8 @@ enum pk_run_code {
     PK_RUN_INTERRUPTED = 130 /* by `poll` */
 };
 
-/* One number: of a parameter, an input, a start. `member` counts from 0 in a family kept as a loop. */
+/* One number: of a parameter, an input, a start. `member` counts from 0 in a family kept as a loop.
+ */
 struct pk_run_value {
     size_t index, member;
     double value;
@@ -45,8 +46,8 @@ struct pk_run_value {
 
 /* A column of the rows, or of an ensemble's members. */
 struct pk_run_column {
-    char
-        kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q, v, z */
+    char kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q,
+                  v, z */
     size_t index;
 };
 
@@ -104,9 +105,8 @@ struct pk_run_settings {
 
     int csv;    /* file descriptor for rows as CSV; < 0: they are kept in memory */
     int header; /* of names above the CSV */
-    int (*poll)(void *context,
-                double part); /* some ten times a second, with the part of the way that
-                                  is done; not 0: stop. NULL: never */
+    int (*poll)(void *context, double part); /* some ten times a second, with the part of the way
+                                                that is done; not 0: stop. NULL: never */
     void *context;
 };
 
@@ -131,26 +131,27 @@ const char *pk_run_report(struct pk_run *run);
 const char *pk_run_messages(const struct pk_run *run);
 /* The failure of the run's parameters, by PK_FAILURE() and PK_FAILURE_AT() of real.h; 0: none. */
 int pk_run_refused(const struct pk_run *run);
-/* The processor's seconds for one bare run from the start, the fastest of laps over `seconds` or more;
- * 0 if it fails. After pk_run_go(). */
+/* The processor's seconds for one bare run from the start, the fastest of laps over `seconds` or
+ * more; 0 if it fails. After pk_run_go(). */
 double pk_run_laps(struct pk_run *run, double seconds);
-/* A kernel at `count` states: "acceleration", "force", "momenta" (n numbers a state), "mass" (n by n),
- * "energy" (1), "outputs", or "jacobian" (da/dq, then da/dv, n by n each), with the run's parameters
- * and inputs. q and v have n numbers a state, out as many as pk_run_width() says, t one. How many
- * failed, whose numbers are NAN: M is singular there. */
+/* A kernel at `count` states: "acceleration", "force", "momenta" (n numbers a state), "mass" (n by
+ * n), "energy" (1), "outputs", or "jacobian" (da/dq, then da/dv, n by n each), with the run's
+ * parameters and inputs. q and v have n numbers a state, out as many as pk_run_width() says, t one.
+ * How many failed, whose numbers are NAN: M is singular there. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, double *out);
 size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: there is no such kernel */
 /* Parameters and start in JSON, as they are in memory. */
 const char *pk_run_given(struct pk_run *run);
 void pk_run_free(struct pk_run *run);
-/* 1: all runs and questions of this library end as soon as they can, also those in other threads; those
- * to come too, until 0. A signal's handler may call it. */
+/* 1: all runs and questions of this library end as soon as they can, also those in other threads;
+ * those to come too, until 0. A signal's handler may call it. */
 void pk_run_stop(int whether);
 
 /* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_stability_question: 0 to 3. */
 size_t pk_run_size(int which);
-/* The bit of a diagnostic, 0: there is none of that name. The list of methods, a line of JSON each. */
+/* The bit of a diagnostic, 0: there is none of that name. The list of methods, a line of JSON each.
+ */
 unsigned pk_run_diagnostic(const char *name);
 const char *pk_run_methods(void);
 

@@ -21,9 +21,9 @@
 
 PK_BEGIN
 
-/* Which layout the structs of a system have, and of which scalar type. A library is of one: a system
- * of another does not link with it, since it names the library's PK_SCALAR; one that is loaded at run
- * time is refused by its number. */
+/* Which layout the structs of a system have, and of which scalar type. A library is of one: a
+ * system of another does not link with it, since it names the library's PK_SCALAR; one that is
+ * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
 #define PK_ABI 49u
@@ -86,8 +86,8 @@ struct pk_singularity {
     enum pk_singularity_kind kind;
 };
 
-/* Of a family kept as loops a singularity is one for each member i, or for each pair of i and j, which
- * stand in its name: "x[i+1] - x[i]". */
+/* Of a family kept as loops a singularity is one for each member i, or for each pair of i and j,
+ * which stand in its name: "x[i+1] - x[i]". */
 struct pk_singularity_place {
     size_t singularity; /* in the table */
     ptrdiff_t i, j;
@@ -158,8 +158,8 @@ struct pk_part_events {
     pk_kernel *values;
 };
 
-/* Quadratures: n numbers z with z' = rates(t, q, v, u), on which nothing depends, as the angles that
- * a reduction has left out; and what they are at the start (NULL: 0). */
+/* Quadratures: n numbers z with z' = rates(t, q, v, u), on which nothing depends, as the angles
+ * that a reduction has left out; and what they are at the start (NULL: 0). */
 struct pk_part_quadratures {
     size_t n;
     const struct pk_quantity *names;
@@ -168,16 +168,16 @@ struct pk_part_quadratures {
 };
 
 /* Switches: arguments s of step(s), abs(s), and a - b of min(a, b), at whose zeros the equations
- * change from one smooth form to another. Side 1 fixes the form of s > 0, -1 that of s < 0, whatever
- * s is; 0, the default, takes the side of s. With all sides given the equations are smooth
+ * change from one smooth form to another. Side 1 fixes the form of s > 0, -1 that of s < 0,
+ * whatever s is; 0, the default, takes the side of s. With all sides given the equations are smooth
  * (PK_SWITCHED). Switches within a root or a power that is no integer are not held, since beyond
  * their zeros these have no value. The sides are n pk_real from the byte `sides` of the params on;
  * see pk/events.h, which sets them in a copy.
  *
  * Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
- * pk_impulse; `impulses` NULL: nowhere. Then there are `slopes`, which writes ds/dq (n by the degrees
- * of freedom, along body rates; 0 of others) and ds/dt, and unconstrained, inertia and energy. See
- * pk/events.h; a step by pk_integrator_step() alone is refused. */
+ * pk_impulse; `impulses` NULL: nowhere. Then there are `slopes`, which writes ds/dq (n by the
+ * degrees of freedom, along body rates; 0 of others) and ds/dt, and unconstrained, inertia and
+ * energy. See pk/events.h; a step by pk_integrator_step() alone is refused. */
 struct pk_part_switches {
     size_t n;
     const struct pk_quantity *names; /* the expressions as text, "t - t0" */
@@ -205,17 +205,17 @@ struct pk_part_constraints {
     /* J (n by the degrees of freedom, row-major; the columns of quaternions and first-order
      * variables are 0) and J v + j0. */
     pk_kernel_2 *jacobian;
-    /* The sizes of the terms that phi and J v + j0 are sums of, in whose units of rounding a residual
-     * is judged. */
+    /* The sizes of the terms that phi and J v + j0 are sums of, in whose units of rounding a
+     * residual is judged. */
     pk_kernel_2 *scale;
     pk_kernel *multipliers; /* lambda */
 };
 
 /* Families kept as loops. pk_system.n is then the count at the default sizes; coordinates, rates,
- * momenta and parameters have an entry for each declared name (q for q[1..N]), `cyclic` is NULL, mass
- * and jacobian are, and the offset of a family of parameters is that of a pointer to its members.
- * Before defaults(): set_sizes() and any sizes of one's own, then attach() with block_size() bytes,
- * aligned for pk_real (0: none needed, or a size is too small). */
+ * momenta and parameters have an entry for each declared name (q for q[1..N]), `cyclic` is NULL,
+ * mass and jacobian are, and the offset of a family of parameters is that of a pointer to its
+ * members. Before defaults(): set_sizes() and any sizes of one's own, then attach() with
+ * block_size() bytes, aligned for pk_real (0: none needed, or a size is too small). */
 struct pk_part_families {
     size_t (*count)(const void *params); /* degrees of freedom; NULL: pk_system.n */
     size_t n_sizes;
@@ -252,16 +252,16 @@ struct pk_system {
     size_t params_size; /* sizeof (struct NAME_params) */
 
     /* First-order variables x' = g(t, q, v, x): v[i] = x and a[i] = g of the last n_first_order
-     * degrees of freedom, whose names are those of the rates there. Their q is the integral of x, on
-     * which nothing depends: it is shown nowhere and controls no step. They have no momenta: where L
-     * alone is asked for, or the energy, they count as t does, and energy is NULL where there are no
-     * coordinates. */
+     * degrees of freedom, whose names are those of the rates there. Their q is the integral of x,
+     * on which nothing depends: it is shown nowhere and controls no step. They have no momenta:
+     * where L alone is asked for, or the energy, they count as t does, and energy is NULL where
+     * there are no coordinates. */
     size_t n_first_order;
     /* Rotations, attitudes R in SO(3), body to space. The first 3 n_rotations of the first-order
      * variables are their body rates, omega(R).x, .y, .z each; the next 4 n_rotations their unit
-     * quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R turns by R v = Q v Q*. Of
-     * all kernels: p = dL/domega and pdot = X L + p x omega + torque there, X_i the derivative along
-     * Q' = Q e_i/2; the momenta are those of the body frame. */
+     * quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R turns by R v = Q v Q*.
+     * Of all kernels: p = dL/domega and pdot = X L + p x omega + torque there, X_i the derivative
+     * along Q' = Q e_i/2; the momenta are those of the body frame. */
     size_t n_rotations;
 
     /* Names: n coordinates, n rates, n momenta, and so on. */
@@ -272,16 +272,16 @@ struct pk_system {
     /* Parameters. defaults() sets all of them and calls prepare(). derive() computes again the
      * defaults that follow other parameters, except where given[i] != 0 (given may be NULL: none
      * is given). prepare() computes what depends on parameters alone and must follow any change;
-     * it returns 0 or a failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE). bounds()
-     * gives the bounds, infinite where there is none. */
+     * it returns 0 or a failure (PK_FAILURE_PARAMETER, PK_FAILURE_DERIVED, PK_FAILURE_SIZE).
+     * bounds() gives the bounds, infinite where there is none. */
     void (*defaults)(void *params);
     void (*derive)(void *params, const unsigned char *given);
     int (*prepare)(void *params);
     void (*bounds)(const void *params, pk_real *lo, pk_real *hi);
     void (*start)(const void *params, pk_real *q, pk_real *v);
 
-    /* a with M a = f. Returns 0 or a failure (PK_FAILURE_MASS, PK_FAILURE_CONSTRAINT); then a is not
-     * written. */
+    /* a with M a = f. Returns 0 or a failure (PK_FAILURE_MASS, PK_FAILURE_CONSTRAINT); then a is
+     * not written. */
     int (*acceleration)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                         const pk_real *u, pk_real *a);
     pk_kernel *mass, *force;
@@ -298,10 +298,10 @@ struct pk_system {
      * (q, v); see pk/linear.h. NULL: there is none. */
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
-    /* canonical() without J^T lambda: p = dL/dv (of quaternions and first-order variables: the numbers
-     * themselves) and pdot (their rates); and dp/dv of that p. They are there wherever there are
-     * rotations, constraints or impulses: where M is the unit matrix because M a = f was solved,
-     * canonical() and mass() say nothing of the momenta. */
+    /* canonical() without J^T lambda: p = dL/dv (of quaternions and first-order variables: the
+     * numbers themselves) and pdot (their rates); and dp/dv of that p. They are there wherever
+     * there are rotations, constraints or impulses: where M is the unit matrix because M a = f was
+     * solved, canonical() and mass() say nothing of the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
 

@@ -40,8 +40,9 @@ size_t pk_variation_size(const struct pk_problem *of, size_t columns);
 /* Bytes that an integrator of the new system wants, before there is one. */
 size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
                                     const struct pk_method *method);
-/* PK_REFUSED where the system has no kernel `linear`, mass or jacobian, or has kinks (no PK_SMOOTH);
- * PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL. One thread at a time, since kernels work in the block. */
+/* PK_REFUSED where the system has no kernel `linear`, mass or jacobian, or has kinks (no
+ * PK_SMOOTH); PK_BAD_ARGUMENT, PK_BLOCK_TOO_SMALL. One thread at a time, since kernels work in the
+ * block. */
 enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk_problem *of,
                                  size_t columns, void *block, size_t block_size);
 

@@ -6,8 +6,8 @@
  *
  * by Newton's method, in the metric of M: to first order no other state on the constraints is
  * nearer, and the order of the method stays. A quaternion is turned by the rotation vector that its
- * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method keeps
- * from its last step are left: they err by as much as the step did, and count h times that.
+ * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method
+ * keeps from its last step are left: they err by as much as the step did, and count h times that.
  *
  * A long first correction means that the step missed something, a steep ramp of phi(t) say. It is
  * refused above MOST_OFF tolerances if the step can be retried, else above the length of h v.

@@ -1,5 +1,6 @@
-/* Unit quaternions Q = (w, x, y, z), body to space: products, turns of vectors, and how a step turns
- * an attitude. Outputs may alias inputs. For half a step, x = h omega/2, the Cayley quaternion is
+/* Unit quaternions Q = (w, x, y, z), body to space: products, turns of vectors, and how a step
+ * turns an attitude. Outputs may alias inputs. For half a step, x = h omega/2, the Cayley
+ * quaternion is
  *
  *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    twice:  c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *
@@ -58,8 +59,8 @@ static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, 
         out[i] = p[i] + weight * ((sign > 0 ? one[i] : -one[i]) + two[i]);
 }
 
-/* The four numbers that exp(theta), a rotation vector, adds to Q: sin(a)/a and cos(a) - 1 at half the
- * angle, the second by sin(a/2), where nothing cancels. */
+/* The four numbers that exp(theta), a rotation vector, adds to Q: sin(a)/a and cos(a) - 1 at half
+ * the angle, the second by sin(a/2), where nothing cancels. */
 static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, pk_real *d)
 {
     const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
@@ -89,9 +90,9 @@ static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, p
 }
 
 /* Scales Q to length 1 where its norm is off by more than a few roundings, and clears its
- * compensations `low` (NULL: there are none), which belong to what Q was. Entries are `stride` apart.
- * 1 where Q was scaled, 0 where it was well; -1, and Q is left as it is, where no direction is left:
- * the square of its norm is lost or is no number. */
+ * compensations `low` (NULL: there are none), which belong to what Q was. Entries are `stride`
+ * apart. 1 where Q was scaled, 0 where it was well; -1, and Q is left as it is, where no direction
+ * is left: the square of its norm is lost or is no number. */
 static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
 {
     pk_real norm2 = 0;

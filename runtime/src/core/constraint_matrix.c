@@ -1,5 +1,5 @@
-/* J, and J M^-1 J^T factored: what constraints do to accelerations, corrections and impulses. Where a row
- * depends on those before it, by how much of each.
+/* J, and J M^-1 J^T factored: what constraints do to accelerations, corrections and impulses. Where
+ * a row depends on those before it, by how much of each.
  */
 #include <string.h>
 

@@ -64,8 +64,8 @@ int pk_sides_missing(const struct pk_integrator *it);
 /* A kernel that a method calls and the system was compiled without; NULL: there is none. */
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method);
 
-/* The time of a step towards `limit`, which is not it->t, before it is made: it->own->next_t and, where
- * steps are fixed, it->own->h. And after. */
+/* The time of a step towards `limit`, which is not it->t, before it is made: it->own->next_t and,
+ * where steps are fixed, it->own->h. And after. */
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
 void pk_step_made(struct pk_integrator *it, int fixed);
 
@@ -75,8 +75,8 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
 void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        pk_real *p, pk_real *pdot);
 
-/* Absolute tolerances, it->own->atol: numbers needed; at a start; after a step. Before each attempt at one
- * pk_scale_attempt() (pk/step/state.h). */
+/* Absolute tolerances, it->own->atol: numbers needed; at a start; after a step. Before each attempt
+ * at one pk_scale_attempt() (pk/step/state.h). */
 size_t pk_scale_size(const struct pk_method *method, size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
@@ -85,23 +85,24 @@ void pk_scale_step(struct pk_integrator *it);
  * the error is as large as the motion. */
 int pk_scale_raise(struct pk_integrator *it, pk_real h);
 
-/* Where the equations end: what system->singularities.table says, watched from step to step. Numbers needed; at
- * a start; whether a singularity is zero there; after a trial step, which is still it->own->next; and after
- * one that failed, whether a singularity is its cause. */
+/* Where the equations end: what system->singularities.table says, watched from step to step.
+ * Numbers needed; at a start; whether a singularity is zero there; after a trial step, which is
+ * still it->own->next; and after one that failed, whether a singularity is its cause. */
 size_t pk_singularity_size(size_t n_singularities, size_t n);
 void pk_singularity_start(struct pk_integrator *it);
 enum pk_status pk_singularity_here(struct pk_integrator *it);
 enum pk_status pk_singularity_step(struct pk_integrator *it);
 enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status status, int fixed);
 
-/* Forces that may be shorter than a step (marks.c): numbers needed; the limit of a trial step; whether
- * it passes over too much, and is to be made again up to a nearer one; that it becomes the state. */
+/* Forces that may be shorter than a step (marks.c): numbers needed; the limit of a trial step;
+ * whether it passes over too much, and is to be made again up to a nearer one; that it becomes the
+ * state. */
 size_t pk_marks_size(const struct pk_system *system, size_t n);
 pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit);
 int pk_marks_reject(struct pk_integrator *it);
 void pk_marks_accept(struct pk_integrator *it);
-/* The cubic of Hermite through q and v at the ends of a step of length h, and its derivative, at x of
- * 0 .. 1. */
+/* The cubic of Hermite through q and v at the ends of a step of length h, and its derivative, at x
+ * of 0 .. 1. */
 void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
                 const pk_real *v1, pk_real x, pk_real *q, pk_real *v);
 
@@ -110,7 +111,8 @@ void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const
 size_t pk_quadrature_size(const struct pk_system *system, size_t n);
 enum pk_status pk_quadrature_start(struct pk_integrator *it);
 enum pk_status pk_quadrature_step(struct pk_integrator *it);
-/* Whether the step is to be made again, shorter, for the quadratures' sake; it->own->h follows them. */
+/* Whether the step is to be made again, shorter, for the quadratures' sake; it->own->h follows
+ * them. */
 int pk_quadrature_rejects(struct pk_integrator *it);
 void pk_quadrature_accept(struct pk_integrator *it);
 /* Gives `side` the quadratures at the start of the last step of `it`. */

@@ -1,6 +1,7 @@
 /* Forces shorter than a step. Marks are arguments u of exp(u), tanh(u) and so on that change only
  * where u is within +-ALIVE. Perhaps no stage of a step lies there, but u is smooth along the
- * step, a polynomial often, and is followed down to where it gets there. A step in which u, cut off at
+ * step, a polynomial often, and is followed down to where it gets there. A step in which u, cut off
+ * at
  * +-ALIVE, varies by more than MOST passes over what its stages may not see: it is made again up to
  * where it does not, and the next ones are kept that short until their errors keep them so. What
  * is fixed is not made shorter, but counted. Within the step the motion is taken as a cubic; where
@@ -64,8 +65,8 @@ static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 
 static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
 
-/* u at the ends and in the middle of a window: by how much it varies and the parabola bends; whether
- * it stays beyond +-ALIVE, with a margin. */
+/* u at the ends and in the middle of a window: by how much it varies and the parabola bends;
+ * whether it stays beyond +-ALIVE, with a margin. */
 struct window {
     pk_real varies, range, bend;
     int dead;

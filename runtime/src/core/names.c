@@ -1,5 +1,5 @@
-/* Names in families kept as loops: of coordinates the declared name with its index, of singularities the
- * expression with the indices of its members. */
+/* Names in families kept as loops: of coordinates the declared name with its index, of
+ * singularities the expression with the indices of its members. */
 #include <stdio.h>
 #include <string.h>
 

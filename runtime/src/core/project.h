@@ -51,19 +51,20 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether
  * anything changed. It takes the room it->own->project. PK_NOT_FINITE, what M is singular for, or
- * PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with PK_OFF_CONSTRAINTS, of a
- * start, 2 c + a rotation. */
+ * PK_NO_PROJECTION: it->where is a row, or c + a row of the rates; and with PK_OFF_CONSTRAINTS, of
+ * a start, 2 c + a rotation. */
 enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v,
                           pk_real *low_q, pk_real *low_v, int *moved);
 /* The step in it->own->next, before it becomes the state. */
 enum pk_status pk_project_step(struct pk_integrator *it);
-/* The status of an acceleration that found the constraints dependent, it->where its row, at the time
- * it->detail. */
+/* The status of an acceleration that found the constraints dependent, it->where its row, at the
+ * time it->detail. */
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v);
-/* After an underflow: whether constraints all but depend on each other here, it->where on which row. */
+/* After an underflow: whether constraints all but depend on each other here, it->where on which
+ * row. */
 int pk_project_dependent(struct pk_integrator *it);
-/* The state where the integrator starts: refused where it breaks constraints, or they depend on each
- * other; else moved onto them by what rounding left. */
+/* The state where the integrator starts: refused where it breaks constraints, or they depend on
+ * each other; else moved onto them by what rounding left. */
 enum pk_status pk_project_start(struct pk_integrator *it);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
 

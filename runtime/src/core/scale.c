@@ -1,12 +1,13 @@
-/* The absolute tolerance of each coordinate and rate. Given, it is one for all. Else it is rtol times
- * the scale that the motion has shown: the largest value so far, since a motion of picometres is as
- * much of one as that of metres. Of those of one unit none counts as smaller than a millionth of the
- * largest, so that what has hardly begun to move, as the far end of a chain, does not hold up the rest.
+/* The absolute tolerance of each coordinate and rate. Given, it is one for all. Else it is rtol
+ * times the scale that the motion has shown: the largest value so far, since a motion of picometres
+ * is as much of one as that of metres. Of those of one unit none counts as smaller than a millionth
+ * of the largest, so that what has hardly begun to move, as the far end of a chain, does not hold
+ * up the rest.
  *
- * What is nothing but rounding has no scale: its digits are noise, and steps that followed them would
- * shrink for nothing. What rounding of the state does to the accelerations is measured, by a change
- * of each number by some units in its last place; errors as large as that over the step that is tried
- * are none.
+ * What is nothing but rounding has no scale: its digits are noise, and steps that followed them
+ * would shrink for nothing. What rounding of the state does to the accelerations is measured, by a
+ * change of each number by some units in its last place; errors as large as that over the step that
+ * is tried are none.
  */
 #include <string.h>
 
@@ -18,9 +19,9 @@
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 enum { OFTEN = 64 };               /* steps between two looks at rounding */
 
-/* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n each:
- * what rounding does to accelerations, an acceleration, what rounding of momenta does to rates, two
- * accelerations beside; and a mass matrix. */
+/* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n
+ * each: what rounding does to accelerations, an acceleration, what rounding of momenta does to
+ * rates, two accelerations beside; and a mass matrix. */
 enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, BESIDE, PARTS = 15 };
 
 size_t pk_scale_size(const struct pk_method *method, size_t n)

@@ -1,15 +1,15 @@
 /* Singularities: where the equations end, watched from step to step; see struct pk_singularity.
  *
- * A singularity that changes its sign in a step has vanished in it. One that never does, such as the
- * distance in a collision, or that changes it twice has the same sign at both ends of the step:
+ * A singularity that changes its sign in a step has vanished in it. One that never does, such as
+ * the distance in a collision, or that changes it twice has the same sign at both ends of the step:
  * the step may pass over it unnoticed. So where the tangent at
- * either end says that a singularity may vanish within the step, or cannot account for its change, the
- * step is gone through again by short ones (singularity_search.c). Adaptive steps are no exception:
- * at a tight tolerance they shrink before a singularity until they underflow, and then the same
- * search tells its cause; at a loose one they step over it as fixed ones do.
+ * either end says that a singularity may vanish within the step, or cannot account for its change,
+ * the step is gone through again by short ones (singularity_search.c). Adaptive steps are no
+ * exception: at a tight tolerance they shrink before a singularity until they underflow, and then
+ * the same search tells its cause; at a loose one they step over it as fixed ones do.
  *
- * Where a singularity changes its sign and short steps say that the motion does not reach its zero, it is
- * the step that is wrong and no singularity: PK_STEP_TOO_LONG.
+ * Where a singularity changes its sign and short steps say that the motion does not reach its zero,
+ * it is the step that is wrong and no singularity: PK_STEP_TOO_LONG.
  */
 #include <string.h>
 
@@ -104,7 +104,8 @@ enum pk_status pk_singularity_here(struct pk_integrator *it)
 /* +1, -1, or 0 for zero and what is no number; products of two singularities may underflow. */
 static int sign(pk_real x) { return (x > 0) - (x < 0); }
 
-/* Whether the tangents say that singularity k may vanish in the step just tried, or say too little. */
+/* Whether the tangents say that singularity k may vanish in the step just tried, or say too little.
+ */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
     const pk_real g0 = pk_singularity_part(it, PK_SINGULARITY_NOW)[k],

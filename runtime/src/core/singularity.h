@@ -5,7 +5,8 @@
 #include "internal.h"
 
 /* Values and slopes at the state, then at the end of a trial step, the largest values of all states
- * since the start, a number a singularity each; behind them a state and a slope for the search, n each. */
+ * since the start, a number a singularity each; behind them a state and a slope for the search, n
+ * each. */
 enum {
     PK_SINGULARITY_NOW,
     PK_SINGULARITY_SLOPE,
@@ -16,7 +17,9 @@ enum {
 };
 enum { PK_SINGULARITY_SEARCH_PARTS = 10 };
 
-#define PK_SINGULARITY_DEEP PK_C(1e-12) /* of its value at the start of the search: it vanishes, */
+#define PK_SINGULARITY_DEEP \
+    PK_C(1e-12) /* of its value at the start of the search: it vanishes, \
+                                         */
 #define PK_SINGULARITY_SHALLOW \
     PK_C(1e-3) /* or where steps underflow already, and it is small already */
 
@@ -32,8 +35,8 @@ void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q,
                           pk_real d, pk_real *out);
 /* t if it lies between first and last, else first: a tangent of mere round-off gives any time. */
 pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last);
-/* Whether a singularity falls to `depth` of its value at the state on the way to t_end, and which. Leaves
- * counters and the reason of a failure as they were. */
+/* Whether a singularity falls to `depth` of its value at the state on the way to t_end, and which.
+ * Leaves counters and the reason of a failure as they were. */
 struct pk_singularity_search {
     enum {
         PK_SINGULARITY_UNDECIDED, /* steps underflow, or there would be too many */

@@ -1,6 +1,6 @@
-/* The search for where a singularity vanishes, by short steps of the classical Runge-Kutta method, none of
- * which lets a singularity fall below .7 of its value: towards a zero they shrink geometrically, past it
- * they get on. See singularity.c for when it is asked.
+/* The search for where a singularity vanishes, by short steps of the classical Runge-Kutta method,
+ * none of which lets a singularity fall below .7 of its value: towards a zero they shrink
+ * geometrically, past it they get on. See singularity.c for when it is asked.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6.

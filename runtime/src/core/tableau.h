@@ -6,8 +6,9 @@
 #include <pk/step/tableau.h>
 
 /* An implicit Runge-Kutta method: nodes, weights, and mu_ij = a_ij / b_j, for q. For p the same, or
- * the conjugate table mu^_ji = 1 - mu_ij: of each such pair only the larger counts, so that it holds
- * exactly in floating point, and with it symplecticity. Gauss methods are their own conjugates. */
+ * the conjugate table mu^_ji = 1 - mu_ij: of each such pair only the larger counts, so that it
+ * holds exactly in floating point, and with it symplecticity. Gauss methods are their own
+ * conjugates. */
 struct pk_gauss {
     int stages;
     const pk_real *c, *b;

@@ -100,7 +100,8 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
     enum pk_growth growth;
     const unsigned long n = drift->n_marks;
     unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
-    /* Round-off shows no law: not while it was all there was, nor zeros, which have no logarithm. */
+    /* Round-off shows no law: not while it was all there was, nor zeros, which have no logarithm.
+     */
     const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
     const pk_real least = max > level + walk ? level * (drift->scale - drift->max) : 0;
     while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > least))

@@ -2,7 +2,8 @@
  * condition of Weierstrass and Erdmann. Before it are p-, h-; behind it, with alpha along the
  * gradient of the switch s(q, t) and Lambda along the rows J v + j0 = 0 of that side,
  *
- *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,   E = h(v+) - h- + alpha s_t + Lambda.j0 = 0.
+ *     p(v+) = p- + alpha s_q + J^T Lambda,   J v+ + j0 = 0,   E = h(v+) - h- + alpha s_t +
+ * Lambda.j0 = 0.
  *
  * Along v(alpha) dE/dalpha = s', the rate of s, and s' grows with alpha, M being definite: E is
  * convex, and of its two zeros one goes on and one goes back. Where there is none the surface is a
@@ -75,7 +76,8 @@ static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *
     return 0;
 }
 
-/* v(alpha) on the side at hand by Newton's method, from what v and lambda are; and its derivative. */
+/* v(alpha) on the side at hand by Newton's method, from what v and lambda are; and its derivative.
+ */
 static int rates(struct corner *x, pk_real alpha)
 {
     struct pk_projection *w = &x->w;

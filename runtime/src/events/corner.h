@@ -26,7 +26,8 @@ pk_real pk_corner_energy(const struct corner *x, const pk_real *v);
 void pk_corner_rows(struct corner *x, const pk_real *v);
 pk_real pk_corner_speed(const struct corner *x);
 
-/* To the zero of E where s' has a direction: 1, or 0 where there is none; -1: no rates are found. */
+/* To the zero of E where s' has a direction: 1, or 0 where there is none; -1: no rates are found.
+ */
 int pk_corner_leave(struct corner *x, pk_real direction, int free);
 
 static inline pk_real pk_corner_dot(const pk_real *a, const pk_real *b, size_t count)

@@ -1,7 +1,7 @@
-/* Where an event's function crosses zero within a window of a step. The polynomial through samples of
- * the interpolant only proposes times; nodes are times with true values, by the method itself, and
- * between two of opposite signs the root is found (root.c). Where the polynomial dips towards zero,
- * true values follow it down, so that two crossings side by side are seen too.
+/* Where an event's function crosses zero within a window of a step. The polynomial through samples
+ * of the interpolant only proposes times; nodes are times with true values, by the method itself,
+ * and between two of opposite signs the root is found (root.c). Where the polynomial dips towards
+ * zero, true values follow it down, so that two crossings side by side are seen too.
  */
 #include <string.h>
 

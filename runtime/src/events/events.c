@@ -1,9 +1,9 @@
 /* Events: crossings of zero within a step, located by the method itself; see pk/events.h.
  *
  * The functions of the events are looked at on an interpolant of the step, which costs no step, or
- * where a step is too long for it at states by shorter ones (events_look.c). It only proposes times: what is
- * believed is g at states that a second integrator, the scout, reaches from where the step began.
- * Between two such times with opposite signs lies a crossing.
+ * where a step is too long for it at states by shorter ones (events_look.c). It only proposes
+ * times: what is believed is g at states that a second integrator, the scout, reaches from where
+ * the step began. Between two such times with opposite signs lies a crossing.
  *
  * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
  * Comput. Math. Appl. 39 (2000) 43.

@@ -6,8 +6,8 @@
 
 #include "../core/internal.h"
 
-/* Samples of a window, nodes of one event in it, numbers of an entry of the list of crossings: x from
- * where the step began, which event, direction. */
+/* Samples of a window, nodes of one event in it, numbers of an entry of the list of crossings: x
+ * from where the step began, which event, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 4 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
 /* One function in a window: the polynomial through its samples, sum c_k cos(k angle). */
@@ -16,8 +16,8 @@ struct pk_shape {
     pk_real range, tail;    /* how much it varies by, and what the last terms come to */
     pk_real last_x, last_g; /* the last true value that was looked at */
     int order;
-    /* The polynomial is the function, but for 1/40 of the range, or does not show it; it may be zero; the
-     * function jumps. */
+    /* The polynomial is the function, but for 1/40 of the range, or does not show it; it may be
+     * zero; the function jumps. */
     int clear, lost, crosses, jumps;
     int in_a_row; /* windows of the least width in which it was lost */
 };
@@ -28,8 +28,8 @@ static inline size_t pk_events_count(const struct pk_events *e)
     return e->n_events + e->n_switches;
 }
 
-/* g of a sample of the window, from its begin, 0, to its end. One more is room for the values at a time
- * of one's own. */
+/* g of a sample of the window, from its begin, 0, to its end. One more is room for the values at a
+ * time of one's own. */
 static inline pk_real *pk_events_sample(const struct pk_events *e, int j)
 {
     return e->g + pk_events_count(e) * (size_t)j;
@@ -97,7 +97,8 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size);
 void pk_switches_values(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                         const pk_real *q, const pk_real *v, pk_real *x);
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k);
-/* Adds the crossings of event k in the window to the list, which is in the order in which they are met. */
+/* Adds the crossings of event k in the window to the list, which is in the order in which they are
+ * met. */
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k);
 /* Reports what is in the list, as far as the first event that stops, or the first switch, and what
  * is at the same time. */

@@ -1,10 +1,11 @@
 /* The functions of events over a step, window by window. In each they are looked at in the 9 or 17
- * points of Chebyshev and Lobatto on an interpolant, which costs no step, or where that is worthless at
- * states by shorter steps. The polynomials through them show by their last coefficients whether they
- * are the functions: where one is not, the window is halved. See events.c.
+ * points of Chebyshev and Lobatto on an interpolant, which costs no step, or where that is
+ * worthless at states by shorter steps. The polynomials through them show by their last
+ * coefficients whether they are the functions: where one is not, the window is halved. See
+ * events.c.
  *
- * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters 3
- * and 8.
+ * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters
+ * 3 and 8.
  */
 #include <string.h>
 

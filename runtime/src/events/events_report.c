@@ -20,7 +20,8 @@ static enum pk_status quadratures(struct pk_events *e, struct pk_integrator *it)
 }
 
 /* The state just behind a crossing. A step of the core's methods gives the same each time, and that
- * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little further. */
+ * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little
+ * further. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];

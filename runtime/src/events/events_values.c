@@ -1,5 +1,5 @@
-/* What events and switches are at a time within a step: where the motion is there, the values of their
- * functions, and the times at which a window is sampled.
+/* What events and switches are at a time within a step: where the motion is there, the values of
+ * their functions, and the times at which a window is sampled.
  */
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* What the motion does where it meets a switch across which L or a constraint jumps: whether there is
- * an impulse, whether it goes on or back by it, and several at once. See corner.c.
+/* What the motion does where it meets a switch across which L or a constraint jumps: whether there
+ * is an impulse, whether it goes on or back by it, and several at once. See corner.c.
  */
 #include <stdio.h>
 #include <string.h>

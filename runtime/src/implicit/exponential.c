@@ -13,8 +13,8 @@
  * for.
  *
  * L is balanced by powers of two, which makes its norm, and with it the number of squarings, that
- * of its fastest motion and not of its units. References: double_double.c for the exponential; B. N.
- * Parlett, C. Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and
+ * of its fastest motion and not of its units. References: double_double.c for the exponential; B.
+ * N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and
  * Stability of Numerical Algorithms, 12, for refinement. /
  */
 #include <string.h>

@@ -238,7 +238,8 @@ static void values(const struct parts *d, size_t n, pk_real x, pk_real *q, pk_re
     }
 }
 
-/* From piece to piece up to the one that holds x, in steps; back to the first if that was passed. */
+/* From piece to piece up to the one that holds x, in steps; back to the first if that was passed.
+ */
 static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                             const struct parts *d, pk_real x)
 {

@@ -1,4 +1,5 @@
-/* What the implicit methods in (q, p) share: their memory, and the numbers that a step is made of. */
+/* What the implicit methods in (q, p) share: their memory, and the numbers that a step is made of.
+ */
 #include <string.h>
 
 #include "gauss.h"

@@ -20,7 +20,8 @@ struct pk_radau_kept {
 void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
                          const pk_real *q, const pk_real *v);
 
-/* it->own->error of the stages found. `again`: by the second formula, where the first one rejects. */
+/* it->own->error of the stages found. `again`: by the second formula, where the first one rejects.
+ */
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again);
 

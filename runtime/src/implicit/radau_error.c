@@ -104,8 +104,8 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Of z' = g: gamma h g(y0) + e.z, where z_i = sum h a_ij g_j; g's own dependence on the error of the
- * motion, which is within its tolerance, is left out. */
+/* Of z' = g: gamma h g(y0) + e.z, where z_i = sum h a_ij g_j; g's own dependence on the error of
+ * the motion, which is within its tolerance, is left out. */
 int pk_radau_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
 {
     const struct pk_gauss_work w = pk_gauss_parts(it);

@@ -21,7 +21,8 @@ static unsigned long whole(const struct pk_integrator *it, pk_real limit, unsign
     return steps < most ? steps : most;
 }
 
-/* 0 where nothing was done: it passes over what singularities and constraints see to between steps. */
+/* 0 where nothing was done: it passes over what singularities and constraints see to between steps.
+ */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;

@@ -1,12 +1,13 @@
-/* How far the next step goes, and whether there is to be one: the grid of fixed steps, limits on their
- * number, progress. Time on a fixed step is anchor + k h, rounded twice: no sum of roundings.
+/* How far the next step goes, and whether there is to be one: the grid of fixed steps, limits on
+ * their number, progress. Time on a fixed step is anchor + k h, rounded twice: no sum of roundings.
  */
 #include "../core/internal.h"
 
 enum { FIRST_LOOK = 1 << 16 }; /* at progress: steps */
 #define MOST_AHEAD PK_C(1e9)   /* steps, where nobody says how many */
 
-/* Chooses it->own->h and it->own->next_t of a fixed-step method. 1 where the step leaves the grid. */
+/* Chooses it->own->h and it->own->next_t of a fixed-step method. 1 where the step leaves the grid.
+ */
 static int choose_fixed(struct pk_integrator *it, pk_real limit)
 {
     const pk_real sign = (pk_real)it->own->direction;
@@ -29,9 +30,9 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
     return 1;
 }
 
-/* Whether time all but stands still; looked at each time that the number of steps has doubled, so that
- * no more than this number and the times decide. It is measured by the lengths of steps, since a
- * caller may go back in time. */
+/* Whether time all but stands still; looked at each time that the number of steps has doubled, so
+ * that no more than this number and the times decide. It is measured by the lengths of steps, since
+ * a caller may go back in time. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     const unsigned long tried = it->count.steps + it->count.rejections;

@@ -14,10 +14,10 @@
  * Constraints: p0 and P0 are first kicked by J(q0)^T mu so that phi(q1) = 0, and p1 and P1 at the
  * end so that J v + j0 = 0. So the steps are symplectic, symmetric, and keep the momenta of
  * symmetries, R P of a free body as a vector, however well the equations are solved. Without
- * rotations and constraints the first is the implicit midpoint rule in (q, p), the second Verlet for
- * any L, and with constraints RATTLE. First-order variables go by the midpoint or the trapezoidal
- * rule. What is carried are p and P, with compensated sums; v comes from them. Order 4 and 6:
- * compositions.
+ * rotations and constraints the first is the implicit midpoint rule in (q, p), the second Verlet
+ * for any L, and with constraints RATTLE. First-order variables go by the midpoint or the
+ * trapezoidal rule. What is carried are p and P, with compensated sums; v comes from them. Order 4
+ * and 6: compositions.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, VI.6, VII.1.3-4,
  * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,

@@ -1,6 +1,6 @@
-/* What the variational steps share: the step (variational.c), its equations (variational_equations.c)
- * how they are solved (variational_solve.c, variational_matrix.c), its end, where rates come from momenta
- * (variational_end.c).
+/* What the variational steps share: the step (variational.c), its equations
+ * (variational_equations.c) how they are solved (variational_solve.c, variational_matrix.c), its
+ * end, where rates come from momenta (variational_end.c).
  */
 #ifndef PK_VARIATIONAL_H
 #define PK_VARIATIONAL_H
@@ -21,8 +21,8 @@ struct pk_variational {
     int ends;
 };
 
-/* n degrees of freedom, of which the first m have momenta: coordinates, then body rates; behind them
- * quaternions, then other states. */
+/* n degrees of freedom, of which the first m have momenta: coordinates, then body rates; behind
+ * them quaternions, then other states. */
 struct pk_variational_work {
     const struct pk_variational *table;
     size_t n, m, c;          /* c: rows of constraints */
@@ -51,7 +51,8 @@ struct pk_variational_work {
 
 /* Where all that stands in it->own->work. */
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it);
-/* n each: p and dp/dt of L alone at a state; of quaternions and states themselves and their rates. */
+/* n each: p and dp/dt of L alone at a state; of quaternions and states themselves and their rates.
+ */
 size_t pk_variational_size(const struct pk_method *method, size_t n);
 void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                             pk_real *p, pk_real *pdot);
@@ -60,7 +61,8 @@ enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variation
                                    pk_real t, const pk_real *q, const pk_real *v);
 /* The end of the step by V, and its middle. */
 void pk_variational_reach(struct pk_variational_work *w);
-/* Momenta and forces by V, at the middle, or at the start and at the end; whether they are finite. */
+/* Momenta and forces by V, at the middle, or at the start and at the end; whether they are finite.
+ */
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w);
 /* r(V), n numbers, of what pk_variational_evaluate() left; 0 of quaternions. */
 void pk_variational_residual(const struct pk_variational_work *w, pk_real *r);

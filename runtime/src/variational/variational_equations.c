@@ -1,5 +1,5 @@
-/* The equations of a variational step as residuals, r(V) of the rates V at its middle; they stand in
- * variational.c.
+/* The equations of a variational step as residuals, r(V) of the rates V at its middle; they stand
+ * in variational.c.
  */
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* One correction of V and of the kick in a variational step: the matrix M, or that of Newton's method
- * by differences, bordered by the exact derivatives of phi; see variational_solve.c.
+/* One correction of V and of the kick in a variational step: the matrix M, or that of Newton's
+ * method by differences, bordered by the exact derivatives of phi; see variational_solve.c.
  */
 #include <string.h>
 

@@ -2,8 +2,8 @@
  * the kick J(q0)^T mu of its start; see variational.c. By M for their matrix, at the start: that
  * contracts while h omega is below 2 and is quick where it is small. Where it does not contract all
  * the way, the equations may have several solutions: then by Newton's method with differences of r,
- * and followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must keep
- * the sign of its determinant. phi has its exact derivatives in either case.
+ * and followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must
+ * keep the sign of its determinant. phi has its exact derivatives in either case.
  *
  * An iteration ends as that of newton.c does, far below round-off, with phi within the rounding of
  * its terms. Coordinates are as large, for this, as what their terms in phi are beside J.
@@ -55,9 +55,9 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     return worst;
 }
 
-/* What V is rounded beside: itself, momenta and what adds to them, and the coordinates over h; where
- * phi adds numbers of its own to these, as in (a + x)^2, they count as what takes phi as far as its
- * terms. */
+/* What V is rounded beside: itself, momenta and what adds to them, and the coordinates over h;
+ * where phi adds numbers of its own to these, as in (a + x)^2, they count as what takes phi as far
+ * as its terms. */
 static void set_scale(struct pk_variational_work *w)
 {
     const pk_real *q = pk_part(w->to, w->n, PK_Q), *v = pk_part(w->to, w->n, PK_V);

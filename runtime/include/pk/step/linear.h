@@ -1,5 +1,5 @@
-/* What methods outside the core need beyond pk/step/state.h: derivatives through the integrator, and
- * small dense linear algebra.
+/* What methods outside the core need beyond pk/step/state.h: derivatives through the integrator,
+ * and small dense linear algebra.
  */
 #ifndef PK_STEP_LINEAR_H
 #define PK_STEP_LINEAR_H

@@ -58,8 +58,8 @@ struct pk_integrator_private {
     void *extra; /* of a foreign library */
 };
 
-/* Parts of it->own->state and of it->own->next, n numbers each: q, v, p, the compensations (low parts) of
- * q and of v or p, and an acceleration that belongs to this state and may be reused. */
+/* Parts of it->own->state and of it->own->next, n numbers each: q, v, p, the compensations (low
+ * parts) of q and of v or p, and an acceleration that belongs to this state and may be reused. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
 /* it->own->flags */
