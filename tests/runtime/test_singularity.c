@@ -254,7 +254,7 @@ static void tiny(void)
 static void members(void)
 {
     static struct fixture f;
-    static double block[20000];
+    static double block[30000];
     struct pk_system system = guarded_kepler();
     const double q0[6] = {0.6, 0.8, 1, 0, 0.3, 0.4}, v0[6] = {0, 0, 0, 1, 0, 0}, times[] = {0.3, 2};
     double q[12], v[12], last[3];
