@@ -15,7 +15,7 @@ struct program {
     struct pk_run_settings settings;
     const char *output; /* NULL: standard output */
     int json, units, shows;
-    void *lists[16]; /* memory of options.c */
+    void *lists[16]; /* memory of keep() */
     size_t n_lists;
 };
 
@@ -34,7 +34,7 @@ int write_npy(const struct program *p, const struct pk_run *run, const char *pat
 void write_description(const struct program *p, struct pk_run *run, FILE *file);
 void write_summary(struct pk_run *run, FILE *file);
 
-/* A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e of an event,
+/* Of names.c. A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e of an event,
  * z, s of a size; its index and unit. 0: there is none. */
 int find_name(const char *name, size_t length, char kind, size_t *index, size_t *member,
               const char **unit);

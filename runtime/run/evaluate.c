@@ -1,14 +1,12 @@
 /* Kernels at many states in one call: the acceleration in lanes, da/dq and da/dv by the kernel
  * `linear` or, where the system has none, by central differences, good to some PK_EPSILON^(2/3).
  */
-#define _POSIX_C_SOURCE 200809L
-
-#include "state.h"
-
 #include <math.h>
 #include <string.h>
 
 #include <pk/linear.h>
+
+#include "settings/settings.h"
 
 static size_t jacobian_size(const struct pk_problem *problem)
 {
@@ -158,11 +156,17 @@ size_t pk_run_width(const struct pk_run *of, const char *what)
     return known ? width(&((const struct run *)of)->settings, found) : 0;
 }
 
-/* NULL without memory. */
-static pk_real *work_of(struct run *run, size_t count)
+/* `count` numbers, NULL without memory. */
+struct work {
+    struct memory *memory;
+    size_t count;
+    pk_real *found;
+};
+
+static void take(void *context)
 {
-    return setjmp(run->memory.none) ? NULL
-                                    : (pk_real *)memory_take(&run->memory, count, sizeof(pk_real));
+    struct work *work = (struct work *)context;
+    work->found = (pk_real *)memory_take(work->memory, work->count, sizeof *work->found);
 }
 
 size_t pk_run_evaluate(struct pk_run *of, const char *what, size_t count, const double *t,
@@ -177,9 +181,10 @@ size_t pk_run_evaluate(struct pk_run *of, const char *what, size_t count, const 
         return count;
     const struct pk_problem problem = run_problem(run);
     const size_t lanes = (3 * n + 1 + s->system->n_inputs) * PK_LANES, one = 3 * n + wide;
-    pk_real *work = work_of(run, lanes + one + jacobian_size(&problem));
-    if (!work)
+    struct work room = {&run->memory, lanes + one + jacobian_size(&problem), NULL};
+    if (!memory_try(&run->memory, take, &room))
         return count;
+    pk_real *const work = room.found;
     if (wanted == ACCELERATION && s->system->lanes) {
         const size_t failed = in_lanes(s, count, t, q, v, out, work);
         memory_drop(&run->memory, work);

@@ -1,50 +1,13 @@
-/* The report, and pieces of JSON, where a number that is not finite is null: it has no other word.
- */
-#include "state.h"
+/* The report of one trajectory. */
+#include "report.h"
 
-#include <math.h>
-#include <string.h>
-
-#include "apart.h"
-#include "ensemble.h"
-#include "numbers.h"
-#include "observe.h"
-#include "trust.h"
+#include "base/json.h"
+#include "look/rows.h"
+#include "look/trust.h"
+#include "steps/apart.h"
+#include "steps/observe.h"
 
 enum { MOST_LISTED = 10000 };
-
-void report_text(FILE *file, const char *text)
-{
-    fputc('"', file);
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\')
-            fprintf(file, "\\%c", c);
-        else if (c < 0x20)
-            fprintf(file, "\\u%04x", c);
-        else
-            fputc(c, file);
-    }
-    fputc('"', file);
-}
-
-void report_real(FILE *file, pk_real x)
-{
-    if (x - x == PK_C(0.0))
-        numbers_write(file, (double)x);
-    else
-        fputs("null", file);
-}
-
-void report_numbers(FILE *file, const char *key, const pk_real *x, size_t count)
-{
-    fprintf(file, "\"%s\": [", key);
-    for (size_t i = 0; x && i < count; i++) {
-        fputs(i ? ", " : "", file);
-        report_real(file, x[i]);
-    }
-    fputs("]", file);
-}
 
 void report_run(struct run *run, FILE *file)
 {
@@ -71,7 +34,7 @@ void report_run(struct run *run, FILE *file)
     report_text(file, reason);
     fprintf(file, ",\n  \"interrupted\": %s,\n  \"whole\": %s,\n  \"t\": ",
             run->interrupted ? "true" : "false",
-            it->status >= 0 && !run->beyond && report_whole(run) ? "true" : "false");
+            it->status >= 0 && !run->beyond && rows_whole(run) ? "true" : "false");
     report_real(file, it->t);
     fputs(",\n  \"last_valid\": ", file);
     report_real(file, trust_last_valid(run));
@@ -119,5 +82,3 @@ void report_run(struct run *run, FILE *file)
     observe_report(run, file);
     fputs("\n}\n", file);
 }
-
-int report_whole(const struct run *run) { return !run->interrupted && !run->write_failed; }

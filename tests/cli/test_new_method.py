@@ -26,7 +26,7 @@ static const struct pk_tableau pk_ralston3_table = {
 """
 METHOD = '    X(A, ralston3, 3, 3, 0, PK_QUADRATURE, ralston3, "A. Ralston (1962)") \\\n'
 DIAGNOSTIC = "    X(extent, OF_ROWS, NONE) \\\n"
-FILE = """#include "diagnose_parts.h"
+FILE = """#include "parts.h"
 
 void diagnose_extent(struct run *run, struct diagnostics *d)
 {
@@ -58,8 +58,8 @@ def extended(tmp_path_factory: pytest.TempPathFactory):
     tables = runtime / "include/pk/step/tables.h"
     tables.write_text(tables.read_text().rpartition("#endif")[0] + TABLE)
     insert(runtime / "include/pk/methods.h", "    X(A, rk4, 4, 4, 0,", METHOD)
-    insert(runtime / "run/diagnostics.h", "    X(lrl, MOTION, PARTICLES)", DIAGNOSTIC)
-    (runtime / "run/diagnose_extent.c").write_text(FILE)
+    insert(runtime / "run/diagnose/diagnostics.h", "    X(lrl, MOTION, PARTICLES)", DIAGNOSTIC)
+    (runtime / "run/diagnose/extent.c").write_text(FILE)
     (folder / "swing.lag").write_text(MODEL)
     env = {**os.environ, "PYTHONPATH": str(folder), "PKGEN_CACHE": str(folder / "cache")}
     env["CFLAGS"] = "-O0"

@@ -10,7 +10,7 @@ RT_DIR = $(BUILD)/runtime$(RT_SUFFIX)
 RT_TESTS = $(BUILD)/tests$(RT_SUFFIX)
 
 RT_HEADERS = $(wildcard runtime/include/pk/*.h runtime/include/pk/step/*.h \
-             runtime/src/*/*.h runtime/run/*.h tests/runtime/*.h)
+             runtime/src/*/*.h runtime/run/*.h runtime/run/*/*.h tests/runtime/*.h)
 RT_CORE = $(patsubst runtime/src/%.c,$(RT_DIR)/src/%.o,$(sort $(wildcard runtime/src/*.c runtime/src/*/*.c)))
 RT_GSL = $(patsubst runtime/gsl/%.c,$(RT_DIR)/gsl/%.o,$(sort $(wildcard runtime/gsl/*.c)))
 # The one part with OpenMP, where the compiler has it.
@@ -62,7 +62,7 @@ $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTE
 
 # The layer of runs around a hand-written system, for its own tests.
 RT_RUN_CFLAGS = $(RT_TEST_CFLAGS) -DPK_WITH_GSL -DRUN_BATCH_BYTES=4096 -Itests/runtime
-RT_RUN = $(patsubst runtime/run/%.c,$(RT_TESTS)/run/%.o,$(sort $(wildcard runtime/run/*.c)))
+RT_RUN = $(patsubst runtime/run/%.c,$(RT_TESTS)/run/%.o,$(sort $(wildcard runtime/run/*.c runtime/run/*/*.c)))
 RT_PYTHON ?= .venv/bin/python
 comma = ,
 .SECONDARY: $(RT_RUN)

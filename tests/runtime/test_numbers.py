@@ -15,7 +15,7 @@ from conftest import ROOT
 def test_the_fewest_digits_that_read_back(tmp_path: Path) -> None:
     library = tmp_path / "numbers.so"
     flags = ["-std=c11", "-O1", "-shared", "-fPIC", f"-I{ROOT / 'runtime/include'}"]
-    subprocess.run(["gcc", *flags, ROOT / "runtime/run/shortest.c", "-o", library], check=True)
+    subprocess.run(["gcc", *flags, ROOT / "runtime/run/base/numbers.c", "-o", library], check=True)
     write = ctypes.CDLL(str(library)).numbers_text
     write.argtypes, write.restype = [ctypes.c_char_p, ctypes.c_double], ctypes.c_size_t
     draw = random.Random(1)

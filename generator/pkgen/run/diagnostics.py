@@ -1,8 +1,8 @@
 """What `pkgen run --diagnose` asks for, and of which models it is; its results are told by
 `diagnostics_text.py`.
 
-Their names and needs are those of runtime/run/diagnostics.h, beside the files that make them;
-docs/diagnostics.md has their keys.
+Their names and needs are those of runtime/run/diagnose/diagnostics.h, beside the files that make
+them; docs/diagnostics.md has their keys.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ..system.exits import UsageError
 from ..system.near import near
 from ..system.toolchain import RUNTIME
 
-TABLE = RUNTIME / "run" / "diagnostics.h"
+TABLE = RUNTIME / "run" / "diagnose" / "diagnostics.h"
 _ROW = re.compile(r"X\((\w+), (\w+), (\w+)\)")
 
 

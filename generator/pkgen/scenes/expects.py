@@ -1,7 +1,7 @@
 """`expect`: what a scene promises of its run, as outputs of the model and settings of the driver.
 
-A relation between what moves is measured in C where it is to hold: runtime/run/expect.c. One of
-numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the run is over:
+A relation between what moves is measured in C where it is to hold: runtime/run/look/expect.c. One
+of numbers that a whole run has, drift(X) and time(EVENT), is evaluated when the run is over:
 `scenes/judge.py`.
 """
 

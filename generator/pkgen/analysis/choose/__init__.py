@@ -1,6 +1,6 @@
 """`accuracy` in a scene: which method, at which step or tolerance, keeps it at the least cost.
 
-trials      runs of the scene, made and measured in C (runtime/run/choose.c)
+trials      runs of the scene, made and measured in C
 reference   the motion by the tightest runs, and how far it can be trusted
 candidates  the methods that are tried, a table
 search      the loosest setting of one that keeps the accuracy

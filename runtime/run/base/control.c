@@ -1,0 +1,57 @@
+/* What a run asks of the machine: clocks, whether it is to stop, where its rows go. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "state.h"
+
+#include <time.h>
+#include <unistd.h>
+
+#define SELDOM 16u  /* steps from one look at the clock to the next, where steps are short: */
+#define SHORT 1e-3  /* seconds for all of them */
+#define BETWEEN 0.1 /* seconds from one question to the next */
+
+static double seconds_of(clockid_t clock)
+{
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double run_now(void) { return seconds_of(CLOCK_MONOTONIC); }
+double run_processor(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
+
+static volatile sig_atomic_t stops; /* all runs */
+
+void pk_run_stop(int whether) { stops = whether; }
+
+int run_ending(void *context)
+{
+    (void)context;
+    return stops;
+}
+
+int run_stopped(struct run *run, double part)
+{
+    struct control *c = run->settings.control;
+    c->stop |= stops;
+    if (c->stop || !run->settings.polls)
+        return c->stop;
+    if (c->cap > 0 && run_processor() - c->began > c->cap)
+        return c->slow = c->stop = 1;
+    if (!c->poll)
+        return 0;
+    const double t = run_now();
+    c->often = t - c->looked < SHORT ? SELDOM : 1;
+    c->looked = t;
+    if (t - c->last < BETWEEN)
+        return 0;
+    c->last = t;
+    return c->stop = c->poll(c->context, part) != 0;
+}
+
+int run_open(struct run *run, int fd)
+{
+    const int own = dup(fd);
+    run->out = own < 0 ? NULL : fdopen(own, "w");
+    return run->out != NULL;
+}

@@ -1,0 +1,100 @@
+/* The action of a run of one degree of freedom: at the start, and at rows, each at its energy and
+ * with its t held. Where L depends on time slowly that is the adiabatic invariant.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts.h"
+
+enum { ROWS = 200 };
+
+static struct pk_action action_at(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
+                                  pk_real *u)
+{
+    struct pk_action found;
+    if (run->problem.input)
+        run->problem.input(run->problem.context, t, u);
+    pk_action_find(&found, &run->problem, t, q, v, u);
+    return found;
+}
+
+/* Rows of [t, J, T] as long as the orbit is of the kind that it began as. */
+static void rows(struct run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
+{
+    const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;
+    struct pk_drift drift;
+    struct pk_action at = {.orbit = orbit};
+    pk_drift_init(&drift);
+    fputs(", \"rows\": [", d->file);
+    for (size_t k = 0; k < count && at.orbit == orbit; k++) {
+        const size_t row = count > 1 ? k * (d->n_rows - 1) / (count - 1) : 0;
+        const pk_real *x = d->rows + row * 3; /* t, q, v */
+        at = action_at(run, x[0], x + 1, x + 2, u);
+        if (run_stopped(run, (double)k / (double)count))
+            break;
+        fprintf(d->file, "%s[", k ? ", " : "");
+        report_real(d->file, x[0]);
+        fputs(", ", d->file);
+        report_real(d->file, at.orbit == orbit ? at.action : PK_INFINITY);
+        fputs(", ", d->file);
+        report_real(d->file, at.orbit == orbit ? at.period : PK_INFINITY);
+        fputs("]", d->file);
+        if (at.orbit == orbit)
+            pk_drift_update(&drift, x[0], at.action);
+    }
+    fputs("], \"changes\": ", d->file);
+    if (at.orbit == orbit)
+        fputs("null", d->file);
+    else
+        report_text(d->file, pk_orbit_text(at.orbit));
+    fputs(", \"drift\": ", d->file);
+    report_drift(d->file, "action", &drift);
+}
+
+void diagnose_action(struct run *run, struct diagnostics *d)
+{
+    const struct settings *s = &run->settings;
+    pk_real *u = (pk_real *)memory_take(&run->memory, run->problem.system->n_inputs, sizeof *u);
+    const struct pk_action found = action_at(run, 0, s->q, s->v, u);
+    const int periodic = found.orbit <= PK_ORBIT_ROTATION;
+    const int turns = found.orbit == PK_ORBIT_ROTATION;
+    const pk_real lo = turns ? s->q[0] : found.lo, hi = turns ? s->q[0] + 2 * PK_PI : found.hi;
+    const int kinked = periodic && diagnose_kink(run, &lo, &hi);
+    const size_t coordinates = pk_system_coordinates(run->problem.system, s->params);
+    char reason[200];
+    if (diagnose_not_free(run->problem.system))
+        strcpy(reason, diagnose_not_free(run->problem.system));
+    else if (found.orbit == PK_ORBIT_SEVERAL && run->problem.system->n_first_order)
+        snprintf(reason, sizeof reason,
+                 "coordinates and states: %zu and %zu; it is of one coordinate and no states%s",
+                 coordinates, s->n - coordinates,
+                 coordinates ? ": name it alone, in a scene whose reductions leave that" : "");
+    else if (kinked)
+        strcpy(reason,
+               "the equations have a kink (abs, min, max, step) on its way, across which its "
+               "sums do not hold");
+    else if (found.orbit == PK_ORBIT_SEVERAL)
+        snprintf(reason, sizeof reason,
+                 "%zu coordinates: it is of one degree of freedom; name it alone, in a scene whose "
+                 "reductions leave one",
+                 s->n);
+    else
+        snprintf(reason, sizeof reason, "%s", pk_orbit_text(found.orbit));
+    const enum pk_status status = kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
+    if (diagnose_member(d, "action", status, reason)) {
+        fputs(", \"orbit\": ", d->file);
+        report_text(d->file, pk_orbit_text(found.orbit));
+        diagnose_real(d, "action", periodic ? found.action : PK_INFINITY);
+        diagnose_real(d, "period", periodic ? found.period : PK_INFINITY);
+        diagnose_real(d, "frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY);
+        diagnose_real(d, "error", periodic ? found.error : PK_INFINITY);
+        diagnose_real(d, "lo", found.orbit == PK_ORBIT_LIBRATION ? found.lo : PK_INFINITY);
+        diagnose_real(d, "hi", found.orbit == PK_ORBIT_LIBRATION ? found.hi : PK_INFINITY);
+        fprintf(d->file, ", \"nodes\": %zu, \"held\": %s, \"of_forces\": %s", found.nodes,
+                run->problem.system->facts & PK_AUTONOMOUS ? "false" : "true",
+                run->problem.system->facts & PK_VARIATIONAL ? "false" : "true");
+        if (periodic && d->rows)
+            rows(run, d, found.orbit, u);
+        fputs("}", d->file);
+    }
+}

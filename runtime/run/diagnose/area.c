@@ -1,0 +1,108 @@
+/* The members of a loop while they run: q and p of each at the rows. What they enclose is found
+ * from them in area_find.c.
+ */
+#include "area.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "diagnose.h"
+#include "../look/observer.h"
+
+#ifdef PK_WITH_GSL
+#include <pk/gsl.h>
+
+static const double BYTES = 2147483648.0; /* of q and p at all rows */
+
+static enum pk_run_code refuse(struct run *run, const char *why)
+{
+    run_say(run, "diagnose area: %s", why);
+    return PK_RUN_USAGE;
+}
+
+static const char *unfit(const struct settings *s, size_t n)
+{
+    for (size_t k = 0; k < s->n_columns; k++)
+        if (s->columns[k].kind == 'p' || s->columns[k].kind == 'i')
+            return "members with parameters or inputs of their own are no loop of one motion: let "
+                   "starts alone differ";
+    if (n == 0)
+        return "the model has states alone, which have no momenta: there is no area";
+    if (!s->system->canonical)
+        return "the system has no kernel canonical";
+    if (!pk_gsl_loop_takes(s->members))
+        return "a loop has 32 members at least, and a number of them without a prime factor above "
+               "1000: take 1000, 1024 or 100000";
+    if (s->at && !s->has_every)
+        return "rows at an event are at other times for each member: give --every, for rows that "
+               "they have in common";
+    return NULL;
+}
+
+enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
+{
+    const struct settings *s = &run->settings;
+    const size_t n = pk_system_coordinates(run->settings.system, s->params);
+    if (!(s->diagnose & DIAGNOSE_AREA))
+        return PK_RUN_DONE;
+    const char *why = unfit(s, n);
+    if (why)
+        return refuse(run, why);
+    if (16.0 * (double)s->members * (double)(count + 1) * (double)n > BYTES)
+        return refuse(run,
+                      "so many rows of so many members take more than 2 GB: record less often");
+    struct loop *l = (struct loop *)memory_take(&run->memory, 1, sizeof *l);
+    l->members = s->members;
+    l->rows = count + 1;
+    l->n = n;
+    l->whole = s->n;
+    l->x = (double *)memory_take(&run->memory, 2 * l->rows * n * l->members, sizeof *l->x);
+    l->t = (double *)memory_take(&run->memory, l->rows, sizeof *l->t);
+    l->came = (size_t *)memory_take(&run->memory, l->members, sizeof *l->came);
+    l->work = (pk_real *)memory_take(&run->memory, 2 * l->whole * l->members, sizeof *l->work);
+    for (size_t k = 0; k < count; k++)
+        l->t[k + 1] = (double)t[k];
+    run->loop = l;
+    return PK_RUN_DONE;
+}
+
+void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    struct loop *l = run->loop;
+    if (!l)
+        return;
+    const size_t member = run->member, row = l->came[member];
+    const double now = (double)t;
+    if (row >= l->rows || now < l->t[row] || now > l->t[row]) /* a row at an event, or a stop */
+        return;
+    pk_real *p = l->work + 2 * l->whole * member;
+    run->settings.system->canonical(run->settings.params, t, q, v, run->settings.u, p,
+                                    p + l->whole);
+    for (size_t i = 0; i < l->n; i++) {
+        area_series(l, row, i, 0)[member] = (double)q[i];
+        area_series(l, row, i, 1)[member] = (double)p[i];
+    }
+    l->came[member]++;
+}
+#else
+enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
+{
+    (void)t, (void)count;
+    if (!(run->settings.diagnose & DIAGNOSE_AREA))
+        return PK_RUN_DONE;
+    run_say(run, "diagnose area: it needs the GNU Scientific Library, which is not here");
+    return PK_RUN_USAGE;
+}
+void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+{
+    (void)run, (void)t, (void)q, (void)v;
+}
+#endif
+
+static void row(struct run *run, const struct moment *at)
+{
+    if (!run->at_event)
+        area_note(run, at->t, at->q, at->v);
+}
+
+const struct observer area_observer = {.row = row};

@@ -1,0 +1,50 @@
+/* The diagnostics of a run, in order; see diagnose.h. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts.h"
+
+#define ROW(name, of, kernels) {#name, 1u << DIAGNOSE_PLACE_##name, diagnose_##name},
+static const struct {
+    const char *name;
+    unsigned flag;
+    void (*make)(struct run *run, struct diagnostics *d); /* in this order */
+} names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL},
+             {"area", DIAGNOSE_AREA, NULL}}; /* see diagnose_area.h */
+
+unsigned pk_run_diagnostic(const char *name)
+{
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(names[i].name, name) == 0)
+            return names[i].flag;
+    return 0;
+}
+
+static int stop(void *context)
+{
+    struct run *run = (struct run *)context;
+    return run_stopped(run, 1);
+}
+
+enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code)
+{
+    const unsigned wanted = run->settings.diagnose;
+    if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
+        !(run->it.t > 0))
+        return code;
+    struct diagnostics *d = diagnose_open(run);
+    if (run->out)
+        fflush(run->out); /* rows are whole, whatever comes of this */
+    run->settings.options.stop = stop;
+    run->settings.options.context = run;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (names[i].make && (wanted & names[i].flag) && !run->control.stop)
+            names[i].make(run, d);
+    run_text_end(run);
+    if (!run->control.stop)
+        return d->code;
+    run_say(run, "interrupted in --diagnose");
+    free(d->json);
+    d->json = NULL;
+    return PK_RUN_INTERRUPTED;
+}

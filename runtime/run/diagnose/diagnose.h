@@ -1,0 +1,24 @@
+/* What `pkgen run --diagnose` asks for: made after the run, from its start, by its method. */
+#ifndef RUN_DIAGNOSE_H
+#define RUN_DIAGNOSE_H
+
+#include "diagnostics.h"
+#include "../base/state.h"
+
+/* Flags, one a diagnostic. */
+#define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,
+enum {
+    DIAGNOSTICS(DIAGNOSE_PLACE) DIAGNOSE_PLACES,
+    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1, /* these, and that it is no error if one does
+                                                         not apply */
+    DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* of an ensemble, which has no other */
+};
+
+/* Makes what the settings ask for and keeps it as JSON for the report; messages too.
+ * The code, `code` unless a diagnostic failed. */
+enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code);
+/* `, "diagnostics": {...}`, or nothing. */
+void diagnose_report(const struct run *run, FILE *file);
+void diagnose_free(struct run *run);
+
+#endif

@@ -1,0 +1,158 @@
+/* Hamilton's principle of a run: whether its action is a minimum among neighbours with the same
+ * ends, and where conjugate points end that. Panels are doubled until the action has settled.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts.h"
+
+#ifdef PK_WITH_GSL
+#include <math.h>
+
+#include <pk/gsl.h>
+
+enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
+static const double SETTLED = 1e-12;  /* of the action, from panels to twice as many */
+static const double AMPLITUDE = 1e-3; /* of a neighbour, in the length in which B is 1 */
+
+static const char FORCES[] =
+    "forces act besides those of L (dissipation or force): the motion is no "
+    "extremum of an action";
+
+struct stage {
+    struct pk_least_action *found;
+    void *block;
+    enum pk_status status;
+};
+
+static void renew(struct stage *x, struct run *run, size_t panels, size_t modes)
+{
+    const struct settings *s = &run->settings;
+    const size_t size = pk_least_action_size(&run->problem, s->method, panels, modes);
+    x->block = memory_take(&run->memory, size ? size : 1, 1);
+    pk_least_action_free(x->found);
+    x->status = pk_least_action_find(x->found, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                                     run->it.t, panels, modes, x->block, size);
+}
+
+/* With panels, each at most half a wave of the shortest mode, until the action has settled. */
+static void integrate(struct stage *x, struct run *run, size_t modes)
+{
+    const size_t least = modes > PANELS ? modes : PANELS;
+    double before = 0;
+    for (size_t panels = least; panels <= MOST_PANELS; panels *= 2) {
+        renew(x, run, panels, modes);
+        const double change = fabs(x->found->action - before);
+        before = x->found->action;
+        if (x->status < 0 || (panels > least && change <= SETTLED * x->found->size))
+            return;
+    }
+}
+
+static size_t negative(const double *lambda, size_t count)
+{
+    size_t found = 0;
+    while (found < count && lambda[found] < 0)
+        found++;
+    return found;
+}
+
+static void numbers(struct diagnostics *d, const char *key, const pk_real *x, size_t count)
+{
+    fprintf(d->file, ", \"%s\": [", key);
+    for (size_t i = 0; i < count; i++) {
+        fputs(i ? ", " : "", d->file);
+        report_real(d->file, x[i]);
+    }
+    fputs("]", d->file);
+}
+
+/* The neighbour along which the action falls the most, or rises the least. */
+static void neighbour(struct diagnostics *d, const struct pk_least_action *found, double *a,
+                      size_t m)
+{
+    for (size_t i = 0; i < m; i++)
+        a[i] *= AMPLITUDE;
+    const double there = pk_least_action_at(found, a);
+    diagnose_real(d, "neighbour", there - found->action);
+}
+
+/* A conjugate point within the path is a way down, whether or not so few modes show it. */
+static size_t index_of(const struct pk_least_action *found, const double *lambda)
+{
+    const size_t index = negative(lambda, found->n * found->modes);
+    return index > found->n_conjugate ? index : found->n_conjugate;
+}
+
+static void write(struct diagnostics *d, const struct pk_least_action *found, const double *lambda,
+                  double *lowest, size_t index_of_half)
+{
+    const size_t m = found->n * found->modes, index = index_of(found, lambda);
+    diagnose_real(d, "action", found->action);
+    diagnose_real(d, "time", found->time);
+    diagnose_real(d, "slope", found->slope);
+    fprintf(d->file, ", \"minimum\": %s, \"index\": %zu, \"settled\": %s, \"modes\": %zu",
+            index ? "false" : "true", index, index == index_of_half ? "true" : "false",
+            found->modes);
+    numbers(d, "curvatures", lambda, m < SHOWN ? m : SHOWN);
+    numbers(d, "conjugate", found->conjugate,
+            found->n_conjugate < PK_CONJUGATE_MOST ? found->n_conjugate : PK_CONJUGATE_MOST);
+    neighbour(d, found, lowest, m);
+    diagnose_real(d, "expected", AMPLITUDE * AMPLITUDE * lambda[0] / 2);
+    fputs("}", d->file);
+}
+
+void diagnose_least_action(struct run *run, struct diagnostics *d)
+{
+    const struct pk_system *system = run->problem.system;
+    const size_t n = run->settings.n;
+    size_t modes = MODES * n <= MOST ? MODES : MOST / n;
+    struct pk_least_action found = {0};
+    struct stage x = {&found, NULL, PK_REFUSED};
+    char reason[512] = "";
+    if (diagnose_not_free(system))
+        strcpy(reason, diagnose_not_free(system));
+    else if (system->n_first_order)
+        strcpy(reason, "the model has states, whose rates follow from no action");
+    else if (!(system->facts & PK_VARIATIONAL))
+        strcpy(reason, FORCES);
+    else if (diagnose_no_variation(system))
+        strcpy(reason, diagnose_no_variation(system));
+    else if (modes < 2)
+        strcpy(reason, "too many coordinates for its neighbours: 200 at most");
+    double *lambda = NULL;
+    size_t half = 0;
+    while (!*reason) {
+        const size_t m = n * modes;
+        integrate(&x, run, modes);
+        strcpy(reason, pk_status_text(x.status));
+        if (x.status < 0 && found.it.method)
+            pk_integrator_reason(&found.it, reason, sizeof reason);
+        lambda = (double *)memory_take(&run->memory, 2 * m, sizeof *lambda);
+        if (x.status >= 0)
+            x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
+        half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));
+        if (x.status >= 0 &&
+            (x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m)) < 0)
+            strcpy(reason, pk_status_text(x.status));
+        if (x.status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST) {
+            modes *= 2; /* so few do not show all ways yet */
+            *reason = 0;
+        }
+    }
+    if (diagnose_member(d, "least_action", x.status, reason))
+        write(d, &found, lambda, lambda + n * modes, half);
+    pk_least_action_free(&found);
+}
+
+#else
+
+void diagnose_least_action(struct run *run, struct diagnostics *d)
+{
+    (void)run;
+    diagnose_member(d, "least_action", PK_REFUSED,
+                    "its eigenvalues are made by GSL, without which "
+                    "this was built");
+}
+
+#endif

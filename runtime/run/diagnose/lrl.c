@@ -1,0 +1,115 @@
+/* The vector of Laplace, Runge and Lenz along a run, and how far the pericentre turns. */
+#include "bodies.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double ROUND = 1e-8; /* an eccentricity of rounding: the orbit has no direction */
+static const double AGAIN = 1e-6; /* of r/r': the passage of the start, found a rounding later */
+
+struct apsides {
+    struct pk_lrl lrl;
+    struct pk_drift size, angle;
+    pk_real rate;
+    unsigned long count; /* pericentres */
+    pk_real first_t, first_angle, last_t, last_angle;
+};
+
+static pk_real length(const pk_real *x)
+{
+    return PK_F(sqrt)(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+static void update(struct apsides *x, struct bodies *b)
+{
+    pk_real r[3], v[3], a[3];
+    bodies_relative(b, b->r, r);
+    bodies_relative(b, b->v, v);
+    bodies_relative(b, b->a, a);
+    pk_lrl_update(&x->lrl, r, v, a);
+}
+
+static void orbit(void *context, struct bodies *b, pk_real t)
+{
+    struct apsides *x = (struct apsides *)context;
+    update(x, b);
+    pk_drift_update(&x->size, t, x->lrl.eccentricity);
+    pk_drift_update(&x->angle, t, x->lrl.angle);
+    x->rate = PK_F(fmax)(x->rate, x->lrl.rate);
+}
+
+static void passage(void *context, struct bodies *b, pk_real t)
+{
+    struct apsides *x = (struct apsides *)context;
+    pk_real r[3], v[3];
+    bodies_relative(b, b->r, r);
+    bodies_relative(b, b->v, v);
+    if (x->count > 0 && (t - x->last_t) * length(v) < (pk_real)AGAIN * length(r))
+        return;
+    update(x, b);
+    if (x->count++ == 0) {
+        x->first_t = t;
+        x->first_angle = x->lrl.angle;
+    }
+    x->last_t = t;
+    x->last_angle = x->lrl.angle;
+}
+
+static void write_orbit(struct diagnostics *d, const struct bodies *b, const struct apsides *x,
+                        const pk_real *direction)
+{
+    const int round = !(x->size.first > (pk_real)ROUND);
+    const pk_real periods = x->count > 1 ? (pk_real)(x->count - 1) : 0;
+    const int turns = periods > 0 && !round;
+    fprintf(d->file, ", \"particles\": %zu", b->n);
+    diagnose_real(d, "k", x->lrl.k);
+    diagnose_real(d, "eccentricity", x->size.first);
+    fputs(", ", d->file);
+    report_numbers(d->file, "direction", direction, round ? 0 : 3);
+    diagnose_real(d, "varies", x->rate);
+    diagnose_real(d, "turned", round ? PK_INFINITY : x->lrl.angle);
+    diagnose_real(d, "rate", round ? PK_INFINITY : x->angle.cov / x->angle.var_t);
+    fprintf(d->file, ", \"pericentres\": %lu", round ? 0 : x->count);
+    diagnose_real(d, "period", turns ? (x->last_t - x->first_t) / periods : PK_INFINITY);
+    diagnose_real(d, "per_period",
+                  turns ? (x->last_angle - x->first_angle) / periods : PK_INFINITY);
+    fputs(", \"drift\": ", d->file);
+    report_drift(d->file, "eccentricity", &x->size);
+    fputs("}", d->file);
+}
+
+void diagnose_lrl(struct run *run, struct diagnostics *d)
+{
+    struct bodies b;
+    struct apsides x = {0};
+    char reason[512];
+    pk_real r[3], v[3], a[3];
+    if (!bodies_begin(&b, run) || b.n > 2) {
+        const char *several = "it is of one particle, or of two about each other";
+        diagnose_member(d, "lrl", PK_REFUSED, b.n > 2 ? several : BODIES_NONE);
+        return;
+    }
+    bodies_relative(&b, b.r, r);
+    bodies_relative(&b, b.v, v);
+    bodies_relative(&b, b.a, a);
+    enum pk_status status = pk_lrl_init(&x.lrl, r, v, a);
+    strcpy(reason, b.n > 1 ? "at the start the two do not attract each other"
+                           : "at the start the particle is not drawn to the origin");
+    if (status >= 0) {
+        const pk_real direction[3] = {x.lrl.along[0], x.lrl.along[1], x.lrl.along[2]};
+        const pk_real closing = bodies_approach(&b);
+        const pk_real distance = length(r), speed = length(v);
+        b.see = orbit;
+        b.pericentre = passage;
+        b.context = &x;
+        orbit(&x, &b, 0);
+        if (PK_F(fabs)(closing) <= 16 * PK_EPSILON * distance * speed &&
+            speed * speed * distance > x.lrl.k)
+            passage(&x, &b, 0);
+        status = bodies_follow(&b, reason, sizeof reason);
+        if (diagnose_member(d, "lrl", status, reason))
+            write_orbit(d, &b, &x, direction);
+    } else {
+        diagnose_member(d, "lrl", status, reason);
+    }
+}

@@ -1,0 +1,109 @@
+/* The largest Lyapunov exponent of a run, and what it can mean.
+ *
+ * Displacements that grow exponentially are chaos only where the motion stays in bounds. One that
+ * is still leaving its start at the end, or does not move at all, has met an instability of a
+ * simple motion (an equilibrium, a steady rotation) and no more is known. A single coordinate, or
+ * two states, without explicit time cannot be chaotic: orbits are curves in a plane (Poincare and
+ * Bendixson).
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts.h"
+
+enum { BLOCKS = 1000 };
+#define REST 1e-8 /* of the largest coordinate: an equilibrium from which round-off grows */
+#define LEAVING 8 /* times as far in the second half as in the first: t^3 at most is 8 times */
+
+/* How far each coordinate and rate has come from its start, in the first half and in the second. */
+struct excursion {
+    size_t count;
+    pk_real *most[2];
+};
+
+static void excursion_begin(struct excursion *e, struct memory *memory, size_t n)
+{
+    e->count = 2 * n;
+    e->most[0] = (pk_real *)memory_take(memory, 2 * e->count, sizeof(pk_real));
+    e->most[1] = e->most[0] + e->count;
+}
+
+/* `it` carries displacements behind the n coordinates of the motion. */
+static void excursion_note(struct excursion *e, const struct settings *s,
+                           const struct pk_integrator *it, int half)
+{
+    const size_t n = s->n, seen = pk_system_coordinates(s->system, s->params);
+    for (size_t i = 0; i < e->count; i++) {
+        if (i >= seen && i < n)
+            continue;
+        const pk_real x = i < n ? it->q[i] - s->q[i] : it->v[i - n] - s->v[i - n];
+        e->most[half][i] = PK_F(fmax)(e->most[half][i], PK_F(fabs)(x));
+    }
+}
+
+static int excursion_leaves(const struct excursion *e, const struct settings *s)
+{
+    int moves = 0;
+    pk_real size = 0;
+    for (size_t i = 0; i < s->n; i++)
+        size = PK_F(fmax)(size, PK_F(fabs)(s->q[i]));
+    for (size_t i = 0; i < e->count; i++) {
+        if (e->most[1][i] > LEAVING * e->most[0][i])
+            return 1;
+        moves |= e->most[1][i] > (pk_real)REST * size;
+    }
+    return !moves;
+}
+
+static int can_be_chaotic(const struct pk_system *system)
+{
+    const size_t dimension = 2 * system->n - system->n_first_order;
+    return dimension > 2 || system->families.count || !(system->facts & PK_AUTONOMOUS);
+}
+
+void diagnose_lyapunov(struct run *run, struct diagnostics *d)
+{
+    static const char *const motions[] = {"regular", "chaotic", "undecided"};
+    struct excursion excursion;
+    const struct settings *s = &run->settings;
+    const size_t size = pk_lyapunov_size(&run->problem, s->method);
+    void *block = memory_take(&run->memory, size, 1);
+    struct pk_lyapunov l = {0};
+    char reason[512] = "";
+    /* A displacement off the constraints grows as nothing on them does. */
+    const int bound = run->problem.system->constraints.n > 0;
+    enum pk_status status = PK_REFUSED;
+    if (!bound)
+        status = pk_lyapunov_init(&l, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                                  run->it.t / BLOCKS, block, size);
+    excursion_begin(&excursion, &run->memory, s->n);
+    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < run->it.t; k++) {
+        status = pk_lyapunov_step(&l);
+        excursion_note(&excursion, s, &l.it, 2 * k >= BLOCKS);
+        if (run_stopped(run, (double)(l.it.t / run->it.t)))
+            break;
+    }
+    if (bound)
+        strcpy(reason, diagnose_not_free(run->problem.system));
+    else if (status == PK_REFUSED && diagnose_no_variation(run->problem.system))
+        strcpy(reason, diagnose_no_variation(run->problem.system));
+    else if (status < 0 && l.it.method)
+        pk_integrator_reason(&l.it, reason, sizeof reason);
+    else
+        strcpy(reason, pk_status_text(status));
+    if (diagnose_member(d, "lyapunov", status, reason)) {
+        pk_real error;
+        const pk_real exponent = pk_lyapunov_exponent(&l, &error);
+        const enum pk_motion motion = pk_lyapunov_motion(&l);
+        if (motion == PK_CHAOTIC) /* leaving or not, round-off grows by it */
+            d->exponent = (double)exponent;
+        diagnose_real(d, "exponent", exponent);
+        diagnose_real(d, "error", error);
+        diagnose_real(d, "megno", pk_lyapunov_megno(&l));
+        diagnose_real(d, "time", l.it.t);
+        const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
+                                                     !can_be_chaotic(run->problem.system));
+        fprintf(d->file, ", \"motion\": \"%s\"}", leaving ? "leaving" : motions[motion]);
+    }
+    pk_lyapunov_free(&l);
+}

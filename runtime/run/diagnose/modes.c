@@ -1,0 +1,298 @@
+/* Normal modes at the equilibrium that a motion is about, and how the energy is shared among them.
+ *
+ * That is the one in which it starts, at rest; else a minimum of the potential no higher than the
+ * motion's energy, of those the nearest to which the way is nowhere higher, else the nearest; and
+ * where none was found the nearest equilibrium of all, which is unstable.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts.h"
+
+#ifdef PK_WITH_GSL
+#include <pk/gsl_equilibria.h>
+#endif
+
+#ifdef PK_WITH_GSL
+enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
+static const double PART = 1e-6; /* of the way to the start */
+
+struct modes {
+    struct run *run;
+    size_t n;
+    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, p, h: of the equilibrium */
+    unsigned char *turns; /* whether q_i + 2 pi is the same place as q_i */
+};
+
+/* How fit an equilibrium is, the fittest first. */
+enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, KINKED, NO_MODES, NOTHING };
+
+static const char *unfit(const struct pk_system *system, size_t n)
+{
+    if (diagnose_not_free(system))
+        return diagnose_not_free(system);
+    if (system->n_first_order)
+        return "normal modes are of coordinates alone, and the model has states, which have no "
+               "momenta";
+    if (n > MOST)
+        return "of more than 256 coordinates: take a shorter family";
+    if (!system->jacobian || !system->mass || !system->canonical || !system->energy)
+        return "the system has no kernel jacobian: its families are kept as loops";
+    if (!(system->facts & PK_AUTONOMOUS))
+        return "normal modes are of a system without explicit time, and without inputs";
+    if (!(system->facts & PK_VARIATIONAL))
+        return "normal modes are of a system without forces besides those of L";
+    return NULL;
+}
+
+/* Whether the force at q is below `share` of what its change at q, extrapolated to the start,
+ * would give; that ratio is about 1 far away, where forces decay. */
+static int rests(const struct modes *m, const double *q, double share)
+{
+    const struct pk_problem *problem = &m->run->problem;
+    const size_t n = m->n;
+    double *rest = m->work, *p = rest + n, *pdot = p + n, *off = pdot + n, *moved = off + n;
+    double force = 0, change = 0;
+    memset(rest, 0, n * sizeof *rest);
+    problem->system->canonical(problem->params, 0, q, rest, NULL, p, pdot);
+    for (size_t i = 0; i < n; i++)
+        off[i] = q[i] + PART * (m->run->settings.q[i] - q[i]);
+    problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* two bodies in one place, say */
+            return 0;
+        force = fmax(force, fabs(pdot[i]));
+        change = fmax(change, fabs(moved[i] - pdot[i]));
+    }
+    return force <= share / PART * change || !(force > 0);
+}
+
+static double distance(const struct modes *m, const double *q)
+{
+    double sum = 0;
+    for (size_t i = 0; i < m->n; i++)
+        sum += (q[i] - m->run->settings.q[i]) * (q[i] - m->run->settings.q[i]);
+    return sqrt(sum);
+}
+
+static double energy_at(const struct modes *m, const double *q, const double *v)
+{
+    return m->run->problem.system->energy(m->run->problem.params, 0, q, v, NULL);
+}
+
+/* How far it is, beside the start. */
+static double away(const struct modes *m, const double *q)
+{
+    const double far = distance(m, q);
+    double size = 0;
+    for (size_t i = 0; i < m->n; i++)
+        size = fmax(size, fabs(m->run->settings.q[i]));
+    return size > 0 ? far / size : far > 0 ? HUGE_VAL : 0;
+}
+
+/* Whether it starts here, at rest. */
+static int is_start(const struct modes *m, const double *q)
+{
+    for (size_t i = 0; i < m->n; i++)
+        if (fabs(m->run->settings.v[i]) > 0)
+            return 0;
+    return away(m, q) <= 1e-6;
+}
+
+/* Whether the potential is nowhere above h on the straight way from the start. */
+static int in_sight(const struct modes *m, const double *q, const double *rest, double h)
+{
+    const double *from = m->run->settings.q;
+    for (int k = 1; k < WAY; k++) {
+        for (size_t i = 0; i < m->n; i++)
+            m->x[i] = from[i] + (q[i] - from[i]) * k / WAY;
+        if (!(energy_at(m, m->x, rest) <= h))
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether the equations have a kink there, as one sees it from the start. */
+static int is_kinked(const struct modes *m, const double *q)
+{
+    const double *start = m->run->settings.q;
+    double *before = m->work, *behind = before + m->n;
+    for (size_t i = 0; i < m->n; i++) {
+        before[i] = q[i] + PART * (start[i] - q[i]);
+        behind[i] = q[i] - PART * (start[i] - q[i]);
+    }
+    return diagnose_kink(m->run, before, behind);
+}
+
+static enum fitness fitness_of(const struct modes *m, const double *q)
+{
+    const struct settings *s = &m->run->settings;
+    double *rest = m->E;
+    memset(rest, 0, m->n * sizeof *rest);
+    const double h = energy_at(m, s->q, s->v), there = energy_at(m, q, rest);
+    const double slack = 1e-9 * fmax(fabs(h), fabs(there));
+    if (away(m, q) > 0.1 && !rests(m, q, 1e-3))
+        return NOTHING;
+    if (pk_gsl_normal(&m->run->problem, q, m->M, m->squares, m->shapes) < 0)
+        return NO_MODES;
+    int pulled = 0;
+    for (size_t k = 0; k < m->n; k++)
+        pulled |= m->squares[k] < 0 || m->squares[k] > 0;
+    if (is_kinked(m, q))
+        return KINKED;
+    if (is_start(m, q))
+        return START;
+    if (!pulled) /* so far away that what falls off exponentially is 0 */
+        return NOTHING;
+    if (m->squares[0] < 0 || there > h + slack)
+        return UNSTABLE;
+    return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
+}
+
+/* Shifts angles by whole turns towards the start; copies q to m->q if it is fitter, or nearer. */
+static enum fitness consider(struct modes *m, double *q, enum fitness best)
+{
+    for (size_t i = 0; i < m->n; i++)
+        if (m->turns[i])
+            q[i] += 2 * PK_PI * round((m->run->settings.q[i] - q[i]) / (2 * PK_PI));
+    const enum fitness found = fitness_of(m, q);
+    if (found == NOTHING || found > best || (found == best && distance(m, q) >= distance(m, m->q)))
+        return best;
+    memcpy(m->q, q, m->n * sizeof *q);
+    return found;
+}
+
+/* The fittest into m->q: of q = 0, if nothing pulls there, and what is found from the start and
+ * around. */
+static enum fitness choose(struct modes *m)
+{
+    struct run *run = m->run;
+    const struct settings *s = &run->settings;
+    struct pk_system still = *run->problem.system;
+    struct pk_problem problem = run->problem;
+    double *q = (double *)memory_take(&run->memory, 2 * PLACES * m->n, sizeof *q);
+    struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, m->turns, NULL};
+    double *rest = (double *)memory_take(&run->memory, m->n, sizeof *rest);
+    still.cyclic = NULL; /* those that go on rest nowhere */
+    problem.system = &still;
+    enum fitness best = NOTHING;
+    const enum pk_status status =
+        pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
+    if (rests(m, rest, 1e-12)) /* at 0 */
+        best = consider(m, rest, best);
+    for (size_t k = 0; status >= 0 && k < found.count; k++)
+        best = consider(m, q + k * m->n, best);
+    return best;
+}
+
+static void row(struct modes *m, FILE *file, double t, const double *q, const double *v, int first)
+{
+    const struct pk_problem *problem = &m->run->problem;
+    const size_t n = m->n, shown = n < MODES ? n : MODES;
+    double *p = m->work, *pdot = p + n, sum = 0;
+    /* M q' alone: p of rest is of a total derivative in L, or depends on rates and is refused. */
+    memset(m->p, 0, n * sizeof *m->p);
+    problem->system->canonical(problem->params, t, q, m->p, NULL, p, pdot);
+    memcpy(m->p, p, n * sizeof *p);
+    problem->system->canonical(problem->params, t, q, v, NULL, p, pdot);
+    for (size_t i = 0; i < n; i++) {
+        m->x[i] = m->turns[i] ? remainder(q[i] - m->q[i], 2 * PK_PI) : q[i] - m->q[i];
+        p[i] -= m->p[i];
+    }
+    pk_normal_energies(n, m->M, m->squares, m->shapes, m->x, p, m->E);
+    for (size_t k = 0; k < n; k++)
+        sum += m->E[k];
+    const double h = problem->system->energy(problem->params, t, q, v, NULL);
+    fputs(first ? "\n      [" : ",\n      [", file);
+    report_real(file, t);
+    fputs(", ", file);
+    report_real(file, sum);
+    fputs(", ", file);
+    report_real(file, h - *m->h - sum);
+    for (size_t k = 0; k < shown; k++) {
+        fputs(", ", file);
+        report_real(file, m->E[k]);
+    }
+    fputs("]", file);
+}
+
+static void write_modes(struct modes *m, struct diagnostics *d)
+{
+    const size_t n = m->n, shown = n < MODES ? n : MODES, width = 1 + 2 * n;
+    const size_t rows = d->n_rows < ROWS ? d->n_rows : ROWS;
+    fputs(", ", d->file);
+    report_numbers(d->file, "equilibrium", m->q, n);
+    diagnose_real(d, "energy", *m->h);
+    fputs(", ", d->file);
+    report_numbers(d->file, "squares", m->squares, n);
+    fputs(", \"frequencies\": [", d->file);
+    for (size_t k = 0; k < n; k++) {
+        fputs(k ? ", " : "", d->file);
+        report_real(d->file, m->squares[k] < 0 ? PK_INFINITY : sqrt(m->squares[k]));
+    }
+    fputs("], \"shapes\": [", d->file);
+    for (size_t k = 0; k < shown; k++) {
+        fputs(k ? ",\n      {" : "{", d->file);
+        report_numbers(d->file, "shape", m->shapes + k * n, n);
+        fputs("}", d->file);
+    }
+    fprintf(d->file, "], \"modes\": %zu, \"left_out\": %zu, \"rows\": [", n, n - shown);
+    for (size_t k = 0; k < rows; k++) {
+        const double *x = d->rows + (rows > 1 ? k * (d->n_rows - 1) / (rows - 1) : 0) * width;
+        row(m, d->file, x[0], x + 1, x + 1 + n, k == 0);
+    }
+    fputs("]}", d->file);
+}
+
+void diagnose_modes(struct run *run, struct diagnostics *d)
+{
+    const struct pk_problem *problem = &run->problem;
+    struct modes m = {.run = run, .n = run->settings.n};
+    const size_t n = m.n;
+    const char *reason = unfit(problem->system, n);
+    if (reason) {
+        diagnose_member(d, "modes", PK_REFUSED, reason);
+        return;
+    }
+    double *block = (double *)memory_take(&run->memory, 2 * n * n + 10 * n + 1, sizeof *block);
+    m.M = block;
+    m.shapes = m.M + n * n;
+    m.q = m.shapes + n * n;
+    m.p = m.q + n;
+    m.squares = m.p + n;
+    m.E = m.squares + n;
+    m.x = m.E + n;
+    m.work = m.x + n; /* 5 n */
+    m.h = m.work + 5 * n;
+    m.turns = (unsigned char *)memory_take(&run->memory, n, 1);
+    const enum fitness best = choose(&m);
+    enum pk_status status = best < NOTHING && best != KINKED ? PK_DONE : PK_REFUSED;
+    reason = best == KINKED
+                 ? "where nothing pulls the equations have a kink (abs, min, max, step): "
+                   "there are no modes, for no motion is small beside it"
+                 : "no equilibrium was found about which it could oscillate";
+    if (status == PK_DONE) {
+        double *rest = m.work;
+        memset(rest, 0, n * sizeof *rest);
+        *m.h = problem->system->energy(problem->params, 0, m.q, rest, NULL);
+        status = pk_gsl_normal(problem, m.q, m.M, m.squares, m.shapes);
+        reason = status == PK_REFUSED ? "at the equilibrium forces depend on rates: its modes have "
+                                        "no energies of their own (pkgen stability has their rates)"
+                                      : pk_status_text(status);
+    }
+    if (status == PK_SINGULAR_MASS) {
+        status = PK_REFUSED;
+        reason = "where nothing pulls, next to the start, the coordinates themselves are singular";
+    }
+    if (diagnose_member(d, "modes", status, reason))
+        write_modes(&m, d);
+}
+#else
+void diagnose_modes(struct run *run, struct diagnostics *d)
+{
+    (void)run;
+    diagnose_member(d, "modes", PK_REFUSED,
+                    "it needs the GNU Scientific Library, which is not here");
+}
+#endif

@@ -1,0 +1,133 @@
+/* What diagnostics share. Each writes one member of an object in JSON as it is found:
+ * {"status": ..., "reason": ...} says how it went, and numbers follow where it went well.
+ */
+#include "parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "../look/observer.h"
+
+/* Diagnostics that are made of rows. */
+#define FLAG_OF_MOTION(name)
+#define FLAG_OF_OF_ROWS(name) | 1u << DIAGNOSE_PLACE_##name
+#define FLAG_OF_REDUCED(name) | 1u << DIAGNOSE_PLACE_##name
+#define FLAG(name, of, kernels) FLAG_OF_##of(name)
+static const unsigned OF_ROWS = 0 DIAGNOSTICS(FLAG);
+
+/* Spectra are of rows, and steps, actions and modes are looked at there. */
+static void keep_row(struct run *run, const struct moment *at)
+{
+    const size_t n = run->settings.n, width = 1 + 2 * n;
+    if (!(run->settings.diagnose & OF_ROWS))
+        return;
+    if (run->at_event && run->settings.has_every) /* spectra are of rows at equal times */
+        return;
+    if (!run->diagnostics)
+        run->diagnostics =
+            (struct diagnostics *)memory_take(&run->memory, 1, sizeof *run->diagnostics);
+    struct diagnostics *d = run->diagnostics;
+    if (d->n_rows == d->capacity) {
+        d->capacity = d->capacity ? 2 * d->capacity : 1024;
+        d->rows =
+            (pk_real *)memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
+    }
+    pk_real *row = d->rows + d->n_rows++ * width;
+    row[0] = at->t;
+    memcpy(row + 1, at->q, n * sizeof *row);
+    memcpy(row + 1 + n, at->v, n * sizeof *row);
+}
+
+void diagnose_real(struct diagnostics *d, const char *key, pk_real x)
+{
+    fprintf(d->file, ", \"%s\": ", key);
+    report_real(d->file, x);
+}
+
+struct diagnostics *diagnose_open(struct run *run)
+{
+    if (!run->diagnostics)
+        run->diagnostics =
+            (struct diagnostics *)memory_take(&run->memory, 1, sizeof *run->diagnostics);
+    struct diagnostics *d = run->diagnostics;
+    d->file = run_text(run, &d->json);
+    d->run = run;
+    d->first = 1;
+    d->all = run->settings.diagnose == DIAGNOSE_ALL;
+    return d;
+}
+
+int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
+                    const char *reason)
+{
+    fprintf(d->file, "%s\n    \"%s\": {\"status\": \"%s\", \"reason\": ", d->first ? "" : ",", name,
+            pk_status_name(status));
+    d->first = 0;
+    report_text(d->file, reason);
+    if (status >= 0)
+        return 1;
+    fputs("}", d->file);
+    if (d->run->control.stop) /* told once, by diagnose() */
+        return 0;
+    run_say(d->run, "diagnose %s: %s", name, reason);
+    if (d->code == 0 && status == PK_REFUSED)
+        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* of all, those that apply */
+    else if (d->code == 0)
+        d->code = PK_RUN_FAILED;
+    return 0;
+}
+
+static const char NO_LINEAR[] = "the system has no kernel linear: it was left out, or its families "
+                                "are kept as loops";
+
+static const char KINKS[] = "the equations have kinks (abs, min, max, step), across which "
+                            "displacements jump: linearised equations do not tell";
+
+const char *diagnose_not_free(const struct pk_system *system)
+{
+    if (system->constraints.n)
+        return "the model has constraints, on which q and p are not free";
+    return system->n_rotations
+               ? "the model has rotations, whose body rates are the rates of no coordinates"
+               : NULL;
+}
+
+const char *diagnose_no_variation(const struct pk_system *system)
+{
+    return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
+}
+
+int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
+{
+    enum { PLACES = 64 };
+    const struct pk_system *system = run->problem.system;
+    const struct settings *s = &run->settings;
+    const size_t n = s->n, m = system->switches.n;
+    if (system->facts & PK_SMOOTH || m == 0)
+        return !(system->facts & PK_SMOOTH);
+    pk_real *q = (pk_real *)memory_take(&run->memory, 2 * n + 2 * m, sizeof *q), *v = q + n;
+    pk_real *side = v + n, *first = side + m;
+    int kink = 0;
+    for (size_t k = 0; k <= PLACES && !kink; k++) {
+        for (size_t i = 0; i < n; i++)
+            q[i] = from[i] + (to[i] - from[i]) * (pk_real)k / PLACES;
+        system->switches.values(s->params, 0, q, v, s->u, k ? side : first);
+        for (size_t i = 0; i < m; i++)
+            kink |= !((k ? side[i] : first[i]) * first[i] > 0);
+    }
+    return kink;
+}
+
+void diagnose_report(const struct run *run, FILE *file)
+{
+    if (run->diagnostics && run->diagnostics->json)
+        fprintf(file, ",\n  \"diagnostics\": {%s\n  }", run->diagnostics->json);
+}
+
+const struct observer diagnose_observer = {.row = keep_row, .report = diagnose_report};
+
+void diagnose_free(struct run *run)
+{
+    if (run->diagnostics)
+        free(run->diagnostics->json);
+}

@@ -1,0 +1,47 @@
+/* There and back: when the start is lost. */
+#include <string.h>
+
+#include "parts.h"
+
+static const double THRESHOLD = 1e-3; /* what has come so far from its start is lost */
+
+void diagnose_reversal(struct run *run, struct diagnostics *d)
+{
+    const struct settings *s = &run->settings;
+    const size_t size = pk_reversal_size(&run->problem, s->method);
+    void *block = memory_take(&run->memory, size, 1);
+    struct pk_integrator it = {0};
+    struct pk_reversal r = {0};
+    char reason[512];
+    const enum pk_status status = pk_reversal_find(&r, &it, &run->problem, s->method, &s->options,
+                                                   0, s->q, s->v, run->it.t, (pk_real)THRESHOLD,
+                                                   block, size);
+    if (status == PK_REFUSED && run->settings.system->switches.n &&
+        !run->settings.system->switches.impulses && !(run->settings.system->facts & PK_SMOOTH))
+        strcpy(reason, "the way back is not followed through switches: give a method that needs no "
+                       "smooth equations, as dop853");
+    else if (status < 0 && it.method)
+        pk_integrator_reason(&it, reason, sizeof reason);
+    else
+        strcpy(reason, pk_status_text(status));
+    if (diagnose_member(d, "reversal", status, reason)) {
+        diagnose_real(d, "threshold", r.threshold);
+        fprintf(d->file, ", \"symmetric\": %s, \"lost\": %s",
+                s->method->traits & PK_SYMMETRIC ? "true" : "false", r.passed ? "true" : "false");
+        diagnose_real(d, "horizon_lo", r.horizon_lo);
+        diagnose_real(d, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
+        diagnose_real(d, "predicted",
+                      d->exponent > 0 ? PK_F(log)(r.threshold / PK_EPSILON) / (pk_real)d->exponent
+                                      : PK_INFINITY);
+        fputs(", \"times\": [", d->file);
+        for (size_t i = 0; i < r.count; i++) {
+            fputs(i ? ", [" : "[", d->file);
+            report_real(d->file, r.at[i].t);
+            fputs(", ", d->file);
+            report_real(d->file, r.at[i].error);
+            fputs("]", d->file);
+        }
+        fputs("]}", d->file);
+    }
+    pk_integrator_free(&it);
+}

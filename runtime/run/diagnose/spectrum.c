@@ -1,0 +1,103 @@
+/* The spectrum of each coordinate and state, of the rows of a run. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "parts.h"
+
+#ifdef PK_WITH_GSL
+#include <pk/gsl.h>
+#endif
+
+#ifdef PK_WITH_GSL
+static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
+                           size_t i, int first, size_t count, double dt)
+{
+    const size_t width = 1 + 2 * run->settings.n;
+    double away = 0, size = 0; /* from mean + rate t; of x */
+    char name[128];
+    for (size_t k = 0; k < count; k++) {
+        const double x = d->rows[k * width + 1 + i];
+        away = fmax(away, fabs(x - s->mean - s->rate * (double)k * dt));
+        size = fmax(size, fabs(x));
+    }
+    const struct pk_system *system = run->problem.system;
+    const size_t n = run->settings.n;
+    pk_system_name(system, run->settings.params, i < n ? system->coordinates : system->rates,
+                   i < n ? i : i - n, name, sizeof name);
+    fputs(!first ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
+    report_text(d->file, name);
+    diagnose_real(d, "mean", s->mean);
+    diagnose_real(d, "rate", s->rate);
+    diagnose_real(d, "residual", s->residual);
+    diagnose_real(d, "away", size > 0 ? away / size : 0);
+    diagnose_real(d, "drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0);
+    fputs(", \"lines\": [", d->file);
+    for (size_t k = 0; k < s->count; k++) {
+        fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
+        report_real(d->file, s->lines[k].frequency);
+        diagnose_real(d, "error", s->lines[k].error);
+        diagnose_real(d, "amplitude", s->lines[k].amplitude);
+        diagnose_real(d, "phase", s->lines[k].phase);
+        fputs("}", d->file);
+    }
+    fputs("]}", d->file);
+}
+
+/* Where the i-th quantity is in (q, v): the coordinates, then the states. */
+static size_t column(size_t i, size_t n, size_t seen) { return i < seen ? i : n + i; }
+
+/* Rows at equal times: all but a last one that is nearer. */
+void diagnose_spectrum(struct run *run, struct diagnostics *d)
+{
+    const struct settings *set = &run->settings;
+    const size_t n = set->n, width = 1 + 2 * n;
+    const double dt = set->every > 0 ? set->every : set->options.h;
+    size_t count = d->n_rows;
+    if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
+        count--;
+    const int at_events = set->at && !set->has_every;
+    if (count < PK_SPECTRUM_LEAST || at_events) {
+        char reason[200];
+        if (at_events)
+            snprintf(reason, sizeof reason,
+                     "rows are at event %s alone: give --every too, for rows at equal times",
+                     run->problem.system->events.table[set->at - 1].what.name);
+        else
+            snprintf(reason, sizeof reason,
+                     "%zu rows at equal times; at least %d are needed: --every", count,
+                     (int)PK_SPECTRUM_LEAST);
+        diagnose_member(d, "spectrum", PK_REFUSED, reason);
+        return;
+    }
+    const size_t size = pk_gsl_spectrum_size(count);
+    void *block = memory_take(&run->memory, size, 1);
+    double *x = (double *)memory_take(&run->memory, count, sizeof *x);
+    enum pk_status status = PK_DONE;
+    struct pk_spectrum *found = (struct pk_spectrum *)memory_take(&run->memory, n, sizeof *found);
+    const size_t seen = pk_system_coordinates(run->problem.system, set->params);
+    for (size_t i = 0; i < n && status >= 0; i++) {
+        for (size_t k = 0; k < count; k++)
+            x[k] = d->rows[k * width + 1 + column(i, n, seen)];
+        status = pk_gsl_spectrum(&found[i], x, count, dt, PK_LINES, block, size);
+        if (run_stopped(run, (double)i / (double)n))
+            break;
+    }
+    if (diagnose_member(d, "spectrum", status, pk_status_text(status))) {
+        fprintf(d->file, ", \"rows\": %zu", count);
+        diagnose_real(d, "interval", dt);
+        diagnose_real(d, "nyquist", found[0].nyquist);
+        diagnose_real(d, "resolution", found[0].resolution);
+        fputs(", \"coordinates\": [", d->file);
+        for (size_t i = 0; i < n; i++)
+            spectrum_lines(run, d, &found[i], column(i, n, seen), i == 0, count, dt);
+        fputs("]}", d->file);
+    }
+}
+#else
+void diagnose_spectrum(struct run *run, struct diagnostics *d)
+{
+    (void)run;
+    diagnose_member(d, "spectrum", PK_REFUSED,
+                    "it needs the GNU Scientific Library, which is not here");
+}
+#endif

@@ -1,0 +1,57 @@
+/* How far steps are from keeping the symplectic form. */
+#include "parts.h"
+
+enum { STATES = 16 };
+
+/* The largest defect over states spread over the rows; a step that cannot be made at one of them is
+ * counted, and is a failure if none could be. */
+void diagnose_symplectic(struct run *run, struct diagnostics *d)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = run->problem.system;
+    const size_t size = pk_stepmap_size(&run->problem, s->method), width = 1 + 2 * s->n;
+    const size_t states = d->n_rows < 1 ? 1 : d->n_rows < STATES ? d->n_rows : STATES;
+    const int fixed = !(s->method->traits & PK_ADAPTIVE);
+    const pk_real h = fixed ? s->options.h : run->it.t / (pk_real)run->it.count.steps;
+    void *block = memory_take(&run->memory, size, 1);
+    struct pk_stepmap most = {.defect = -1}, map;
+    pk_real t = 0;
+    enum pk_status status = PK_DONE, last = PK_DONE;
+    size_t made = 0;
+    for (size_t k = 0; k < states && status != PK_REFUSED; k++) {
+        const size_t at = states > 1 ? k * (d->n_rows - 1) / (states - 1) * width : 0;
+        const pk_real *row = d->rows ? d->rows + at : NULL; /* no row: the start */
+        status = pk_stepmap_find(&map, &run->problem, s->method, &s->options, h, row ? row[0] : 0,
+                                 row ? row + 1 : s->q, row ? row + 1 + s->n : s->v, NULL, block,
+                                 size);
+        if (status < 0) {
+            last = status;
+            continue;
+        }
+        made++;
+        if (map.defect - map.rounding > most.defect - most.rounding || most.defect < 0) {
+            most = map;
+            t = row ? row[0] : 0;
+        }
+    }
+    const char *reason = pk_status_text(made ? PK_DONE : last);
+    if (!made && last == PK_REFUSED)
+        reason = diagnose_not_free(system) ? diagnose_not_free(system)
+                 : system->n_first_order
+                     ? "states have no momenta, so there is no symplectic form to be kept"
+                 : diagnose_no_variation(system)
+                     ? diagnose_no_variation(system)
+                     : "steps of this method have no length of their own: take one of fixed steps";
+    if (diagnose_member(d, "symplectic", made ? PK_DONE : last, reason)) {
+        diagnose_real(d, "defect", most.defect);
+        diagnose_real(d, "volume", most.volume);
+        diagnose_real(d, "rounding", most.rounding);
+        diagnose_real(d, "step", most.h);
+        diagnose_real(d, "t", t);
+        fprintf(d->file,
+                ", \"states\": %zu, \"failed\": %zu, \"symplectic\": %s, "
+                "\"variational\": %s}",
+                made, states - made, most.defect <= most.rounding ? "true" : "false",
+                system->facts & PK_VARIATIONAL ? "true" : "false");
+    }
+}

@@ -1,0 +1,230 @@
+/* An ensemble as `pkgen run --ensemble` asks for it: members by the thousand, a batch in memory
+ * at a time, rows in the order of members whatever thread made them. Every member's parameters
+ * are checked before the first one runs.
+ */
+#include <errno.h>
+
+#include "../base/json.h"
+#include "../diagnose/area.h"
+#include "../diagnose/diagnose.h"
+#include "../look/drifts.h"
+#include "../look/expect.h"
+#include "../look/rows.h"
+#include "../look/trust.h"
+#include "../settings/settings.h"
+#include "../steps/observe.h"
+#include "ensemble.h"
+#include "watched.h"
+
+static int stop(void *context)
+{
+    struct run *run = (struct run *)context;
+    return pk_thread() ? run->control.stop : run_stopped(run, run->part);
+}
+
+/* A member's state at a time: its row, what is expected of it. */
+static void show(struct run *run, int has_row, const struct moment *at)
+{
+    if (has_row)
+        observe_row(run, at);
+    observe_step(run, at);
+}
+
+/* All rows of a member, as far as it came; the driver's own columns take its parameters and inputs.
+ * Drifts are those over its rows. */
+static void write_member(struct batch *b, struct run *run, size_t i, size_t member)
+{
+    const struct pk_ensemble *e = &b->e;
+    struct settings *s = &run->settings;
+    void *const params = s->params;
+    pk_real *const u = s->u;
+    const size_t m = b->system->quadratures.n;
+    if (e->status[i] == PK_BAD_ARGUMENT || e->status[i] == PK_REFUSED)
+        return;
+    s->params = b->params + i * b->system->params_size;
+    s->u = b->u + i * b->system->n_inputs;
+    run->member = member;
+    const struct pk_problem problem = {.system = b->system, .params = s->params};
+    const struct moment start = {0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL};
+    if (run->monitor_block)
+        drift_begin(run, &problem);
+    show(run, s->has_every, &start);
+    area_note(run, start.t, start.q, start.v);
+    for (size_t row = 0; row < e->done[i]; row++) {
+        const size_t at = (i * e->rows + row) * b->n;
+        const struct moment then = {b->t[row], e->q + at, e->v + at,
+                                    m ? e->z + (i * e->rows + row) * m : NULL};
+        show(run, 1, &then);
+    }
+    observe_end(run);
+    s->params = params;
+    s->u = u;
+}
+
+/* Whether fixed steps have left a member with another energy than it began with. */
+static int is_astray(const struct batch *b, const struct run *run, size_t i)
+{
+    if (!run->monitor_block || !member_fixed(b->s) || b->e.done[i] == 0)
+        return 0;
+    const pk_real final = pk_drift_final(&run->monitor.energy);
+    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* true of a NaN */
+}
+
+static void write_batch(struct batch *b, struct run *run, size_t first, size_t count,
+                        struct tally *tally)
+{
+    const struct pk_ensemble *e = &b->e;
+    for (size_t i = 0; i < count; i++) {
+        write_member(b, run, i, first + i);
+        if (is_astray(b, run, i) && tally->astray++ == 0)
+            tally->first_astray = first + i;
+        tally->done += e->status[i] == PK_DONE;
+        tally->stopped += e->status[i] > 0;
+        if (e->status[i] < 0 && tally->failed++ == 0) {
+            tally->first_failed = first + i;
+            tally->status = e->status[i];
+            tally->t = e->last_t[i];
+            pk_ensemble_reason(e, i, b->block, b->block_size, tally->reason, sizeof tally->reason);
+        }
+    }
+}
+
+static void report(const struct run *run, const struct batch *b, const struct tally *tally,
+                   FILE *file)
+{
+    const struct settings *s = &run->settings;
+    fputs("{\n  \"model\": ", file);
+    report_text(file, b->system->name);
+    fputs(",\n  \"source_hash\": ", file);
+    report_text(file, b->system->source_hash);
+    fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n  \"step\": ", s->method->name,
+            s->method->order);
+    if (member_fixed(s))
+        report_real(file, s->options.h);
+    else
+        fputs("null", file);
+    fprintf(file,
+            ",\n  \"members\": %zu,\n  \"done\": %zu,\n  \"failed\": %zu,\n  \"first_failed\": ",
+            s->members, tally->done, tally->failed);
+    if (tally->failed) {
+        fprintf(file, "{\"member\": %ld, \"status\": \"%s\", \"text\": \"%s\", \"t\": ",
+                member_number(s, tally->first_failed), pk_status_name(tally->status),
+                pk_status_text(tally->status));
+        report_real(file, tally->t);
+        fputs("}", file);
+    } else {
+        fputs("null", file);
+    }
+    fprintf(file, ",\n  \"astray\": %zu,\n  \"first_astray\": ", tally->astray);
+    if (tally->astray)
+        fprintf(file, "%ld", member_number(s, tally->first_astray));
+    else
+        fputs("null", file);
+    fputs(",\n", file);
+    watched_report(tally, s, file);
+    expect_report(run, file);
+    fprintf(file,
+            "  \"interrupted\": %s,\n  \"whole\": %s,\n  \"rows\": %lu,\n"
+            "  \"threads\": %zu,\n  \"seconds\": %.6g",
+            run->interrupted ? "true" : "false", rows_whole(run) ? "true" : "false", run->rows,
+            b->threads, run->seconds);
+    diagnose_report(run, file);
+    fputs("\n}\n", file);
+}
+
+/* What may have ended members before the end. */
+static const char *ended(const struct settings *s, const struct tally *tally)
+{
+    int stops = 0;
+    for (size_t k = 0; s->watch && k < s->system->events.n; k++)
+        stops |= s->system->events.table[k].stop;
+    return !stops          ? "they failed"
+           : tally->failed ? "they failed or an event stopped them"
+                           : "an event stopped them";
+}
+
+/* What there is to say at the end, and the code. */
+static enum pk_run_code finish(struct run *run, const struct batch *b, const struct tally *tally)
+{
+    enum pk_run_code code = rows_end(run, PK_RUN_DONE);
+    if (run->write_failed == EPIPE)
+        return code;
+    if (tally->failed) {
+        run_say(run, "%s: %zu of %zu members failed, first member %ld: %s",
+                run->settings.method->name, tally->failed, run->settings.members,
+                member_number(&run->settings, tally->first_failed), tally->reason);
+        code = PK_RUN_FAILED;
+    }
+    watched_warn(run, tally);
+    if (tally->astray)
+        run_say(run,
+                "warning: energy off by more than %g of its scale at the end in %zu of %zu "
+                "members, first member %ld: make the step shorter (--step)",
+                (double)TRUST_WRONG, tally->astray, run->settings.members,
+                member_number(&run->settings, tally->first_astray));
+    if (run->not_finite) {
+        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
+                run->bad_rows, run->rows, run->bad_t);
+        code = PK_RUN_FAILED;
+    }
+    code = run->write_failed ? PK_RUN_USAGE : code;
+    if (!run->control.stop)
+        code = area_find(run, code, ended(&run->settings, tally));
+    run->interrupted = run->control.stop;
+    if (run->interrupted) {
+        run_say(run, "interrupted after %zu of %zu members", tally->done, run->settings.members);
+        code = PK_RUN_INTERRUPTED;
+    }
+    FILE *file = run_text(run, &run->report);
+    report(run, b, tally, file);
+    run_text_end(run);
+    return code;
+}
+
+enum pk_run_code ensemble_run(struct run *run)
+{
+    struct batch b = {0};
+    struct tally tally = {0};
+    struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
+    const size_t rows = run->count > 1 ? (size_t)run->count : 1;
+    const int watched = member_by_one(s);
+    const double began = run_now();
+    run->control.began = run_processor();
+    run->problem.system = system;
+    s->options.stop = stop;
+    s->options.context = run;
+    members_allocate(&b, run, rows);
+    if (watched && b.size > WATCHED_AT_ONCE)
+        b.size = WATCHED_AT_ONCE;
+    if ((member_fixed(s) && (system->facts & PK_CONSERVATIVE)) || expect_uses_h(run)) {
+        const struct pk_problem problem = {.system = system, .params = b.params};
+        run->monitor_block = memory_take(&run->memory, pk_monitor_size(&problem), 1);
+    }
+    for (size_t k = 0; k < rows; k++)
+        b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
+    enum pk_run_code code = members_check(&b, run);
+    if (watched)
+        watched_begin(&tally, run);
+    observe_begin(run);
+    code = code ? code : area_begin(run, b.t, rows);
+    if (code)
+        return code;
+    rows_header(run);
+    for (size_t first = 0; first < s->members && !run->control.stop && !run->write_failed;
+         first += b.size) {
+        const size_t left = s->members - first;
+        b.e.members = left < b.size ? left : b.size;
+        run->part = (double)first / (double)s->members;
+        members_set(&b, first, b.e.members, run);
+        if (watched) {
+            watched_batch(&b, run, first, b.e.members, &tally);
+        } else {
+            pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
+            write_batch(&b, run, first, b.e.members, &tally);
+        }
+        run_stopped(run, (double)(first + b.e.members) / (double)s->members);
+    }
+    run->seconds = run_now() - began;
+    return finish(run, &b, &tally);
+}

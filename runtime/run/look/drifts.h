@@ -1,0 +1,11 @@
+/* Drifts of what is constant along a run. */
+#ifndef RUN_DRIFTS_H
+#define RUN_DRIFTS_H
+
+#include "../base/state.h"
+
+/* Memory and reference values of the drifts; those of a member of an ensemble each time anew. */
+void drift_begin(struct run *run, const struct pk_problem *problem);
+void report_drift(FILE *file, const char *name, const struct pk_drift *drift);
+
+#endif

@@ -1,0 +1,190 @@
+/* Expectations of a scene; see expect.h. */
+#include "expect.h"
+
+#include <math.h>
+
+#include "../base/json.h"
+#include "../settings/settings.h"
+#include "observer.h"
+#include "rows.h"
+
+/* What is off by the most so far: above 0 it is a miss, and no number is one as well. */
+static void compare(struct run *run, struct expected *x, pk_real t, pk_real a, pk_real b,
+                    pk_real within)
+{
+    const pk_real d = x->of.relation == '>' ? b - a : a - b;
+    const pk_real off = x->of.relation == '=' ? PK_F(fabs)(d) - within : d;
+    const int met = x->of.relation == '=' ? off <= 0 : off < 0;
+    const int worse = x->count == 0 || !(off <= x->off); /* true of no number */
+    x->count++;
+    x->missed += !met;
+    if (!worse || !(x->off - x->off == PK_C(0.0)))
+        return;
+    x->off = off;
+    x->value = a;
+    x->bound = b;
+    x->allowed = within;
+    x->t = t;
+    x->member = run->member;
+}
+
+static const pk_real *outputs(struct run *run, const struct moment *at)
+{
+    const struct settings *s = &run->settings;
+    if (run->settings.system->n_observed)
+        run->settings.system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
+    return run->expected;
+}
+
+/* Round-off of a time that a step was to end at. */
+static int is_at(const struct run *run, pk_real t, pk_real at)
+{
+    return PK_F(fabs)(t - at) <= 8 * PK_EPSILON * run->settings.until;
+}
+
+pk_real expect_limit(const struct run *run, pk_real t, pk_real limit)
+{
+    pk_real next = limit;
+    for (size_t i = 0; i < run->settings.n_expected; i++) {
+        const struct expected *x = &run->settings.expected[i];
+        if (x->of.when == 't' && (pk_real)x->of.at < next && (pk_real)x->of.at > t &&
+            !is_at(run, t, (pk_real)x->of.at) && !is_at(run, limit, (pk_real)x->of.at))
+            next = (pk_real)x->of.at;
+    }
+    return next;
+}
+
+/* Those of a kind, and of that time or event. */
+static void compare_all(struct run *run, char when, size_t event, const struct moment *at)
+{
+    const pk_real *out = NULL;
+    for (size_t i = 0; i < run->settings.n_expected; i++) {
+        struct expected *x = &run->settings.expected[i];
+        if (x->of.when != when || (when == 'e' && x->of.event != event) ||
+            (when == 't' && !is_at(run, at->t, (pk_real)x->of.at)))
+            continue;
+        if (!out)
+            out = outputs(run, at);
+        compare(run, x, at->t, rows_value(run, &x->of.a, at, out),
+                rows_value(run, &x->of.b, at, out),
+                x->of.within.kind ? rows_value(run, &x->of.within, at, out) : 0);
+    }
+}
+
+void expect_landed(struct run *run, const struct moment *at) { compare_all(run, 't', 0, at); }
+
+static void row(struct run *run, const struct moment *at) { compare_all(run, 'r', 0, at); }
+
+static void event(struct run *run, size_t which, const struct moment *at)
+{
+    compare_all(run, 'e', which, at);
+}
+
+static void step(struct run *run, const struct moment *at)
+{
+    const pk_real *out = NULL;
+    for (size_t i = 0; i < run->settings.n_drifting; i++) {
+        struct drifting *d = &run->settings.drifting[i];
+        if (d->energy)
+            continue;
+        if (!out)
+            out = outputs(run, at);
+        pk_drift_update(&d->drift, at->t, out[d->output]);
+    }
+    expect_landed(run, at);
+}
+
+int expect_uses_h(const struct run *run)
+{
+    for (size_t i = 0; i < run->settings.n_drifting; i++)
+        if (run->settings.drifting[i].energy)
+            return run->settings.system->energy && run->settings.system->canonical;
+    return 0;
+}
+
+/* What has drifted so far is of one member, and the next one begins. */
+static void end(struct run *run)
+{
+    for (size_t i = 0; i < run->settings.n_drifting; i++) {
+        struct drifting *d = &run->settings.drifting[i];
+        const struct pk_drift *drift = d->energy ? &run->monitor.energy : &d->drift;
+        const pk_real max = drift->samples ? pk_drift_max(drift) : (pk_real)NAN;
+        const int worse = !d->members || !(max <= d->max);
+        if (worse && d->max - d->max == PK_C(0.0)) {
+            d->max = max;
+            d->member = run->member;
+        }
+        d->members++;
+        pk_drift_init(&d->drift);
+    }
+}
+
+void expect_clear(struct settings *s)
+{
+    for (size_t i = 0; i < s->n_expected; i++)
+        s->expected[i].count = s->expected[i].missed = 0, s->expected[i].off = 0;
+    for (size_t i = 0; i < s->n_drifting; i++)
+        s->drifting[i].members = 0, s->drifting[i].max = 0;
+}
+
+static int is_number(pk_real x) { return x - x == PK_C(0.0); }
+
+void expect_merge(struct settings *all, const struct settings *one)
+{
+    for (size_t i = 0; i < all->n_expected; i++) {
+        struct expected *to = &all->expected[i];
+        const struct expected *from = &one->expected[i];
+        const unsigned long count = to->count + from->count, missed = to->missed + from->missed;
+        if (from->count && (to->count == 0 || (is_number(to->off) && !(from->off <= to->off))))
+            *to = *from;
+        to->count = count;
+        to->missed = missed;
+    }
+    for (size_t i = 0; i < all->n_drifting; i++) {
+        struct drifting *to = &all->drifting[i];
+        const struct drifting *from = &one->drifting[i];
+        const size_t members = to->members + from->members;
+        if (from->members && (to->members == 0 || (is_number(to->max) && !(from->max <= to->max))))
+            *to = *from;
+        to->members = members;
+    }
+}
+
+static void begin(struct run *run)
+{
+    if (run->settings.n_expected || run->settings.n_drifting)
+        run->expected = (pk_real *)memory_take(&run->memory, run->settings.system->n_observed + 1,
+                                               sizeof *run->expected);
+}
+
+static void named_real(FILE *file, const char *key, pk_real x)
+{
+    fprintf(file, ", \"%s\": ", key);
+    report_real(file, x);
+}
+
+void expect_report(const struct run *run, FILE *file)
+{
+    const struct settings *s = &run->settings;
+    fputs("  \"expects\": [", file);
+    for (size_t i = 0; i < s->n_expected; i++) {
+        const struct expected *x = &s->expected[i];
+        fprintf(file, "%s\n    {\"count\": %lu, \"missed\": %lu, \"member\": %ld", i ? "," : "",
+                x->count, x->missed, member_number(s, x->member));
+        named_real(file, "value", x->value);
+        named_real(file, "bound", x->bound);
+        named_real(file, "within", x->allowed);
+        named_real(file, "t", x->t);
+        fputs("}", file);
+    }
+    fputs("],\n  \"expect_drifts\": [", file);
+    for (size_t i = 0; i < s->n_drifting; i++) {
+        fprintf(file, "%s{\"member\": %ld", i ? ", " : "", member_number(s, s->drifting[i].member));
+        named_real(file, "max", s->drifting[i].max);
+        fputs("}", file);
+    }
+    fputs("],\n", file);
+}
+
+const struct observer expect_observer = {
+    .begin = begin, .step = step, .event = event, .row = row, .end = end, .report = expect_report};

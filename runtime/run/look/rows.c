@@ -1,0 +1,209 @@
+/* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma,
+ * a quote or a blank (RFC 4180).
+ */
+#include "rows.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../base/numbers.h"
+#include "../settings/settings.h"
+#include "observer.h"
+
+static void begin(struct run *run)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
+    run->row = (pk_real *)memory_take(
+        &run->memory, 2 * s->n + system->n_observed + system->quadratures.n + 1, sizeof *run->row);
+    run->cells = (pk_real *)memory_take(&run->memory, 1 + s->n_show, sizeof *run->cells);
+}
+
+static void csv_name(FILE *file, const char *name, int first)
+{
+    if (!first)
+        fputc(',', file);
+    if (!strpbrk(name, ",\" \n")) {
+        fputs(name, file);
+        return;
+    }
+    fputc('"', file);
+    for (; *name; name++) {
+        if (*name == '"')
+            fputc('"', file);
+        fputc(*name, file);
+    }
+    fputc('"', file);
+}
+
+int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t size,
+                       const char **unit)
+{
+    const struct settings *s = &((const struct run *)of)->settings;
+    const struct pk_system *system = s->system;
+    const size_t before = 1 + (s->members > 0);
+    const int dimensionless = !system->n || !*system->rates[0].unit;
+    *unit = "";
+    if (i < before) {
+        *unit = i + 1 == before && !dimensionless ? "s" : "";
+        snprintf(name, size, "%s", i + 1 == before ? "t" : s->member_name);
+        return 1;
+    }
+    if (i - before >= s->n_show)
+        return 0;
+    const struct pk_run_column *show = &s->show[i - before];
+    const struct pk_quantity *const places = show->kind == 'v' ? system->rates
+                                                               : system->coordinates;
+    const struct pk_quantity *what = show->kind == 'o'   ? &system->observed[show->index]
+                                     : show->kind == 'z' ? &system->quadratures.names[show->index]
+                                                         : NULL;
+    if (show->kind == 'e') {
+        *unit = dimensionless ? "" : "J";
+        snprintf(name, size, "energy");
+    } else if (what) {
+        *unit = what->unit;
+        snprintf(name, size, "%s", what->name);
+    } else {
+        pk_system_name(system, s->params, places, show->index, name, size);
+        *unit = system->families.count ? "" : places[show->index].unit;
+    }
+    return 1;
+}
+
+void rows_header(struct run *run)
+{
+    char name[128];
+    const char *unit;
+    if (!run->out || !run->settings.header)
+        return;
+    for (size_t i = 0; pk_run_column_name((struct pk_run *)run, i, name, sizeof name, &unit); i++)
+        csv_name(run->out, name, i == 0);
+    fputc('\n', run->out);
+}
+
+pk_real rows_value(const struct run *run, const struct pk_run_column *column,
+                   const struct moment *at, const pk_real *out)
+{
+    const size_t i = column->index;
+    switch (column->kind) {
+    case 'q':
+        return at->q[i];
+    case 'v':
+        return at->v[i];
+    case 'o':
+        return out[i];
+    case 'z':
+        return at->z[i];
+    default:
+        return run->settings.system->energy(run->settings.params, at->t, at->q, at->v,
+                                            run->settings.u);
+    }
+}
+
+/* The cells of a row; the name of the first that is not finite, or NULL. */
+static const char *fill(struct run *run, const struct moment *at)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = s->system;
+    const char *bad = NULL;
+    pk_real *out = run->row + 2 * s->n;
+    if (system->n_observed)
+        system->observe(s->params, at->t, at->q, at->v, s->u, out);
+    run->cells[0] = at->t;
+    for (size_t i = 0; i < s->n_show; i++) {
+        const struct pk_run_column *show = &s->show[i];
+        const pk_real x = run->cells[1 + i] = rows_value(run, show, at, out);
+        if (!(x - x == PK_C(0.0)) && !bad)
+            bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
+    }
+    return bad;
+}
+
+/* A number that is none has no sign. */
+static void write_csv(struct run *run)
+{
+    FILE *file = run->out;
+    if (run->settings.members)
+        fprintf(file, "%ld,", member_number(&run->settings, run->member));
+    for (size_t i = 0; i <= run->settings.n_show; i++) {
+        if (i)
+            fputc(',', file);
+        if (isnan((double)run->cells[i]))
+            fputs("nan", file);
+        else
+            numbers_write(file, (double)run->cells[i]);
+    }
+    fputc('\n', file);
+    if (ferror(file))
+        run->write_failed = errno ? errno : EIO;
+}
+
+static void grow(struct run *run, size_t width)
+{
+    run->room = run->room ? 2 * run->room : 256;
+    run->kept = (double *)memory_grow(&run->memory, run->kept, run->room * width, sizeof(double));
+    if (sizeof(pk_real) > sizeof(double))
+        run->kept_low =
+            (double *)memory_grow(&run->memory, run->kept_low, run->room * width, sizeof(double));
+}
+
+static void keep(struct run *run)
+{
+    const size_t first = run->settings.members > 0, width = first + 1 + run->settings.n_show;
+    if (run->n_kept == run->room)
+        grow(run, width);
+    const size_t at = run->n_kept++ * width;
+    if (first)
+        run->kept[at] = (double)member_number(&run->settings, run->member);
+    for (size_t i = 0; i < width - first; i++) {
+        run->kept[at + first + i] = (double)run->cells[i];
+        if (run->kept_low)
+            run->kept_low[at + first + i] =
+                (double)(run->cells[i] - (pk_real)(double)run->cells[i]);
+    }
+}
+
+void rows_take(struct run *run, const struct run *from)
+{
+    const size_t width = 2 + run->settings.n_show;
+    if (!from->n_kept)
+        return;
+    while (run->room < run->n_kept + from->n_kept)
+        grow(run, width);
+    memcpy(run->kept + run->n_kept * width, from->kept, from->n_kept * width * sizeof *run->kept);
+    if (run->kept_low)
+        memcpy(run->kept_low + run->n_kept * width, from->kept_low,
+               from->n_kept * width * sizeof *run->kept);
+    run->n_kept += from->n_kept;
+}
+
+/* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
+static void write_row(struct run *run, const struct moment *at)
+{
+    const char *bad = fill(run, at);
+    (run->out ? write_csv : keep)(run);
+    run->rows++;
+    run->last_row = at->t;
+    if (bad && run->bad_rows++ == 0) {
+        run->not_finite = bad;
+        run->bad_t = (double)at->t;
+    }
+}
+
+const struct observer rows_observer = {.begin = begin, .row = write_row};
+
+enum pk_run_code rows_end(struct run *run, enum pk_run_code code)
+{
+    errno = 0;
+    if (run->out && !run->write_failed && (fflush(run->out) || ferror(run->out)))
+        run->write_failed = errno ? errno : EIO;
+    if (!run->write_failed)
+        return code;
+    if (run->write_failed != EPIPE)
+        run_say(run, "cannot write rows: %s", strerror(run->write_failed));
+    return run->write_failed == EPIPE ? code : PK_RUN_USAGE;
+}
+
+int rows_whole(const struct run *run) { return !run->interrupted && !run->write_failed; }

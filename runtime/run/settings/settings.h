@@ -1,0 +1,38 @@
+/* Settings as the run uses them, and what follows from them. */
+#ifndef RUN_SETTINGS_H
+#define RUN_SETTINGS_H
+
+#include "../base/state.h"
+
+/* What was asked for, with parameters and starts computed; a code. */
+enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model,
+                               const struct pk_run_settings *given);
+/* Parameters and start as they are in memory, one JSON object. */
+void settings_tell(const struct settings *s, FILE *file);
+/* Which parameter prepare() refused, its value and bounds; of what follows from all, their values.
+ */
+void parameters_refused(FILE *file, const struct pk_system *system, const void *params,
+                        int outside);
+
+/* Of the model with these parameters, its inputs constant; without quadratures that nothing shows.
+ */
+struct pk_problem run_problem(struct run *run);
+/* Quadratures at the start: those given, the others as the parameters say; and into an integrator.
+ */
+void settings_z(const struct settings *s, const void *params, pk_real *z);
+enum pk_status run_quadratures(struct run *run, struct pk_integrator *it);
+/* How the options of `pkgen run`, and of a program that it builds, call settings. */
+extern const struct pk_words run_options;
+
+/* The core's methods, then GSL's. */
+const struct pk_method *run_method_find(const char *name);
+const struct pk_method *run_method_at(size_t index);
+
+/* The number under which a member, from 0 on, is spoken of. */
+long member_number(const struct settings *s, size_t member);
+/* Whether each runs by itself: its events are watched, or there are switches. */
+int member_by_one(const struct settings *s);
+/* Whether the members take fixed steps. */
+int member_fixed(const struct settings *s);
+
+#endif

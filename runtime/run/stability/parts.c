@@ -1,0 +1,57 @@
+/* What the answers share. */
+#include "stability.h"
+
+#include <math.h>
+
+#include "../settings/settings.h"
+
+void stability_energies(struct stability *s, double t, const double *q, const double *v,
+                        double *energy, double *vp, double *size)
+{
+    const struct pk_system *system = s->problem.system;
+    double *p = s->work + 2 * s->n, *pdot = p + s->n;
+    system->canonical(s->problem.params, t, q, v, s->settings->u, p, pdot);
+    *energy = system->energy(s->problem.params, t, q, v, s->settings->u);
+    *vp = 0;
+    for (size_t i = 0; i < s->n; i++)
+        *vp += v[i] * p[i];
+    *size = fabs(*vp) + fabs(*vp - *energy);
+}
+
+struct pk_integrator *stability_begin(struct stability *s, const struct pk_method *method,
+                                      const struct pk_options *options, const double *q,
+                                      const double *v, enum pk_status *status)
+{
+    struct memory *memory = &s->run->memory;
+    const size_t size = pk_integrator_size(&s->problem, method);
+    struct pk_integrator *it = (struct pk_integrator *)memory_take(memory, 1, sizeof *it + size);
+    *status = pk_integrator_init(it, &s->problem, method, options, 0, q, v, it + 1, size);
+    if (*status >= 0)
+        return it;
+    pk_integrator_free(it);
+    memory_drop(memory, it);
+    return NULL;
+}
+
+void stability_end(struct stability *s, struct pk_integrator *it)
+{
+    if (!it)
+        return;
+    pk_integrator_free(it);
+    memory_drop(&s->run->memory, it);
+}
+
+int stability_wrong(struct stability *s, const char *message)
+{
+    run_say(s->run, "%s", message);
+    return 0;
+}
+
+const struct pk_method *stability_method(struct stability *s, const char *name)
+{
+    const struct pk_method *method = run_method_find(name);
+    if (method && !(method->traits & PK_ADAPTIVE))
+        return method;
+    run_say(s->run, "no method of a fixed step: %s", name ? name : "");
+    return NULL;
+}

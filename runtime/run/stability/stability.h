@@ -1,0 +1,73 @@
+/* What the files of pk/stability.h share. */
+#ifndef RUN_STABILITY_H
+#define RUN_STABILITY_H
+
+#include <pk/stability.h>
+
+#include "../base/json.h"
+#include "../base/state.h"
+
+#ifdef PK_WITH_GSL
+#include <pk/gsl_equilibria.h>
+#endif
+
+struct pk_mode;
+struct record;
+
+struct stability {
+    struct run *run; /* not integrated: its settings, problem, memory and messages */
+    const struct settings *settings;
+    struct pk_problem problem;
+    size_t n;
+    FILE *out;    /* of the answer, which is in */
+    char *answer; /* of malloc() */
+    double *work; /* 4 n + 1: a start, p, pdot */
+    /* Of the start as an equilibrium, once they are asked for. */
+    int has_modes;
+    size_t n_modes;
+    struct pk_mode *modes; /* 2 n */
+    double *shapes;        /* 2 n 2 n: real parts, imaginary parts */
+    /* Of the motion, once it is known. */
+    int known, leaves;
+    struct pk_integrator *exact; /* follows it */
+    enum pk_status motion;       /* of that */
+    struct record *records;      /* of its steps */
+    size_t n_records, room;
+    double *far; /* 3 n: largest |q - q0| up to a half, three quarters and the end of `until` */
+};
+
+/* The motion over as long as a point's. */
+struct reference {
+    double scale;     /* range of v.p: twice the kinetic energy that comes and goes */
+    double size;      /* largest |v.p| + |L|: what round-off of the energy is relative to */
+    double low, high; /* energies in its last quarter; the first one where energy is constant */
+    double top;       /* largest energy; the same */
+    int judges;       /* it lasts, and does not leave */
+};
+
+/* Energy, v.p and |v.p| + |L| of a state. */
+void stability_energies(struct stability *s, double t, const double *q, const double *v,
+                        double *energy, double *vp, double *size);
+/* An integrator with memory of its own, or NULL with the status of what refused. */
+struct pk_integrator *stability_begin(struct stability *s, const struct pk_method *method,
+                                      const struct pk_options *options, const double *q,
+                                      const double *v, enum pk_status *status);
+void stability_end(struct stability *s, struct pk_integrator *it);
+
+/* After the motion is known: follows it to `until`, if it has not been yet. */
+struct reference stability_reference(struct stability *s, double until);
+
+/* Answers. 1, or 0 with a message. */
+int stability_ready(struct stability *s, const struct pk_stability_question *q);
+int stability_motion(struct stability *s, const struct pk_stability_question *q);
+int stability_point(struct stability *s, const struct pk_stability_question *q);
+int stability_oscillator(struct stability *s, const struct pk_stability_question *q);
+int stability_equilibria(struct stability *s, const struct pk_stability_question *q);
+int stability_near(struct stability *s, const struct pk_stability_question *q);
+int stability_leave(struct stability *s, const struct pk_stability_question *q);
+/* A message; 0. */
+int stability_wrong(struct stability *s, const char *message);
+/* Of that name, and of a fixed step; NULL with a message. */
+const struct pk_method *stability_method(struct stability *s, const char *name);
+
+#endif

@@ -1,0 +1,204 @@
+/* See apart.h. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
+ * run->it makes no steps: it has time, state and summed counts.
+ */
+#include "apart.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "../base/json.h"
+#include "../look/drifts.h"
+#include "../look/expect.h"
+#include "../settings/settings.h"
+#include "observe.h"
+#include "steps.h"
+
+/* What was given of part k, and the rest as for the whole. */
+static struct pk_choice choice_of(const struct settings *s, size_t k)
+{
+    const struct pk_run_part none = {0}, *given = s->part_given ? &s->part_given[k] : &none;
+    struct pk_choice c = {given->method ? run_method_find(given->method) : s->method, s->options};
+    if (given->step > 0)
+        c.options.h = (pk_real)given->step;
+    if (given->rtol > 0)
+        c.options.rtol = (pk_real)given->rtol;
+    if (given->h_max > 0)
+        c.options.h_max = (pk_real)given->h_max;
+    return c;
+}
+
+enum pk_run_code apart_choose(struct run *run)
+{
+    struct settings *s = &run->settings;
+    const char *none = s->members                       ? "ensembles"
+                       : run->settings.system->events.n ? "events"
+                       : s->diagnose                    ? "diagnostics"
+                       : s->land == 0                   ? "dense rows"
+                                                        : NULL;
+    s->has_every = s->every >= 0;
+    if (!s->has_every)
+        s->every = s->until / 1000;
+    if (s->every > s->until)
+        s->every = s->until;
+    if (!none && !(s->every > 10 * PK_EPSILON * s->until))
+        none = "rows at each step";
+    if (none) {
+        run_say(run, "blocks integrated apart have no %s", none);
+        return PK_RUN_USAGE;
+    }
+    s->land = 1;
+    run->count = run_intervals(s->until, s->every);
+    run->choices =
+        (struct pk_choice *)memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
+    for (size_t k = 0; k < run->settings.n_parts; k++) {
+        struct pk_choice *c = &run->choices[k];
+        *c = choice_of(s, k);
+        if (c->method->traits & PK_ADAPTIVE)
+            continue;
+        if (!(c->options.h > 0) && (c->method->traits & PK_EXACT))
+            c->options.h = s->every;
+        if (!(c->options.h > 10 * PK_EPSILON * s->until)) {
+            run_say(run, "part %zu: method %s has a fixed step: give it by --step", k + 1,
+                    c->method->name);
+            return PK_RUN_USAGE;
+        }
+        c->options.h = run_step(s->every, c->options.h);
+    }
+    return PK_RUN_DONE;
+}
+
+/* What rows, drifts and the report look at. */
+static void look(struct run *run)
+{
+    const struct pk_apart *a = &run->apart;
+    struct pk_integrator *it = &run->it;
+    it->problem = run->problem;
+    it->method = run->settings.method;
+    it->n = run->settings.n;
+    it->t = a->t;
+    it->q = a->q;
+    it->v = a->v;
+    it->z = a->z;
+    it->status = a->status;
+    memset(&it->count, 0, sizeof it->count);
+    for (size_t k = 0; a->parts && k < a->count; k++) {
+        const struct pk_counters *c = &a->parts[k].it.count;
+        it->count.steps += c->steps;
+        it->count.rejections += c->rejections;
+        it->count.evaluations += c->evaluations;
+        it->count.jacobians += c->jacobians;
+        it->count.factorisations += c->factorisations;
+        it->count.iterations += c->iterations;
+        it->count.held += c->held;
+    }
+}
+
+enum pk_run_code apart_begin(struct run *run)
+{
+    struct settings *s = &run->settings;
+    const size_t m = run->settings.system->quadratures.n;
+    run->problem = run_problem(run);
+    const size_t size =
+        pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
+    run->block = memory_take(&run->memory, size, 1);
+    drift_begin(run, &run->problem);
+    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
+                                          run->choices, run->settings.n_parts, 0, s->q, s->v,
+                                          run->block, size);
+    if (status >= 0 && m) {
+        settings_z(s, s->params, run->row);
+        status = pk_apart_set_quadratures(&run->apart, run->row);
+    }
+    look(run);
+    return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
+}
+
+/* Rows may be so far apart that a motion looks at rest in each, as one recorded at its turning
+ * points does. So what an energy is measured by is seen at each step of each part. */
+static void stepped(void *context, size_t k)
+{
+    struct run *run = (struct run *)context;
+    const struct pk_integrator *it = &run->apart.parts[k].it;
+    pk_monitor_update(&run->part_monitors[k], it->t, it->q, it->v);
+}
+
+static void scale(struct run *run)
+{
+    pk_real sum = 0;
+    for (size_t k = 0; k < run->settings.n_parts; k++)
+        sum += run->part_monitors[k].energy.scale;
+    if (run->monitor.has_energy && run->monitor.energy.scale < sum)
+        run->monitor.energy.scale = sum;
+}
+
+static void watch_parts(struct run *run)
+{
+    struct pk_apart *a = &run->apart;
+    size_t size = 0;
+    for (size_t k = 0; k < a->count; k++)
+        size += pk_monitor_size(&a->parts[k].it.problem);
+    run->part_monitors =
+        (struct pk_monitor *)memory_take(&run->memory, a->count, sizeof *run->part_monitors);
+    char *block = (char *)memory_take(&run->memory, size, 1);
+    for (size_t k = 0; k < a->count; k++) {
+        const struct pk_problem *problem = &a->parts[k].it.problem;
+        size = pk_monitor_size(problem);
+        pk_monitor_init(&run->part_monitors[k], problem, block, size);
+        block += size;
+        stepped(run, k);
+    }
+    a->stepped = stepped;
+    a->context = run;
+}
+
+void apart_integrate(struct run *run)
+{
+    const struct settings *s = &run->settings;
+    struct pk_apart *a = &run->apart;
+    struct moment now = run_moment(run);
+    watch_parts(run);
+    observe_row(run, &now);
+    observe_step(run, &now);
+    for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
+        const pk_real t = run_row_time(run, k, run->count);
+        while (a->t < t) {
+            pk_apart_to(a, expect_limit(run, a->t, t), s->until);
+            look(run);
+            if (a->status != PK_DONE)
+                return;
+            scale(run);
+            now = run_moment(run);
+            observe_step(run, &now);
+        }
+        now.t = t;
+        observe_row(run, &now);
+        run->interrupted = run_stopped(run, (double)(t / s->until));
+    }
+    observe_end(run);
+}
+
+void apart_report(const struct run *run, FILE *file)
+{
+    const struct pk_apart *a = &run->apart;
+    if (!run->settings.parts)
+        return;
+    fputs("  \"parts\": [", file);
+    for (size_t k = 0; a->parts && k < a->count; k++) {
+        const struct pk_apart_part *part = &a->parts[k];
+        const struct pk_choice *c = &run->choices[k];
+        const int adaptive = (c->method->traits & PK_ADAPTIVE) != 0;
+        fprintf(file, "%s\n    {\"coordinates\": [", k ? "," : "");
+        for (size_t i = 0; i < part->of.system->n; i++) {
+            fputs(i ? ", " : "", file);
+            report_text(file, part->of.system->coordinates[i].name);
+        }
+        fprintf(file, "], \"method\": \"%s\", \"status\": \"%s\", \"t\": ", c->method->name,
+                pk_status_name(part->it.status));
+        report_real(file, part->it.t);
+        fputs(adaptive ? ", \"rtol\": " : ", \"step\": ", file);
+        report_real(file, adaptive ? c->options.rtol : c->options.h);
+        fprintf(file, ", \"steps\": %lu, \"rejections\": %lu, \"evaluations\": %lu}",
+                part->it.count.steps, part->it.count.rejections, part->it.count.evaluations);
+    }
+    fputs("],\n", file);
+}

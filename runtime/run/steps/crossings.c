@@ -1,0 +1,105 @@
+/* Steps that look for crossings: rows at them, what is due before them, where they stop. */
+#include <string.h>
+
+#include "../look/watch.h"
+#include "observe.h"
+#include "steps.h"
+
+/* The step is about to be ended here, and with it its dense output. */
+static void switched(void *context, const struct pk_events *events)
+{
+    struct run *run = (struct run *)context;
+    const struct moment at = {events->t, events->q, events->v, events->z};
+    observe_crossing(run, run->problem.system->events.n + events->which, &at);
+    run_due(run, events->t);
+}
+
+static int found(void *context, const struct pk_events *events)
+{
+    struct run *run = (struct run *)context;
+    const struct moment at = {events->t, events->q, events->v, events->z};
+    observe_crossing(run, events->which, &at);
+    if (!run_due(run, events->t))
+        return 1;
+    if (run->settings.at == events->which + 1) {
+        run->at_event = 1;
+        observe_row(run, &at);
+        run->at_event = 0;
+    }
+    return run->write_failed;
+}
+
+static void doubtful(void *context, const struct pk_events *events)
+{
+    struct crossed *crossed = &((struct run *)context)->crossed[events->which];
+    if (crossed->doubts++ == 0)
+        crossed->doubtful_t = events->t;
+}
+
+enum pk_run_code crossings_begin(struct run *run)
+{
+    const struct pk_system *system = run->problem.system;
+    const size_t m = system->events.n, all = m + system->switches.n;
+    const size_t size = pk_events_size(&run->problem, run->settings.method);
+    if (all == 0)
+        return PK_RUN_DONE;
+    struct memory *memory = &run->memory;
+    run->crossed = (struct crossed *)memory_take(memory, all, sizeof *run->crossed);
+    run->event_values =
+        (pk_real *)memory_take(memory, 2 * m + 2 * run->it.n, sizeof *run->event_values);
+    for (size_t k = 0; k < all; k++)
+        run->crossed[k].t = (pk_real *)memory_take(memory, WATCH_TIMES, sizeof(pk_real));
+    const enum pk_status status =
+        pk_events_init(&run->events, &run->it, memory_take(memory, size, 1), size);
+    if (status < 0) {
+        run_say(run, "events: %s", pk_status_text(status));
+        return PK_RUN_FAILED;
+    }
+    run->events.found = found;
+    run->events.switched = switched;
+    run->events.doubtful = doubtful;
+    run->events.context = run;
+    return PK_RUN_DONE;
+}
+
+/* A function that is zero but for errors, as that of a constant of the motion, crosses zero by
+ * these errors alone. It is seen by what each coordinate and rate contributes to it: |dg/dx| |x|.
+ */
+static void note_leaving(struct run *run)
+{
+    const struct pk_system *system = run->problem.system;
+    const size_t n = run->it.n, m = system->events.n;
+    const pk_real t = run->it.t, *u = run->settings.u;
+    pk_real *g = run->event_values, *moved = g + m, *x = moved + m;
+    int all = 1;
+    for (size_t k = 0; k < m; k++)
+        all &= run->crossed[k].leaves;
+    if (all) /* or there are switches alone */
+        return;
+    memcpy(x, run->it.q, n * sizeof *x);
+    memcpy(x + n, run->it.v, n * sizeof *x);
+    system->events.values(run->settings.params, t, x, x + n, u, g);
+    for (size_t i = 0; i < 2 * n; i++) {
+        const pk_real was = x[i], part = PK_C(1e-4);
+        x[i] += part * was;
+        system->events.values(run->settings.params, t, x, x + n, u, moved);
+        x[i] = was;
+        for (size_t k = 0; k < m; k++)
+            run->crossed[k].parts =
+                PK_F(fmax)(run->crossed[k].parts, PK_F(fabs)(moved[k] - g[k]) / part);
+    }
+    for (size_t k = 0; k < m; k++) {
+        run->crossed[k].states++;
+        run->crossed[k].leaves |= PK_F(fabs)(g[k]) > WATCH_NOISE * run->crossed[k].parts;
+    }
+}
+
+enum pk_status crossings_step(struct run *run, pk_real limit)
+{
+    if (!run->crossed)
+        return pk_integrator_step(&run->it, limit);
+    const enum pk_status status = pk_events_step(&run->events, &run->it, limit);
+    if (status >= 0)
+        note_leaving(run);
+    return status;
+}

@@ -1,0 +1,118 @@
+/* What is due at times: rows and what is expected, where steps end or within them.
+ *
+ * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. Fixed steps are not disturbed by them: the
+ * last before `until` or at a switch alone is shorter, and a row within a step is at the end of a
+ * shorter one from where it began. An adaptive method lands on rows, or answers by its dense output
+ * where that is as accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at
+ * tight tolerances (measured in tests/runtime), so they land.
+ */
+#include "../look/expect.h"
+#include "observe.h"
+#include "steps.h"
+
+/* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
+ * as whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
+pk_real run_intervals(pk_real whole, pk_real part)
+{
+    const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
+    const pk_real slack = ratio < PK_C(1e9) && round < PK_C(1e-12) ? PK_C(1e-12) : round;
+    const pk_real count = PK_F(ceil)(ratio * (1 - slack));
+    return count < 1 ? 1 : count;
+}
+
+pk_real run_step(pk_real interval, pk_real h)
+{
+    const pk_real count = run_intervals(interval, h);
+    return PK_F(fabs)(interval / count - h) <= PK_C(1e-12) * h ? interval / count : h;
+}
+
+struct moment run_moment(const struct run *run)
+{
+    const struct moment now = {run->it.t, run->it.q, run->it.v, run->it.z};
+    return now;
+}
+
+/* The motion at t within the last step; q is NULL where that fails. */
+static struct moment at(struct run *run, pk_real t)
+{
+    struct pk_integrator *it = &run->it;
+    const struct moment none = {t, NULL, NULL, NULL}, now = {t, it->q, it->v, it->z};
+    const size_t size = pk_integrator_size(&it->problem, it->method);
+    pk_real *q = run->row, *v = q + it->n, *z = v + it->n + run->problem.system->n_observed;
+    if (pk_integrator_is_at(it, t))
+        return now;
+    if (!run_fixed(run)) {
+        const struct moment dense = {t, q, v, it->z ? z : NULL};
+        return pk_integrator_dense(it, t, q, v) < 0 ||
+                       (it->z && pk_integrator_dense_quadratures(it, t, z) < 0)
+                   ? none
+                   : dense;
+    }
+    if (!run->aside_block) {
+        struct pk_problem problem = run->problem;
+        if (run->events.params) /* with the sides of switches */
+            problem.params = run->events.params;
+        run->aside_block = memory_take(&run->memory, size, 1);
+        if (pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
+                               run->aside_block, size) < 0)
+            return none;
+    }
+    run->aside.options.h = it->options.h;
+    const enum pk_status status = it->status;
+    if (pk_integrator_aside(it, &run->aside, t) < 0)
+        return none;
+    it->status = status;
+    const struct moment found = {t, run->aside.q, run->aside.v, run->aside.z};
+    return found;
+}
+
+pk_real run_row_time(const struct run *run, pk_real k, pk_real count)
+{
+    return k < count ? (pk_real)(double)(k * run->settings.every) : run->settings.until;
+}
+
+/* The next time up to `limit` for which a row or what is expected asks. */
+pk_real run_wanted(const struct run *run, pk_real from, pk_real limit)
+{
+    const int rows = run->next <= run->count && run->settings.every > 0;
+    const pk_real row = rows ? run_row_time(run, run->next, run->count) : limit;
+    return expect_limit(run, from, row < limit ? row : limit);
+}
+
+/* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is
+ * expected. */
+pk_real run_limit(const struct run *run)
+{
+    const struct settings *s = &run->settings;
+    if (!run_fixed(run))
+        return s->land ? run_wanted(run, run->it.t, s->until)
+                       : expect_limit(run, run->it.t, s->until);
+    return pk_integrator_limit(&run->it, run_wanted(run, run->it.t, s->until), s->until);
+}
+
+int run_due(struct run *run, pk_real end)
+{
+    const struct settings *s = &run->settings;
+    pk_real from = run->it.last_t, t = 0;
+    const int now = !(end < run->it.t);
+    for (; run->next <= run->count && s->every > 0; run->next += 1) {
+        t = run_row_time(run, run->next, run->count);
+        if (!(t <= end) && !(now && pk_integrator_is_at(&run->it, t)))
+            break;
+        const struct moment state = at(run, t);
+        if (!state.q)
+            return 0;
+        observe_row(run, &state);
+    }
+    if (run->expecting < from)
+        run->expecting = from;
+    while (run_fixed(run) && (t = expect_limit(run, run->expecting, end)) < end &&
+           !pk_integrator_is_at(&run->it, t)) {
+        const struct moment state = at(run, t);
+        if (!state.q)
+            return 0;
+        expect_landed(run, &state);
+        run->expecting = t;
+    }
+    return 1;
+}

@@ -1,0 +1,65 @@
+/* One trajectory from the start to the end, row by row. */
+#include "observe.h"
+#include "steps.h"
+
+/* Many steps of a large system at once: some 0.1 s of them. Drifts are measured where they end. */
+static enum pk_status many(struct run *run, pk_real end)
+{
+    struct pk_integrator *it = &run->it;
+    const unsigned long most = (unsigned long)(50000000 / it->n) + 2;
+    const pk_real next = run_wanted(run, it->t, run->settings.until);
+    const pk_real whole = PK_F(floor)((next - it->t) / it->options.h);
+    if (end > next && !(whole >= 2)) /* the row is within this one */
+        return pk_integrator_step(it, end);
+    return pk_integrator_steps(it, end,
+                               end > next && whole < (pk_real)most ? (unsigned long)whole : most);
+}
+
+static void step_ended(struct run *run)
+{
+    const struct moment now = run_moment(run);
+    observe_step(run, &now);
+}
+
+static void row_now(struct run *run)
+{
+    const struct moment now = run_moment(run);
+    observe_row(run, &now);
+}
+
+static int step(struct run *run)
+{
+    struct pk_integrator *it = &run->it;
+    const int fused = run->problem.system->families.advance && run_fixed(run);
+    const pk_real end = run_limit(run);
+    const enum pk_status status = fused ? many(run, end) : crossings_step(run, end);
+    if (status < 0)
+        return 0;
+    const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
+    if (h > 0 && (!(run->h_max > 0) || h < run->h_min))
+        run->h_min = h;
+    if (h > run->h_max)
+        run->h_max = h;
+    if (!fused || !(it->t < end))
+        step_ended(run);
+    const struct control *control = run->settings.control;
+    if (fused || control->often < 2 || it->count.steps % control->often == 0 || control->stop)
+        run->interrupted = run_stopped(run, (double)(it->t / run->settings.until));
+    return status == PK_DONE && !run->interrupted && !run->write_failed;
+}
+
+void run_integrate(struct run *run)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_integrator *it = &run->it;
+    const int by_time = s->has_every || (!s->bare && !s->at), each = by_time && !(s->every > 0);
+    if (by_time && (s->has_every || !s->members)) /* of a member the final state alone */
+        row_now(run);
+    step_ended(run);
+    while (it->t < s->until && step(run) && run_due(run, it->t))
+        if (each)
+            row_now(run);
+    if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
+        row_now(run);
+    observe_end(run);
+}

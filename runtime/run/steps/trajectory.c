@@ -1,0 +1,99 @@
+/* One trajectory: its settings settled, begun, its steps, and what it took given back. */
+#include "../diagnose/diagnose.h"
+#include "../look/drifts.h"
+#include "../settings/settings.h"
+#include "apart.h"
+#include "observe.h"
+#include "steps.h"
+
+#include <stdlib.h>
+
+/* The recording interval, the fixed step, landing. */
+static enum pk_run_code settle(struct run *run)
+{
+    struct settings *s = &run->settings;
+    const int fixed = s->members ? member_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
+    s->has_every = s->every >= 0;
+    if (!s->has_every)
+        s->every = s->members ? s->until : s->until / 1000;
+    if (s->every > s->until)
+        s->every = s->until;
+    if ((!fixed || s->members) && !(s->every > 0)) {
+        run_say(run, "every 0 (each step) is for one run of a method of a fixed step");
+        return PK_RUN_USAGE;
+    }
+    if (!s->has_every && (s->bare || s->at))
+        s->every = 0;
+    const pk_real interval = s->every > 0 ? s->every : s->until;
+    if (!(interval > 10 * PK_EPSILON * s->until) ||
+        (fixed && s->options.h > 0 && !(s->options.h > 10 * PK_EPSILON * s->until))) {
+        run_say(run, "every and step must be above the round-off of until, %.3g",
+                (double)(10 * PK_EPSILON * s->until));
+        return PK_RUN_USAGE;
+    }
+    run->next = 1;
+    run->count = s->every > 0 ? run_intervals(s->until, s->every) : 0;
+    s->has_step = s->options.h > 0;
+    if (!s->has_step && (s->method->traits & PK_EXACT))
+        s->options.h = interval;
+    if (fixed && !(s->options.h > 0)) {
+        run_say(run, "method %s has a fixed step: give it by --step", s->method->name);
+        return PK_RUN_USAGE;
+    }
+    if (fixed)
+        s->options.h = s->bare ? s->until / run_intervals(s->until, s->options.h)
+                               : run_step(interval, s->options.h);
+    if (s->land < 0)
+        s->land = s->method->dense_order < s->method->order;
+    if (!(s->method->traits & PK_DENSE))
+        s->land = 1;
+    return PK_RUN_DONE;
+}
+
+static enum pk_run_code start(struct run *run)
+{
+    struct settings *s = &run->settings;
+    if (!run->problem.system) /* that of a member is known */
+        run->problem = run_problem(run);
+    const size_t size = pk_integrator_size(&run->problem, s->method);
+    run->block = memory_take(&run->memory, size, 1);
+    drift_begin(run, &run->problem);
+    if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                           run->block, size) < 0 ||
+        run_quadratures(run, &run->it) < 0)
+        return PK_RUN_FAILED;
+    /* Steps as long as rows are apart may be too long to see events in. */
+    if (run->problem.system->events.n && s->method->resolved && !s->has_step) {
+        const pk_real most = s->method->resolved(&run->it), h = s->options.h;
+        s->options.h = h > most ? h / run_intervals(h, most) : h;
+        pk_integrator_set_step(&run->it, s->options.h);
+    }
+    return PK_RUN_DONE;
+}
+
+enum pk_run_code run_settle(struct run *run)
+{
+    return run->settings.n_parts ? apart_choose(run) : settle(run);
+}
+
+enum pk_run_code run_begin(struct run *run)
+{
+    observe_begin(run);
+    if (run->settings.n_parts)
+        return apart_begin(run);
+    const enum pk_run_code code = start(run);
+    return code ? code : crossings_begin(run);
+}
+
+void run_steps(struct run *run) { (run->settings.n_parts ? apart_integrate : run_integrate)(run); }
+
+void run_end(struct run *run)
+{
+    pk_apart_free(&run->apart);
+    pk_events_free(&run->events);
+    pk_integrator_free(&run->it);
+    pk_integrator_free(&run->aside);
+    diagnose_free(run);
+    free(run->besides);
+    run->besides = NULL;
+}
