@@ -33,6 +33,7 @@ back/c loop_proofs
 compiler
 run
 scenes
+describe
 analysis/chart
 analysis/choose analysis/stability explain
 api

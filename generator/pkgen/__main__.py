@@ -31,7 +31,17 @@ from .system.exits import (
 from .system.resources import ResourcesExceeded
 from .system.toolchain import BuildError
 
-COMMANDS = ("compile", "check", "explain", "run", "build", "chart", "stability", "methods")
+COMMANDS = (
+    "compile",
+    "check",
+    "explain",
+    "run",
+    "build",
+    "chart",
+    "stability",
+    "methods",
+    "describe",
+)
 
 
 def module_of(command: str) -> ModuleType:
@@ -67,6 +77,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen build MODEL.lag -o FILE a program of its own, with the options of run
        pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen stability MODEL.lag    where each method fails, predicted and measured
+       pkgen describe MODEL.lag     names, units, bounds, methods, drawings as data
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)
        pkgen --version"""

@@ -24,6 +24,7 @@ LITERAL_EXPONENT = 400
 EXPONENT = 1_000  # largest magnitude of a constant exponent
 CONSTANT_BITS = 4_096  # of a constant's exact numerator or denominator
 DIAGNOSTICS = 50  # shown of one run
+DRAWN = 512  # members of a family that are drawn: of more, some at equal distances
 CPU_SECONDS = 8  # of deriving one model; --max-seconds overrides
 MEMORY_BYTES = 1 << 30  # address space added while compiling
 

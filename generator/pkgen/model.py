@@ -201,6 +201,21 @@ class Event:
 
 
 @record
+class Drawing:
+    """`draw SHAPE …` or `view …`: its parts by name, each a number or as many as a place has
+    components (9 of a turn: columns). `form` is of a body, `axes` of a ground, level or plane."""
+
+    shape: str
+    parts: tuple[tuple[str, tuple[Expr, ...]], ...]
+    range: Range | None
+    name: str  # of the place that is drawn, "" of an expression
+    description: str
+    span: Span
+    form: str = ""
+    axes: tuple[str, ...] = ()
+
+
+@record
 class Assignment:
     """`set NAME = EXPR` in a scene: a parameter, or an input. `varies`: EXPR contains t."""
 
@@ -298,3 +313,5 @@ class Model:
     rates: tuple[Rate, ...] = ()
     rotations: tuple[Rotation, ...] = ()
     constraints: tuple[Constraint, ...] = ()
+    drawings: tuple[Drawing, ...] = ()
+    views: tuple[Drawing, ...] = ()

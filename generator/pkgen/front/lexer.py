@@ -17,6 +17,7 @@ from ..source import Diagnostic, Source, Span
 from ..tree import COMPONENTS
 from .lexed import Lexed, description
 from .literals import literal_value
+from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
 from .table import STATEMENTS
 from .units import bare_unit, bracketed
@@ -41,6 +42,7 @@ _OPERATORS = {
     "..": "DOTS",
 }  # fmt: skip
 _VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"])
+_DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.kind == "draw")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
 _TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
@@ -139,10 +141,13 @@ class _Lexer:
                 f"a name of {len(name)} characters; the limit is {limits.NAME_LENGTH}", at, end
             )
             name = name[: limits.NAME_LENGTH]
-        if name in STATEMENTS:
+        if name in STATEMENTS and not (STATEMENTS[name].soft and self.now.tokens):
             if self.at_line_start and self.open:
                 self._end_statement(f"'{name}' starts a new statement")
             return self._add(name.upper(), name, at, end)
+        first = self.now.tokens[0].type if self.now.tokens else ""
+        if first in _DRAWN and not self.open and (kind := self._word_of_drawing(name, at, end)):
+            return kind
         called = self._next_is_bracket(end)
         in_method = self.now.tokens and self.now.tokens[0].type == "METHOD"
         if name in CLAUSE_WORDS and not (name == "step" and called and not in_method):
@@ -150,6 +155,25 @@ class _Lexer:
         if called:
             return self._add("SUM" if name == "sum" else "FUNCTION", name, at, end)
         return self._add("NAME", name, at, end)
+
+    def _word_of_drawing(self, name: str, at: int, end: int) -> int:
+        """The end of a shape's word or of that of a part of it; 0 of a name of the model's."""
+        word, *more = self.now.tokens
+        shapes = shapes_of(str(word))
+        if not more and not self.now.errors:
+            if name in shapes:
+                return self._add("SHAPE", name, at, end)
+            return self._error(
+                f"'{name}' is nothing that can be {'drawn' if word == 'draw' else 'viewed'}",
+                at,
+                end,
+                unknown_shape(str(word), name),
+            )
+        shape = shapes[str(more[0])] if more[0].type == "SHAPE" else None
+        bare = shape is not None and (not shape.subject or shape.subject_optional)
+        if more[-1].type in _VALUE_ENDS or (len(more) == 1 and bare and name in shape.parts):
+            return self._add("WORD", name, at, end)
+        return 0
 
     def _next_is_bracket(self, at: int) -> bool:
         text = self.text

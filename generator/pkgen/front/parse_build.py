@@ -205,6 +205,22 @@ class Build(Transformer):
             _over(word, last),
         )
 
+    def of(self, parts):
+        return "", parts[0]
+
+    def level_at(self, parts):
+        return str(parts[0]), parts[2]
+
+    def part(self, parts):
+        return str(parts[0]), _span(parts[0]), parts[1]
+
+    def draw(self, parts):
+        word, shape, subject, *given, also = parts
+        axis, value = subject or ("", None)
+        last = also or (given[-1][2] if given else value) or shape
+        shown = (str(word), str(shape), value, axis, tuple(given), also, self.comment)
+        return st.Draw(*shown, _span(shape), _over(word, last))
+
     def start_at(self, parts):
         return st.StartAt(tuple(parts[1:]), _over(parts[0], parts[-1].value))
 

@@ -149,6 +149,22 @@ class Event:
 
 
 @record
+class Draw:
+    """`draw` or `view` (the keyword) a shape; of `ground y = 0` the axis is "y", its subject the
+    value. `also` stands behind a comma: the range of members, or the second coordinate."""
+
+    keyword: str
+    shape: str
+    subject: Expr | None
+    axis: str
+    parts: tuple[tuple[str, Span, Expr], ...]
+    also: Expr | Range | None
+    description: str
+    shape_span: Span
+    span: Span
+
+
+@record
 class StartItem:
     """`function` is "omega" in `start omega(R) = [..]`, else empty; `order` counts primes."""
 
@@ -264,6 +280,7 @@ Statement = (
     | ForceAlong
     | Equation
     | Event
+    | Draw
     | StartAt
     | Scene
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from ..record import record
 
 MODEL, SCENE, BOTH = "a model", "a scene", "a model or a scene"
-FIRST, ALL = "first", "all"
+NONE, FIRST, ALL = "", "first", "all"
 
 
 @record(kw_only=True)
@@ -23,6 +23,7 @@ class Statement:
     fills: str = ""  # the field of the Model
     needs: str = ""  # the dimension of its expression: "energy", "power"
     once: bool = False  # a scene has one of it
+    soft: bool = False  # its word is one at the start of a statement alone, and else a name
 
     @property
     def stands_in(self) -> str:
@@ -47,6 +48,8 @@ _EQUATION = {
     "place": "constraint",
     "fills": "constraints",
 }
+
+_DRAWN = {"rule": "SHAPE [drawn] part* [_COMMA also]", "kind": "draw", "soft": True}
 
 STATEMENTS: dict[str, Statement] = {
     "model": Statement(
@@ -138,6 +141,22 @@ STATEMENTS: dict[str, Statement] = {
         declares=FIRST,
         place="event",
         fills="events",
+    ),
+    "draw": Statement(
+        **_DRAWN,
+        form="draw bob P radius 0.1 [m]",
+        check="drawings.draw",
+        declares=NONE,
+        place="drawing",
+        fills="drawings",
+    ),
+    "view": Statement(
+        **_DRAWN,
+        form="view plane xy width 2 [m]",
+        check="drawings.view",
+        declares=NONE,
+        place="drawing",
+        fills="views",
     ),
     "start": Statement(
         rule="start_item (_COMMA start_item)*",

@@ -61,7 +61,7 @@ _LOOK_ALIKES = {
 
 def reserved(name: str) -> str:
     """Why a name cannot be declared, or an empty string."""
-    if name in STATEMENTS or name in CLAUSE_WORDS:
+    if (name in STATEMENTS and not STATEMENTS[name].soft) or name in CLAUSE_WORDS:
         return "is a word of the language"
     if name in CONSTANTS:
         return {

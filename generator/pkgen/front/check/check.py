@@ -21,6 +21,7 @@ from ..units import NONE, UnitError, over, parse_unit, si_text
 from .constraints import Constraints
 from .coordinates import Coordinates
 from .definitions import Definitions
+from .drawings import Drawings
 from .dynamics import Dynamics
 from .expr import Expressions
 from .names import Names, Report
@@ -99,6 +100,7 @@ class _Checker:
             "coordinates": Coordinates(self.shared, self.states, self.dynamics.rotations),
             "dynamics": self.dynamics,
             "constraints": Constraints(self.shared),
+            "drawings": Drawings(self.shared),
             "scenes": self.scenes,
         }
 

@@ -50,6 +50,9 @@ PLACES: dict[str, Place] = {
     "event": Place(
         "an event", _FOUND | {"output"}, "names of the motion", True, accelerations=True
     ),
+    "drawing": Place(
+        "a drawing", _FOUND | {"output"}, "names of the motion", True, accelerations=True
+    ),
     "setting": Place(
         "a scene", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
     ),

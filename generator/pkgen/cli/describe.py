@@ -1,0 +1,54 @@
+"""`pkgen describe`: a model as data."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from ..describe.made import describe
+from ..system.exits import DONE
+from .arguments import as_of_a_run, of_a_motion
+from .compilation import compile_within_limits
+
+
+MOST = 12  # names that people are shown of one kind
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    as_of_a_run(parser)
+    of_a_motion(parser, "10")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Names, units, bounds, starts, outputs, events, methods and drawings of a model, as JSON with
+    --json."""
+    found = describe(
+        options, lambda options, **how: compile_within_limits(options, **how)
+    ).description
+    if options.json:
+        print(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False))
+        return DONE
+    for line in _lines(found):
+        print(line)
+    return DONE
+
+
+def _lines(found: dict) -> list[str]:
+    """For people: what there is, by name."""
+    lines = [f"{found['model']}: {found['description']}".rstrip(": ")]
+    for what in ("parameters", "inputs", "coordinates", "states", "outputs", "constants", "events"):
+        names = [item["name"] for item in found[what] if not item.get("hidden")]
+        if names:
+            more = f", ... ({len(names)})" if len(names) > MOST else ""
+            lines.append(f"{what + ':':13} {', '.join(names[:MOST])}{more}")
+    good = [m["name"] for m in found["methods"] if m["applies"]]
+    lines.append(f"{'methods:':13} {', '.join(good)}")
+    lines += [f"{'':13} not {m['name']}: {m['why']}" for m in found["methods"] if not m["applies"]]
+    kinds = [shape["kind"] for shape in found["drawing"]["shapes"]]
+    counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+    lines.append(f"{'drawing:':13} {counted} in {_view(found['drawing']['view'])}")
+    return lines
+
+
+def _view(view: dict) -> str:
+    return "space" if view["kind"] == "space" else f"the plane {''.join(view['axes'])}"

@@ -1,0 +1,290 @@
+"""The description of a compiled model: docs/describe.md has the schema."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+
+from ..compiler import Compilation
+from ..front.check.scene_numbers import Values, WrongValue
+from ..indices import NotAnInteger, hidden, integer, parted
+from ..methods import METHODS, Method, provides
+from ..middle.quantities import sizes
+from ..model import Model, Parameter, Scene
+from ..run import named
+from ..run.build import runtime_methods
+from ..run.default_method import default_method
+from ..run.methods_table import in_words
+from ..run.settings import Settings
+from ..scenes import scene as scenes
+from ..source import ModelError
+from ..system.exits import UsageError
+from ..version import __version__
+from .drawing import drawing
+
+SCHEMA = 1
+LISTED = 1000  # members of a family that are described one by one
+Given = dict[str, list[float]]  # parameters and start, as they are in memory
+
+
+def described(
+    compilation: Compilation, settings: Settings, given: Given, scene: Scene | None = None
+) -> dict[str, object]:
+    """All that is known of a model whose `use` was drawn(); `given` is what its library computed of
+    defaults and starts."""
+    model = compilation.declared
+    return {
+        "schema": SCHEMA,
+        "pkgen": __version__,
+        "model": compilation.model.name,
+        "description": model.description,
+        "source": os.path.basename(model.source.path),
+        "sha256": model.source.sha256,
+        "dimensionless": model.dimensionless,
+        "scene": None if scene is None else scene.name,
+        "looped": compilation.looped,
+        "run": {
+            "until": settings.until,
+            "every": settings.every,
+            "method": settings.method,
+            "step": settings.step,
+            "rtol": settings.rtol,
+        },
+        "parameters": list(_parameters(compilation, given)),
+        "inputs": [
+            {"name": q.name, "index": k, "unit": q.unit, "description": q.description}
+            for k, q in enumerate(_each(named.inputs(compilation)))
+        ],
+        "coordinates": list(_coordinates(compilation, given)),
+        "states": list(_states(compilation, given)),
+        "rotations": [
+            {
+                "name": r.name,
+                "quaternion": list(r.quaternion),
+                "rates": list(r.rates),
+                "rate_unit": r.rate_unit,
+                "description": r.description,
+            }
+            for r in model.rotations
+        ],
+        "outputs": [
+            {
+                "name": q.name,
+                "index": k,
+                "unit": q.unit,
+                "description": q.description,
+                "hidden": hidden(q.name),
+            }
+            for k, q in enumerate(named.observed(compilation))
+        ],
+        "constants": list(_constants(compilation)),
+        "events": list(_events(compilation)),
+        "constraints": [
+            {"name": c.name, "holonomic": c.holonomic, "unit": c.unit} for c in model.constraints
+        ],
+        "methods": list(_methods(compilation, settings)),
+        "scenes": [_scene(model, s) for s in model.scenes if not hidden(s.name)],
+        "drawing": drawing(compilation),
+    }
+
+
+def _each(found: named.Named) -> Iterator:
+    for item in found.declared:
+        yield item.quantity
+
+
+def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, object]]:
+    """Flat index, number of the declaration, position in it; long families are left out."""
+    for k, item in enumerate(found.declared):
+        if item.count <= LISTED:
+            for position in range(item.count):
+                index = None if item.lo is None else item.lo + position
+                yield item.first + position, k, position, item, item.member(index)
+
+
+def _parameters(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+    model = compilation.declared
+    declared = {p.name: p for p in model.parameters}
+    values = Values(model, {})
+    for flat, k, position, _, quantity in _flat(named.parameters(compilation)):
+        name, index = parted(quantity.name)
+        own = declared.get(name)
+        found: dict[str, object] = {
+            "name": quantity.name,
+            "index": flat,
+            "unit": quantity.unit,
+            "description": quantity.description,
+            "value": _number(given["parameters"], flat),
+            **_bounds(values, own, index),
+            "follows": own is not None and own.follows,
+        }
+        if compilation.looped:
+            found["place"] = [k, position]
+        yield found
+
+
+def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[str, object]:
+    """Infinite ones are None; so are all of what a scene has made a parameter of."""
+    found: dict[str, object] = {"lo": None, "hi": None, "lo_open": True, "hi_open": True}
+    if item is None:
+        return found
+    loop = {**values.sizes}
+    if item.range is not None and index is not None:
+        loop[item.range.variable] = index
+    for end in ("lo", "hi"):
+        expr = getattr(item.bounds, end)
+        if expr is not None:
+            with suppress(WrongValue):
+                found[end] = values.number(item.name, expr, loop)
+                found[f"{end}_open"] = getattr(item.bounds, f"{end}_open")
+    return found
+
+
+def _number(row: list[float], k: int) -> float | None:
+    return row[k] if k < len(row) and math.isfinite(row[k]) else None
+
+
+def _coordinates(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+    rates = [q for *_, q in _flat(named.coordinates(compilation, rates=True))]
+    momenta = {c.name: c for c in compilation.declared.coordinates}
+    for flat, _, _, item, quantity in _flat(named.coordinates(compilation)):
+        own = momenta.get(parted(quantity.name)[0])
+        rate = next((r for r in rates if r.name == f"{quantity.name}'"), None)
+        yield {
+            "name": quantity.name,
+            "index": flat,
+            "unit": quantity.unit,
+            "rate": f"{quantity.name}'",
+            "rate_unit": rate.unit if rate else (own.rate_unit if own else ""),
+            "momentum": f"p_{quantity.name}",
+            "momentum_unit": own.momentum_unit if own else "",
+            "description": quantity.description,
+            "q": _number(given["q"], flat),
+            "v": _number(given["v"], flat),
+            "periodic": _angle(own.unit if own else ""),
+            "family": item.quantity.name if item.lo is not None else None,
+        }
+
+
+def _angle(unit: str) -> bool:
+    return unit == "rad"
+
+
+def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+    """First-order variables; their indices are among the rates, behind those of coordinates."""
+    known = named.states(compilation)
+    for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
+        if quantity.name in known:
+            yield {
+                "name": quantity.name,
+                "index": flat,
+                "unit": quantity.unit,
+                "description": quantity.description,
+                "value": _number(given["v"], flat),
+            }
+
+
+def _constants(compilation: Compilation) -> Iterator[dict[str, object]]:
+    """What is proved constant: `index` is among claims, or among momenta."""
+    structure, model = compilation.structure, compilation.model
+    energy = "" if model.dimensionless else "J"
+    if structure.conservative and named.has_energy(compilation):
+        yield {"name": "energy", "kind": "energy", "index": 0, "unit": energy}
+    for k, item in enumerate(model.conserved):
+        yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
+    if compilation.looped:
+        return
+    cyclic = getattr(structure, "cyclic", ())
+    for k, quantity in enumerate(compilation.equations.momenta_names):
+        if k < len(cyclic) and cyclic[k]:
+            yield {
+                "name": quantity.name,
+                "kind": "momentum",
+                "index": k,
+                "unit": quantity.unit,
+            }
+
+
+def _events(compilation: Compilation) -> Iterator[dict[str, object]]:
+    declared = {event.name: event for event in compilation.declared.events}
+    for k, name in enumerate(named.events(compilation)):
+        own = declared[name]
+        yield {
+            "name": name,
+            "index": k,
+            "unit": own.unit,
+            "direction": own.direction,
+            "stop": own.stop,
+            "description": own.description,
+        }
+
+
+def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str, object]]:
+    """Those of the runtime, GSL's too, and why one does not apply."""
+    default = default_method(
+        compilation.equations, compilation.structure, settings.rtol, exact=False
+    )
+    for item in runtime_methods():
+        name = str(item["name"])
+        why = _why_not(compilation, METHODS.get(name), item)
+        yield {
+            "name": name,
+            "order": item["order"] or None,
+            "stages": item["stages"] or None,
+            "adaptive": "adaptive" in item["flags"],
+            "exact": "exact" in item["flags"],
+            "symplectic": "symplectic" in item["flags"],
+            "gsl": name.startswith("gsl_"),
+            "applies": not why,
+            "why": why,
+            "default": name == default,
+            "doc": item["doc"],
+        }
+
+
+def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str:
+    requires = method.requires if method else tuple(item["requires"])
+    missing = [fact for fact in requires if not provides(compilation.structure, fact)]
+    if missing:
+        return "it is for systems that are " + ", ".join(in_words(missing)) + ": not proved of this"
+    if "no_inputs" in item["flags"] and named.inputs(compilation).count:
+        return "it is for systems without inputs"
+    return ""
+
+
+def _scene(model: Model, scene: Scene) -> dict[str, object]:
+    found: dict[str, object] = {"name": scene.name, "description": scene.description}
+    found |= dict.fromkeys(("until", "method", "step", "rtol", "accuracy", "every"))
+    found |= {"set": {}, "start": {}, "swarm": None}
+    with suppress(UsageError, ModelError, WrongValue, NotAnInteger):
+        numbers = scenes.numbers(model, scene, {})
+        for key in ("until", "method", "step", "rtol", "accuracy", "every"):
+            found[key] = getattr(numbers, key) or None
+        found["set"] = {_member(key): x for key, x in numbers.parameters.items()}
+        found["set"] |= numbers.inputs
+        found["start"] = _starts(model, scene)
+        if scene.swarm is not None:
+            lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
+            found["swarm"] = {"first": lo, "last": hi}
+    return found
+
+
+def _member(key: tuple[str, int | None]) -> str:
+    name, index = key
+    return name if index is None else f"{name}[{index}]"
+
+
+def _starts(model: Model, scene: Scene) -> dict[str, float]:
+    """Those that are numbers for the parameters as the scene sets them, but for members of a
+    swarm."""
+    values = scenes.values(model, scene, {})
+    found = {}
+    for item in scene.starts:
+        if item.range is None:
+            index = None if item.index is None else integer(item.index, sizes(model))
+            with suppress(WrongValue):
+                name = _member((item.name, index)) + "'" * item.order
+                found[name] = values.number(item.name, item.value)
+    return found

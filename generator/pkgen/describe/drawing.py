@@ -1,0 +1,271 @@
+"""What `draw` says as outputs of the model and as shapes of them; without `draw`, the places that
+the model names as bobs, else its coordinates over time.
+
+Each number of a drawing is a hidden output of the model, made on request, or a plain number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass, replace
+from fractions import Fraction
+
+from .. import limits
+from ..compiler import Compilation, Use
+from ..graph.graph import Op
+from ..indices import assignments, indexed
+from ..middle.particles.bodies import keys, lengths, places
+from ..middle.quantities import ends, sizes
+from ..model import Definition, Drawing, Model
+from ..record import record
+from ..run import named
+from ..source import Span
+from ..tree import AXES, Component, Expr, Name, Number, Vector, of_member
+
+Entry = float | dict[str, int]  # a number, or {"output": k}
+PREFIX = "0_draw_"  # no author's name begins with a digit
+
+
+def with_drawing(model: Model) -> Model:
+    """The model with an output for each number of its drawing that is not plain."""
+    return replace(model, observed=(*model.observed, *_Outputs(model).all()))
+
+
+def drawn(use: Use | None) -> Use:
+    """A use of the model that has its drawing too."""
+    if use is None:
+        return Use(lambda model: (model, ()), lambda _: None, declared=with_drawing)
+    before = use.declared
+    return replace(use, declared=lambda model: with_drawing(before(model)))
+
+
+def drawing(compilation: Compilation) -> dict[str, object]:
+    """The view, and the shapes with indices among the outputs of what was compiled by drawn()."""
+    model = compilation.declared
+    entries = _entries(compilation)
+    coordinates = named.coordinates(compilation)
+    shapes = []
+    outputs = _Outputs(model)
+    for item in _drawings(model):
+        for shape in outputs.shapes(item):
+            if item.shape == "level":
+                if not all(name in coordinates for name in item.axes):
+                    continue  # a scene holds one
+                x, y = (coordinates[name][0] for name in item.axes)
+                shape |= {"x": x, "y": y}
+            shapes.append(_resolved(shape, entries))
+    if not shapes:
+        columns = [coordinates[name][0] for name in coordinates]
+        shapes.append({"kind": "graph", "columns": columns[: limits.DRAWN]})
+    view = _view(model, outputs, entries, shapes)
+    return {"view": view, "default": not model.drawings, "shapes": shapes}
+
+
+def _entries(compilation: Compilation) -> dict[str, Entry]:
+    """By the name of each hidden output where it is found, or what it is if that never changes."""
+    found: dict[str, Entry] = {}
+    for k, quantity in enumerate(named.observed(compilation)):
+        found[quantity.name] = {"output": k}
+        if not compilation.looped:
+            e = compilation.equations
+            node = e.observed[k]
+            if e.graph.op[node] is Op.NUMBER:
+                found[quantity.name] = float(e.graph.data[node])
+    return found
+
+
+def shown(model: Model) -> tuple[str, ...]:
+    """For people: what is drawn, a line each."""
+    if model.drawings:
+        return tuple(_line(model, item) for item in model.drawings)
+    found = [item.name for item in _defaults(model)]
+    if found:
+        return (f"places that it names, as bobs: {', '.join(found)}",)
+    return ("its coordinates over time: it names no place in a plane or in space",)
+
+
+def _line(model: Model, item: Drawing) -> str:
+    return " ".join(model.source.text[item.span.start : item.span.end].split())
+
+
+def _drawings(model: Model) -> tuple[Drawing, ...]:
+    return model.drawings or _defaults(model)
+
+
+def _defaults(model: Model) -> tuple[Drawing, ...]:
+    """A bob at each place that definitions, coordinates and outputs name, by the names that the
+    finder of particles knows; of vectors their own."""
+    known = lengths(model)
+    items: list[tuple[Name, tuple]] = []
+    vectors: dict[tuple, dict[str, Span]] = {}
+    used: dict[tuple, Definition] = {}
+    for item in (*model.coordinates, *model.definitions, *model.observed):
+        if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
+            continue
+        for index in _members(model, item):
+            if "." in item.name or _is_vector(item):
+                name = (item.name.partition(".")[0], index)
+                vectors.setdefault(name, {})[item.name.partition(".")[2]] = item.span
+                used[name] = item
+                continue
+            at = None if index is None else Number(Fraction(index), item.span)
+            items.append((Name(item.name, at, item.span), tuple(keys(item.name, index))))
+    found: dict[str, Drawing] = {}
+    for (name, index), parts in vectors.items():
+        span = used[name, index].span
+        at = None if index is None else Number(Fraction(index), span)
+        whole = Name(name, at, span)
+        by_axis = tuple(
+            Name(f"{name}.{axis}", at, span) if axis in parts else Component(whole, k, span)
+            for k, axis in enumerate(AXES)
+        )
+        found[indexed(name, index)] = _bob(indexed(name, index), by_axis, span)
+    for group in places(items):
+        shown = ", ".join(_written(group[axis]) for axis in sorted(group))
+        at = tuple(group.get(axis, Number(Fraction(0), model.span)) for axis in range(3))
+        if not any(_written(part) in other for other in found for part in group.values()):
+            found[f"({shown})"] = _bob(f"({shown})", at, model.span)
+    return tuple(found.values())[: limits.DRAWN]
+
+
+def _written(name: Name) -> str:
+    return name.id if name.index is None else f"{name.id}[{name.index.value}]"
+
+
+def _bob(name: str, at: tuple[Expr, ...], span: Span) -> Drawing:
+    return Drawing("bob", (("at", at),), None, name, "", span)
+
+
+def _is_vector(item: object) -> bool:
+    return isinstance(item, Definition) and isinstance(item.value, Vector)
+
+
+def _members(model: Model, item: object) -> Iterator[int | None]:
+    family = getattr(item, "range", None)
+    if family is None:
+        yield None
+        return
+    lo, hi = ends(model, family)
+    yield from range(lo, min(hi, lo + limits.DRAWN - 1) + 1)
+
+
+@record
+class _Asked:
+    """A part whose numbers are named outputs, or plain."""
+
+    names: tuple[str | float, ...]
+
+
+class _Outputs:
+    """The hidden outputs of a drawing: each expression once, in the order in which it is met."""
+
+    def __init__(self, model: Model):
+        self.model = model
+        self.names: dict[object, str] = {}
+        self.definitions: list[Definition] = []
+
+    def all(self) -> list[Definition]:
+        for item in (*_drawings(self.model), *self.model.views):
+            for _ in self.shapes(item):
+                pass
+        return self.definitions
+
+    def shapes(self, item: Drawing) -> Iterator[dict[str, object]]:
+        """Of a family one for each member, of a curve one of all."""
+        made = [self._shape(item, parts) for parts in self._of_members(item)]
+        if item.shape == "curve":
+            yield {"kind": "curve", "points": [shape["at"] for shape in made], **_labels(item)}
+        else:
+            yield from made
+
+    def _of_members(self, item: Drawing) -> Iterator[dict[str, tuple[Expr, ...]]]:
+        if item.range is None:
+            yield dict(item.parts)
+            return
+        variable = item.range.variable
+        every = list(assignments((item.range,), sizes(self.model)))
+        stride = max(1, -(-len(every) // limits.DRAWN))
+        for values in every[::stride]:
+            index = Number(Fraction(values[variable]), item.range.span)
+            yield {
+                word: tuple(of_member(x, variable, index) for x in found)
+                for word, found in item.parts
+            }
+
+    def _shape(self, item: Drawing, parts: dict[str, tuple[Expr, ...]]) -> dict[str, object]:
+        made: dict[str, object] = {"kind": item.shape, **_labels(item)}
+        for word, found in parts.items():
+            entries = [self._entry(x, item.span) for x in found]
+            made[word] = entries[0] if len(entries) == 1 and word != "sizes" else entries
+        if item.shape == "body":
+            made.setdefault("turn", None)
+            made["form"] = item.form
+        if item.shape == "bob":
+            made.setdefault("radius", None)
+        if item.shape == "circle":
+            made["normal"] = [0.0, 0.0, 1.0]
+        if item.shape == "ground":
+            made["axis"] = item.axes[0]
+        return made
+
+    def _entry(self, expr: Expr, span: Span) -> str | float:
+        if isinstance(expr, Number):
+            return float(expr.value)
+        key = _key(expr)
+        if key not in self.names:
+            name = self.names[key] = f"{PREFIX}{len(self.names)}"
+            self.definitions.append(Definition(name, None, None, expr, "", "", span))
+        return self.names[key]
+
+
+_WORDS = ("kind", "name", "label", "form", "axis")  # not numbers
+
+
+def _labels(item: Drawing) -> dict[str, object]:
+    found = {"name": item.name, "label": item.description}
+    return {key: value for key, value in found.items() if value}
+
+
+def _key(part: object) -> object:
+    """What an expression says, wherever it stands."""
+    if isinstance(part, tuple):
+        return tuple(map(_key, part))
+    if is_dataclass(part):
+        own = (f.name for f in fields(part) if not f.name.endswith("span"))
+        return (type(part).__name__, *(_key(getattr(part, name)) for name in own))
+    return part
+
+
+def _resolved(part: object, entries: dict[str, Entry]) -> object:
+    if isinstance(part, dict):
+        return {k: v if k in _WORDS else _resolved(v, entries) for k, v in part.items()}
+    if isinstance(part, list):
+        return [_resolved(x, entries) for x in part]
+    return entries[part] if isinstance(part, str) else part
+
+
+def _view(
+    model: Model, outputs: _Outputs, entries: dict[str, Entry], shapes: list
+) -> dict[str, object]:
+    if model.views:
+        (item,) = model.views
+        (shape,) = outputs.shapes(item)
+        width = _resolved(shape.get("width"), entries)
+        axes = {"axes": list(item.axes)} if item.shape == "plane" else {}
+        return {"kind": item.shape, **axes, "width": width}
+    if any(map(_spatial, shapes)):
+        return {"kind": "space", "width": None}
+    return {"kind": "plane", "axes": ["x", "y"], "width": None}
+
+
+def _spatial(shape: dict) -> bool:
+    """Whether anything of it may leave the plane of x and y."""
+    points = [shape[word] for word in ("at", "from", "to") if len(_list(shape.get(word))) == 3]
+    points += shape.get("points", [])
+    turn = shape.get("turn")
+    tilted = turn is not None and any(turn[k] != 0.0 for k in (2, 5, 6, 7))
+    return tilted or shape.get("axis") == "z" or any(point[2] != 0.0 for point in points)
+
+
+def _list(part: object) -> list:
+    return part if isinstance(part, list) else []

@@ -1,0 +1,44 @@
+"""From the options of a command to a description, and to the C whose outputs its drawing reads."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+from ..compiler import Compilation
+from ..record import record
+from ..run.library import load
+from ..run.settings import Settings
+from ..run.simulate import build
+from ..scenes import asked, lengths, scene
+from ..scenes import use as scene_use
+from ..system.exits import NumericsFailed
+from .describe import described
+from .drawing import drawn
+
+
+@record
+class Described:
+    """A model that is described, with all its coordinates, parameters and kernels."""
+
+    compilation: Compilation
+    settings: Settings
+    library: Path
+    description: dict[str, object]
+
+
+def describe(
+    options: argparse.Namespace, compiled: Callable[..., Compilation], unroll: int = lengths.UNROLL
+) -> Described:
+    """`compiled(options, **how)` compiles the model. Raises UsageError, ModelError, BuildError, or
+    NumericsFailed where the values of parameters cannot be."""
+    compilation = compiled(options, unroll=unroll, use=drawn(scene_use.whole(options)))
+    chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
+    settings = asked.settings(options, compilation, chosen=chosen)
+    library = build(compilation, settings, None)
+    run = load(library).run(settings, idle=True, bare=True)
+    if run.messages.strip():
+        raise NumericsFailed(run.messages.strip())
+    found = described(compilation, settings, run.given(), chosen)
+    return Described(compilation, settings, library, found)

@@ -1,0 +1,341 @@
+"""`draw` and `view`: what each part of a shape must be. All places of a model's drawing have one
+dimension, which is that of the first."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from fractions import Fraction
+
+from ... import model as m
+from ...source import Span
+from ...tree import AXES, Expr, Multiply, Name, Number, Range, Vector, replaced
+from .. import shapes
+from .. import statements as st
+from ..units import LENGTH, NONE, Dimension, described, over, si_text
+from .expr import Target
+from .scope import PLACES, Scope
+from .shared import Shared
+from .vectors import applied, component
+
+Parts = tuple[tuple[str, tuple[Expr, ...]], ...]
+ORIGIN = "O"
+
+
+class Drawings:
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.parts = shared.expressions, shared.parts
+        self.length: Dimension | None = None  # of the first place
+        self.first = 0  # its line
+
+    def draw(self, statement: st.Draw) -> None:
+        scope: Scope | None = Scope(PLACES["drawing"])
+        members = statement.also if isinstance(statement.also, Range) else None
+        if members is not None:
+            scope = self.shared.indices.enter((members,), scope)
+        if scope is None or not self._fits(statement):
+            return
+        shape = shapes.SHAPES[statement.shape]
+        parts: list[tuple[str, tuple[Expr, ...]]] = []
+        axes, form = (), ""
+        subject = statement.subject
+        if shape.subject == shapes.AXIS:
+            axes = (statement.axis,)
+            parts.append(("at", self._number(subject, scope, "a ground", self._lengths(subject))))
+        elif shape.subject == shapes.VALUE:
+            axes = self._coordinates(statement)
+            parts.append(("value", self._level(subject, scope, axes)))
+        elif shape.subject == shapes.ROTATION:
+            parts.append(("turn", self._turn(subject, scope)))
+        elif shape.subject == shapes.PLACE:
+            parts.append(("at", self._place(subject, scope)))
+        given = {word: value for word, _, value in statement.parts}
+        if shape.subject == shapes.VECTOR:
+            parts.append(("vector", self._arrow(subject, given["scale"], scope)))
+        for word, value in given.items():
+            what = shape.parts[word]
+            if what == shapes.PLACE:
+                parts.append((word, self._place(value, scope)))
+            elif word in shapes.FORMS:
+                form = word
+                parts.append(("sizes", self._sizes(word, value, scope)))
+            elif what == shapes.LENGTH:
+                target = self._lengths(value, f"a {word} is a length")
+                parts.append((word, self._number(value, scope, f"a {word}", target)))
+            elif what == shapes.TIME:
+                target = Target(
+                    self.expressions.time_dimension, f"'{word}' needs a time", bare=True
+                )
+                parts.append((word, self._constant(value, scope, target, positive=True)))
+            elif what == shapes.COUNT:
+                target = Target(NONE, f"'{word}' needs a number")
+                parts.append((word, self._constant(value, scope, target, positive=True)))
+        self.parts["drawings"].append(
+            m.Drawing(
+                statement.shape,
+                tuple((word, found) for word, found in parts if found),
+                members,
+                subject.id if isinstance(subject, Name) else "",
+                statement.description,
+                statement.span,
+                form,
+                axes,
+            )
+        )
+
+    def view(self, statement: st.Draw) -> None:
+        if self.parts["views"]:
+            self.report.error("a model has one 'view'; this is the second", statement.span)
+            return
+        if not self._fits(statement):
+            return
+        axes: tuple[str, ...] = tuple(AXES)
+        if statement.shape == "plane":
+            subject = statement.subject
+            named = subject.id if isinstance(subject, Name) and subject.index is None else ""
+            if named not in shapes.PLANES:
+                self.report.error(
+                    f"there is no such plane: it is {' or '.join(shapes.PLANES)}",
+                    subject.span,
+                    f"e.g. {shapes.SHAPES['plane'].form}",
+                )
+                return
+            axes = shapes.PLANES[named]
+        scope = Scope(PLACES["drawing"])
+        parts: Parts = tuple(
+            (word, self._number(value, scope, "the width", self._lengths(value, "it is a length")))
+            for word, _, value in statement.parts
+        )
+        self.parts["views"].append(
+            m.Drawing(
+                statement.shape,
+                tuple((word, found) for word, found in parts if found),
+                None,
+                "",
+                statement.description,
+                statement.span,
+                "",
+                axes,
+            )
+        )
+
+    # which parts there are
+
+    def _fits(self, statement: st.Draw) -> bool:
+        """Whether the shape has what is written behind it, and all that it must have."""
+        name, shape = statement.shape, shapes.SHAPES[statement.shape]
+        before = len(self.report.errors)
+        form = f"the form is: {shape.form}"
+        if bool(statement.axis) != (shape.subject == shapes.AXIS):
+            self.report.error(
+                f"'{name}' takes {'AXIS = VALUE' if shape.subject == shapes.AXIS else 'no ='}",
+                statement.span,
+                form,
+            )
+        elif statement.axis and statement.axis not in AXES:
+            self.report.error(
+                f"there is no axis '{statement.axis}': it is x, y or z", statement.span, form
+            )
+        if (statement.subject is None) and shape.subject and not shape.subject_optional:
+            self.report.error(f"'{name}' needs {_A[shape.subject]}", statement.shape_span, form)
+        if statement.subject is not None and not shape.subject:
+            self.report.error(f"'{name}' takes its parts alone", statement.subject.span, form)
+        seen: set[str] = set()
+        for word, span, _ in statement.parts:
+            if word not in shape.parts:
+                near = get_close_matches(word, shape.parts, 1, 0.6)
+                have = ", ".join(f"'{part}'" for part in shape.parts)
+                self.report.error(
+                    f"'{name}' has no part '{word}'",
+                    span,
+                    f"did you mean '{near[0]}'?" if near else f"it has {have}" if have else form,
+                )
+            elif word in seen:
+                self.report.error(f"'{word}' is given twice", span)
+            seen.add(word)
+        missing = [p for p in shape.parts if p not in seen and p not in shape.optional]
+        if missing and len(self.report.errors) == before:
+            words = " and ".join(f"'{word}'" for word in missing)
+            self.report.error(f"'{name}' needs {words}", _end(statement.span), form)
+        bodies = [(word, span) for word, span, _ in statement.parts if word in shapes.FORMS]
+        if name == "body" and len(bodies) != 1 and len(self.report.errors) == before:
+            self.report.error(
+                "a body is one of: " + ", ".join(shapes.FORMS),
+                bodies[1][1] if bodies else _end(statement.span),
+                form,
+            )
+        if statement.also is not None and name in ("ground", "plane", "space"):
+            self.report.error(f"'{name}' has no members", statement.also.span, form)
+        elif isinstance(statement.also, Expr) and name != "level":
+            self.report.error("behind the comma stands a range", statement.also.span, "i = 1..N")
+        elif name == "level" and not isinstance(statement.also, Expr):
+            self.report.error("a level is over two coordinates", _end(statement.span), form)
+        return len(self.report.errors) == before
+
+    # what they are
+
+    def _place(self, value: Expr, scope: Scope) -> tuple[Expr, ...]:
+        value = self._origin(value)
+        before = len(self.report.errors)
+        if self.length is None:
+            found, facts = self.expressions.check(value, scope)
+        else:
+            needs = f"a place is {self._of_places()}"
+            found, facts = self.expressions.wanted_vector(value, scope, Target(self.length, needs))
+        if not facts.known or len(self.report.errors) > before:
+            return ()
+        if not facts.vector:
+            self.report.error(
+                "a place is a vector", value.span, "write [x, y, 0], or the name of one by 'let'"
+            )
+            return ()
+        if self.length is None and facts.dimension is not None:
+            self.length, self.first = facts.dimension, self.names.line_of(value.span)
+        self.shared.use_inputs(facts)
+        return _components(found)
+
+    def _of_places(self) -> str:
+        return f"{described(self.length)} as the one in line {self.first} is"
+
+    def _lengths(self, value: Expr, needs: str = "it is a length") -> Target:
+        """Of a number that is measured as places are."""
+        length = self.length
+        if length is None and self.expressions.time_dimension != NONE:
+            length = LENGTH
+        shown = "" if length in (None, NONE) else f" [{si_text(length)}]"
+        return Target(length, f"{needs}{shown}", bare=True)
+
+    def _number(self, value: Expr, scope: Scope, what: str, target: Target) -> tuple[Expr, ...]:
+        found, facts = self.expressions.wanted(self._origin(value), scope, target)
+        self.shared.use_inputs(facts)
+        if facts.known and facts.value is not None and facts.value < 0 and what != "a ground":
+            self.report.error(f"{what} is not negative", value.span)
+        return (found,) if facts.known else ()
+
+    def _constant(
+        self, value: Expr, scope: Scope, target: Target, positive: bool
+    ) -> tuple[Expr, ...]:
+        found, facts = self.expressions.wanted(value, scope, target)
+        if facts.known and facts.value is None:
+            self.report.error("this is a number, not an expression", value.span)
+        elif facts.known and facts.value <= 0:
+            self.report.error("this is a number above 0", value.span)
+        return (found,) if facts.known else ()
+
+    def _arrow(self, vector: Expr, scale: Expr, scope: Scope) -> tuple[Expr, ...]:
+        """The arrow as long as it is drawn."""
+        found, facts = self.expressions.check(vector, scope)
+        if facts.known and not facts.vector:
+            self.report.error(
+                "an arrow shows a vector", vector.span, "write [x, y, 0], or the name of one"
+            )
+            return ()
+        length = self.length if self.length is not None else self._lengths(vector).dimension
+        needed = None
+        if None not in (length, facts.dimension):
+            needed = over(length, facts.dimension)
+        shown = "" if needed in (None, NONE) else f" [{si_text(needed)}]"
+        factor, of = self.expressions.wanted(
+            scale, scope, Target(needed, f"'scale' needs a number{shown}", True)
+        )
+        self.shared.use_inputs(facts)
+        if not (facts.known and of.known):
+            return ()
+        return tuple(Multiply((factor, part), (1, 1), vector.span) for part in _components(found))
+
+    def _sizes(self, form: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
+        items = value.items if isinstance(value, Vector) else (value,)
+        if len(items) != shapes.FORMS[form]:
+            wanted = {2: "[radius, height]", 3: "[a, b, c]"}[shapes.FORMS[form]]
+            self.report.error(f"a {form} has the sizes {wanted}", value.span)
+            return ()
+        target = self._lengths(value, "a size is a length")
+        found = [self._number(item, scope, "a size", target) for item in items]
+        return tuple(part for parts in found for part in parts) if all(found) else ()
+
+    def _turn(self, value: Expr | None, scope: Scope) -> tuple[Expr, ...]:
+        """The columns of its matrix, one after another."""
+        if value is None:
+            return ()
+        _, facts = self.expressions.factor(value, scope)
+        if not facts.known:
+            return ()
+        if not facts.turns:
+            self.report.error(
+                f"{self.expressions.mismatch.text(value)} is no rotation: a body is drawn as one"
+                " turns it",
+                value.span,
+                "e.g. draw body rot([0, 0, 1], phi) at P box [a, b, c]; or leave it out",
+            )
+            return ()
+        self.shared.use_inputs(facts)
+        columns = [applied(facts.turns, _unit(axis, value.span), value.span) for axis in range(3)]
+        return tuple(component(column, axis) for column in columns for axis in range(len(AXES)))
+
+    def _coordinates(self, statement: st.Draw) -> tuple[str, ...]:
+        (_, _, first), second = statement.parts[0], statement.also
+        found = []
+        for expr in (first, second):
+            entry = self.names.table.get(expr.id) if isinstance(expr, Name) else None
+            if entry is None or entry.kind != "coordinate" or expr.index is not None:
+                self.report.error(
+                    "a level is drawn over coordinates",
+                    expr.span,
+                    "e.g. draw level V in x, y",
+                )
+            else:
+                entry.used = True
+                found.append(expr.id)
+        return tuple(found) if len(found) == 2 else ()
+
+    def _level(self, value: Expr, scope: Scope, axes: tuple[str, ...]) -> tuple[Expr, ...]:
+        found, facts = self.expressions.check(value, scope)
+        if not facts.known or not axes:
+            return ()
+        if facts.vector:
+            self.report.error("a level is of a number", value.span, "take a component, or norm(a)")
+            return ()
+        for name in axes:
+            if name not in facts.coordinates:
+                self.report.error(
+                    f"{self.expressions.mismatch.text(value)} does not depend on {name}",
+                    value.span,
+                    "its contours would be straight lines: draw what changes with both",
+                )
+        self.shared.use_inputs(facts)
+        return (found,)
+
+    def _origin(self, value: Expr) -> Expr:
+        """With O written out, unless the model has a name of its own that is O."""
+        if ORIGIN in self.names.table or ORIGIN in self.names.later:
+            return value
+
+        def zero(part: Expr) -> Expr | None:
+            if isinstance(part, Name) and part.id == ORIGIN and part.index is None:
+                return Vector((Number(Fraction(0), part.span),) * len(AXES), part.span)
+            return None
+
+        return replaced(value, zero)
+
+
+_A = {
+    shapes.PLACE: "a place",
+    shapes.VECTOR: "a vector",
+    shapes.ROTATION: "a rotation",
+    shapes.AXIS: "an axis and a value",
+    shapes.PLANE: "a plane",
+    shapes.VALUE: "an expression",
+}
+
+
+def _end(span: Span) -> Span:
+    return Span(span.end - 1, span.end)
+
+
+def _components(vector: Expr) -> tuple[Expr, ...]:
+    return tuple(component(vector, axis) for axis in range(len(AXES)))
+
+
+def _unit(axis: int, span: Span) -> Vector:
+    return Vector(tuple(Number(Fraction(int(k == axis)), span) for k in range(len(AXES))), span)
