@@ -160,7 +160,9 @@ class _Lexer:
         """The end of a shape's word or of that of a part of it; 0 of a name of the model's."""
         word, *more = self.now.tokens
         shapes = shapes_of(str(word))
-        if not more and not self.now.errors:
+        if not more and self.now.errors:
+            return 0  # behind a word that is no shape
+        if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)
             return self._error(

@@ -104,7 +104,10 @@ class Drawings:
             axes = shapes.PLANES[named]
         scope = Scope(PLACES["drawing"])
         parts: Parts = tuple(
-            (word, self._number(value, scope, "the width", self._lengths(value, "it is a length")))
+            (
+                word,
+                self._number(value, scope, "a width", self._lengths(value, "a width is a length")),
+            )
             for word, _, value in statement.parts
         )
         self.parts["views"].append(
@@ -216,7 +219,10 @@ class Drawings:
     def _constant(
         self, value: Expr, scope: Scope, target: Target, positive: bool
     ) -> tuple[Expr, ...]:
+        before = len(self.report.errors)
         found, facts = self.expressions.wanted(value, scope, target)
+        if len(self.report.errors) > before:
+            return ()
         if facts.known and facts.value is None:
             self.report.error("this is a number, not an expression", value.span)
         elif facts.known and facts.value <= 0:
