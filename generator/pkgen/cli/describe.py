@@ -10,7 +10,6 @@ from ..system.exits import DONE
 from .arguments import as_of_a_run, of_a_motion
 from .compilation import compile_within_limits
 
-
 MOST = 12  # names that people are shown of one kind
 
 

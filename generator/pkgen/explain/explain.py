@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from ..back.c.program import operations_text
 from ..back.facts import facts, found, invariants, shortened
 from ..compiler import Compilation
+from ..describe.drawing import shown
 from ..equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
 from ..graph.graph import BIT, Kind, Node, Op
 from ..middle.analyze import sympy_bridge
@@ -41,6 +42,7 @@ def explain(compilation: Compilation) -> str:
         _canonical(compilation.equations),
         _outputs(compilation.equations),
         _events(compilation.equations),
+        drawing(compilation),
         _structure(compilation),
         _constants(compilation),
         _reductions(compilation),
@@ -79,8 +81,13 @@ def record(compilation: Compilation) -> dict[str, object]:
             }
             for q, event, node in _named_events(equations)
         ],
+        "drawing": list(shown(compilation.declared)),
         "operations": {k.name: dict(k.operations) for k in compilation.program.kernels},
     }
+
+
+def drawing(compilation: Compilation) -> str:
+    return "\n".join(["Drawing", *(f"  {line}" for line in shown(compilation.declared))])
 
 
 def structure_record(structure: Structure | Facts) -> dict[str, object]:

@@ -6,9 +6,10 @@ from functools import partial
 
 from ..back.facts import loop_facts, loop_invariants
 from ..compiler import Compilation
+from ..describe.drawing import shown
 from ..graph.affine import Affine
 from ..middle.loops.loops import Facts, Group, LoopEquations, PairForce, PairPart, Total
-from .explain import constants_text, proofs_record, structure_record
+from .explain import constants_text, drawing, proofs_record, structure_record
 from .rows import EquationLine, M, Writer
 
 
@@ -23,6 +24,7 @@ def explain_loops(compilation: Compilation) -> str:
         _declared(write, "Parameters", e.parameters),
         _lagrangian(write),
         _equations(write),
+        drawing(compilation),
         _structure(compilation, e),
         _constants(e.facts),
         _cost(compilation),
@@ -50,6 +52,7 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
         "beyond": beyond(write),
         "structure": structure_record(e.facts),
         **proofs_record(e.facts),
+        "drawing": list(shown(compilation.declared)),
         "operations": list(compilation.program.context["operations"]),
     }
 
