@@ -197,7 +197,7 @@ end
     assert isinstance(scene, statements.Scene)
     assert (scene.name, scene.description, len(scene.clauses)) == ("one", "described", 14)
     assert isinstance(scene.clauses[5], statements.Method)
-    assert [s.keyword for s in file.statements if isinstance(s, statements.Energy)] == [
+    assert [s.keyword for s in file.statements if isinstance(s, statements.Single)] == [
         "kinetic", "potential", "lagrangian", "dissipation",
     ]  # fmt: skip
     event = next(s for s in file.statements if isinstance(s, statements.Event))

@@ -96,7 +96,7 @@ class _Reader:
         self.errors: list[Diagnostic] = []
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
-        self.scene: st.SceneHead | None = None
+        self.scene: st.Head | None = None
         self.headless = False  # in a scene whose first line does not parse
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
@@ -110,7 +110,7 @@ class _Reader:
         if statement is None:
             self.headless |= lexed.keyword == "scene"
             self.broken.append(st.Broken(lexed.keyword, declared_names(lexed), lexed.span))
-        elif isinstance(statement, st.SceneHead):
+        elif isinstance(statement, st.Head) and statement.keyword == "scene":
             self.scene = statement
         elif isinstance(statement, st.EndOfScene):
             self._close_scene(statement.span)

@@ -7,33 +7,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lark import Transformer
+from lark import Transformer, v_args
 from lark.lexer import Token
 
+from .. import tree
 from ..source import Span
-from ..tree import (
-    Add,
-    Call,
-    Component,
-    Expr,
-    Multiply,
-    Name,
-    Negate,
-    Number,
-    Power,
-    Prime,
-    Quantity,
-    Range,
-    Sum,
-    Vector,
-)
+from ..tree import Range
 from . import statements as st
 
 _SIGNS = {"PLUS": 1, "MINUS": -1, "TIMES": 1, "OVER": -1}
-
-
-def _span(part: object) -> Span:
-    return Span(part.start_pos, part.end_pos) if isinstance(part, Token) else part.span
 
 
 def _over(first: object, last: object) -> Span:
@@ -43,214 +25,157 @@ def _over(first: object, last: object) -> Span:
     )
 
 
+def _span(part: object) -> Span:
+    return _over(part, part)
+
+
+def _chain(node: type, parts: tuple) -> tree.Expr:
+    signs = (1, *(_SIGNS[sign.type] for sign in parts[1::2]))
+    return node(parts[::2], signs, _over(parts[0], parts[-1]))
+
+
+@v_args(inline=True)
 class Build(Transformer):
-    """One method a rule of the grammar. `describe` sets the comment of the statement at hand."""
+    """One method a rule of the grammar; `comment` is that of the statement at hand."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.comment = ""
-
-    def start(self, parts):
-        return parts[0]
+    comment = ""
 
     # expressions
 
-    def number(self, parts):
-        return Number(parts[0].value, _span(parts[0]))
+    def number(self, number):
+        return tree.Number(number.value, _span(number))
 
-    def name(self, parts):
-        return Name(str(parts[0]), None, _span(parts[0]))
+    def name(self, name, _=None, index=None, close=None):
+        return tree.Name(str(name), index, _over(name, close or name))
 
-    def member(self, parts):
-        name, _, index, close = parts
-        return Name(str(name), index, _over(name, close))
+    def prime(self, of, sign):
+        return tree.Prime(of, _over(of, sign))
 
-    def prime(self, parts):
-        return Prime(parts[0], _over(parts[0], parts[1]))
+    def component(self, of, axis):
+        return tree.Component(of, axis.value, _over(of, axis))
 
-    def component(self, parts):
-        return Component(parts[0], parts[1].value, _over(parts[0], parts[1]))
+    def negate(self, sign, of):
+        return tree.Negate(of, _over(sign, of))
 
-    def negate(self, parts):
-        return Negate(parts[1], _over(parts[0], parts[1]))
+    def second(self, _, part):
+        return part
 
-    def positive(self, parts):
-        return parts[1]
+    def raised(self, base, _, exponent):
+        return tree.Power(base, exponent, _over(base, exponent))
 
-    def raised(self, parts):
-        return Power(parts[0], parts[2], _over(parts[0], parts[2]))
+    def add(self, *parts):
+        return _chain(tree.Add, parts)
 
-    def _chain(self, node, parts):
-        signs = (1, *(_SIGNS[sign.type] for sign in parts[1::2]))
-        return node(tuple(parts[::2]), signs, _over(parts[0], parts[-1]))
+    def multiply(self, *parts):
+        return _chain(tree.Multiply, parts)
 
-    def add(self, parts):
-        return self._chain(Add, parts)
+    def quantity(self, of, unit):
+        return tree.Quantity(of, str(unit), _span(unit), _over(of, unit))
 
-    def multiply(self, parts):
-        return self._chain(Multiply, parts)
+    def group(self, opens, of, closes):
+        return replace(of, span=_over(opens, closes))
 
-    def quantity(self, parts):
-        of, unit = parts
-        return Quantity(of, str(unit), _span(unit), _over(of, unit))
+    def vector(self, opens, *items):
+        return tree.Vector(items[:-1], _over(opens, items[-1]))
 
-    def group(self, parts):
-        return replace(parts[1], span=_over(parts[0], parts[2]))
+    def call(self, function, _, *arguments):
+        *given, close = arguments
+        given = tuple(a for a in given if a is not None)
+        return tree.Call(str(function), given, _over(function, close))
 
-    def vector(self, parts):
-        return Vector(tuple(parts[1:-1]), _over(parts[0], parts[-1]))
+    def sum_over(self, word, _, body, *ranges):
+        return tree.Sum(body, ranges[:-1], _over(word, ranges[-1]))
 
-    def call(self, parts):
-        function, _, *arguments, close = parts
-        given = tuple(a for a in arguments if a is not None)
-        return Call(str(function), given, _over(function, close))
-
-    def sum_over(self, parts):
-        word, _, body, *ranges, close = parts
-        return Sum(body, tuple(ranges), _over(word, close))
-
-    def range(self, parts):
-        name, _, lo, _, hi = parts
+    def range(self, name, _, lo, __, hi):
         return Range(str(name), lo, hi, _over(name, hi))
 
     # parts of statements
 
-    def left_name(self, parts):
-        return st.Left(str(parts[0]), None, None, _span(parts[0]))
+    def left(self, name, _=None, index=None, close=None):
+        one, many = (None, index) if isinstance(index, Range) else (index, None)
+        return st.Left(str(name), one, many, _over(name, close or name))
 
-    def left_member(self, parts):
-        return st.Left(str(parts[0]), parts[2], None, _over(parts[0], parts[3]))
-
-    def left_family(self, parts):
-        return st.Left(str(parts[0]), None, parts[2], _over(parts[0], parts[3]))
-
-    def declared(self, parts):
-        name, bracket, lo, _, hi, close, unit = parts
+    def declared(self, name, bracket, lo, _, hi, close, unit):
         text = None if unit is None else st.UnitText(str(unit), _span(unit))
-        span = _span(name) if bracket is None else _over(name, close)
-        return st.Declared(str(name), lo, hi, text, span, _span(name))
+        return st.Declared(str(name), lo, hi, text, _over(name, close or name), _span(name))
 
-    def interval(self, parts):
-        _, opens, lo, hi, closes = parts
+    def interval(self, _, opens, lo, hi, closes):
         return st.Interval(lo, hi, opens == "(", closes == ")", _over(opens, closes))
 
-    def pair(self, parts):
-        return parts[0], parts[2]
+    def pair(self, left, _, value):
+        return left, value
 
-    def alone(self, parts):
-        return parts[0], None
+    def start_item(self, left, *rest):
+        *primes, _, value = rest
+        return st.StartItem(left, len(primes), "", value, _over(left, [left, *primes][-1]))
 
-    def start_item(self, parts):
-        left, value = parts[0], parts[-1]
-        last = parts[-3] if len(parts) > 3 else left
-        return st.StartItem(left, len(parts) - 3, "", value, _over(left, last))
-
-    def start_function(self, parts):
-        function, _, name, close, _, value = parts
+    def start_function(self, function, _, name, close, __, value):
         left = st.Left(str(name), None, None, _span(name))
         return st.StartItem(left, 0, str(function), value, _over(function, close))
 
-    def word(self, parts):
-        return parts[0]
-
-    def clause(self, parts):
-        return parts[1]
-
     # statements; the first part is the keyword
 
-    def model(self, parts):
-        return st.ModelName(str(parts[1]), _span(parts[1]), self.comment, _over(*parts))
+    def head(self, word, name):
+        return st.Head(str(word), str(name), _span(name), self.comment, _over(word, name))
 
-    def param(self, parts):
-        word, left, _, value, interval = parts
-        end = value if interval is None else interval
-        return st.Param(left, value, interval, self.comment, _over(word, end))
+    def param(self, word, left, _, value, interval):
+        return st.Param(left, value, interval, self.comment, _over(word, interval or value))
 
-    def size(self, parts):
-        return st.SizeOf(parts[1], parts[3], self.comment, _over(parts[0], parts[3]))
-
-    def define(self, parts):
-        word, left, _, value = parts
+    def define(self, word, left, _, value):
         return st.Define(str(word), left, value, self.comment, _over(word, value))
 
-    def declare(self, parts):
-        word, *items = parts
-        return st.Declare(str(word), tuple(items), self.comment, _over(word, items[-1]))
+    def declare(self, word, *items):
+        return st.Declare(str(word), items, self.comment, _over(word, items[-1]))
 
-    def ends(self, parts):
-        word, *items = parts
+    def pairs(self, word, *items):
+        items = tuple(x if isinstance(x, tuple) else (x, None) for x in items)
         left, value = items[-1]
-        return st.Ends(str(word), tuple(items), _over(word, value or left))
+        return st.Pairs(str(word), items, _over(word, value or left))
 
-    def energy(self, parts):
-        return st.Energy(str(parts[0]), parts[1], _over(*parts))
+    names = holds = pairs
 
-    def force(self, parts):
-        return st.ForceAlong(parts[1], parts[3], _over(parts[0], parts[3]))
+    def single(self, word, value):
+        return st.Single(str(word), value, _over(word, value))
 
-    def equation(self, parts):
-        word, left, _, a, _, b = parts
+    def equation(self, word, left, _, a, __, b):
         return st.Equation(str(word), left, a, b, _over(word, b))
 
-    def event(self, parts):
-        word, name, _, value, direction, stop = parts
-        last = next(p for p in (stop, direction, value) if p is not None)
-        return st.Event(
-            str(name),
-            _span(name),
-            value,
-            "either" if direction is None else str(direction),
-            stop is not None,
-            self.comment,
-            _over(word, last),
-        )
+    def event(self, word, name, _, value, direction, stop):
+        toward = "either" if direction is None else str(direction)
+        given = str(name), _span(name), value, toward, stop is not None, self.comment
+        return st.Event(*given, _over(word, stop or direction or value))
 
-    def of(self, parts):
-        return "", parts[0]
+    def of(self, subject):
+        return "", subject
 
-    def level_at(self, parts):
-        return str(parts[0]), parts[2]
+    def level_at(self, axis, _, value):
+        return str(axis), value
 
-    def part(self, parts):
-        return str(parts[0]), _span(parts[0]), parts[1]
+    def part(self, word, value):
+        return str(word), _span(word), value
 
-    def draw(self, parts):
-        word, shape, subject, *given, also = parts
+    def draw(self, word, shape, subject, *parts):
+        *given, also = parts
         axis, value = subject or ("", None)
         last = also or (given[-1][2] if given else value) or shape
         shown = (str(word), str(shape), value, axis, tuple(given), also, self.comment)
         return st.Draw(*shown, _span(shape), _over(word, last))
 
-    def start_at(self, parts):
-        return st.StartAt(tuple(parts[1:]), _over(parts[0], parts[-1].value))
+    def start_at(self, word, *items):
+        return st.StartAt(items, _over(word, items[-1].value))
 
-    def scene(self, parts):
-        return st.SceneHead(str(parts[1]), _span(parts[1]), self.comment, _over(*parts))
+    def end_of_scene(self, word):
+        return st.EndOfScene(_span(word))
 
-    def end_of_scene(self, parts):
-        return st.EndOfScene(_span(parts[0]))
+    def method(self, word, name, _, step, __, rtol):
+        return st.Method(str(name), _span(name), step, rtol, _over(word, rtol or step or name))
 
-    def assign(self, parts):
-        word, *items = parts
-        left, value = items[-1]
-        return st.Assign(str(word), tuple(items), _over(word, value or left))
+    def record(self, word, *parts):
+        *items, every, at = parts
+        return st.Record(tuple(items), every, at, _over(word, at or every or items[-1]))
 
-    def setting(self, parts):
-        return st.Setting(str(parts[0]), parts[1], _over(*parts))
+    def swarm(self, word, range_):
+        return st.Swarm(range_, _over(word, range_))
 
-    def method(self, parts):
-        word, name, _, step, _, rtol = parts
-        last = next(p for p in (rtol, step, name) if p is not None)
-        return st.Method(str(name), _span(name), step, rtol, _over(word, last))
-
-    def record(self, parts):
-        word, *items, every, at = parts
-        last: Expr = at or every or items[-1]
-        return st.Record(tuple(items), every, at, _over(word, last))
-
-    def swarm(self, parts):
-        return st.Swarm(parts[1], _over(*parts))
-
-    def expect(self, parts):
-        word, a, relation, b, within, at = parts
+    def expect(self, word, a, relation, b, within, at):
         return st.Expect(a, str(relation), b, within, at, _over(word, at or within or b))

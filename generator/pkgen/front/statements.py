@@ -30,8 +30,10 @@ class UnitText:
 
 
 @record
-class ModelName:
-    keyword: ClassVar[str] = "model"
+class Head:
+    """`model NAME`, or `scene NAME`, which is consumed while scenes are put together."""
+
+    keyword: str
     name: str
     name_span: Span
     description: str
@@ -60,17 +62,8 @@ class Param:
 
 
 @record
-class SizeOf:
-    keyword: ClassVar[str] = "size"
-    left: Left
-    value: Expr
-    description: str
-    span: Span
-
-
-@record
 class Define:
-    """`const`, `let`, `observe`, `conserve` or `rate` (the keyword) NAME = EXPR."""
+    """`size`, `const`, `let`, `observe`, `conserve`, `rate` or `force` NAME = EXPR."""
 
     keyword: str
     left: Left
@@ -100,8 +93,9 @@ class Declare:
 
 
 @record
-class Ends:
-    """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; values only if fixed."""
+class Pairs:
+    """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; in a scene `set p = EXPR, …` or
+    `hold a = EXPR, …`. Names that stand alone have no value."""
 
     keyword: str
     items: tuple[tuple[Left, Expr | None], ...]
@@ -109,18 +103,11 @@ class Ends:
 
 
 @record
-class Energy:
-    """`kinetic`, `potential`, `lagrangian` or `dissipation` EXPR."""
+class Single:
+    """`kinetic`, `potential`, `lagrangian` or `dissipation` EXPR; in a scene `until` or `accuracy`
+    EXPR."""
 
     keyword: str
-    value: Expr
-    span: Span
-
-
-@record
-class ForceAlong:
-    keyword: ClassVar[str] = "force"
-    left: Left
     value: Expr
     span: Span
 
@@ -183,24 +170,6 @@ class StartAt:
 
 
 @record
-class Assign:
-    """In a scene: `set p = EXPR, …` or `hold a = EXPR, …` (a bare `hold a` has no value)."""
-
-    keyword: str
-    items: tuple[tuple[Left, Expr | None], ...]
-    span: Span
-
-
-@record
-class Setting:
-    """In a scene: `until` or `accuracy` (the keyword) EXPR."""
-
-    keyword: str
-    value: Expr
-    span: Span
-
-
-@record
 class Method:
     keyword: ClassVar[str] = "method"
     name: str
@@ -239,23 +208,13 @@ class Expect:
     span: Span
 
 
-Clause = StartAt | Assign | Setting | Method | Record | Swarm | Expect
+Clause = StartAt | Pairs | Single | Method | Record | Swarm | Expect
 
 
 @record
 class EndOfScene:
-    """`end`; consumed while scenes are put together."""
+    """`end`; consumed like the head."""
 
-    span: Span
-
-
-@record
-class SceneHead:
-    """`scene NAME`; consumed while scenes are put together."""
-
-    name: str
-    name_span: Span
-    description: str
     span: Span
 
 
@@ -270,19 +229,7 @@ class Scene:
 
 
 Statement = (
-    ModelName
-    | Param
-    | SizeOf
-    | Define
-    | Declare
-    | Ends
-    | Energy
-    | ForceAlong
-    | Equation
-    | Event
-    | Draw
-    | StartAt
-    | Scene
+    Head | Param | Define | Declare | Pairs | Single | Equation | Event | Draw | StartAt | Scene
 )
 
 

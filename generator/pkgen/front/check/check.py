@@ -80,9 +80,7 @@ class _Checker:
         self.names.states = _named(file.statements, "state")
         self.names.rotations = _named(file.statements, "rotation")
         sizes: dict[str, int] = {}
-        lagrangian = any(
-            isinstance(s, st.Energy) and s.keyword == "lagrangian" for s in file.statements
-        )
+        lagrangian = any(s.keyword == "lagrangian" for s in file.statements)
         self.expressions = Expressions(
             file.source,
             self.report,
@@ -213,9 +211,9 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
     """Every name that the statements declare, with its place."""
     for statement in statements:
         match statement:
-            case st.Define(keyword="rate"):
+            case st.Define(keyword="rate" | "force"):
                 pass  # of a name that is declared elsewhere
-            case st.Param(left=left) | st.SizeOf(left=left) | st.Define(left=left):
+            case st.Param(left=left) | st.Define(left=left):
                 yield left.name, left.span
             case st.Declare(items=items):
                 yield from ((item.name, item.name_span) for item in items)

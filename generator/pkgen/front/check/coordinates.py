@@ -81,7 +81,7 @@ class Coordinates:
         self.names.declare(Entry(item.name, "input", facts, item.name_span))
         self.parts["inputs"].append((item, unit or units.ONE, description))
 
-    def ends(self, statement: st.Ends) -> None:
+    def ends(self, statement: st.Pairs) -> None:
         keyword = statement.keyword
         for left, value in statement.items:
             entry = self.shared.named(left, f"'{keyword}'", self.shared.moving)
@@ -120,7 +120,7 @@ class Coordinates:
         return checked
 
     def _end(
-        self, keyword: str, left: st.Left, entry: Entry, value: Expr | None, statement: st.Ends
+        self, keyword: str, left: st.Left, entry: Entry, value: Expr | None, statement: st.Pairs
     ) -> None:
         lo, hi = self.shared.range_of(left.name)
         if keyword == "periodic":

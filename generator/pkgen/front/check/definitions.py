@@ -28,7 +28,7 @@ class Definitions:
         self.expressions, self.indices = shared.expressions, shared.indices
         self.parts = shared.parts
 
-    def model(self, statement: st.ModelName) -> None:
+    def model(self, statement: st.Head) -> None:
         if self.parts["name"]:
             self.report.error("a file holds one model; this is the second 'model'", statement.span)
             return
@@ -51,7 +51,7 @@ class Definitions:
                 f"choose another name, e.g. {statement.name}_model",
             )
 
-    def size(self, statement: st.SizeOf) -> None:
+    def size(self, statement: st.Define) -> None:
         left = statement.left
         self._plain(left, "size")
         value = self.indices.value(statement.value, Scope(PLACES["size"]))
@@ -141,7 +141,7 @@ class Definitions:
     def define(self, statement: st.Define) -> None:
         keyword, left = statement.keyword, statement.left
         row = STATEMENTS[keyword]
-        scope, members = self.shared.left_scope(left, row.place)
+        scope, members = self.shared.left_scope(left, keyword)
         if keyword in ("const", "conserve") and (left.range or left.index):
             self.report.error(
                 f"'{keyword}' defines one name, not a family",
@@ -180,7 +180,7 @@ class Definitions:
         )
         if facts.turns:
             return
-        vector = facts.vector and row.place == "output"
+        vector = facts.vector and row.fills in ("observed", "conserved")
         self.parts[row.fills] += by_component(definition) if vector else (definition,)
 
     def _let(self, statement: st.Define, scope: Scope, members: Members | None):

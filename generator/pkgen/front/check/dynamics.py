@@ -26,7 +26,7 @@ class Dynamics:
         self.parts = shared.parts
         self.rotations = Rotations(shared)
 
-    def energy(self, statement: st.Energy) -> None:
+    def energy(self, statement: st.Single) -> None:
         keyword = statement.keyword
         row = STATEMENTS[keyword]
         power = row.needs == "power"
@@ -35,7 +35,7 @@ class Dynamics:
         if dimension == NONE:
             needs = f"{keyword} needs a number"
         value, facts = self.expressions.wanted(
-            statement.value, Scope(PLACES[row.place]), Target(dimension, needs)
+            statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
         )
         if facts.rough:
             self.report.warn(
@@ -67,7 +67,7 @@ class Dynamics:
                 found.append(part.span)
         return min(found, key=lambda span: (span.end - span.start, span.start))
 
-    def force(self, statement: st.ForceAlong) -> None:
+    def force(self, statement: st.Define) -> None:
         left = statement.left
         kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
         entry = self.shared.named(left, "a force", kinds)

@@ -101,7 +101,7 @@ class Given:
 
     # hold
 
-    def hold(self, clause: st.Assign) -> None:
+    def hold(self, clause: st.Pairs) -> None:
         for left, value in clause.items:
             checked = self._hold(left, value)
             if checked is not None:
@@ -164,7 +164,7 @@ class Given:
 
     # set
 
-    def set(self, clause: st.Assign) -> None:
+    def set(self, clause: st.Pairs) -> None:
         for left, value in clause.items:
             checked = self._assignment(left, value)
             if checked is not None:

@@ -51,7 +51,7 @@ class Required:
     def _states_alone(self) -> None:
         """There is no Lagrangian where nothing has a second derivative."""
         for statement in self.file.statements:
-            if isinstance(statement, st.Energy):
+            if isinstance(statement, st.Single):
                 self.report.error(
                     f"'{statement.keyword}' without any coordinate: states have no inertia",
                     Span(statement.span.start, statement.span.start + len(statement.keyword)),
@@ -63,7 +63,7 @@ class Required:
         return min(places, key=lambda s: s.start, default=Span(0, 0))
 
     def _sizes(self) -> None:
-        known = [s.left.name for s in self.file.statements if isinstance(s, st.SizeOf)]
+        known = [s.left.name for s in self.file.statements if s.keyword == "size"]
         for name in self.shared.given:
             if name not in known and not self.file.diagnostics:
                 self.report.error(

@@ -62,7 +62,7 @@ class Rotations:
             )
         )
 
-    def force(self, statement: st.ForceAlong) -> Iterable[m.Force]:
+    def force(self, statement: st.Define) -> Iterable[m.Force]:
         """A torque, in body components."""
         left, scope = statement.left, Scope(PLACES["force"])
         self._plain(left)

@@ -85,10 +85,10 @@ class _Scene:
         group, _, method = row.clause.partition(".")
         getattr(self.given if group == "given" else self, method)(clause)
 
-    def until(self, clause: st.Setting) -> None:
+    def until(self, clause: st.Single) -> None:
         self.end = self.settings.time("until", clause.value)
 
-    def accuracy(self, clause: st.Setting) -> None:
+    def accuracy(self, clause: st.Single) -> None:
         self.wanted = self.settings.accuracy(clause.value)
         self._one_of_both(clause.span)
 
@@ -197,9 +197,9 @@ class _Scene:
 
 def _expressions(clause: st.Clause) -> tuple[Expr | None, ...]:
     match clause:
-        case st.Assign(items=items):
+        case st.Pairs(items=items):
             return tuple(value for _, value in items)
-        case st.Setting(value=value):
+        case st.Single(value=value):
             return (value,)
         case st.Method(step=step, rtol=rtol):
             return step, rtol

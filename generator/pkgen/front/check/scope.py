@@ -29,6 +29,7 @@ _DRIVEN = _PARAMETERS | {"time", "input", "definition"}
 _MOTION = _DRIVEN | {"coordinate", "state", "rotation"}
 _FOUND = _MOTION | {"built-in", "multiplier"}
 
+_OUTPUT = Place("an output", _FOUND, "all but other outputs", True, accelerations=True)
 PLACES: dict[str, Place] = {
     "size": Place("a size", frozenset(("size",)), "integers and earlier sizes"),
     "const": Place("a constant", _NUMBERS, "numbers, sizes and earlier constants"),
@@ -46,7 +47,8 @@ PLACES: dict[str, Place] = {
     "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
     "constraint": Place("a constraint", _MOTION, "all but outputs", derivatives=True),
     "rate": Place("a rate", _MOTION | {"built-in"}, "all but outputs", derivatives=True),
-    "output": Place("an output", _FOUND, "all but other outputs", True, accelerations=True),
+    "observe": _OUTPUT,
+    "conserve": _OUTPUT,
     "event": Place(
         "an event", _FOUND | {"output"}, "names of the motion", True, accelerations=True
     ),
