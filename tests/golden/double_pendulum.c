@@ -790,7 +790,7 @@ pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_rea
 }
 
 const char double_pendulum_source_hash[65] =
-    "46b2dbc5c6a085b1789d19a02401e14424a4856996610974dda7a32ac82b901f";
+    "f277cb1d77f267bfd1689e68e3b17cf360be36b5f74edaeabbeaded13b584ab6";
 
 const struct double_pendulum_parameter double_pendulum_parameters[5] = {
     {{"m1", "kg", "upper bob"}, offsetof(struct double_pendulum_params, m1), 0, 1, 1},

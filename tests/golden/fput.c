@@ -1081,7 +1081,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 
 const char fput_source_hash[65] =
-    "c608794ba483b80db842b416cc110f4e2c36a6d4127cf7a81b720dc99d4579de";
+    "4cb9a3ac40d0a1f74766ebf3e1f93cb3f7b3964bf1844a4e50a7d4e3cecc1605";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},

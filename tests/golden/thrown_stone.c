@@ -412,7 +412,7 @@ void thrown_stone_switching(const struct thrown_stone_params *p, pk_real t, cons
 }
 
 const char thrown_stone_source_hash[65] =
-    "bfead51007aa15f74a3ca1df613f899fd61c5916c52b90c4ebb88c571ad05068";
+    "c163f66fec67109b75ada1a37ec2ab4eb94a439758b7e8c42201abb11be1aac4";
 
 const struct thrown_stone_parameter thrown_stone_parameters[3] = {
     {{"m", "kg", ""}, offsetof(struct thrown_stone_params, m), 0, 1, 1},
