@@ -1,0 +1,134 @@
+"use strict";
+/* From space to pixels of the stage. Both kinds of view have the same face: fit, pan or turn, zoom,
+ * project(point) → [x, y, depth], and plane(): two directions of space that a drag moves along. */
+const Camera = (() => {
+  const AXIS = { x: 0, y: 1, z: 2 };
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+    a[0] * b[1] - a[1] * b[0]];
+  const unit = (a) => {
+    const size = Math.hypot(...a) || 1;
+    return a.map((x) => x / size);
+  };
+
+  class Plane {
+    constructor(view) {
+      const [right, up] = view.axes || ["x", "y"];
+      this.i = AXIS[right];
+      this.j = AXIS[up];
+      this.names = [right, up];
+      this.given = null;   /* the author's width: stage.js */
+      this.centre = [0, 0];
+      this.scale = 100;
+      this.resize(100, 100);
+    }
+    resize(width, height) {
+      this.width = width;
+      this.height = height;
+    }
+    fit(box, inset = { x: 0, y: 0 }) {
+      const [i, j] = [this.i, this.j];
+      const known = box.lo[i] <= box.hi[i] && box.lo[j] <= box.hi[j];
+      const lo = known ? [box.lo[i], box.lo[j]] : [-1, -1];
+      const hi = known ? [box.hi[i], box.hi[j]] : [1, 1];
+      const room = [Math.max(80, this.width - 2 * inset.x), Math.max(80, this.height - 2 * inset.y)];
+      /* A width that the author gives is that of a square that all is to be seen in. */
+      const [width, height] = this.given ? [this.given, this.given]
+        : [(hi[0] - lo[0]) / 0.86 || 1, (hi[1] - lo[1]) / 0.86 || 1e-300];
+      this.scale = Math.min(room[0] / width, room[1] / height);
+      this.centre = [(lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2];
+    }
+    project(p) {
+      return [this.width / 2 + (p[this.i] - this.centre[0]) * this.scale,
+        this.height / 2 - (p[this.j] - this.centre[1]) * this.scale, 0];
+    }
+    plane() {
+      const right = [0, 0, 0];
+      const up = [0, 0, 0];
+      right[this.i] = 1;
+      up[this.j] = 1;
+      return { right, up, perPixel: () => 1 / this.scale };
+    }
+    move(dx, dy) {
+      this.centre[0] -= dx / this.scale;
+      this.centre[1] += dy / this.scale;
+    }
+    zoom(factor, x = this.width / 2, y = this.height / 2) {
+      const [ax, ay] = [(x - this.width / 2) / this.scale, (this.height / 2 - y) / this.scale];
+      this.scale *= factor;
+      this.centre[0] += ax * (1 - 1 / factor);
+      this.centre[1] += ay * (1 - 1 / factor);
+    }
+  }
+
+  /* Looks at `target` from a sphere about it; z is up. */
+  class Orbit {
+    constructor(view) {
+      this.given = null;   /* the author's width: stage.js */
+      this.yaw = -1.1;
+      this.pitch = 0.32;
+      this.target = [0, 0, 0];
+      this.distance = 5;
+      this.angle = 0.6;       /* of view, from top to bottom */
+      this.resize(100, 100);
+    }
+    resize(width, height) {
+      this.width = width;
+      this.height = height;
+    }
+    fit(box) {
+      const known = box.lo[0] <= box.hi[0];
+      const lo = known ? box.lo : [-1, -1, -1];
+      const hi = known ? box.hi : [1, 1, 1];
+      this.target = lo.map((x, k) => (x + hi[k]) / 2);
+      const across = this.given || Math.hypot(...lo.map((x, k) => hi[k] - x)) || 1;
+      const narrow = Math.min(1, this.width / this.height);
+      this.distance = (across / 2 / Math.tan(this.angle / 2) / narrow) * (this.given ? 1 : 1.02);
+    }
+    frame() {
+      const [c, s] = [Math.cos(this.pitch), Math.sin(this.pitch)];
+      const back = [c * Math.cos(this.yaw), c * Math.sin(this.yaw), s];
+      const right = unit(cross([0, 0, 1], back));
+      return { back, right, up: cross(back, right),
+        eye: this.target.map((x, k) => x + back[k] * this.distance) };
+    }
+    focal() {
+      return this.height / 2 / Math.tan(this.angle / 2);
+    }
+    project(p) {
+      const { back, right, up, eye } = this.frame();
+      const d = p.map((x, k) => x - eye[k]);
+      const depth = -dot(d, back);
+      const f = this.focal() / Math.max(depth, 1e-9 * this.distance);
+      return [this.width / 2 + dot(d, right) * f, this.height / 2 - dot(d, up) * f, depth];
+    }
+    plane() {
+      const { right, up } = this.frame();
+      return { right, up, perPixel: (depth) => depth / this.focal() };
+    }
+    /* Column-major view and projection in one. */
+    matrix() {
+      const { back, right, up, eye } = this.frame();
+      const near = this.distance / 100;
+      const far = this.distance * 100;
+      const f = 1 / Math.tan(this.angle / 2);
+      const fx = (f * this.height) / this.width;
+      const [a, b] = [(far + near) / (near - far), (2 * far * near) / (near - far)];
+      const column = (r, u, k, w) => [fx * r, f * u, a * k + (w ? b : 0), -k];
+      return new Float32Array([
+        ...column(right[0], up[0], back[0]), ...column(right[1], up[1], back[1]),
+        ...column(right[2], up[2], back[2]),
+        ...column(-dot(right, eye), -dot(up, eye), -dot(back, eye), true)]);
+    }
+    move(dx, dy) {
+      this.yaw -= dx * 0.008;
+      this.pitch = Math.max(-1.5, Math.min(1.5, this.pitch + dy * 0.008));
+    }
+    zoom(factor) {
+      this.distance /= factor;
+    }
+  }
+
+  const make = (view) => (view.kind === "space" ? new Orbit(view) : new Plane(view));
+  return { make, dot, cross, unit };
+})();

@@ -1,0 +1,123 @@
+"use strict";
+/* The picture of a model whose coordinates have no place: their curves over time; of a long family
+ * the profile, coordinate over number, as it is now. */
+const GraphView = (() => {
+  const CURVES = 6;
+
+  class View {
+    constructor(canvas, lab) {
+      this.canvas = canvas;
+      this.lab = lab;
+      this.drawn = [];
+      this.reach = 0;
+    }
+
+    draw({ width, height, runs }) {
+      Dom.fitCanvas(this.canvas, width, height);
+      const g = this.canvas.getContext("2d");
+      g.setTransform(this.canvas.width / width, 0, 0, this.canvas.height / height, 0, 0);
+      g.clearRect(0, 0, width, height);
+      this.drawn = [];
+      if (!runs.length) return;
+      const columns = this.columns();
+      const profile = columns.length > CURVES;
+      const lines = profile ? this.profiles(runs, columns) : this.curves(runs, columns);
+      const all = lines.flatMap((line) => line.points);
+      this.frame(g, width, height, lines, all, profile);
+    }
+
+    columns() {
+      const { model } = this.lab;
+      const graph = model.shapes.find((shape) => shape.kind === "graph");
+      if (graph && graph.columns && graph.columns.length) return graph.columns;
+      return model.description.coordinates.map((c) => c.index);
+    }
+
+    profiles(runs, columns) {
+      return runs.map(({ run, style }) => ({ run, style, colour: style.trail, name: "",
+        points: columns.map((c, k) => [k + 1, run.q[c]]) }));
+    }
+
+    curves(runs, columns) {
+      const theme = Theme.now();
+      return runs.flatMap(({ run, style }) => columns.map((c, k) => {
+        const from = Math.max(0, run.recent.size - 1500);
+        const points = [];
+        for (let i = from; i < run.recent.size; i++)
+          points.push([run.recent.get(i, 0), run.recent.get(i, 1 + c)]);
+        const coordinate = this.lab.model.description.coordinates.find((e) => e.index === c);
+        return { run, style, points, name: coordinate ? coordinate.name : "",
+          colour: runs.length > 1 || columns.length === 1 ? style.trail : theme.shapes[k % 4] };
+      }));
+    }
+
+    frame(g, width, height, lines, all, profile) {
+      const theme = Theme.now();
+      const [left, right, top, bottom] = [56, 24, 52, 40];
+      let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+      for (const [x, y] of all) {
+        x0 = Math.min(x0, x); x1 = Math.max(x1, x);
+        if (Number.isFinite(y)) { y0 = Math.min(y0, y); y1 = Math.max(y1, y); }
+      }
+      if (profile) {
+        /* The scale of a profile only grows, so that it does not breathe. */
+        this.reach = Math.max(this.reach * 0.999, Math.abs(y0), Math.abs(y1)) || 1;
+        [y0, y1] = [-this.reach * 1.1, this.reach * 1.1];
+      } else {
+        const span = (this.lab.natural || 1) * 8;
+        if (x1 - x0 < span) x1 = x0 + span;
+        const pad = 0.08 * (y1 - y0) || 1;
+        [y0, y1] = [y0 - pad, y1 + pad];
+      }
+      const X = (x) => left + ((x - x0) / (x1 - x0 || 1)) * (width - left - right);
+      const Y = (y) => height - bottom - ((y - y0) / (y1 - y0)) * (height - top - bottom);
+      g.font = `12px ${theme.font}`;
+      g.lineWidth = 1;
+      g.textAlign = "right";
+      const step = Ranges.nice((y1 - y0) / 6);
+      for (let k = Math.ceil(y0 / step); k * step <= y1; k++) {
+        g.strokeStyle = theme.faint;
+        g.beginPath();
+        g.moveTo(left, Y(k * step));
+        g.lineTo(width - right, Y(k * step));
+        g.stroke();
+        g.fillStyle = theme.soft;
+        g.fillText(Text.number(k * step, 3), left - 8, Y(k * step) + 4);
+      }
+      g.textAlign = "center";
+      const across = Ranges.nice((x1 - x0) / 7);
+      for (let k = Math.ceil(x0 / across); k * across <= x1; k++)
+        g.fillText(Text.number(k * across, 4), X(k * across), height - bottom + 18);
+      g.fillText(profile ? "number" : Text.axis("t", this.lab.model.time), width / 2, height - 6);
+      g.lineJoin = "round";
+      for (const line of lines) {
+        g.globalAlpha = line.style.alpha;
+        g.strokeStyle = line.colour;
+        g.lineWidth = 2;
+        g.setLineDash(line.style.dash);
+        g.beginPath();
+        line.points.forEach(([x, y], k) => (k ? g.lineTo(X(x), Y(y)) : g.moveTo(X(x), Y(y))));
+        g.stroke();
+        g.setLineDash([]);
+        const last = line.points[line.points.length - 1];
+        g.fillStyle = line.colour;
+        g.beginPath();
+        for (const [x, y] of profile && line.points.length < 200 ? line.points : [last]) {
+          g.moveTo(X(x) + 3, Y(y));
+          g.arc(X(x), Y(y), 3, 0, 7);
+        }
+        g.fill();
+        g.globalAlpha = 1;
+        if (line.name && line.run.index === 0 && last) {
+          g.textAlign = "left";
+          g.font = `italic 15px ${theme.font}`;
+          g.fillText(Text.plain(line.name), Math.min(X(last[0]) + 8, width - 22), Y(last[1]) - 8);
+        }
+        this.drawn.push({ kind: profile ? "profile" : "graph", name: line.name, run: line.run.index,
+          points: (profile ? line.points : [last]).map(([x, y]) => [X(x), Y(y)]) });
+      }
+    }
+  }
+
+  return { View };
+})();

@@ -1,0 +1,91 @@
+"use strict";
+/* Contours of an output over two coordinates, such as a potential: values on a lattice that covers
+ * the view, by marching squares. Made anew where the parameters or the view have changed. */
+const Levels = (() => {
+  const ACROSS = 72;
+  const LEVELS = 14;
+
+  class Contours {
+    constructor(shape, axes) {
+      this.shape = shape;        /* resolved: value, x, y */
+      this.axes = axes;
+      this.key = "";
+      this.lines = [];
+    }
+
+    /* The values of a view; q and v are those of the start. */
+    update(engine, start, camera) {
+      const wide = 1.15;
+      const half = [(camera.width / camera.scale) * wide / 2, (camera.height / camera.scale) * wide / 2];
+      const key = [...start.params, ...camera.centre, ...half].map((x) => x.toPrecision(4)).join();
+      if (key === this.key) return;
+      this.key = key;
+      const n = [ACROSS, Math.max(8, Math.round((ACROSS * half[1]) / half[0]))];
+      const at = (k, i) => camera.centre[k] - half[k] + (2 * half[k] * i) / n[k];
+      const q = start.q.slice();
+      const grid = [];
+      for (let j = 0; j <= n[1]; j++) {
+        const row = new Float64Array(n[0] + 1);
+        for (let i = 0; i <= n[0]; i++) {
+          q[this.shape.x] = at(0, i);
+          q[this.shape.y] = at(1, j);
+          row[i] = engine.outputs(start.params, 0, q, start.v)[this.shape.value];
+        }
+        grid.push(row);
+      }
+      const sorted = grid.flatMap((row) => Array.from(row).filter(Number.isFinite))
+        .sort((a, b) => a - b);
+      if (!sorted.length) return;
+      const [low, high] = [sorted[Math.floor(sorted.length * 0.01)],
+        sorted[Math.floor(sorted.length * 0.9)]];
+      this.lines = Array.from({ length: LEVELS }, (_, k) =>
+        march(grid, low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6, at));
+    }
+
+    draw(g, camera) {
+      g.lineWidth = 1;
+      g.strokeStyle = Theme.now().soft;
+      this.lines.forEach((segments, k) => {
+        g.globalAlpha = 0.25 + (0.3 * k) / LEVELS;
+        g.beginPath();
+        for (const [a, b] of segments) {
+          const [p, q] = [this.place(a, camera), this.place(b, camera)];
+          g.moveTo(p[0], p[1]);
+          g.lineTo(q[0], q[1]);
+        }
+        g.stroke();
+      });
+      g.globalAlpha = 1;
+    }
+
+    place([x, y], camera) {
+      const p = [0, 0, 0];
+      p[camera.i ?? 0] = x;
+      p[camera.j ?? 1] = y;
+      return camera.project(p);
+    }
+  }
+
+  /* Segments of one level, where it crosses the edges of each cell. */
+  function march(grid, level, at) {
+    const segments = [];
+    for (let j = 0; j + 1 < grid.length; j++)
+      for (let i = 0; i + 1 < grid[j].length; i++) {
+        const corner = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+        const z = corner.map(([a, b]) => grid[b][a] - level);
+        const cuts = [];
+        for (let k = 0; k < 4; k++) {
+          const [za, zb] = [z[k], z[(k + 1) % 4]];
+          if (!(za < 0 !== zb < 0) || !Number.isFinite(za - zb)) continue;
+          const s = za / (za - zb);
+          const [a, b] = [corner[k], corner[(k + 1) % 4]];
+          cuts.push([at(0, a[0] + s * (b[0] - a[0])), at(1, a[1] + s * (b[1] - a[1]))]);
+        }
+        if (cuts.length === 2) segments.push(cuts);
+        else if (cuts.length === 4) segments.push([cuts[0], cuts[1]], [cuts[2], cuts[3]]);
+      }
+    return segments;
+  }
+
+  return { Contours };
+})();

@@ -1,0 +1,60 @@
+"use strict";
+/* The description, with what the page asks of it: things by key.
+ *
+ * A key is a letter and an index: p3 is a parameter, q0 a coordinate, v1 a rate or, behind the
+ * rates, a first-order variable. Names only stand in menus and in the address; they are looked up
+ * in Maps, so that a parameter may be called __proto__. */
+const Model = (() => {
+  function entries(description) {
+    const list = [];
+    for (const p of description.parameters)
+      list.push({ ...p, key: "p" + p.index, kind: "p" });
+    for (const c of description.coordinates) {
+      list.push({ name: c.name, key: "q" + c.index, kind: "q", index: c.index, unit: c.unit,
+        description: c.description, value: c.q, lo: null, hi: null, periodic: c.periodic,
+        coordinate: c });
+      list.push({ name: c.rate, key: "v" + c.index, kind: "v", index: c.index, unit: c.rate_unit,
+        description: "", value: c.v, lo: null, hi: null, coordinate: c });
+    }
+    for (const s of description.states || [])
+      list.push({ name: s.name, key: "v" + s.index, kind: "v", index: s.index, unit: s.unit,
+        description: s.description, value: s.value, lo: null, hi: null, state: s });
+    return list;
+  }
+
+  function make(description) {
+    const list = entries(description);
+    const byKey = new Map(list.map((entry) => [entry.key, entry]));
+    const byName = new Map(list.map((entry) => [entry.name, entry]));
+    const turned = new Set();
+    for (const rotation of description.rotations || [])
+      for (const name of rotation.quaternion) turned.add(name);
+    /* GSL's methods are not compiled for a browser. */
+    const offered = description.methods.filter((method) => !method.gsl);
+    const applying = offered.filter((method) => method.applies);
+    const preferred = applying.find((method) => method.default) || applying[0];
+    return {
+      description, list, byKey, byName, offered, applying,
+      method: preferred ? preferred.name : null,
+      methodNamed: new Map(offered.map((method) => [method.name, method])),
+      sceneNamed: new Map((description.scenes || []).map((scene) => [scene.name, scene])),
+      isQuaternion: (name) => turned.has(name),
+      time: description.dimensionless ? "" : "s",
+      shapes: description.drawing.shapes,
+      view: description.drawing.view,
+      reference: () => best(applying),
+    };
+  }
+
+  /* What stands beside the methods as the truth: the most exact adaptive one that applies. */
+  function best(applying) {
+    for (const name of ["exponential", "gauss", "taylor", "dop853", "radau"]) {
+      const found = applying.find((method) => method.name === name);
+      if (found) return found.name;
+    }
+    const adaptive = applying.filter((m) => m.adaptive).sort((a, b) => b.order - a.order);
+    return (adaptive[0] || applying[0] || { name: null }).name;
+  }
+
+  return { make };
+})();

@@ -1,0 +1,75 @@
+"use strict";
+/* Panels over time: drifts, coordinates, distance from the reference. */
+const PanelsTime = (() => {
+  const WINDOW = 1200;     /* samples of coordinates on show */
+
+  /* How far what is constant has come from its start; of several constants one is chosen. */
+  function drift(lab, body, tools) {
+    const { constants } = lab.model.description;
+    let which = 0;
+    const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "", log: true });
+    if (constants.length > 1)
+      tools.append(Dom.select(constants.map((c, k) => [k, Text.plain(c.name)]), 0,
+        (k) => { which = Number(k); lab.dirty = true; }, { "aria-label": "Which constant" }));
+    return {
+      free: () => chart.free(),
+      update(runs) {
+        const c = constants[which];
+        const relative = runs.some((run) => run.start && run.start[which] !== 0);
+        chart.options.y = `|Δ ${Text.plain(c.name)}|` + (relative ? " / start"
+          : Text.unit(c.unit) ? ` [${Text.unit(c.unit)}]` : "");
+        chart.set(runs.map((run) => ({ x: run.drifts.t, y: run.drifts.columns[which],
+          colour: Theme.ofRun(run), dash: Theme.dashOf(run) })), { x: whole(runs, lab) });
+      },
+    };
+  }
+
+  function distance(lab, body) {
+    const chart = Chart.make(body, { x: Text.axis("t", lab.model.time),
+      y: "distance from the reference", log: true });
+    const column = lab.model.description.constants.length;
+    return {
+      free: () => chart.free(),
+      update(runs) {
+        chart.set(runs.filter((run) => run.index >= 0).map((run) => ({ x: run.drifts.t,
+          y: run.drifts.columns[column], colour: Theme.ofRun(run), dash: Theme.dashOf(run) })),
+        { x: whole(runs, lab) });
+      },
+    };
+  }
+
+  const whole = (runs, lab) => [0, Math.max(lab.natural, ...runs.map((run) => run.t || 0))];
+
+  /* One quantity of the state over the last while, in each run's colour. */
+  function time(lab, body, tools) {
+    const quantities = quantitiesOf(lab.model);
+    let which = quantities[0];
+    const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "" });
+    if (quantities.length > 1)
+      tools.append(Dom.select(quantities.map((e) => [e.key, Text.plain(e.name)]), which.key,
+        (key) => { which = lab.model.byKey.get(key); lab.dirty = true; },
+        { "aria-label": "Which quantity" }));
+    return {
+      free: () => chart.free(),
+      update(runs) {
+        chart.options.y = Text.axis(which.name, which.unit);
+        const lines = runs.map((run) => {
+          const from = Math.max(0, run.recent.size - WINDOW);
+          return { x: run.recent.column(0, from), y: run.recent.column(columnOf(lab, which), from),
+            colour: Theme.ofRun(run), dash: Theme.dashOf(run), head: run.index >= 0 };
+        });
+        const last = Math.max(...runs.map((run) => run.t || 0));
+        const first = Math.min(...lines.map((l) => (l.x.length ? l.x[0] : 0)));
+        chart.set(lines, { x: [first, Math.max(last, first + lab.natural * 6)] });
+      },
+    };
+  }
+
+  /* Coordinates and rates that can be read in a row of the history. */
+  function quantitiesOf(model) {
+    return model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name)).slice(0, 400);
+  }
+  const columnOf = (lab, entry) => 1 + entry.index + (entry.kind === "v" ? lab.nq : 0);
+
+  return { drift, time, distance, quantitiesOf, columnOf };
+})();

@@ -1,0 +1,210 @@
+"use strict";
+/* The motions on show: up to four methods and, beside them, the reference. All start together and
+ * are taken to the same times; one that fails stays where it was, with its status in words. */
+const Runs = (() => {
+  const SECTION_POINTS = 20000;
+
+  /* The start that the settings ask for: {params, q, v} or {error}. */
+  function given(engine, model, settings) {
+    const params = engine.defaults().params.slice().fill(NaN);
+    const scene = Settings.ofScene(model, settings.scene);
+    const values = new Map([...scene, ...settings.values]);
+    for (const [key, value] of values) {
+      const entry = model.byKey.get(key);
+      if (entry && entry.kind === "p") params[entry.index] = value;
+    }
+    let all;
+    try {
+      all = engine.given(params);
+      const why = engine.prepare(all.params);
+      if (why) return { error: why };
+    } catch (error) {
+      return { error: String(error.message || error) };
+    }
+    for (const [key, value] of values) {
+      const entry = model.byKey.get(key);
+      if (entry && entry.kind !== "p") all[entry.kind][entry.index] = value;
+    }
+    turn(model, settings, all.v);
+    return all;
+  }
+
+  /* Rotations start turned further by a rotation vector in space: keys r0x, r0y, r0z. */
+  function turn(model, settings, v) {
+    (model.description.rotations || []).forEach((rotation, k) => {
+      const turned = ["x", "y", "z"].map((axis) => settings.values.get(`r${k}${axis}`) || 0);
+      const angle = Math.hypot(...turned);
+      if (angle === 0) return;
+      const at = rotation.quaternion.map((name) => model.byName.get(name)?.index);
+      if (at.includes(undefined)) return;
+      const s = Math.sin(angle / 2) / angle;
+      const [a, b, c, d] = [Math.cos(angle / 2), ...turned.map((x) => x * s)];
+      const [e, f, g, h] = at.map((index) => v[index]);
+      [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e]
+        .forEach((x, i) => { v[at[i]] = x; });
+    });
+  }
+
+  class Run {
+    constructor(lab, spec, start, index) {
+      const { engine, model } = lab;
+      this.spec = spec;
+      this.index = index;              /* its colour; −1 is the reference */
+      this.status = "";
+      this.motion = engine.motion({ method: spec.method, step: spec.step, rtol: spec.rtol,
+        params: start.params, q: start.q, v: start.v, t: 0 });
+      this.params = start.params;
+      const width = 1 + start.q.length + start.v.length;
+      const rows = Math.max(256, Math.min(6000, Math.floor(1.5e6 / width)));
+      this.recent = new History.Recent(width, rows);
+      this.row = new Float64Array(width);
+      this.drifts = new History.Whole(model.description.constants.length + 1);
+      this.trails = model.shapes.filter((shape) => shape.kind === "trail")
+        .map((shape) => ({ shape, trail: new History.Trail(
+          Shapes.value(shape.lasting ?? Infinity, this.motion.outputs()) ?? Infinity) }));
+      this.sections = model.description.events.map(() => ({ t: [], states: [] }));
+      this.start = null;
+      this.sample(model, null);
+    }
+
+    /* Reads the state after an advance. */
+    sample(model, reference) {
+      const { motion } = this;
+      this.t = motion.t;
+      this.q = motion.q;
+      this.v = motion.v;
+      this.out = motion.outputs();
+      this.constants = motion.constants();
+      if (!this.start) this.start = this.constants.slice();
+      this.row[0] = this.t;
+      this.row.set(this.q, 1);
+      this.row.set(this.v, 1 + this.q.length);
+      this.recent.push(this.row);
+      const drifts = Array.from(this.constants, (c, k) => drift(c, this.start[k]));
+      drifts.push(reference ? distance(this, reference) : NaN);
+      this.drifts.push(this.t, drifts);
+      for (const { shape, trail } of this.trails)
+        trail.add(this.t, Shapes.point(shape.at, this.out));
+      for (const crossing of motion.events()) this.cross(crossing);
+    }
+
+    cross({ event, t, q, v }) {
+      const section = this.sections[event];
+      if (!section || section.t.length >= SECTION_POINTS) return;
+      section.t.push(t);
+      section.states.push(q ? [Array.from(q), Array.from(v)] : this.between(t));
+    }
+
+    /* The state between the last two samples: cubic in q, linear in v. */
+    between(t) {
+      const { recent } = this;
+      const [a, b] = [Math.max(0, recent.size - 2), recent.size - 1];
+      const [ta, tb] = [recent.get(a, 0), recent.get(b, 0)];
+      const h = tb - ta;
+      const s = h > 0 ? (t - ta) / h : 1;
+      const n = this.q.length;
+      const q = Array.from({ length: n }, (_, k) => {
+        const [qa, qb] = [recent.get(a, 1 + k), recent.get(b, 1 + k)];
+        const [va, vb] = [recent.get(a, 1 + n + k), recent.get(b, 1 + n + k)];
+        const [p, r] = [s * s * (3 - 2 * s), s * (1 - s)];
+        return qa + (qb - qa) * p + h * r * ((1 - s) * va - s * vb);
+      });
+      const v = Array.from({ length: this.v.length }, (_, k) =>
+        recent.get(a, 1 + n + k) * (1 - s) + recent.get(b, 1 + n + k) * s);
+      return [q, v];
+    }
+
+    advance(t) {
+      if (this.status) return;
+      try {
+        this.status = this.motion.advance(t) || "";
+      } catch (error) {
+        this.status = String(error.message || error);
+      }
+    }
+
+    free() {
+      this.motion.free();
+    }
+  }
+
+  /* Relative to the start where that is not zero. */
+  const drift = (now, start) => Math.abs(now - start) / (start === 0 ? 1 : Math.abs(start));
+
+  function distance(run, reference) {
+    let sum = 0;
+    let size = 0;
+    for (let k = 0; k < run.q.length; k++) {
+      sum += (run.q[k] - reference.q[k]) ** 2;
+      size += reference.q[k] ** 2;
+    }
+    return Math.sqrt(sum / run.q.length) / Math.max(1, Math.sqrt(size / run.q.length));
+  }
+
+  /* {list, reference, error, t}. A method that refuses to start is a run with words alone. */
+  class Runs_ {
+    constructor(lab) {
+      this.lab = lab;
+      this.list = [];
+      this.reference = null;
+      this.error = "";
+      this.t = 0;
+    }
+
+    all() {
+      return this.reference ? [...this.list, this.reference] : this.list;
+    }
+
+    restart() {
+      const { engine, model, settings } = this.lab;
+      this.free();
+      this.t = 0;
+      this.start = given(engine, model, settings);
+      this.error = this.start.error || "";
+      if (this.error) return;
+      const begin = (spec, index) => {
+        try {
+          return new Run(this.lab, spec, this.start, index);
+        } catch (error) {
+          return { spec, index, refused: String(error.message || error),
+            status: String(error.message || error), free() {} };
+        }
+      };
+      this.list = settings.methods.map(begin);
+      if (settings.reference) {
+        const run = begin({ method: model.reference(), step: null, rtol: 1e-14 }, -1);
+        this.reference = run.refused ? null : run;
+      }
+      const refused = this.list.filter((run) => run.refused);
+      if (refused.length === this.list.length && refused.length) this.error = refused[0].refused;
+    }
+
+    alive() {
+      return this.all().filter((run) => !run.refused && !run.status);
+    }
+
+    /* All to time t, the reference first, since the others are measured from it. */
+    advance(t) {
+      this.t = t;
+      const { model } = this.lab;
+      if (this.reference && !this.reference.status) {
+        this.reference.advance(t);
+        this.reference.sample(model, null);
+      }
+      for (const run of this.list) {
+        if (run.refused || run.status) continue;
+        run.advance(t);
+        run.sample(model, this.reference && !this.reference.status ? this.reference : null);
+      }
+    }
+
+    free() {
+      for (const run of this.all()) run.free();
+      this.list = [];
+      this.reference = null;
+    }
+  }
+
+  return { given, make: (lab) => new Runs_(lab) };
+})();

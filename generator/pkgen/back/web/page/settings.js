@@ -1,0 +1,110 @@
+"use strict";
+/* What the user has chosen, and its form in the address after #: a link shows the same thing.
+ *
+ *     #scene=slow&p.l1=2&q.theta1=0.5&v.theta1=0&m=verlet:0.01&m=gauss&ref=1&speed=3&panels=drift,phase
+ */
+const Settings = (() => {
+  const MOST_METHODS = 4;
+
+  const fresh = () => ({
+    scene: null,
+    values: new Map(),     /* key → number: what differs from the defaults */
+    methods: [],           /* {method, step, rtol}; null: the method's own */
+    reference: false,
+    speed: 0,              /* tenths of decades about the natural speed, by 1-2-5: see lab.js */
+    panels: null,          /* names, null: those that suit the model */
+    view: "scene",
+  });
+
+  const number = (text) => {
+    const x = Number(text);
+    return text !== "" && text !== null && Number.isFinite(x) ? x : null;
+  };
+
+  function chosen(model, scene) {
+    const row = scene ? model.sceneNamed.get(scene) : null;
+    const method = row && row.method && (model.methodNamed.get(row.method) || {}).applies
+      ? row.method : model.method;
+    return { method, step: row ? row.step : null, rtol: row ? row.rtol : null };
+  }
+
+  /* Takes a scene up: its values and starts, its method. */
+  function enter(model, settings, scene) {
+    settings.scene = scene;
+    settings.values = new Map();
+    settings.methods = [chosen(model, scene)];
+    return settings;
+  }
+
+  /* What a scene sets, key → number. */
+  function ofScene(model, scene) {
+    const values = new Map();
+    const row = scene ? model.sceneNamed.get(scene) : null;
+    if (!row) return values;
+    for (const part of [row.set, row.start])
+      for (const name of Object.keys(part || {})) {
+        const entry = model.byName.get(name);
+        if (entry && typeof part[name] === "number") values.set(entry.key, part[name]);
+      }
+    return values;
+  }
+
+  function write(model, settings) {
+    const out = [];
+    const put = (key, value) => out.push(`${encodeURIComponent(key)}=${encodeURIComponent(value)}`);
+    if (settings.scene) put("scene", settings.scene);
+    for (const [key, value] of settings.values) {
+      const entry = model.byKey.get(key);
+      if (entry) put(`${entry.kind}.${entry.kind === "v" && entry.coordinate
+        ? entry.coordinate.name : entry.name}`, value);
+      else if (key.startsWith("r")) put(key, value);
+    }
+    const usual = JSON.stringify([chosen(model, settings.scene)]);
+    if (JSON.stringify(settings.methods) !== usual)
+      for (const { method, step, rtol } of settings.methods)
+        put("m", [method, step ?? "", rtol ?? ""].join(":").replace(/:+$/, ""));
+    if (settings.reference) put("ref", 1);
+    if (settings.speed) put("speed", settings.speed);
+    if (settings.panels) put("panels", settings.panels.join(","));
+    if (settings.view !== "scene") put("view", settings.view);
+    return out.join("&");
+  }
+
+  /* What is unknown or no number is left out: an address is anybody's text. */
+  function read(model, fragment) {
+    const settings = fresh();
+    const query = new URLSearchParams(fragment.replace(/^#/, ""));
+    const scene = query.get("scene");
+    enter(model, settings, scene !== null && model.sceneNamed.has(scene) ? scene
+      : model.description.scene);
+    for (const [name, text] of query) {
+      const found = /^([pqv])\.(.+)$/s.exec(name);
+      const value = number(text);
+      if (value === null) continue;
+      if (/^r\d+[xyz]$/.test(name)) settings.values.set(name, value);
+      if (!found) continue;
+      const entry = found[1] === "v"
+        ? model.list.find((e) => e.kind === "v" && (e.coordinate ? e.coordinate.name === found[2]
+          : e.name === found[2]))
+        : model.byName.get(found[2]);
+      if (entry && entry.kind === found[1] && !Ranges.refuse(entry, value))
+        settings.values.set(entry.key, value);
+    }
+    const methods = [];
+    for (const text of query.getAll("m").slice(0, MOST_METHODS)) {
+      const [method, step, rtol] = text.split(":");
+      const row = model.methodNamed.get(method);
+      if (row && row.applies)
+        methods.push({ method, step: number(step ?? ""), rtol: number(rtol ?? "") });
+    }
+    if (methods.length) settings.methods = methods;
+    settings.reference = query.get("ref") === "1";
+    const speed = number(query.get("speed") ?? "");
+    if (speed !== null) settings.speed = Math.max(-12, Math.min(12, Math.round(speed)));
+    if (query.get("panels")) settings.panels = query.get("panels").split(",").slice(0, 6);
+    if (query.get("view") === "swarm") settings.view = "swarm";
+    return settings;
+  }
+
+  return { read, write, enter, ofScene, chosen, fresh, MOST_METHODS };
+})();

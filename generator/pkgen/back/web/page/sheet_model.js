@@ -1,0 +1,33 @@
+"use strict";
+/* The model in words: its equations as explain typesets them, what is proved, what it declares. */
+const SheetModel = (() => {
+  const { h, $ } = Dom;
+
+  function list(title, rows) {
+    if (!rows.length) return null;
+    return h("section", { class: "group" }, h("h2", null, title),
+      h("dl", { class: "reasons" }, ...rows.flatMap(([name, text]) =>
+        [h("dt", null, typeof name === "string" ? Text.symbol(name) : name), h("dd", null, text)])));
+  }
+
+  function make(lab) {
+    const d = lab.model.description;
+    const element = $("sheet-model");
+    const { content } = $("explained");
+    if (content.childElementCount)
+      element.append(h("div", { class: "explained" }, content.cloneNode(true)));
+    element.append(...[
+      list("Proved constant", d.constants.map((c) => [c.name,
+        [c.why || { energy: "the Lagrangian does not name t", claim: "claimed and proved",
+          momentum: "its coordinate is cyclic" }[c.kind] || "", Text.unit(c.unit)].filter(Boolean).join(", ")])),
+      list("Events", d.events.map((e) => [e.name, [`zero of it ${e.direction || ""}`.trim(),
+        e.stop ? "stops the run" : "", e.description].filter(Boolean).join("; ")])),
+      list("Constraints", (d.constraints || []).map((c) => [c.name, c.holonomic ? "of places" : "of rates"])),
+      list("Inputs", (d.inputs || []).map((u) => [u.name, [u.description, Text.unit(u.unit)].filter(Boolean).join(", ")])),
+    ].filter(Boolean));
+    element.append(h("p", { class: "source" }, `${d.source}, pkgen ${d.pkgen}`,
+      h("br"), h("span", { class: "hash", title: "SHA-256 of the model" }, (d.sha256 || "").slice(0, 16))));
+  }
+
+  return { make };
+})();

@@ -1,0 +1,128 @@
+"use strict";
+/* The large picture: which view shows, in which colours each run, where the camera stands. */
+const Stage = (() => {
+  const { $ } = Dom;
+
+  /* How a run is drawn: alone, one of several, or the reference. */
+  function styleOf(run, several, distinct) {
+    const theme = Theme.now();
+    const colour = Theme.ofRun(run);
+    const reference = run.index < 0;
+    const base = { alpha: run.status ? 0.35 : 1, dash: [], hollow: false, size: 1, rod: 5,
+      thin: theme.soft, arrow: theme.shapes[1], trail: colour, trailWidth: 1.8, labels: false,
+      metal: theme.metal, of: () => colour };
+    if (reference)
+      return { ...base, hollow: true, dash: [5, 5], rod: 2, metal: colour, size: 1.25, trailWidth: 1.2 };
+    if (several)
+      return { ...base, rod: 3.5, metal: colour, arrow: colour, size: 0.92, alpha: base.alpha * 0.92,
+        labels: run.index === 0 };
+    return { ...base, labels: true,
+      of: (shape, k) => (distinct ? theme.shapes[k % theme.shapes.length] : colour) };
+  }
+
+  /* Loose bodies, such as planets, have colours of their own; parts of a mechanism have one. */
+  const loose = (shapes) => shapes.filter((s) => s.kind === "bob" || s.kind === "body").length > 1
+    && !shapes.some((s) => s.kind === "rod" || s.kind === "spring" || s.kind === "curve");
+
+  class Stage_ {
+    constructor(lab) {
+      this.lab = lab;
+      const { model } = lab;
+      this.element = $("stage");
+      this.camera = Camera.make(model.view);
+      const space = model.view.kind === "space";
+      this.distinct = loose(model.shapes);
+      this.box = Shapes.box();
+      const level = model.shapes.find((shape) => shape.kind === "level");
+      this.levels = level ? new Levels.Contours(Shapes.resolve(level, [])) : null;
+      this.graph = model.shapes.length > 0 && model.shapes.every((s) => s.kind === "graph")
+        || model.shapes.length === 0;
+      this.failed = "";
+      try {
+        this.canvas = space ? $("space") : $("plane");
+        this.view = this.graph ? new GraphView.View($("plane"), lab)
+          : space ? new SpaceView.View(this.canvas, this.camera)
+            : new PlaneView.View(this.canvas, this.camera);
+      } catch (error) {
+        this.failed = error.message;
+        this.camera = Camera.make({ kind: "plane", axes: ["x", "z"], width: null });
+        this.canvas = $("plane");
+        this.view = new PlaneView.View(this.canvas, this.camera);
+      }
+      if (this.graph) this.canvas = $("plane");
+      $("space").hidden = this.canvas.id !== "space";
+      $("plane").hidden = this.canvas.id !== "plane";
+      this.touched = false;
+      new ResizeObserver(() => this.resize()).observe(this.element);
+      $("fit").addEventListener("click", () => this.fit());
+      this.resize();
+    }
+
+    resize() {
+      const { width, height } = this.element.getBoundingClientRect();
+      if (!width || !height) return;
+      this.width = width;
+      this.height = height;
+      this.camera.resize(width, height);
+      if (!this.touched) this.fit();
+      this.lab.dirty = true;
+    }
+
+    fit() {
+      this.touched = false;
+      this.camera.fit(this.box, { x: 28, y: 40 });
+      this.lab.dirty = true;
+    }
+
+    /* The box to fit in comes from the look ahead. */
+    frame(box, out) {
+      this.box = box;
+      const { width } = this.lab.model.view;
+      const given = out ? Shapes.value(width ?? null, out) : null;
+      this.camera.given = given > 0 ? given : null;
+      if (!this.touched) this.fit();
+    }
+
+    layers() {
+      const { runs } = this.lab;
+      const shown = [...runs.list].reverse().filter((run) => !run.refused);
+      if (runs.reference) shown.unshift(runs.reference);
+      const several = shown.length > 1;
+      return shown.map((run) => ({
+        run,
+        made: run.made && run.madeAt === run.out ? run.made : this.resolve(run),
+        style: styleOf(run, several, this.distinct),
+        trails: run.trails.map(({ trail }, k) => ({ trail,
+          colour: !several && this.distinct ? Theme.now().shapes[k % 4] : null })),
+      }));
+    }
+
+    resolve(run) {
+      run.made = Shapes.resolveAll(this.lab.model.shapes, run.out);
+      run.madeAt = run.out;
+      return run.made;
+    }
+
+    draw() {
+      const { lab } = this;
+      if (!this.width || lab.settings.view !== "scene") return;
+      if (this.levels && !lab.runs.error) this.levels.update(lab.engine, lab.runs.start,
+        this.camera.scale ? this.camera : this.flat());
+      this.view.draw({ width: this.width, height: this.height, runs: this.layers(),
+        levels: this.levels, unit: lab.model.time ? "m" : "", box: this.box });
+    }
+
+    /* What a view in space is for the lattice of a level: the plane z = 0 about the target. */
+    flat() {
+      const { target, distance, angle } = this.camera;
+      return { centre: target.slice(0, 2), width: 2, height: 2,
+        scale: 1 / (distance * Math.tan(angle / 2)) };
+    }
+
+    drawn() {
+      return this.view.drawn;
+    }
+  }
+
+  return { make: (lab) => new Stage_(lab) };
+})();

@@ -1,0 +1,178 @@
+"use strict";
+/* A cloud of neighbours of the start in a phase plane: a disc of points, and the loop round it,
+ * whose area Hamiltonian motion keeps. The loop's points are the first members. */
+const Swarm = (() => {
+  const LOOP = 600;
+  const FIXED = ["blanes_moan4", "yoshida4", "verlet", "rk4"];
+
+  class Swarm_ {
+    constructor(lab) {
+      this.lab = lab;
+      const { model } = lab;
+      this.canvas = Dom.$("cloud");
+      this.x = model.list.find((e) => e.kind === "q") || null;
+      this.members = 10000;
+      this.share = 0.25;
+      this.swarm = null;
+      this.status = "";
+      this.methods = model.applying.filter((m) => !m.adaptive).map((m) => m.name);
+      this.method = FIXED.find((name) => this.methods.includes(name)) || this.methods[0] || null;
+      this.area = NaN;
+    }
+
+    can() {
+      return Boolean(this.x && this.method && this.lab.engine.swarm);
+    }
+
+    /* Radii of the disc: a share of the value at the start or of a unit. */
+    radii(start) {
+      const size = (x, angle) => (Math.abs(x) > 1e-12 ? Math.abs(x) : angle ? 1 : 0);
+      const { index } = this.x;
+      const r = this.share * (size(start.q[index], this.x.periodic) || this.reach(start.q) || 1);
+      const pace = (2 * Math.PI) / this.lab.natural;
+      return [r, r * pace];
+    }
+
+    reach(q) {
+      return Math.max(...q.map(Math.abs));
+    }
+
+    restart() {
+      this.free();
+      this.status = "";
+      if (this.lab.settings.view !== "swarm" || !this.can() || this.lab.runs.error) return;
+      const { engine, runs } = this.lab;
+      const { start } = runs;
+      const { index } = this.x;
+      const [rx, ry] = this.radii(start);
+      const values = new Float64Array(2 * this.members);
+      const loop = Math.min(LOOP, this.members);
+      /* A sunflower fills the disc evenly. */
+      for (let k = 0; k < this.members; k++) {
+        const inside = k >= loop;
+        const angle = inside ? k * 2.399963229728653 : (2 * Math.PI * k) / loop;
+        const radius = inside ? Math.sqrt((k - loop + 0.5) / (this.members - loop)) : 1;
+        values[2 * k] = start.q[index] + rx * radius * Math.cos(angle);
+        values[2 * k + 1] = start.v[index] + ry * radius * Math.sin(angle);
+      }
+      this.loop = loop;
+      try {
+        this.swarm = engine.swarm({ method: this.method, step: this.step(), params: start.params,
+          table: { columns: [{ kind: "q", index }, { kind: "v", index }], values },
+          members: this.members });
+        this.width = start.q.length + start.v.length;
+        this.states = this.swarm.states();
+        this.box = null;
+        this.area = NaN;
+        this.first = this.measure();
+      } catch (error) {
+        this.status = String(error.message || error);
+      }
+    }
+
+    step() {
+      return this.stepAsked || this.lab.natural / 64;
+    }
+
+    advance(t) {
+      if (!this.swarm || this.status) return;
+      try {
+        const word = this.swarm.advance(t);
+        if (typeof word === "string" && word) this.status = word;
+        this.states = this.swarm.states();
+      } catch (error) {
+        this.status = String(error.message || error);
+      }
+    }
+
+    /* Sum over all coordinates of the areas in (q, p), or in one (q, q') where the page is told no
+     * momenta. */
+    measure() {
+      const { engine, runs, nq } = this.lab;
+      const { states, width, loop } = this;
+      const column = (j) => Float64Array.from({ length: loop }, (_, k) => states[k * width + j]);
+      if (!engine.momenta) {
+        this.area = Numerics.area(column(nq + this.x.index), column(this.x.index));
+        return this.area;
+      }
+      const p = Array.from({ length: nq }, () => new Float64Array(loop));
+      for (let k = 0; k < loop; k++) {
+        const row = states.subarray(k * width, (k + 1) * width);
+        const momenta = engine.momenta(runs.start.params, this.lab.runs.t, row.slice(0, nq), row.slice(nq));
+        for (let j = 0; j < nq; j++) p[j][k] = momenta[j];
+      }
+      this.area = 0;
+      for (let j = 0; j < nq; j++) this.area += Numerics.area(p[j], column(j));
+      return this.area;
+    }
+
+    /* The window follows the cloud outwards, never inwards. */
+    frame(xs, ys) {
+      const now = [Chart.extent([xs]), Chart.extent([ys])].map((e) => Chart.padded(e, 0.12));
+      if (!this.box) this.box = now;
+      else
+        this.box = this.box.map(([lo, hi], k) => [Math.min(lo, now[k][0]), Math.max(hi, now[k][1])]);
+    }
+
+    draw(width, height) {
+      Dom.fitCanvas(this.canvas, width, height);
+      const g = this.canvas.getContext("2d");
+      const ratio = this.canvas.width / width;
+      const theme = Theme.now();
+      g.setTransform(1, 0, 0, 1, 0, 0);
+      g.clearRect(0, 0, this.canvas.width, this.canvas.height);
+      if (!this.swarm) return;
+      const { states, width: w, members, lab } = this;
+      const [i, j] = [this.x.index, lab.nq + this.x.index];
+      const xs = new Float64Array(members);
+      const ys = new Float64Array(members);
+      for (let k = 0; k < members; k++) {
+        xs[k] = states[k * w + i];
+        ys[k] = states[k * w + j];
+      }
+      this.frame(xs, ys);
+      const [[x0, x1], [y0, y1]] = this.box;
+      const [left, right, top, bottom] = [64, 20, 56, 44].map((x) => x * ratio);
+      const [W, H] = [this.canvas.width, this.canvas.height];
+      const X = (x) => left + ((x - x0) / (x1 - x0)) * (W - left - right);
+      const Y = (y) => H - bottom - ((y - y0) / (y1 - y0)) * (H - top - bottom);
+      const size = Math.max(1, Math.round((members > 20000 ? 1 : 1.4) * ratio));
+      g.fillStyle = theme.methods[0];
+      g.globalAlpha = 0.55;
+      for (let k = this.loop; k < members; k++) g.fillRect(X(xs[k]), Y(ys[k]), size, size);
+      g.globalAlpha = 1;
+      g.strokeStyle = theme.methods[1];
+      g.lineWidth = 1.6 * ratio;
+      g.beginPath();
+      for (let k = 0; k <= this.loop; k++) {
+        const m = k % this.loop;
+        if (k) g.lineTo(X(xs[m]), Y(ys[m]));
+        else g.moveTo(X(xs[m]), Y(ys[m]));
+      }
+      g.stroke();
+      g.fillStyle = theme.soft;
+      g.font = `${12 * ratio}px ${theme.font}`;
+      g.textAlign = "center";
+      for (let k = 0; k <= 4; k++) {
+        const [x, y] = [x0 + ((x1 - x0) * (k + 0.5)) / 5, y0 + ((y1 - y0) * (k + 0.5)) / 5];
+        g.textAlign = "center";
+        g.fillText(Text.number(x, 3), X(x), H - bottom + 18 * ratio);
+        g.textAlign = "right";
+        g.fillText(Text.number(y, 3), left - 8 * ratio, Y(y) + 4 * ratio);
+      }
+      g.textAlign = "center";
+      g.fillText(Text.axis(this.x.name, this.x.unit), W / 2, H - 6 * ratio);
+      g.textAlign = "left";
+      const { coordinate } = this.x;
+      g.fillText(Text.axis(coordinate.rate, coordinate.rate_unit), left, top - 12 * ratio);
+      this.drawn = [{ kind: "swarm", points: [[X(xs[0]) / ratio, Y(ys[0]) / ratio]], members }];
+    }
+
+    free() {
+      if (this.swarm && this.swarm.free) this.swarm.free();
+      this.swarm = null;
+    }
+  }
+
+  return { make: (lab) => new Swarm_(lab) };
+})();

@@ -1,0 +1,78 @@
+"use strict";
+/* A look ahead: how fast the model moves and how far its places go, from a short run before the
+ * first frame. It gives the natural speed, simulated time a second, and the box to fit in. */
+const Trial = (() => {
+  const POINTS = 240;
+  const BUDGET = 120;    /* ms */
+  const SWING = 2.4;     /* s: how long a swing should last on the screen */
+
+  /* How often the coordinates turn round, as the mean of the three that do so most. */
+  function turns(rows, n) {
+    const counts = [];
+    for (let k = 0; k < n; k++) {
+      let count = 0;
+      for (let i = 2; i < rows.length; i++)
+        if ((rows[i][k] - rows[i - 1][k]) * (rows[i - 1][k] - rows[i - 2][k]) < 0) count++;
+      counts.push(count);
+    }
+    counts.sort((a, b) => b - a);
+    const top = counts.slice(0, 3).filter((c) => c > 0);
+    return top.length ? top.reduce((a, b) => a + b, 0) / top.length : 0;
+  }
+
+  function run(lab, start, method, span, deadline) {
+    const motion = lab.engine.motion({ method, step: null, rtol: null, params: start.params,
+      q: start.q, v: start.v, t: 0 });
+    const rows = [];
+    const box = Shapes.box();
+    try {
+      for (let i = 0; i <= POINTS; i++) {
+        if (i > 0 && motion.advance((span * i) / POINTS)) break;
+        rows.push(Array.from(motion.q));
+        Shapes.grow(box, lab.model.shapes, motion.outputs());
+        if (performance.now() > deadline) break;
+      }
+    } finally {
+      motion.free();
+    }
+    return { rows, box, span: rows.length > 1 ? (span * (rows.length - 1)) / POINTS : 0 };
+  }
+
+  function round125(x) {
+    const power = 10 ** Math.floor(Math.log10(x));
+    const head = x / power;
+    return (head < 1.5 ? 1 : head < 3.5 ? 2 : head < 7.5 ? 5 : 10) * power;
+  }
+
+  function look(lab, start) {
+    const scene = lab.model.sceneNamed.get(lab.settings.scene);
+    const until = scene && scene.until > 0 ? scene.until : null;
+    const deadline = performance.now() + BUDGET;
+    const box = Shapes.box();
+    Shapes.grow(box, lab.model.shapes, lab.engine.outputs(start.params, 0, start.q, start.v));
+    let span = Math.min(10, until || 10);
+    let period = null;
+    let found = null;
+    for (let k = 0; k < 6 && performance.now() < deadline; k++) {
+      try {
+        found = run(lab, start, lab.model.reference(), span, deadline);
+      } catch (error) {
+        break;
+      }
+      if (found.rows.length < 3) break;
+      const count = turns(found.rows, start.q.length);
+      if (count > 0) period = (2 * found.span) / count;
+      if (count > POINTS / 4) span /= 6;
+      else if (count < 2 && (!until || span < until)) span *= 6;
+      else break;
+    }
+    if (found) Shapes.join(box, found.box);
+    let speed = 1;
+    if (period !== null && !(lab.model.time === "s" && period > 0.3 && period < 8))
+      speed = round125(period / SWING);
+    else if (period === null && until) speed = round125(until / 20);
+    return { speed, box, period };
+  }
+
+  return { look };
+})();
