@@ -82,8 +82,21 @@ const Camera = (() => {
       const hi = known ? box.hi : [1, 1, 1];
       this.target = lo.map((x, k) => (x + hi[k]) / 2);
       const across = this.given || Math.hypot(...lo.map((x, k) => hi[k] - x)) || 1;
-      const narrow = Math.min(1, this.width / this.height);
-      this.distance = (across / 2 / Math.tan(this.angle / 2) / narrow) * (this.given ? 1 : 1.02);
+      this.distance = across / 2 / Math.tan(this.angle / 2) / Math.min(1, this.width / this.height);
+      if (!this.given) for (let k = 0; k < 3; k++) this.close(lo, hi);
+    }
+    /* Nearer or farther, and to the middle, until the corners fill four fifths of the stage. */
+    close(lo, hi) {
+      let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+      for (let corner = 0; corner < 8; corner++) {
+        const [x, y] = this.project(lo.map((_, k) => ((corner >> k) & 1 ? hi : lo)[k]));
+        [x0, x1, y0, y1] = [Math.min(x0, x), Math.max(x1, x), Math.min(y0, y), Math.max(y1, y)];
+      }
+      const { right, up } = this.frame();
+      const pixel = this.distance / this.focal();
+      const [dx, dy] = [((x0 + x1 - this.width) / 2) * pixel, ((y0 + y1 - this.height) / 2) * pixel];
+      this.target = this.target.map((t, k) => t + right[k] * dx - up[k] * dy);
+      this.distance *= Math.max((x1 - x0) / this.width, (y1 - y0) / this.height, 1e-3) / 0.8;
     }
     frame() {
       const [c, s] = [Math.cos(this.pitch), Math.sin(this.pitch)];

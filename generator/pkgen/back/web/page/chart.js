@@ -98,7 +98,13 @@ const Chart = (() => {
       } else {
         if (this.plot.width !== width || this.plot.height !== height)
           this.plot.setSize({ width, height });
-        this.plot.setData(data);
+        this.plot.batch(() => {
+          this.plot.setData(data, false);
+          for (const axis of ["x", "y"]) {
+            const [min, max] = this.range[axis];
+            this.plot.setScale(axis, { min, max });
+          }
+        });
       }
       this.lines = lines;
     }

@@ -28,7 +28,7 @@ const Gl = (() => {
         if (dot(m, look) < 0.0) m = -m;
         vec3 light = normalize(vec3(0.35, -0.5, 0.8));
         float sky = 0.5 + 0.5 * m.z;
-        float lit = 0.42 + 0.22 * sky + 0.42 * max(dot(m, light), 0.0);
+        float lit = 0.55 + 0.2 * sky + 0.38 * max(dot(m, light), 0.0);
         float shine = pow(max(dot(m, normalize(light + look)), 0.0), 40.0);
         float sector = own.x * own.y > 0.0 ? 1.0 : 0.0;
         vec3 base = mix(colour.rgb, mix(colour.rgb, vec3(1.0), 0.42), striped * sector);

@@ -71,24 +71,8 @@ const GraphView = (() => {
       }
       const X = (x) => left + ((x - x0) / (x1 - x0 || 1)) * (width - left - right);
       const Y = (y) => height - bottom - ((y - y0) / (y1 - y0)) * (height - top - bottom);
-      g.font = `12px ${theme.font}`;
-      g.lineWidth = 1;
-      g.textAlign = "right";
-      const step = Ranges.nice((y1 - y0) / 6);
-      for (let k = Math.ceil(y0 / step); k * step <= y1; k++) {
-        g.strokeStyle = theme.faint;
-        g.beginPath();
-        g.moveTo(left, Y(k * step));
-        g.lineTo(width - right, Y(k * step));
-        g.stroke();
-        g.fillStyle = theme.soft;
-        g.fillText(Text.number(k * step, 3), left - 8, Y(k * step) + 4);
-      }
-      g.textAlign = "center";
-      const across = Ranges.nice((x1 - x0) / 7);
-      for (let k = Math.ceil(x0 / across); k * across <= x1; k++)
-        g.fillText(Text.number(k * across, 4), X(k * across), height - bottom + 18);
-      g.fillText(profile ? "number" : Text.axis("t", this.lab.model.time), width / 2, height - 6);
+      Axes.draw(g, { left, right: width - right, top, bottom: height - bottom, X, Y,
+        x: [x0, x1], y: [y0, y1], below: profile ? "number" : Text.axis("t", this.lab.model.time) });
       g.lineJoin = "round";
       for (const line of lines) {
         g.globalAlpha = line.style.alpha;

@@ -107,6 +107,8 @@ const Lab = (() => {
       this.stage.canvas.hidden = view === "swarm";
       for (const name of ["scene", "swarm"])
         $("view-" + name).setAttribute("aria-pressed", String(view === name));
+      $("hint").hidden = view === "swarm";
+      $("fit").hidden = view === "swarm" || this.stage.graph;
       $("scene").value = this.settings.scene || "";
       say($("speed-is"), this.model.time ? `${Text.number(this.speed())}×` : `${Text.number(this.speed())} /s`);
       $("speed").value = this.settings.speed;

@@ -11,7 +11,7 @@ const Panels = (() => {
       suits: (m) => m.description.events.length > 0 }],
     ["spectrum", { title: "Spectrum", make: PanelsPlane.spectrum, suits: () => true }],
     ["modes", { title: "Modal energies", make: PanelsModes.modes, suits: PanelsModes.suits }],
-    ["distance", { title: "From the reference", make: PanelsTime.distance, suits: () => true }],
+    ["distance", { title: "Error", make: PanelsTime.distance, suits: () => true }],
   ]);
 
   /* What suits a model first: its drifts, then what it is looked at for. */

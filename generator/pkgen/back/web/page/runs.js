@@ -82,7 +82,7 @@ const Runs = (() => {
       this.row.set(this.v, 1 + this.q.length);
       this.recent.push(this.row);
       const drifts = Array.from(this.constants, (c, k) => drift(c, this.start[k]));
-      drifts.push(reference ? distance(this, reference) : NaN);
+      drifts.push(reference ? distance(this, reference.at(this.t)) : NaN);
       this.drifts.push(this.t, drifts);
       for (const { shape, trail } of this.trails)
         trail.add(this.t, Shapes.point(shape.at, this.out));
@@ -94,6 +94,11 @@ const Runs = (() => {
       if (!section || section.t.length >= SECTION_POINTS) return;
       section.t.push(t);
       section.states.push(q ? [Array.from(q), Array.from(v)] : this.between(t));
+    }
+
+    /* q at a time near the last: a method of fixed step stands where its steps end. */
+    at(t) {
+      return t === this.t ? this.q : this.between(t)[0];
     }
 
     /* The state between the last two samples: cubic in q, linear in v. */
@@ -136,8 +141,8 @@ const Runs = (() => {
     let sum = 0;
     let size = 0;
     for (let k = 0; k < run.q.length; k++) {
-      sum += (run.q[k] - reference.q[k]) ** 2;
-      size += reference.q[k] ** 2;
+      sum += (run.q[k] - reference[k]) ** 2;
+      size += reference[k] ** 2;
     }
     return Math.sqrt(sum / run.q.length) / Math.max(1, Math.sqrt(size / run.q.length));
   }

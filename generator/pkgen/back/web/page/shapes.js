@@ -61,7 +61,7 @@ const Shapes = (() => {
       case "rod": case "spring": case "line": case "arrow": return [made.from, made.to];
       case "bob": return around(made.at, made.radius || 0);
       case "trail": return [made.at];
-      case "circle": return around(made.at, made.radius);
+      case "circle": return flat(made);
       case "curve": case "graph": return made.points;
       case "body": {
         const [a, b = a, c = a] = made.sizes;
@@ -77,6 +77,12 @@ const Shapes = (() => {
   const axis = (turn, k, length) =>
     [turn[3 * k] * length, turn[3 * k + 1] * length, turn[3 * k + 2] * length];
   const around = (p, r) => [[p[0] - r, p[1] - r, p[2] - r], [p[0] + r, p[1] + r, p[2] + r]];
+
+  const flat = ({ at, radius, normal }) => {
+    const size = Math.hypot(...normal) || 1;
+    const r = normal.map((n) => radius * Math.sqrt(Math.max(0, 1 - (n / size) ** 2)));
+    return [at.map((x, k) => x - r[k]), at.map((x, k) => x + r[k])];
+  };
 
   const box = () => ({ lo: [Infinity, Infinity, Infinity], hi: [-Infinity, -Infinity, -Infinity] });
   function include(b, p) {

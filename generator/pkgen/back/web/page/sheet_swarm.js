@@ -24,7 +24,7 @@ const SheetSwarm = (() => {
     const area = h("dd", null, "–");
     const change = h("dd", null, "–");
     const status = h("p", { class: "status", role: "status" });
-    facts.append(h("dt", null, "Area of the loop"), area, h("dt", null, "Change since the start"), change);
+    facts.append(h("dt", null, lab.engine.momenta ? "Area of the loop in (q, p)" : "Area of the loop in (q, q′)"), area, h("dt", null, "Change since the start"), change);
     element.append(h("section", { class: "group" }, h("h2", null, "A cloud of neighbours"),
       h("p", { class: "words" }, "A disc of starts about this one, and the loop round it. Motion from a "
         + "Lagrangian keeps the loop's area in (q, p), however long it is drawn."),

@@ -132,17 +132,20 @@ const Swarm = (() => {
       }
       this.frame(xs, ys);
       const [[x0, x1], [y0, y1]] = this.box;
-      const [left, right, top, bottom] = [64, 20, 56, 44].map((x) => x * ratio);
-      const [W, H] = [this.canvas.width, this.canvas.height];
-      const X = (x) => left + ((x - x0) / (x1 - x0)) * (W - left - right);
-      const Y = (y) => H - bottom - ((y - y0) / (y1 - y0)) * (H - top - bottom);
-      const size = Math.max(1, Math.round((members > 20000 ? 1 : 1.4) * ratio));
+      g.setTransform(ratio, 0, 0, ratio, 0, 0);
+      const [left, right, top, bottom] = [74, width - 20, 56, height - 44];
+      const X = (x) => left + ((x - x0) / (x1 - x0)) * (right - left);
+      const Y = (y) => bottom - ((y - y0) / (y1 - y0)) * (bottom - top);
+      const { coordinate } = this.x;
+      Axes.draw(g, { left, right, top, bottom, X, Y, x: [x0, x1], y: [y0, y1],
+        below: Text.axis(this.x.name, this.x.unit), beside: Text.axis(coordinate.rate, coordinate.rate_unit) });
+      const size = members > 20000 ? 1 : 1.4;
       g.fillStyle = theme.methods[0];
       g.globalAlpha = 0.55;
       for (let k = this.loop; k < members; k++) g.fillRect(X(xs[k]), Y(ys[k]), size, size);
       g.globalAlpha = 1;
       g.strokeStyle = theme.methods[1];
-      g.lineWidth = 1.6 * ratio;
+      g.lineWidth = 1.6;
       g.beginPath();
       for (let k = 0; k <= this.loop; k++) {
         const m = k % this.loop;
@@ -150,22 +153,7 @@ const Swarm = (() => {
         else g.moveTo(X(xs[m]), Y(ys[m]));
       }
       g.stroke();
-      g.fillStyle = theme.soft;
-      g.font = `${12 * ratio}px ${theme.font}`;
-      g.textAlign = "center";
-      for (let k = 0; k <= 4; k++) {
-        const [x, y] = [x0 + ((x1 - x0) * (k + 0.5)) / 5, y0 + ((y1 - y0) * (k + 0.5)) / 5];
-        g.textAlign = "center";
-        g.fillText(Text.number(x, 3), X(x), H - bottom + 18 * ratio);
-        g.textAlign = "right";
-        g.fillText(Text.number(y, 3), left - 8 * ratio, Y(y) + 4 * ratio);
-      }
-      g.textAlign = "center";
-      g.fillText(Text.axis(this.x.name, this.x.unit), W / 2, H - 6 * ratio);
-      g.textAlign = "left";
-      const { coordinate } = this.x;
-      g.fillText(Text.axis(coordinate.rate, coordinate.rate_unit), left, top - 12 * ratio);
-      this.drawn = [{ kind: "swarm", points: [[X(xs[0]) / ratio, Y(ys[0]) / ratio]], members }];
+      this.drawn = [{ kind: "swarm", points: [[X(xs[0]), Y(ys[0])]], members }];
     }
 
     free() {
